@@ -1,0 +1,1 @@
+"""Lagrangia: a Modelica-style language for mechanics, with a compiler."""

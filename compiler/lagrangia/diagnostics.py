@@ -1,0 +1,154 @@
+"""Errors as data: what is wrong, where, and what to do next.
+
+Code ranges, one a phase:
+
+    L00xx  files and the command line      L04xx  component graph, kinematics
+    L01xx  syntax                          L05xx  energies and equations of motion
+    L02xx  names, modifications, arrays    L06xx  values, initial conditions, the run
+    L03xx  units and dimensions            L09xx  not supported yet
+"""
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Literal, NoReturn
+
+Severity = Literal["error", "warning", "note"]
+_LONGEST_LINE = 160
+_MOST_SHOWN = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A text and the name people know it by."""
+
+    name: str
+    text: str
+
+    def line_and_column(self, offset: int) -> tuple[int, int]:
+        """One-based line and column of a character offset."""
+        offset = min(offset, len(self.text))
+        return self.text.count("\n", 0, offset) + 1, offset - self.text.rfind("\n", 0, offset)
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """The characters start <= i < end of a source."""
+
+    source: Source
+    start: int
+    end: int
+
+    def to(self, other: "Span") -> "Span":
+        return Span(self.source, self.start, max(self.end, other.end))
+
+    @property
+    def text(self) -> str:
+        return self.source.text[self.start : self.end]
+
+    def __str__(self) -> str:
+        line, column = self.source.line_and_column(self.start)
+        return f"{self.source.name}:{line}:{column}"
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    severity: Severity
+    code: str
+    message: str
+    span: Span | None = None
+    label: str = ""
+    hints: tuple[str, ...] = ()
+
+    def render(self, color: bool = False) -> str:
+        """The message, the line it is about with a caret under the text, and the hints."""
+        paint = _PAINT[self.severity] if color else ""
+        bold, reset = ("\033[1m", "\033[0m") if color else ("", "")
+        lines = [f"{paint}{self.severity}[{self.code}]{reset}{bold}: {self.message}{reset}"]
+        if self.span is not None:
+            lines += _excerpt(self.span, self.label, paint, reset)
+        lines += [f"   = {hint}" for hint in self.hints]
+        return "\n".join(lines)
+
+
+class LagError(Exception):
+    """The input is wrong. `diagnostics` says how; the command line prints them and exits with 2."""
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
+        self.diagnostics = tuple(diagnostics)
+        super().__init__("\n".join(d.render() for d in self.diagnostics))
+
+
+class RunError(Exception):
+    """The run failed although the input is well formed; the command line exits with 1."""
+
+
+@dataclass
+class Report:
+    """Collects what a phase finds wrong, so that several errors are told together."""
+
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+
+    def error(self, code: str, message: str, span: Span | None = None, *hints: str, label: str = "") -> None:
+        found = Diagnostic("error", code, message, span, label, hints)
+        if found not in self.diagnostics:
+            self.diagnostics.append(found)
+
+    def warning(self, code: str, message: str, span: Span | None = None, *hints: str) -> None:
+        self.diagnostics.append(Diagnostic("warning", code, message, span, "", hints))
+
+    @property
+    def errors(self) -> list[Diagnostic]:
+        return [d for d in self.diagnostics if d.severity == "error"]
+
+    @property
+    def warnings(self) -> tuple[Diagnostic, ...]:
+        return tuple(d for d in self.diagnostics if d.severity == "warning")
+
+    def raise_errors(self) -> None:
+        if self.errors:
+            raise LagError(self.errors)
+
+
+def fail(code: str, message: str, span: Span | None = None, *hints: str, label: str = "") -> NoReturn:
+    """Raise a LagError with one diagnostic."""
+    raise LagError([Diagnostic("error", code, message, span, label, hints)])
+
+
+def suggest(word: str, known: Iterable[str]) -> str:
+    """`did you mean 'k'?` for the nearest known word, or a list of the known ones when it is short."""
+    names = sorted(set(known))
+    near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    near = near or [name for name in names if name.lower() == word.lower()]
+    if near:
+        return f"did you mean '{near[0]}'?"
+    return f"known here: {', '.join(names)}" if 0 < len(names) <= 12 else ""
+
+
+def render_all(diagnostics: Iterable[Diagnostic], color: bool = False) -> str:
+    """All diagnostics under each other, at most a screenful."""
+    found = list(diagnostics)
+    shown = [d.render(color) for d in found[:_MOST_SHOWN]]
+    if len(found) > _MOST_SHOWN:
+        shown.append(f"... and {len(found) - _MOST_SHOWN} more")
+    return "\n\n".join(shown)
+
+
+_PAINT = {"error": "\033[1;31m", "warning": "\033[1;33m", "note": "\033[1;36m"}
+
+
+def _excerpt(span: Span, label: str, paint: str, reset: str) -> list[str]:
+    """The source line with carets; of a very long line only the part around the caret."""
+    line, column = span.source.line_and_column(span.start)
+    begin = span.start - (column - 1)
+    stop = span.source.text.find("\n", begin)
+    text = span.source.text[begin : stop if stop >= 0 else None].rstrip("\r")
+    width = max(1, min(span.end, begin + len(text)) - span.start)
+    if len(text) > _LONGEST_LINE:
+        first = max(0, column - 1 - _LONGEST_LINE // 2)
+        text, column = text[first : first + _LONGEST_LINE], column - first
+        width = min(width, _LONGEST_LINE - column + 1)
+    text = "".join(c if c.isprintable() else " " for c in text)
+    margin = " " * len(str(line))
+    caret = f"{paint}{'^' * width}{' ' + label if label else ''}{reset}"
+    return [f"{margin}--> {span}", f"{margin} |", f"{line} | {text}", f"{margin} | {' ' * (column - 1)}{caret}"]

@@ -1,0 +1,425 @@
+"""Text -> Syntax: the parser. The grammar is grammar/lag.lark; each method below makes the node of one rule."""
+
+from collections.abc import Iterator as IteratorType
+from functools import cache
+from typing import Any
+
+from lark import Lark, Token, Transformer, UnexpectedInput, v_args
+from lark.exceptions import UnexpectedCharacters, UnexpectedToken, VisitError
+
+from lagrangia.diagnostics import LagError, Source, Span, fail, suggest
+from lagrangia.folders import data_folder
+from lagrangia.tree import (
+    Argument,
+    Array,
+    Assignment,
+    Binary,
+    Boolean,
+    Call,
+    CallEquation,
+    ClassDefinition,
+    Comprehension,
+    Declaration,
+    EnergyTerm,
+    Equality,
+    Expression,
+    Extends,
+    ForBlock,
+    IfBlock,
+    IfExpression,
+    ImportFile,
+    Iterator,
+    Number,
+    Part,
+    Range,
+    Reference,
+    Section,
+    String,
+    Syntax,
+    Unary,
+    WhenBlock,
+    Whole,
+    WorkTerm,
+)
+
+_DEEPEST = 100  # brackets in brackets
+_LONGEST_CHAIN = 2000  # operands in one unbracketed sum or product
+
+
+def parse(source: Source) -> Syntax:
+    """The syntax tree of one file. Raises LagError (L01xx)."""
+    _check_text(source)
+    try:
+        tree = _parser().parse(source.text)
+        items = _Nodes(source).transform(tree)
+    except VisitError as error:
+        if isinstance(error.orig_exc, LagError):
+            raise error.orig_exc from None
+        raise
+    except UnexpectedInput as error:
+        _fail_unexpected(source, error)
+    imports = tuple(item for item in items if isinstance(item, ImportFile))
+    classes = tuple(item for item in items if isinstance(item, ClassDefinition))
+    return Syntax(source, imports, classes)
+
+
+@cache
+def _parser() -> Lark:
+    grammar = (data_folder("grammar") / "lag.lark").read_text(encoding="utf-8")
+    return Lark(grammar, parser="lalr", start="file", propagate_positions=True, maybe_placeholders=True)
+
+
+def _check_text(source: Source) -> None:
+    """Refuse what is no text, and nesting deep enough to exhaust the recursion of later phases."""
+    if "\0" in source.text:
+        at = source.text.index("\0")
+        fail("L0101", f"{source.name} is not a text file: it holds a NUL character", Span(source, at, at + 1))
+    depth = 0
+    for offset, character in enumerate(source.text):
+        if character in "([{":
+            depth += 1
+            if depth > _DEEPEST:
+                fail("L0102", f"brackets nested deeper than {_DEEPEST}", Span(source, offset, offset + 1),
+                     "name a part of the expression with a variable of its own")  # fmt: skip
+        elif character in ")]}":
+            depth = max(0, depth - 1)
+
+
+def _fail_unexpected(source: Source, error: UnexpectedInput) -> None:
+    if isinstance(error, UnexpectedToken) and error.token.type != "$END":
+        word = str(error.token)
+        span = Span(source, error.token.start_pos or 0, error.token.end_pos or 0)
+        expected = _spoken(error.accepts or error.expected)
+        hints = _hints(word, error.accepts or error.expected)
+        fail("L0103", f"unexpected '{_short(word)}'", span, *hints, label=f"expected {expected}")
+    if isinstance(error, UnexpectedCharacters):
+        at = error.pos_in_stream
+        character = source.text[at]
+        if character == '"':
+            fail("L0104", "this string has no closing quote", Span(source, at, at + 1))
+        if source.text.startswith("/*", at):
+            fail("L0104", "this comment has no closing */", Span(source, at, at + 2))
+        expected = _spoken(error.allowed or set())
+        span = Span(source, at, at + 1)
+        fail("L0103", f"unexpected character {character!r}", span, label=f"expected {expected}")
+    end = len(source.text.rstrip())
+    expected = _spoken(getattr(error, "expected", ()))
+    span = Span(source, max(0, end - 1), max(1, end))
+    fail("L0105", "the file ends too early", span, label=f"after this, expected {expected}")
+
+
+_SPOKEN = {
+    "NAME": "a name", "NUMBER": "a number", "QUANTITY": "a number", "STRING": "a text in quotes", "LPAR": "'('", "RPAR": "')'",
+    "LBRACE": "'{'", "RBRACE": "'}'", "LSQB": "'['", "RSQB": "']'", "SEMICOLON": "';'", "COMMA": "','", "EQUAL": "'='",
+    "COLON": "':'", "DOT": "'.'", "CIRCUMFLEX": "'^'", "ADD": "'+' or '-'", "MULTIPLY": "'*' or '/'", "$END": "the end of the file",
+    "__ANON_0": "':='", "CLASS_KIND": "'model'",
+}  # fmt: skip
+_EXPRESSION = {"NUMBER", "NAME", "LPAR", "LBRACE"}
+
+
+def _spoken(terminals: Any) -> str:
+    """The expected terminals in words, an expression's beginnings taken together."""
+    names = set(terminals)
+    said: list[str] = []
+    if names >= _EXPRESSION:
+        said.append("an expression")
+        names -= _EXPRESSION | {"QUANTITY", "STRING", "TRUE", "FALSE", "ADD", "IF", "NOT", "NAME"}
+    operators = {"ADD", "MULTIPLY", "COMPARE", "CIRCUMFLEX", "AND", "OR"}
+    if len(names & operators) > 2:
+        said.append("an operator")
+        names -= operators
+    said += sorted({_SPOKEN.get(name, f"'{name.lower()}'") for name in names})
+    if len(said) > 8:
+        said = [*said[:8], "..."]
+    return ", ".join(said[:-1]) + " or " + said[-1] if len(said) > 1 else (said[0] if said else "something else")
+
+
+def _hints(word: str, expected: Any) -> list[str]:
+    """What people mean who write C or Python in a Modelica-like language."""
+    if word == "==" and "EQUAL" in expected:
+        return ["an equation and a modification have one '='"]
+    if "SEMICOLON" in expected and (word.isidentifier() or word in "})"):
+        return ["is a ';' missing before it?"]
+    if word.isidentifier() and "CLASS_KIND" in expected:
+        hint = suggest(word, ["model", "function", "type", "import", "partial"])
+        return [hint] if hint else ["a file holds models: model Name ... end Name;"]
+    return []
+
+
+def _short(word: str) -> str:
+    word = word.replace("\n", " ")
+    return word if len(word) <= 40 else word[:37] + "..."
+
+
+_UNESCAPES = {'\\"': '"', "\\\\": "\\", "\\n": "\n", "\\t": "\t"}
+
+
+def _text(token: Token | None) -> str:
+    if token is None:
+        return ""
+    text = str(token)[1:-1]
+    for escape, character in _UNESCAPES.items():
+        text = text.replace(escape, character)
+    return text
+
+
+def _name(token: Token) -> str:
+    """A quoted name 'a b' stands for itself without the quotes."""
+    return str(token)
+
+
+@v_args(meta=True)
+class _Nodes(Transformer[Token, Any]):
+    """One method a rule; children come in the order of the grammar, None for an absent [part]."""
+
+    def __init__(self, source: Source) -> None:
+        super().__init__()
+        self.source = source
+
+    def _span(self, meta: Any) -> Span:
+        return Span(self.source, getattr(meta, "start_pos", 0), getattr(meta, "end_pos", 0))
+
+    def _token_span(self, token: Token) -> Span:
+        return Span(self.source, token.start_pos or 0, token.end_pos or 0)
+
+    # ---------------------------------------------------------------- file and classes
+
+    def file(self, meta: Any, children: list[Any]) -> list[Any]:
+        return children
+
+    def import_file(self, meta: Any, children: list[Any]) -> ImportFile:
+        return ImportFile(_text(children[0]), self._span(meta))
+
+    def class_definition(self, meta: Any, children: list[Any]) -> ClassDefinition:
+        head = [c for c in children if isinstance(c, Token)]
+        is_partial = head[0].type == "PARTIAL"
+        kind, name, *rest = head[1:] if is_partial else head
+        end_name = rest[-1]
+        if str(end_name) != str(name):
+            fail("L0106", f"'{name}' ends as '{end_name}'", self._token_span(end_name), f"write: end {name};",
+                 label=f"expected {name}")  # fmt: skip
+        description = rest[0] if len(rest) > 1 else None
+        elements: list[Declaration | Extends] = []
+        annotation: tuple[Argument, ...] = ()
+        is_protected = False
+        for item in (c for c in children if not isinstance(c, Token)):
+            if isinstance(item, tuple) and item and item[0] == "visibility":
+                is_protected = item[1] == "protected"
+            elif isinstance(item, tuple) and item and item[0] == "annotation":
+                annotation += item[1]
+            elif isinstance(item, list):
+                elements += [self._protect(d, is_protected) for d in item]
+            elif isinstance(item, Extends):
+                elements.append(item)
+        sections = tuple(c for c in children if isinstance(c, Section))
+        return ClassDefinition(str(kind), is_partial, _name(name), _text(description), tuple(elements), sections,
+                               annotation, self._span(meta), self._token_span(name))  # fmt: skip
+
+    @staticmethod
+    def _protect(declaration: Declaration, is_protected: bool) -> Declaration:
+        if not is_protected:
+            return declaration
+        from dataclasses import replace
+
+        return replace(declaration, is_protected=True)
+
+    def short_class(self, meta: Any, children: list[Any]) -> ClassDefinition:
+        kind, name, base, arguments, description = children
+        extends = Extends(base[0], arguments or (), self._span(meta))
+        return ClassDefinition(str(kind), False, _name(name), _text(description), (extends,), (), (), self._span(meta),
+                               self._token_span(name))  # fmt: skip
+
+    def visibility(self, meta: Any, children: list[Any]) -> tuple[str, str]:
+        return "visibility", str(children[0])
+
+    def extends(self, meta: Any, children: list[Any]) -> Extends:
+        (name, _), arguments, _ = children
+        return Extends(name, arguments or (), self._span(meta))
+
+    def annotation(self, meta: Any, children: list[Any]) -> tuple[str, tuple[Argument, ...]]:
+        return "annotation", children[0]
+
+    def annotation_item(self, meta: Any, children: list[Any]) -> tuple[str, tuple[Argument, ...]]:
+        result: tuple[str, tuple[Argument, ...]] = children[0]
+        return result
+
+    def type_name(self, meta: Any, children: list[Any]) -> tuple[str, Span]:
+        return ".".join(map(str, children)), self._span(meta)
+
+    def declaration(self, meta: Any, children: list[Any]) -> list[Declaration]:
+        prefixes = frozenset(str(c) for c in children if isinstance(c, Token))
+        (type_name, type_span), dimensions, *declarators = [c for c in children if not isinstance(c, Token)]
+        return [
+            Declaration(prefixes, type_name, type_span, name, own or dimensions or (), arguments or (), binding, condition,
+                        description, False, span, name_span)
+            for name, own, arguments, binding, condition, description, span, name_span in declarators
+        ]  # fmt: skip
+
+    def declarator(self, meta: Any, children: list[Any]) -> tuple[Any, ...]:
+        name, dimensions, arguments, binding, condition, description, _ = children
+        return (_name(name), dimensions, arguments, binding, condition, _text(description), self._span(meta),
+                self._token_span(name))  # fmt: skip
+
+    def modification(self, meta: Any, children: list[Any]) -> tuple[Argument, ...]:
+        return tuple(c for c in children if c is not None)
+
+    def argument(self, meta: Any, children: list[Any]) -> Argument:
+        *prefixes, name, arguments, value = children
+        return Argument(frozenset(map(str, prefixes)), _name(name), arguments or (), value, self._span(meta),
+                        self._token_span(name))  # fmt: skip
+
+    # ---------------------------------------------------------------- sections
+
+    def equation_section(self, meta: Any, children: list[Any]) -> Section:
+        return Section("equation", tuple(children))
+
+    def initial_section(self, meta: Any, children: list[Any]) -> Section:
+        return Section("initial", tuple(children))
+
+    def energy_section(self, meta: Any, children: list[Any]) -> Section:
+        return Section("energy", tuple(children))
+
+    def algorithm_section(self, meta: Any, children: list[Any]) -> Section:
+        return Section("algorithm", tuple(children))
+
+    def equality(self, meta: Any, children: list[Any]) -> Equality:
+        left, right, description = children
+        return Equality(left, right, _text(description), self._span(meta))
+
+    def call_equation(self, meta: Any, children: list[Any]) -> CallEquation:
+        return CallEquation(children[0], self._span(meta))
+
+    def energy_term(self, meta: Any, children: list[Any]) -> EnergyTerm:
+        kind, value, description = children
+        return EnergyTerm(str(kind), value, _text(description), self._span(meta))
+
+    def work_term(self, meta: Any, children: list[Any]) -> WorkTerm:
+        force, position, description = children
+        return WorkTerm(force, position, _text(description), self._span(meta))
+
+    def assignment(self, meta: Any, children: list[Any]) -> Assignment:
+        return Assignment(*children, self._span(meta))
+
+    def for_block(self, meta: Any, children: list[Any]) -> ForBlock:
+        return ForBlock(children[0], tuple(children[1:]), self._span(meta))
+
+    def else_if(self, meta: Any, children: list[Any]) -> tuple[Any, ...]:
+        return "else if", children[0], tuple(children[1:]), self._span(meta)
+
+    def else_branch(self, meta: Any, children: list[Any]) -> tuple[Any, ...]:
+        return "else", tuple(children)
+
+    def if_block(self, meta: Any, children: list[Any]) -> IfBlock:
+        condition, *rest = children
+        branches = [c for c in rest if isinstance(c, tuple)]
+        then = tuple(c for c in rest if c is not None and not isinstance(c, tuple))
+        otherwise: tuple[Any, ...] = ()
+        for branch in reversed(branches):
+            otherwise = branch[1] if branch[0] == "else" else (IfBlock(branch[1], branch[2], otherwise, branch[3]),)
+        return IfBlock(condition, then, otherwise, self._span(meta))
+
+    def when_block(self, meta: Any, children: list[Any]) -> WhenBlock:
+        return WhenBlock(children[0], tuple(children[1:]), self._span(meta))
+
+    def iterators(self, meta: Any, children: list[Any]) -> tuple[Iterator, ...]:
+        return tuple(children)
+
+    def iterator(self, meta: Any, children: list[Any]) -> Iterator:
+        return Iterator(_name(children[0]), children[1], self._span(meta))
+
+    # ---------------------------------------------------------------- expressions
+
+    def if_expression(self, meta: Any, children: list[Any]) -> Expression:
+        *pairs, result = children
+        span = self._span(meta)
+        for condition, value in zip(pairs[-2::-2], pairs[-1::-2], strict=True):
+            result = IfExpression(condition, value, result, span)
+        return result  # type: ignore[no-any-return]
+
+    def range(self, meta: Any, children: list[Any]) -> Range:
+        return Range(children[0], None, children[1], self._span(meta))
+
+    def stepped_range(self, meta: Any, children: list[Any]) -> Range:
+        return Range(children[0], children[1], children[2], self._span(meta))
+
+    def chain(self, meta: Any, children: list[Any]) -> Expression:
+        if len(children) > 2 * _LONGEST_CHAIN:
+            fail("L0102", f"more than {_LONGEST_CHAIN} operands in a row", self._span(meta),
+                 "use sum(... for i in 1:n), or name parts of it with variables")  # fmt: skip
+        return self._fold(children[0], iter(children[1:]))
+
+    def signed_chain(self, meta: Any, children: list[Any]) -> Expression:
+        first = Unary(str(children[0]), children[1], self._token_span(children[0]).to(children[1].span))
+        return self._fold(first, iter(children[2:]))
+
+    @staticmethod
+    def _fold(left: Expression, rest: IteratorType[Any]) -> Expression:
+        for operator, right in zip(rest, rest, strict=True):
+            left = Binary(str(operator), left, right, left.span.to(right.span))
+        return left
+
+    def logical_not(self, meta: Any, children: list[Any]) -> Unary:
+        return Unary("not", children[0], self._span(meta))
+
+    def power(self, meta: Any, children: list[Any]) -> Binary:
+        return Binary("^", children[0], children[1], self._span(meta))
+
+    def signed_power(self, meta: Any, children: list[Any]) -> Binary:
+        base, sign, exponent = children
+        return Binary("^", base, Unary(str(sign), exponent, exponent.span), self._span(meta))
+
+    def number(self, meta: Any, children: list[Any]) -> Number:
+        return self._number(str(children[0]), None, self._span(meta))
+
+    def quantity(self, meta: Any, children: list[Any]) -> Number:
+        value, unit = str(children[0])[:-1].split("[")
+        return self._number(value.strip(), unit.strip(), self._span(meta))
+
+    @staticmethod
+    def _number(text: str, unit: str | None, span: Span) -> Number:
+        value = float(text)
+        if value == float("inf"):
+            fail("L0107", f"{_short(text)} is too large for a number", span, "the largest is 1.8e308")
+        return Number(value, unit, span, text.isdigit())
+
+    def string(self, meta: Any, children: list[Any]) -> String:
+        return String(_text(children[0]), self._span(meta))
+
+    def true(self, meta: Any, children: list[Any]) -> Boolean:
+        return Boolean(True, self._span(meta))
+
+    def false(self, meta: Any, children: list[Any]) -> Boolean:
+        return Boolean(False, self._span(meta))
+
+    def parenthesis(self, meta: Any, children: list[Any]) -> Expression:
+        return children[0]  # type: ignore[no-any-return]
+
+    def array(self, meta: Any, children: list[Any]) -> Array:
+        return Array(tuple(c for c in children if c is not None), self._span(meta))
+
+    def array_comprehension(self, meta: Any, children: list[Any]) -> Comprehension:
+        return Comprehension("", children[0], children[1], self._span(meta))
+
+    def reduction(self, meta: Any, children: list[Any]) -> Comprehension:
+        return Comprehension(str(children[0]), children[1], children[2], self._span(meta))
+
+    def call(self, meta: Any, children: list[Any]) -> Call:
+        function, *arguments = children
+        named = tuple(a for a in arguments if isinstance(a, tuple))
+        positional = tuple(a for a in arguments if a is not None and not isinstance(a, tuple))
+        return Call(str(function), positional, named, self._span(meta))
+
+    def named_argument(self, meta: Any, children: list[Any]) -> tuple[str, Expression]:
+        return _name(children[0]), children[1]
+
+    def reference(self, meta: Any, children: list[Any]) -> Reference:
+        return Reference(tuple(children), self._span(meta))
+
+    def reference_part(self, meta: Any, children: list[Any]) -> Part:
+        return Part(_name(children[0]), children[1] or (), self._span(meta))
+
+    def subscripts(self, meta: Any, children: list[Any]) -> tuple[Expression, ...]:
+        return tuple(children)
+
+    def whole(self, meta: Any, children: list[Any]) -> Whole:
+        return Whole(self._span(meta))
