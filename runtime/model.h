@@ -1,0 +1,64 @@
+/* A compiled mechanism: sizes and functions, all constant.
+ *
+ * One model serves any number of runs in any number of threads. Generated scene code exports one, `const LagModel lag_model`;
+ * a caller without a C compiler fills one with tapes (tape.h).
+ *
+ * Notation: q coordinates, v = dq/dt, a = dv/dt, t time, p parameters, c what depends on parameters alone ("hoisted"),
+ * u inputs, d modes (values that change only at events), y outputs.
+ */
+#ifndef LAG_MODEL_H
+#define LAG_MODEL_H
+
+#include <stddef.h>
+
+#if defined(LAG_STATIC)
+#define LAG_API
+#elif defined(_WIN32)
+#define LAG_API __declspec(dllexport)
+#elif defined(__GNUC__)
+#define LAG_API __attribute__((visibility("default")))
+#else
+#define LAG_API
+#endif
+
+typedef struct LagTape LagTape;
+
+/* Vectors in, vectors out, all dense; `work` is scratch. Returns 0, or anything else when it has no value here. */
+typedef int (*LagCode)(const double *const *in, double *const *out, double *work);
+
+/* Either `code` or `tape` is set; neither: the function is absent and its outputs are empty. */
+typedef struct {
+    int n_in, n_out;
+    const int *in_size, *out_size;
+    size_t n_work;
+    LagCode code;
+    const LagTape *tape;
+} LagFunction;
+
+/* When the argument x(t) = a + b t causes an event. */
+enum { LAG_EVENT_ZERO, LAG_EVENT_INTEGER };
+
+/* Groups of like coordinates share one order of magnitude; angles have a natural one, so they are a group of their own. */
+enum { LAG_KIND_ANGLE };
+
+typedef struct {
+    int n; /* coordinates */
+    int n_parameters, n_hoisted, n_inputs, n_modes, n_events, n_outputs, n_initial;
+    int n_power; /* 0: energy needs no quadrature; 2: {dissipated, work} */
+    const int *coordinate_kind; /* n: group of like coordinates */
+    const int *fixed;           /* 2 n: q then v; 1: assembly must not move this start value */
+    const int *event_kind;      /* n_events */
+    int outputs_need_acceleration;
+
+    LagFunction parameters; /* given, mask          -> p               given values kept, dependent ones computed */
+    LagFunction hoist;      /* p                    -> c */
+    LagFunction start;      /* p                    -> q, v            guesses */
+    LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   column-major, n_initial x 2 n */
+    LagFunction events;     /* p                    -> a, b            event arguments a + b t */
+    LagFunction modes;      /* t, p                 -> d */
+    LagFunction rhs;        /* t, q, v, u, d, c     -> a, power */
+    LagFunction outputs;    /* t, q, v, a, u, d, c  -> y */
+    LagFunction energies;   /* t, q, v, u, d, c     -> {T, V, H}       H - H(0) + dissipated - work = 0 */
+} LagModel;
+
+#endif

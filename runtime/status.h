@@ -1,0 +1,30 @@
+/* What a call can answer, and where a run came to grief. */
+#ifndef LAG_STATUS_H
+#define LAG_STATUS_H
+
+#include <stdint.h>
+
+typedef enum {
+    LAG_OK,
+    LAG_PAUSED,         /* the wall time granted is over: call again to go on */
+    LAG_STEP_TOO_SMALL, /* no step is small enough here: a singularity, or motion faster than time can resolve */
+    LAG_NOT_FINITE,     /* the first evaluation of a segment is not finite */
+    LAG_INITIAL_FAILED, /* the initial equations cannot be satisfied */
+    LAG_TOO_MANY_STEPS, /* settings.max_steps */
+    LAG_TIME_PASSED,    /* a row was asked for that lies before what is still known */
+    LAG_PAST_STOP,      /* a row was asked for that lies after t_stop */
+    LAG_NOT_STARTED,
+    LAG_BAD_SETTINGS,
+    LAG_BAD_INPUTS, /* input times are not ascending or not finite */
+    LAG_OUT_OF_MEMORY
+} LagStatus;
+
+typedef struct {
+    int32_t status; /* LagStatus */
+    int32_t index;  /* coordinate, acceleration or initial equation; -1: none */
+    int32_t rate;   /* 1: the rate of the coordinate, 0: its position */
+    double time;
+    double value; /* residual of the initial equation */
+} LagFailure;
+
+#endif
