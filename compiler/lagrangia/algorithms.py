@@ -1,0 +1,141 @@
+"""User functions -> FlatFunction: a list of assignments, loops unrolled and branches merged into if expressions."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from lagrangia.diagnostics import Span, fail, suggest
+from lagrangia.instances import Instance, Scope
+from lagrangia.names import Flat, Local, Names
+from lagrangia.tree import (
+    Assignment,
+    Call,
+    ClassDefinition,
+    Clause,
+    Declaration,
+    ForBlock,
+    IfBlock,
+    IfExpression,
+    Reference,
+    Section,
+)
+
+
+@dataclass(frozen=True)
+class FlatFunction:
+    """output = the value of `output` after the steps, each an assignment to a local name."""
+
+    name: str
+    inputs: tuple[str, ...]
+    units: Mapping[str, str]  # declared unit of each variable, "" when none
+    steps: tuple[tuple[str, Flat], ...]
+    output: str
+    span: Span
+
+    def arrange(self, call: Call) -> tuple[Any, ...]:
+        """The arguments of a call in the order of the inputs. Raises LagError L0215."""
+        given = dict(zip(self.inputs, call.arguments, strict=False))
+        if len(call.arguments) > len(self.inputs):
+            fail("L0215", f"{self.name} takes {len(self.inputs)} arguments, not {len(call.arguments)}", call.span)
+        for name, value in call.named:
+            if name not in self.inputs or name in given:
+                fail("L0215", f"{self.name} has no other input '{name}'", call.span, *filter(None, [suggest(name, self.inputs)]))
+            given[name] = value
+        missing = [name for name in self.inputs if name not in given]
+        if missing:
+            fail("L0215", f"{self.name} also needs {', '.join(missing)}", call.span)
+        return tuple(given[name] for name in self.inputs)
+
+
+def flatten_function(definition: ClassDefinition, names: Names, functions: dict[str, Any]) -> None:
+    """Adds the function to `functions`. Raises LagError for a function that calls itself or has no single output."""
+    pending = FlatFunction(definition.name, (), {}, (), "", definition.name_span)
+    functions[definition.name] = pending
+    builder = _Builder(definition, names)
+    functions[definition.name] = builder.build()
+
+
+class _Builder:
+    def __init__(self, definition: ClassDefinition, names: Names) -> None:
+        self.definition, self.names = definition, names
+        self.declarations = [e for e in definition.elements if isinstance(e, Declaration)]
+        self.units: dict[str, str] = {}
+        for declaration in self.declarations:
+            base = names.table.base_type(declaration.type_name, declaration.type_span)
+            if base is None or base[0] not in ("Real", "Integer") or declaration.dimensions:
+                fail("L0902", "not supported yet: a function variable that is no scalar number", declaration.name_span)
+            unit = [a.value.value for a in (*base[1], *declaration.arguments) if a.name == "unit" and a.value is not None]  # type: ignore[union-attr]
+            self.units[declaration.name] = unit[-1] if unit else ""
+
+    def build(self) -> FlatFunction:
+        definition = self.definition
+        inputs = tuple(d.name for d in self.declarations if "input" in d.prefixes)
+        outputs = [d for d in self.declarations if "output" in d.prefixes]
+        if len(outputs) != 1:
+            fail("L0902", f"not supported yet: the function '{definition.name}' with {len(outputs)} outputs", definition.name_span)
+        steps: list[tuple[str, Flat]] = []
+        for declaration in self.declarations:
+            if declaration.binding is not None and "input" not in declaration.prefixes:
+                steps.append((declaration.name, self._flatten(declaration.binding, {})))
+        for section in definition.sections:
+            self._section(section, steps)
+        if outputs[0].name not in {name for name, _ in steps}:
+            fail("L0211", f"the output '{outputs[0].name}' is never given a value", outputs[0].name_span)
+        return FlatFunction(definition.name, inputs, self.units, tuple(steps), outputs[0].name, definition.name_span)
+
+    def _section(self, section: Section, steps: list[tuple[str, Flat]]) -> None:
+        if section.kind != "algorithm":
+            fail("L0222", f"a function has an algorithm, no {section.kind} section", self.definition.name_span)
+        for clause in section.clauses:
+            self._statement(clause, {}, steps)
+
+    def _flatten(self, expression: Any, iterators: Mapping[str, int]) -> Flat:
+        """Local names first: they are members of a stand-in instance whose variables flatten to Local."""
+        return _LocalNames(self.names, set(self.units)).flatten(expression, Scope(Instance("", self.definition, expression.span), iterators))
+
+    def _statement(self, clause: Clause, iterators: Mapping[str, int], steps: list[tuple[str, Flat]]) -> None:
+        match clause:
+            case Assignment(Reference(parts, span), value, _):
+                name = parts[0].name
+                if name not in self.units or len(parts) > 1 or parts[0].subscripts:
+                    fail("L0204", f"'{span.text}' is no variable of {self.definition.name}", span)
+                steps.append((name, self._flatten(value, iterators)))
+            case ForBlock(loops, body, _):
+                for scope in self.names.loop(loops, Scope(Instance("", self.definition, clause.span), iterators)):
+                    for inner in body:
+                        self._statement(inner, scope.iterators, steps)
+            case IfBlock(condition, then, otherwise, span):
+                self._branch(self._flatten(condition, iterators), then, otherwise, iterators, steps, span)
+            case _:
+                fail("L0222", "this is no assignment", clause.span, "write: name := expression;")
+
+    def _branch(self, condition: Flat, then: tuple[Clause, ...], otherwise: tuple[Clause, ...], iterators: Mapping[str, int],
+                steps: list[tuple[str, Flat]], span: Span) -> None:  # fmt: skip
+        """Both branches with fresh names, then one if expression for each variable that either assigns."""
+        taken: list[dict[str, Flat]] = []
+        for clauses in (then, otherwise):
+            inner: list[tuple[str, Flat]] = []
+            for clause in clauses:
+                self._statement(clause, iterators, inner)
+            if len({name for name, _ in inner}) < len(inner):
+                fail("L0902", "not supported yet: two assignments to one variable in a branch", span)
+            taken.append(dict(inner))
+        for name in {**taken[0], **taken[1]}:
+            old: Flat = Local(name, span)
+            steps.append((name, IfExpression(condition, taken[0].get(name, old), taken[1].get(name, old), span)))  # type: ignore[arg-type]
+
+
+class _LocalNames(Names):
+    """Name resolution inside a function: its own variables, and the functions and constants of the kernel."""
+
+    def __init__(self, names: Names, known: set[str]) -> None:
+        super().__init__(names.table, names.report, names.functions, names.define_function)
+        self.known = known
+
+    def resolve(self, node: Reference, scope: Scope) -> Flat:
+        name = node.parts[0].name
+        if name in self.known and len(node.parts) == 1 and not node.parts[0].subscripts:
+            return Local(name, node.span)
+        if name == "time":
+            fail("L0204", "a function knows no time", node.span, "pass it as an input")
+        return super().resolve(node, scope)

@@ -1,0 +1,338 @@
+"""ClassTable -> tree of Instances: inheritance, modifications, arrays of components, conditional components.
+
+A modification is kept with the scope it was written in (`Bound`), so that names in it mean what they mean there.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol, TypeAlias
+
+from lagrangia.classes import BUILTIN_TYPES, ClassTable
+from lagrangia.diagnostics import Report, Span, suggest
+from lagrangia.tree import Argument, ClassDefinition, Clause, Declaration, Expression, Extends
+
+ATTRIBUTES = frozenset({"unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "quantity", "stateSelect"})
+FRAME_ATTRIBUTES = frozenset({"r", "phi", "v", "w", "x", "y"})
+_MOST_ELEMENTS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Scope:
+    """Where names are looked up: an instance, and the loop variables in force."""
+
+    instance: "Instance"
+    iterators: Mapping[str, int] = field(default_factory=dict)
+
+    def bind(self, name: str, value: int) -> "Scope":
+        return Scope(self.instance, {**self.iterators, name: value})
+
+
+@dataclass(frozen=True)
+class Bound:
+    """An expression with its scope. `selection` holds (index, size) for each array of components it is dealt out over."""
+
+    expression: Expression
+    scope: Scope
+    selection: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True)
+class Modification:
+    """A tree of modifications as it applies to one member."""
+
+    value: Bound | None = None
+    children: Mapping[str, "Modification"] = field(default_factory=dict)
+    is_each: bool = False
+    is_final: bool = False
+    span: Span | None = None
+
+
+NOTHING = Modification()
+
+
+@dataclass(eq=False)
+class Slot:
+    """A variable of a builtin type."""
+
+    path: str
+    declaration: Declaration
+    base: str
+    attributes: Mapping[str, Bound]
+    binding: Bound | None
+    scope: Scope
+    dimensions: tuple[int, ...] = ()
+    is_final: bool = False
+
+    @property
+    def is_structural(self) -> bool:
+        """Integer, Boolean and String parameters and all constants are known when the scene is compiled."""
+        prefixes = self.declaration.prefixes
+        return "constant" in prefixes or ("parameter" in prefixes and self.base in ("Integer", "Boolean", "String"))
+
+
+@dataclass(eq=False)
+class FrameSlot:
+    """A frame: a declared port, or an instance of a class that extends Frame."""
+
+    path: str
+    span: Span
+    starts: Mapping[str, Bound]
+    fixed: frozenset[str]
+    binding: Bound | None
+    owner: "Instance"
+
+
+@dataclass(eq=False)
+class Instance:
+    path: str
+    definition: ClassDefinition
+    span: Span
+    members: dict[str, "Member"] = field(default_factory=dict)
+    clauses: list[tuple[str, Clause]] = field(default_factory=list)
+    frame: FrameSlot | None = None
+    parent: "Instance | None" = None
+    absent: set[str] = field(default_factory=set)  # conditional components that are not there
+
+    def child_path(self, name: str) -> str:
+        return f"{self.path}.{name}" if self.path else name
+
+
+Member: TypeAlias = Slot | FrameSlot | Instance | list[Any]
+
+
+class StructuralValues(Protocol):
+    """Evaluates what must be known at compile time (names.py)."""
+
+    def integer(self, expression: Expression, scope: Scope, what: str) -> int: ...
+    def boolean(self, expression: Expression, scope: Scope, what: str) -> bool: ...
+
+
+@dataclass
+class Instantiation:
+    """Builds the instance tree of one model; errors are collected in `report`."""
+
+    table: ClassTable
+    values: StructuralValues
+    report: Report
+    stack: list[str] = field(default_factory=list)
+    count: int = 0
+
+    def instantiate(
+        self, definition: ClassDefinition, path: str, modification: Modification, span: Span, parent: Instance | None
+    ) -> Instance:
+        instance = Instance(path, definition, span, parent=parent)
+        if definition.name in self.stack:
+            self.report.error("L0207", f"{definition.name} contains itself", span,
+                              f"{' > '.join([*self.stack, definition.name])}")  # fmt: skip
+            return instance
+        self.stack.append(definition.name)
+        members = list(self._members(definition, modification, Scope(instance), []))
+        self._check_names(instance, members, modification)
+        self._add_variables(instance, [m for m in members if self._is_scalar(m[0])])
+        for declaration, change in members:
+            if not self._is_scalar(declaration):
+                self._add_component(instance, declaration, change)
+        self.stack.pop()
+        return instance
+
+    # ------------------------------------------------------------ the members of a class
+
+    def _members(
+        self, definition: ClassDefinition, modification: Modification, scope: Scope, bases: list[str]
+    ) -> Iterator[tuple[Declaration, Modification]]:
+        """Declarations of the class and of all it extends, each with what modifies it, bases first."""
+        if definition.name in bases:
+            self.report.error("L0206", f"{definition.name} extends itself", definition.name_span,
+                              " > ".join([*bases, definition.name]))  # fmt: skip
+            return
+        for element in definition.elements:
+            if isinstance(element, Declaration):
+                own = modification_of(element.arguments, scope, element.binding, element.name_span)
+                yield element, merge(modification.children.get(element.name, NOTHING), own)
+            elif element.type_name == "Frame":
+                starts, fixed = self._frame_starts(modification, element.span)
+                scope.instance.frame = FrameSlot(scope.instance.path, scope.instance.span, starts, fixed, None, scope.instance)
+            else:
+                base = self.table.lookup(element.type_name, element.span)
+                if base.kind not in ("model", "record"):
+                    self.report.error("L0205", f"a model cannot extend the {base.kind} '{base.name}'", element.span)
+                    continue
+                inner = modification_of(element.arguments, scope, None, element.span)
+                self._check_extends(base, inner)
+                yield from self._members(base, merge(modification, inner), scope, [*bases, definition.name])
+        scope.instance.clauses += [(s.kind, clause) for s in definition.sections for clause in s.clauses]
+
+    def _check_extends(self, base: ClassDefinition, inner: Modification) -> None:
+        known = self._declared(base)
+        for name, change in inner.children.items():
+            if name not in known:
+                self._unknown_member(base, name, change.span, known)
+
+    def _declared(self, definition: ClassDefinition) -> set[str]:
+        names: set[str] = set()
+        for element in definition.elements:
+            if isinstance(element, Declaration):
+                names.add(element.name)
+            elif isinstance(element, Extends) and element.type_name not in BUILTIN_TYPES:
+                names |= self._declared(self.table.lookup(element.type_name, element.span))
+        return names
+
+    def _check_names(self, instance: Instance, members: list[tuple[Declaration, Modification]], change: Modification) -> None:
+        known = {declaration.name for declaration, _ in members}
+        for name, inner in change.children.items():
+            if name not in known and not (instance.frame and name in FRAME_ATTRIBUTES):
+                self._unknown_member(instance.definition, name, inner.span, known)
+        seen: set[str] = set()
+        for declaration, _ in members:
+            if declaration.name in seen:
+                self.report.error("L0202", f"'{declaration.name}' is inherited twice in {instance.definition.name}",
+                                  declaration.name_span)  # fmt: skip
+            seen.add(declaration.name)
+
+    def _unknown_member(self, definition: ClassDefinition, name: str, span: Span | None, known: set[str]) -> None:
+        elsewhere = [other for other in self.table.library.values()
+                     if other.kind == "model" and not other.is_partial and name in {e.name for e in other.elements if isinstance(e, Declaration)}]  # fmt: skip
+        hints = [suggest(name, known)]
+        if not hints[0].startswith("did you mean") and 0 < len(elsewhere) <= 4:
+            hints.append(f"'{name}' is a parameter or port of {', '.join(sorted(o.name for o in elsewhere))}")
+        self.report.error("L0203", f"{definition.name} has no parameter or port '{name}'", span, *filter(None, hints))
+
+    # ------------------------------------------------------------ variables and frames
+
+    def _is_scalar(self, declaration: Declaration) -> bool:
+        base = self.table.base_type(declaration.type_name, declaration.type_span)
+        return base is not None and base[0] != "Frame"
+
+    def _add_variables(self, instance: Instance, members: list[tuple[Declaration, Modification]]) -> None:
+        """All variables first, then their sizes: a size may use a parameter declared further down."""
+        scope = Scope(instance)
+        slots: list[Slot] = []
+        for declaration, change in members:
+            base = self.table.base_type(declaration.type_name, declaration.type_span)
+            assert base is not None
+            inherited = modification_of(base[1], scope, None, declaration.name_span)
+            change = merge(change, inherited)
+            for name, inner in change.children.items():
+                if name not in ATTRIBUTES:
+                    self.report.error("L0208", f"{declaration.type_name} has no attribute '{name}'", inner.span,
+                                      *filter(None, [suggest(name, ATTRIBUTES)]))  # fmt: skip
+            attributes = {name: inner.value for name, inner in change.children.items() if inner.value is not None}
+            slot = Slot(instance.child_path(declaration.name), declaration, base[0], attributes, change.value, scope,
+                        is_final=change.is_final)  # fmt: skip
+            instance.members[declaration.name] = slot
+            slots.append(slot)
+        for slot in slots:
+            slot.dimensions = self._dimensions(slot.declaration, scope)
+
+    def _dimensions(self, declaration: Declaration, scope: Scope) -> tuple[int, ...]:
+        sizes = []
+        for size in declaration.dimensions:
+            value = self.values.integer(size, scope, f"the size of '{declaration.name}'")
+            if value < 0:
+                self.report.error("L0209", f"'{declaration.name}' has the negative size {value}", size.span)
+            sizes.append(max(0, value))
+        total = 1
+        for extent in sizes:
+            total *= extent
+        if total > _MOST_ELEMENTS:
+            self.report.error("L0209", f"'{declaration.name}' has {total} elements; at most {_MOST_ELEMENTS} are possible",
+                              declaration.name_span)  # fmt: skip
+            return tuple(0 for _ in sizes)
+        return tuple(sizes)
+
+    def _frame_starts(self, change: Modification, span: Span) -> tuple[dict[str, Bound], frozenset[str]]:
+        starts, fixed = {}, set()
+        for name, inner in change.children.items():
+            if name not in FRAME_ATTRIBUTES:
+                continue
+            for attribute, what in inner.children.items():
+                if attribute == "start" and what.value is not None:
+                    starts[name] = what.value
+                elif attribute == "fixed" and what.value is not None:
+                    if self.values.boolean(what.value.expression, what.value.scope, "fixed"):
+                        fixed.add(name)
+                else:
+                    self.report.error("L0208", f"a frame's {name} has no attribute '{attribute}'", what.span,
+                                      "it has start and fixed")  # fmt: skip
+            if inner.value is not None:
+                self.report.error("L0208", f"'{name}' of a frame cannot be set", inner.span, f"write {name}(start = ...)")
+        return starts, frozenset(fixed)
+
+    # ------------------------------------------------------------ components
+
+    def _add_component(self, instance: Instance, declaration: Declaration, change: Modification) -> None:
+        scope = Scope(instance)
+        condition = declaration.condition
+        if condition is not None and not self.values.boolean(condition, scope, f"the condition of '{declaration.name}'"):
+            instance.absent.add(declaration.name)
+            return
+        sizes = self._dimensions(declaration, scope)
+        instance.members[declaration.name] = self._elements(instance, declaration, change, sizes, ())
+
+    def _elements(
+        self, instance: Instance, declaration: Declaration, change: Modification, sizes: tuple[int, ...], at: tuple[int, ...]
+    ) -> Member:
+        if not sizes:
+            suffix = f"[{','.join(map(str, at))}]" if at else ""
+            return self._one(instance, declaration, change, instance.child_path(declaration.name) + suffix)
+        return [
+            self._elements(instance, declaration, deal_out(change, index, sizes[0]), sizes[1:], (*at, index))
+            for index in range(1, sizes[0] + 1)
+        ]
+
+    def _one(self, instance: Instance, declaration: Declaration, change: Modification, path: str) -> Member:
+        base = self.table.base_type(declaration.type_name, declaration.type_span)
+        if base is not None:
+            for name, inner in change.children.items():
+                if name not in FRAME_ATTRIBUTES:
+                    self.report.error("L0208", f"Frame has no attribute '{name}'", inner.span,
+                                      *filter(None, [suggest(name, FRAME_ATTRIBUTES)]))  # fmt: skip
+            starts, fixed = self._frame_starts(change, declaration.name_span)
+            return FrameSlot(path, declaration.name_span, starts, fixed, change.value, instance)
+        definition = self.table.lookup(declaration.type_name, declaration.type_span)
+        if definition.kind == "function" or definition.is_partial:
+            what = "a function" if definition.kind == "function" else "partial: extend it and complete its energy"
+            self.report.error("L0205", f"'{definition.name}' cannot be a component, it is {what}", declaration.type_span)
+        if change.value is not None and not self._is_frame_class(definition):
+            self.report.error("L0205", f"the component '{declaration.name}' cannot be given a value",
+                              change.value.expression.span, "modify its parameters and ports: (name = value)")  # fmt: skip
+        self.count += 1
+        return self.instantiate(definition, path, change, declaration.name_span, instance)
+
+    def _is_frame_class(self, definition: ClassDefinition) -> bool:
+        return any(isinstance(e, Extends) and e.type_name == "Frame" for e in definition.elements)
+
+
+# -------------------------------------------------------------------- modifications
+
+
+def modification_of(arguments: tuple[Argument, ...], scope: Scope, value: Expression | None, span: Span) -> Modification:
+    """The tree of modifications written in one place; a later one of the same name is merged into the first."""
+    children: dict[str, Modification] = {}
+    for argument in arguments:
+        inner = modification_of(argument.arguments, scope, argument.value, argument.name_span)
+        child = Modification(inner.value, inner.children, "each" in argument.prefixes, "final" in argument.prefixes,
+                             argument.name_span)  # fmt: skip
+        children[argument.name] = merge(children[argument.name], child) if argument.name in children else child
+    return Modification(Bound(value, scope) if value is not None else None, children, span=span)
+
+
+def merge(outer: Modification, inner: Modification) -> Modification:
+    """What the outer scope says wins over what the inner one says."""
+    if outer is NOTHING:
+        return inner
+    children = dict(inner.children)
+    for name, change in outer.children.items():
+        children[name] = merge(change, children[name]) if name in children else change
+    return Modification(outer.value or inner.value, children, outer.is_each if outer.value else inner.is_each,
+                        outer.is_final or inner.is_final, outer.span or inner.span)  # fmt: skip
+
+
+def deal_out(change: Modification, index: int, size: int, is_each: bool = False) -> Modification:
+    """The part of a modification of an array of components that goes to element `index`; `each` goes to all unchanged."""
+    is_each = is_each or change.is_each
+    value = change.value
+    if value is not None and not is_each:
+        value = Bound(value.expression, value.scope, (*value.selection, (index, size)))
+    children = {name: deal_out(inner, index, size, is_each) for name, inner in change.children.items()}
+    return Modification(value, children, False, change.is_final, change.span)

@@ -1,0 +1,458 @@
+"""Expressions in a scope -> flat expressions: names resolved, loops unrolled, structural values put in.
+
+A flat expression is a tree of the nodes Number, Boolean, String, Unary, Binary, IfExpression, Call, Array of tree.py and
+the leaves Ref, FrameRef, Local and Time below.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from lagrangia.classes import ClassTable
+from lagrangia.diagnostics import LagError, Report, Span, fail, suggest
+from lagrangia.instances import FRAME_ATTRIBUTES, Bound, FrameSlot, Instance, Member, Scope, Slot
+from lagrangia.tree import (
+    Array,
+    Binary,
+    Boolean,
+    Call,
+    Comprehension,
+    Expression,
+    IfExpression,
+    Iterator,
+    Number,
+    Range,
+    Reference,
+    String,
+    Unary,
+    Whole,
+)
+from lagrangia.units import known_units, parse_unit
+
+
+@dataclass(frozen=True, slots=True)
+class Ref:
+    """A variable, or with `index` an element of an array variable."""
+
+    name: str
+    index: tuple[int, ...]
+    span: Span
+
+    def __str__(self) -> str:
+        return self.name + (f"[{','.join(map(str, self.index))}]" if self.index else "")
+
+
+@dataclass(frozen=True, slots=True)
+class FrameRef:
+    """A frame (attribute "") or one of its attributes r, phi, v, w, x, y; `index` picks a component of r or v."""
+
+    name: str
+    attribute: str
+    index: tuple[int, ...]
+    span: Span
+
+    def __str__(self) -> str:
+        text = f"{self.name}.{self.attribute}" if self.attribute else self.name
+        return text + (f"[{self.index[0]}]" if self.index else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Local:
+    """An input, output or local variable of a function."""
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Time:
+    span: Span
+
+
+Flat: TypeAlias = Number | Boolean | String | Unary | Binary | IfExpression | Call | Array | Ref | FrameRef | Local | Time
+
+# Number of arguments of each function of the kernel; None: any number, at least one.
+FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
+    **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp",
+                     "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der"), (1,)),
+    **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "turn"), (2,)),
+    "table": (3,), "min": None, "max": None, "sum": None, "product": None,
+}  # fmt: skip
+FRAME_FUNCTIONS = frozenset({"shift", "turn"})
+CONSTANTS = {"pi": math.pi}
+_ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
+_MOST_ITERATIONS = 1_000_000
+
+
+@dataclass
+class Names:
+    """Resolves names; what is wrong is raised as LagError, caught and collected clause by clause in flat.py."""
+
+    table: ClassTable
+    report: Report
+    functions: dict[str, Any]
+    define_function: Callable[[str, Span], None] = lambda name, span: None
+    root: Instance | None = None
+    _structural: dict[str, Flat] = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        self._structural = {}
+        self._pending: list[str] = []
+
+    # ------------------------------------------------------------ structural values
+
+    def integer(self, expression: Expression, scope: Scope, what: str) -> int:
+        value = self._constant(expression, scope, what)
+        if isinstance(value, bool) or not float(value).is_integer():
+            fail("L0210", f"{what} must be an integer", expression.span, f"it is {value}")
+        return int(value)
+
+    def boolean(self, expression: Expression, scope: Scope, what: str) -> bool:
+        value = self._constant(expression, scope, what)
+        if not isinstance(value, bool):
+            fail("L0210", f"{what} must be true or false", expression.span)
+        return value
+
+    def _constant(self, expression: Expression, scope: Scope, what: str) -> float | bool:
+        value = fold(self.flatten(expression, scope))
+        if value is None:
+            fail("L0210", f"{what} must be known when the scene is compiled", expression.span,
+                 "use numbers, constants and Integer or Boolean parameters")  # fmt: skip
+        return value
+
+    def structural_value(self, slot: Slot, span: Span) -> Flat:
+        """The folded value of a constant or of an Integer, Boolean or String parameter."""
+        if slot.path in self._structural:
+            return self._structural[slot.path]
+        if slot.binding is None:
+            fail("L0211", f"'{slot.path}' has no value", slot.declaration.name_span, f"it is needed at {span}")
+        if slot.path in self._pending:
+            fail("L0212", f"'{slot.path}' depends on itself", slot.declaration.name_span, " > ".join([*self._pending, slot.path]))
+        self._pending.append(slot.path)
+        flat = self.flatten_bound(slot.binding)
+        self._pending.pop()
+        value = _folded(flat)
+        if value is None:
+            fail("L0210", f"'{slot.path}' must be known when the scene is compiled", slot.binding.expression.span,
+                 "it is structural (Integer, Boolean or constant): use numbers and structural values")  # fmt: skip
+        self._check_kind(slot, value)
+        self._structural[slot.path] = value
+        return value
+
+    def _check_kind(self, slot: Slot, value: Flat) -> None:
+        items = value.items if isinstance(value, Array) else (value,)
+        wanted = {"Integer": "an integer", "Boolean": "true or false", "String": "a text"}.get(slot.base, "a number")
+        for item in items:
+            good = {"Integer": isinstance(item, Number) and item.value.is_integer(), "Boolean": isinstance(item, Boolean),
+                    "String": isinstance(item, String)}.get(slot.base, isinstance(item, Number | Array))  # fmt: skip
+            if not good:
+                fail("L0210", f"'{slot.path}' must be {wanted}", value.span)
+
+    # ------------------------------------------------------------ expressions
+
+    def flatten_bound(self, bound: Bound) -> Flat:
+        flat = self.flatten(bound.expression, bound.scope)
+        for index, size in bound.selection:
+            flat = self._deal(flat, index, size)
+        return flat
+
+    def _deal(self, flat: Flat, index: int, size: int) -> Flat:
+        if isinstance(flat, Array):
+            if len(flat.items) != size:
+                fail("L0213", f"{len(flat.items)} values for an array of {size}", flat.span)
+            return flat.items[index - 1]  # type: ignore[return-value]
+        if isinstance(flat, Ref) and self._is_array(flat):
+            return Ref(flat.name, (*flat.index, index), flat.span)
+        fail("L0213", "one value for an array of components", flat.span,
+             "write `each` before it to give it to every element, or give an array")  # fmt: skip
+
+    def _is_array(self, ref: Ref) -> bool:
+        member = self._find(ref.name)
+        return isinstance(member, Slot) and len(member.dimensions) > len(ref.index)
+
+    def _find(self, path: str) -> Member | None:
+        member: Any = self.root
+        for step in path.replace("[", ".[").split("."):
+            if step.startswith("["):
+                for i in step[1:-1].split(","):
+                    member = member[int(i) - 1]
+            else:
+                member = member.members.get(step) if isinstance(member, Instance) else None
+        return member  # type: ignore[no-any-return]
+
+    def flatten(self, node: Expression, scope: Scope) -> Flat:
+        match node:
+            case Number():
+                return _in_si(node)
+            case Boolean() | String():
+                return node
+            case Reference():
+                return self.resolve(node, scope)
+            case Unary(operator, operand, span):
+                inner = self.flatten(operand, scope)
+                if operator == "+":
+                    return inner
+                if isinstance(inner, Number):
+                    return Number(-inner.value, inner.unit, span, inner.is_integer)
+                return Unary(operator, inner, span)  # type: ignore[arg-type]
+            case Binary(operator, left, right, span):
+                return Binary(operator, self.flatten(left, scope), self.flatten(right, scope), span)  # type: ignore[arg-type]
+            case IfExpression():
+                return self._choose(node, scope)
+            case Call():
+                return self._call(node, scope)
+            case Array(items, span):
+                return Array(tuple(self.flatten(item, scope) for item in items), span)  # type: ignore[misc]
+            case Comprehension(function, body, iterators, span):
+                items = tuple(self.flatten(body, inner) for inner in self.loop(iterators, scope))
+                array = Array(items, span)  # type: ignore[arg-type]
+                return self._checked_call(Call(function, (array,), (), span)) if function else array
+            case Range():
+                values = self._range(node, scope)
+                return Array(tuple(Number(float(v), None, node.span, True) for v in values), node.span)
+            case Whole(span):
+                fail("L0214", "':' stands only in subscripts", span)
+
+    def _choose(self, node: IfExpression, scope: Scope) -> Flat:
+        condition = self.flatten(node.condition, scope)
+        known = fold(condition)
+        if isinstance(known, bool):
+            return self.flatten(node.then if known else node.otherwise, scope)
+        then, otherwise = self.flatten(node.then, scope), self.flatten(node.otherwise, scope)
+        return IfExpression(condition, then, otherwise, node.span)  # type: ignore[arg-type]
+
+    def _call(self, node: Call, scope: Scope) -> Flat:
+        if node.function in ("connect", "assert", "reinit"):
+            fail("L0215", f"{node.function}(...) is an equation, not a value", node.span)
+        arguments = tuple(self.flatten(a, scope) for a in node.arguments)
+        named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
+        return self._checked_call(Call(node.function, arguments, named, node.span))  # type: ignore[arg-type]
+
+    def _checked_call(self, node: Call) -> Call:
+        if self.table.function(node.function, node.span) is not None:
+            self.define_function(node.function, node.span)
+            function = self.functions[node.function]
+            return Call(node.function, function.arrange(node), (), node.span)
+        if node.function not in FUNCTIONS:
+            user = [name for name, c in {**self.table.library, **self.table.user}.items() if c.kind == "function"]
+            hint = f"it is called '{_ALIASES[node.function]}' here" if node.function in _ALIASES else suggest(
+                node.function, [*FUNCTIONS, *user])  # fmt: skip
+            fail("L0204", f"there is no function '{node.function}'", node.span, *filter(None, [hint]))
+        if node.named:
+            fail("L0215", f"{node.function} takes no named arguments", node.span)
+        wanted, given = FUNCTIONS[node.function], len(node.arguments)
+        if given == 0 or (wanted is not None and given not in wanted):
+            count = " or ".join(map(str, wanted)) if wanted else "at least one"
+            fail("L0215", f"{node.function} takes {count} argument{'s' if count != '1' else ''}, not {given}", node.span)
+        return node
+
+    # ------------------------------------------------------------ loops
+
+    def loop(self, iterators: tuple[Iterator, ...], scope: Scope) -> Iterable[Scope]:
+        """The scopes of all passes of a loop, the last iterator running fastest."""
+        scopes = [scope]
+        for iterator in iterators:
+            if iterator.range is None:
+                fail("L0214", f"the range of '{iterator.name}' is missing", iterator.span, "write: for i in 1:n")
+            scopes = [s.bind(iterator.name, v) for s in scopes for v in self._values(iterator.range, s)]
+            if len(scopes) > _MOST_ITERATIONS:
+                fail("L0209", f"a loop of more than {_MOST_ITERATIONS} passes", iterator.span)
+        return scopes
+
+    def _values(self, node: Expression, scope: Scope) -> list[int]:
+        if isinstance(node, Range):
+            return self._range(node, scope)
+        if isinstance(node, Array):
+            return [self.integer(item, scope, "a loop's value") for item in node.items]
+        fail("L0214", "a loop runs over a range or a list of integers", node.span, "write: for i in 1:n")
+
+    def _range(self, node: Range, scope: Scope) -> list[int]:
+        start, stop = (self.integer(e, scope, "the end of a range") for e in (node.start, node.stop))
+        step = self.integer(node.step, scope, "the step of a range") if node.step is not None else 1
+        if step == 0 or (stop - start) // step > _MOST_ITERATIONS:
+            fail("L0209", f"a range of more than {_MOST_ITERATIONS} values", node.span)
+        return list(range(start, stop + (1 if step > 0 else -1), step))
+
+    # ------------------------------------------------------------ references
+
+    def resolve(self, node: Reference, scope: Scope) -> Flat:
+        first = node.parts[0]
+        if first.name in scope.iterators and len(node.parts) == 1 and not first.subscripts:
+            return Number(float(scope.iterators[first.name]), None, node.span, True)
+        member = scope.instance.members.get(first.name)
+        if member is None:
+            if first.name == "time":
+                return Time(node.span)
+            if first.name in CONSTANTS:
+                return Number(CONSTANTS[first.name], "1", node.span)
+            if first.name == "world" and self.root is not None:
+                member = self.root.members.get("world")
+        if member is None:
+            self._unknown(node, scope)
+        return self._follow(node, 0, member, scope, scope.instance)
+
+    def _follow(self, node: Reference, at: int, member: Member, scope: Scope, owner: Instance) -> Flat:
+        """Goes down the dotted name; arrays of components without subscripts make arrays of what follows."""
+        part = node.parts[at]
+        subscripts = [self._subscript(s, scope, member, k) for k, s in enumerate(part.subscripts)]
+        return self._index(node, at, member, subscripts, scope)
+
+    def _index(self, node: Reference, at: int, member: Member, subscripts: list[int | list[int]], scope: Scope) -> Flat:
+        part, rest = node.parts[at], node.parts[at + 1 :]
+        if isinstance(member, list):
+            head, tail = (subscripts[0], subscripts[1:]) if subscripts else (list(range(1, len(member) + 1)), [])
+            picks = [head] if isinstance(head, int) else head
+            for pick in picks:
+                if not 1 <= pick <= len(member):
+                    fail("L0214", f"'{part.name}' has {len(member)} elements, not {pick}", part.span)
+            items = [self._index(node, at, member[pick - 1], tail, scope) for pick in picks]
+            return items[0] if isinstance(head, int) else Array(tuple(items), node.span)  # type: ignore[arg-type]
+        if isinstance(member, Slot):
+            if rest:
+                fail("L0216", f"'{part.name}' is a variable and has no member '{rest[0].name}'", rest[0].span)
+            return self._variable(member, subscripts, node.span)
+        if subscripts:
+            fail("L0214", f"'{part.name}' is not an array", part.span)
+        if isinstance(member, FrameSlot):
+            return self._frame(node, at + 1, member, scope)
+        if not rest:
+            if member.frame is not None:
+                return FrameRef(member.path, "", (), node.span)
+            fail("L0216", f"'{node}' is a component ({member.definition.name}), not a value", node.span,
+                 _ports(member))  # fmt: skip
+        inner = member.members.get(rest[0].name)
+        if inner is None:
+            if member.frame is not None and rest[0].name in FRAME_ATTRIBUTES:
+                return self._frame(node, at + 1, member.frame, scope)
+            self._no_member(member, rest[0].name, rest[0].span)
+        return self._follow(node, at + 1, inner, scope, member)
+
+    def _variable(self, slot: Slot, subscripts: list[int | list[int]], span: Span) -> Flat:
+        if len(subscripts) > len(slot.dimensions):
+            fail("L0214", f"'{slot.declaration.name}' has {len(slot.dimensions)} dimensions, not {len(subscripts)}", span)
+        for subscript, size in zip(subscripts, slot.dimensions, strict=False):
+            for pick in [subscript] if isinstance(subscript, int) else subscript:
+                if not 1 <= pick <= size:
+                    fail("L0214", f"'{slot.declaration.name}' has {size} elements, not {pick}", span)
+        if slot.is_structural:
+            return _pick(self.structural_value(slot, span), subscripts)
+
+        def build(index: tuple[int, ...], left: list[int | list[int]]) -> Flat:
+            if not left:
+                return Ref(slot.path, index, span)
+            if isinstance(left[0], int):
+                return build((*index, left[0]), left[1:])
+            return Array(tuple(build((*index, i), left[1:]) for i in left[0]), span)  # type: ignore[misc]
+
+        return build((), subscripts)
+
+    def _frame(self, node: Reference, at: int, frame: FrameSlot, scope: Scope) -> Flat:
+        if at == len(node.parts):
+            return FrameRef(frame.path, "", (), node.span)
+        part = node.parts[at]
+        if part.name not in FRAME_ATTRIBUTES or at + 1 < len(node.parts):
+            wrong = part if part.name not in FRAME_ATTRIBUTES else node.parts[at + 1]
+            fail("L0216", f"a frame has no '{wrong.name}'", wrong.span, f"it has {', '.join(sorted(FRAME_ATTRIBUTES))}")
+        index = tuple(self.integer(s, scope, "a subscript") for s in part.subscripts)
+        if index and (part.name not in ("r", "v") or len(index) > 1 or index[0] not in (1, 2)):
+            fail("L0214", f"'{part.name}' of a frame has no element {list(index)}", part.span)
+        return FrameRef(frame.path, part.name, index, node.span)
+
+    def _subscript(self, node: Expression, scope: Scope, member: Member, dimension: int) -> int | list[int]:
+        if isinstance(node, Whole):
+            size = len(member) if isinstance(member, list) else member.dimensions[dimension] if isinstance(member, Slot) else 0
+            return list(range(1, size + 1))
+        if isinstance(node, Range | Array):
+            return self._values(node, scope)
+        return self.integer(node, scope, "a subscript")
+
+    def _unknown(self, node: Reference, scope: Scope) -> None:
+        first = node.parts[0]
+        known = {*scope.instance.members, *scope.iterators, "time", "world"}
+        hints = [suggest(first.name, known)]
+        if first.name in scope.instance.absent:
+            hints = ["its condition is false, so it is not there"]
+        elif scope.instance.parent is not None and first.name in scope.instance.parent.members:
+            hints.append(f"'{first.name}' belongs to {scope.instance.parent.definition.name}: pass it in a modification")
+        where = scope.instance.definition.name
+        fail("L0204", f"'{first.name}' is not known in {where}", first.span, *filter(None, hints))
+
+    def _no_member(self, instance: Instance, name: str, span: Span) -> None:
+        what = f"{instance.definition.name} '{instance.path}'"
+        fail("L0216", f"{what} has no member '{name}'", span, *filter(None, [suggest(name, instance.members)]))
+
+
+def _ports(instance: Instance) -> str:
+    frames = [name for name, member in instance.members.items() if isinstance(member, FrameSlot)]
+    return f"its ports are {', '.join(frames)}" if frames else "name one of its variables"
+
+
+def _pick(value: Flat, subscripts: list[int | list[int]]) -> Flat:
+    for subscript in subscripts:
+        assert isinstance(value, Array)
+        if isinstance(subscript, int):
+            value = value.items[subscript - 1]  # type: ignore[assignment]
+        else:
+            value = Array(tuple(value.items[i - 1] for i in subscript), value.span)
+    return value
+
+
+def _in_si(node: Number) -> Number:
+    if node.unit is None:
+        return node
+    try:
+        unit = parse_unit(node.unit)
+    except ValueError as error:
+        fail("L0301", str(error), node.span, *filter(None, [suggest(node.unit, known_units())]))
+    return Number(node.value * unit.factor + unit.offset, node.unit, node.span, False)
+
+
+# -------------------------------------------------------------------- folding
+
+_FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
+    "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b, "^": lambda a, b: a**b,
+    "==": lambda a, b: a == b, "<>": lambda a, b: a != b, "<": lambda a, b: a < b, "<=": lambda a, b: a <= b,
+    ">": lambda a, b: a > b, ">=": lambda a, b: a >= b, "and": lambda a, b: a and b, "or": lambda a, b: a or b,
+}  # fmt: skip
+_FOLD_CALLS: Mapping[str, Callable[..., Any]] = {
+    "floor": math.floor, "ceil": math.ceil, "abs": abs, "mod": lambda a, b: a - b * math.floor(a / b), "sqrt": math.sqrt, "sin": math.sin,
+    "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log, "min": min, "max": max,
+}  # fmt: skip
+
+
+def fold(node: Flat) -> float | bool | None:
+    """The value of a scalar expression of numbers alone, else None."""
+    try:
+        match node:
+            case Number(value) | Boolean(value):
+                return value
+            case Unary(operator, operand):
+                inner = fold(operand)  # type: ignore[arg-type]
+                return None if inner is None else (not inner) if operator == "not" else -inner
+            case Binary(operator, left, right):
+                a, b = fold(left), fold(right)  # type: ignore[arg-type]
+                return None if a is None or b is None else _FOLD[operator](a, b)  # type: ignore[no-any-return]
+            case Call(function, arguments, (), _) if function in _FOLD_CALLS:
+                values = [fold(a) for a in arguments]  # type: ignore[arg-type]
+                return None if None in values else _FOLD_CALLS[function](*values)  # type: ignore[no-any-return]
+    except (ArithmeticError, ValueError):
+        fail("L0217", "this cannot be computed", node.span, "a division by zero or a function outside its domain")
+    return None
+
+
+def _folded(node: Flat) -> Flat | None:
+    if isinstance(node, String):
+        return node
+    if isinstance(node, Array):
+        items = [_folded(item) for item in node.items]  # type: ignore[arg-type]
+        return None if None in items else Array(tuple(items), node.span)  # type: ignore[arg-type]
+    value = fold(node)
+    if value is None:
+        return None
+    if isinstance(value, bool):
+        return Boolean(value, node.span)
+    return Number(float(value), node.unit if isinstance(node, Number) else None, node.span, float(value).is_integer())
+
+
+__all__ = ["FUNCTIONS", "Flat", "FrameRef", "LagError", "Local", "Names", "Ref", "Time", "fold"]

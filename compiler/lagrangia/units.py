@@ -1,0 +1,132 @@
+"""Units and dimensions: "kN/m" -> factor 1000 and dimension kg.s-2.
+
+The radian counts as 1, as in the SI. Source: BIPM, The International System of Units, 9th edition (2019).
+"""
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+
+_BASES = ("kg", "m", "s", "A", "K", "mol", "cd")
+Dimension = tuple[Fraction, ...]
+ONE: Dimension = (Fraction(0),) * len(_BASES)
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A quantity in this unit times `factor` (after adding `offset`) is the quantity in SI."""
+
+    factor: float
+    dimension: Dimension
+    offset: float = 0.0
+
+
+def dimension(**powers: int) -> Dimension:
+    return tuple(Fraction(powers.get(base, 0)) for base in _BASES)
+
+
+_KG, _M, _S, _A, _K = (dimension(**{base: 1}) for base in _BASES[:5])
+_NEWTON = dimension(kg=1, m=1, s=-2)
+_JOULE = dimension(kg=1, m=2, s=-2)
+_WATT = dimension(kg=1, m=2, s=-3)
+_PI = 3.141592653589793
+
+_UNITS = {
+    "1": Unit(1, ONE), "m": Unit(1, _M), "g": Unit(1e-3, _KG), "s": Unit(1, _S), "A": Unit(1, _A), "K": Unit(1, _K),
+    "mol": Unit(1, dimension(mol=1)), "cd": Unit(1, dimension(cd=1)),
+    "rad": Unit(1, ONE), "deg": Unit(_PI / 180, ONE), "°": Unit(_PI / 180, ONE), "rev": Unit(2 * _PI, ONE), "%": Unit(0.01, ONE),
+    "N": Unit(1, _NEWTON), "J": Unit(1, _JOULE), "W": Unit(1, _WATT), "Pa": Unit(1, dimension(kg=1, m=-1, s=-2)),
+    "Hz": Unit(1, dimension(s=-1)), "rpm": Unit(_PI / 30, dimension(s=-1)),
+    "min": Unit(60, _S), "h": Unit(3600, _S), "d": Unit(86400, _S),
+    "t": Unit(1000, _KG), "lb": Unit(0.45359237, _KG), "L": Unit(1e-3, dimension(m=3)), "l": Unit(1e-3, dimension(m=3)),
+    "inch": Unit(0.0254, _M), "ft": Unit(0.3048, _M), "bar": Unit(1e5, dimension(kg=1, m=-1, s=-2)),
+    "lbf": Unit(4.4482216152605, _NEWTON), "eV": Unit(1.602176634e-19, _JOULE),
+    "C": Unit(1, dimension(A=1, s=1)), "V": Unit(1, dimension(kg=1, m=2, s=-3, A=-1)),
+    "Ohm": Unit(1, dimension(kg=1, m=2, s=-3, A=-2)), "F": Unit(1, dimension(kg=-1, m=-2, s=4, A=2)),
+    "H": Unit(1, dimension(kg=1, m=2, s=-2, A=-2)), "Wb": Unit(1, dimension(kg=1, m=2, s=-2, A=-1)), "T": Unit(1, dimension(kg=1, s=-2, A=-1)),
+    "degC": Unit(1, _K, 273.15),
+}  # fmt: skip
+_PREFIXES = {"q": -30, "r": -27, "y": -24, "z": -21, "a": -18, "f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3,
+             "c": -2, "d": -1, "da": 1, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12, "P": 15, "E": 18, "Z": 21, "Y": 24}  # fmt: skip
+_NO_PREFIX = {"1", "deg", "°", "rev", "%", "rpm", "min", "h", "d", "lb", "inch", "ft", "lbf", "degC", "kg"}
+_FACTOR = re.compile(r"(1|[A-Za-z°%µμ]+)(?:\^?([+-]?\d+))?")
+
+
+@cache
+def parse_unit(text: str) -> Unit:
+    """The unit written `text`, as "N.m/rad", "kg.m2", "m/s2", "km/h", "1/s", "N.s/(m.rad)".
+
+    Raises ValueError with the part that is not understood.
+    """
+    compact = text.replace(" ", "").replace("*", ".").replace("·", ".")
+    above, *below = compact.split("/")
+    if not compact or len(below) > 1:
+        raise ValueError(f"'{text}' is not a unit" if not compact else f"'{text}' has more than one '/'; write a/(b.c)")
+    result = _product(above)
+    if below:
+        under = _product(below[0].removeprefix("(").removesuffix(")"))
+        result = Unit(result.factor / under.factor, divide(result.dimension, under.dimension))
+    return result
+
+
+def _product(text: str) -> Unit:
+    factors = text.split(".")
+    if len(factors) == 1 and text in _UNITS:
+        return _UNITS[text]
+    factor, total = 1.0, ONE
+    for part in factors:
+        match = _FACTOR.fullmatch(part)
+        if match is None:
+            raise ValueError(f"'{part}' is not a unit")
+        base, exponent = _prefixed(match[1]), int(match[2] or 1)
+        factor *= base.factor**exponent
+        total = multiply(total, power(base.dimension, Fraction(exponent)))
+    return Unit(factor, total)
+
+
+def _prefixed(name: str) -> Unit:
+    if name in _UNITS:
+        return _UNITS[name]
+    for length in (1, 2):
+        prefix, rest = name[:length], name[length:]
+        if prefix in _PREFIXES and rest in _UNITS and rest not in _NO_PREFIX:
+            unit, exponent = _UNITS[rest], _PREFIXES[prefix]
+            if rest == "g":
+                exponent -= 3
+                return Unit(10.0**exponent, unit.dimension)
+            return Unit(unit.factor * 10.0**exponent, unit.dimension)
+    raise ValueError(f"'{name}' is not a unit")
+
+
+def known_units() -> list[str]:
+    return sorted(set(_UNITS) - {"1"}) + ["kg", "mm", "kN"]
+
+
+def multiply(a: Dimension, b: Dimension) -> Dimension:
+    return tuple(x + y for x, y in zip(a, b, strict=True))
+
+
+def divide(a: Dimension, b: Dimension) -> Dimension:
+    return tuple(x - y for x, y in zip(a, b, strict=True))
+
+
+def power(a: Dimension, exponent: Fraction) -> Dimension:
+    return tuple(x * exponent for x in a)
+
+
+_NAMED = {_NEWTON: "N", _JOULE: "J (or N.m)", _WATT: "W", dimension(s=-1): "1/s", dimension(kg=1, s=-2): "N/m", dimension(kg=1, s=-1): "N.s/m",
+          _M: "m", _KG: "kg", _S: "s", ONE: "1 (no unit, or an angle)"}  # fmt: skip
+
+
+def spell(d: Dimension) -> str:
+    """A dimension as people write it: "N/m", "kg.m2/s"."""
+    if d in _NAMED:
+        return _NAMED[d]
+
+    def side(sign: int) -> list[str]:
+        return [base + ("" if p * sign == 1 else str(p * sign)) for base, p in zip(_BASES, d, strict=True) if p * sign > 0]
+
+    above, below = side(1), side(-1)
+    under = below[0] if len(below) == 1 else f"({'.'.join(below)})"
+    return (".".join(above) or "1") + (f"/{under}" if below else "")
