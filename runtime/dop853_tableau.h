@@ -21,7 +21,7 @@ static const double lag_dop853_node[LAG_DOP853_ALL_STAGES] = {
     0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726, 0.3333333333333333, 0.25,
     0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0, 0.1, 0.2, 0.7777777777777778};
 
-/* A: stage i is at y + h sum of weight * k[column]. Stage 12 is the new point itself (row 12 = b), 13 to 15 serve dense output. */
+/* A: stage i is at y + h sum of weight * k[column]. Row 12 = b: the new point. Stages 13 to 15 serve dense output. */
 static const LagTableauRow lag_dop853_stage[LAG_DOP853_ALL_STAGES] = {
     {0, {0}, {0.0}},
     {1, {0},

@@ -1,0 +1,241 @@
+"""C -> shared library: finding a compiler, building once, keeping the result.
+
+The cache is a folder of folders, one for each library ever built: `<name>-<key>/` holds the library and the SHA-256 of its
+bytes. The key is the hash of everything the result depends on: sources, headers, flags and compiler. A library is built in
+a folder of another name and renamed, so that whoever sees the folder sees it whole, and two processes may build the same
+library at the same time: the second one keeps the first one's.
+"""
+
+import hashlib
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+from lagrangia.folders import data_folder
+
+_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+# No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
+_FLAGS = ("-std=c99", "-shared", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden")
+_PLATFORM_FLAGS = () if sys.platform == "win32" else ("-fPIC",)
+_LIBRARIES = () if sys.platform == "win32" else ("-lm",)
+_MOST_LINES = 20
+
+
+class CompilerError(Exception):
+    """The C compiler refused: `command`, and the first lines of its `output`."""
+
+    def __init__(self, command: Sequence[str], output: str) -> None:
+        self.command = tuple(command)
+        self.output = "\n".join(output.splitlines()[:_MOST_LINES])
+        super().__init__(f"{shlex.join(self.command)}\n{self.output}")
+
+
+@dataclass(frozen=True)
+class Compiler:
+    """A command that understands the options of cc."""
+
+    command: tuple[str, ...]
+
+    @property
+    def identity(self) -> str:
+        """Changes when the compiler does. Looks at its file only: running it would cost more than loading a library."""
+        file = _ziglang() if "ziglang" in self.command else shutil.which(self.command[0])
+        stat = os.stat(os.path.realpath(file)) if file else None
+        return repr((self.command, file, stat and (stat.st_size, stat.st_mtime_ns)))
+
+    def works(self) -> bool:
+        """Whether it builds an empty library. A success is remembered in the cache."""
+        try:
+            build("probe", "int lag_probe(void);\nint lag_probe(void) { return 0; }\n", compiler=self)
+        except (CompilerError, OSError):
+            return False
+        return True
+
+
+def _ziglang() -> str | None:
+    spec = find_spec("ziglang")
+    return spec.origin if spec else None
+
+
+def _candidates() -> Iterator[Compiler]:
+    chosen = os.environ.get("LAGRANGIA_CC")
+    if chosen is not None:
+        if chosen not in ("", "none"):
+            yield Compiler(tuple(shlex.split(chosen)))
+        return
+    for command in (os.environ.get("CC"), "cc", "gcc", "clang"):
+        if command and shutil.which(shlex.split(command)[0]):
+            yield Compiler(tuple(shlex.split(command)))
+    if _ziglang():
+        yield Compiler((sys.executable, "-m", "ziglang", "cc"))
+
+
+def find_compiler() -> Compiler | None:
+    """The first of $LAGRANGIA_CC ("none": pretend there is none), $CC, cc, gcc, clang and PyPI's ziglang that works."""
+    return next((compiler for compiler in _candidates() if compiler.works()), None)
+
+
+def cache_folder() -> Path:
+    """Where libraries are kept: $LAGRANGIA_CACHE, the system's place for caches, or a private temporary folder."""
+    for folder in _cache_candidates():
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK | os.X_OK):
+            return folder
+    return _private_temporary_folder()
+
+
+def _cache_candidates() -> Iterator[Path]:
+    environment = os.environ.get
+    if chosen := environment("LAGRANGIA_CACHE"):
+        yield Path(chosen)
+    if xdg := environment("XDG_CACHE_HOME"):
+        yield Path(xdg) / "lagrangia"
+    if sys.platform == "win32" and (local := environment("LOCALAPPDATA")):
+        yield Path(local) / "lagrangia" / "cache"
+    try:
+        home = Path.home()
+    except RuntimeError:
+        return
+    yield home / ("Library/Caches" if sys.platform == "darwin" else ".cache") / "lagrangia"
+
+
+@cache
+def _private_temporary_folder() -> Path:
+    """Libraries get loaded, so nobody else may be able to put one there."""
+    user = os.getuid() if hasattr(os, "getuid") else None
+    folder = Path(tempfile.gettempdir()) / f"lagrangia-{'cache' if user is None else user}"
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        stat = folder.lstat()
+        if user is None or (stat.st_uid == user and stat.st_mode & 0o077 == 0 and not folder.is_symlink()):
+            return folder
+    except OSError:
+        pass
+    return Path(tempfile.mkdtemp(prefix="lagrangia-"))
+
+
+class Build:
+    """A library in the making. `finish` waits for it; builds that were started together run at the same time."""
+
+    def __init__(self, name: str, sources: str | Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler) -> None:
+        options = (*_FLAGS, *_PLATFORM_FLAGS, level)
+        self._folder = cache_folder() / f"{name}-{_key(sources, include, options, compiler)}"
+        self._library = self._folder / f"{name}{_SUFFIX}"
+        self._process: subprocess.Popen[str] | None = None
+        if _is_whole(self._library):
+            return
+        self._workplace = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=self._folder.parent))
+        includes = [f"-I{folder}" for folder in include]
+        files = [str(file) for file in self._written(name, sources)]
+        output = str(self._workplace / self._library.name)
+        self._command = [*compiler.command, *options, *includes, "-o", output, *files, *_LIBRARIES]
+        try:
+            self._process = subprocess.Popen(self._command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        except OSError as error:
+            shutil.rmtree(self._workplace)
+            raise CompilerError(self._command, str(error)) from error
+
+    def _written(self, name: str, sources: str | Sequence[Path]) -> Sequence[Path]:
+        if not isinstance(sources, str):
+            return sources
+        file = self._workplace / f"{name}.c"
+        file.write_text(sources, encoding="utf-8")
+        return [file]
+
+    def finish(self) -> Path:
+        """The library's path. Raises CompilerError."""
+        if self._process is None:
+            return self._library
+        output, _ = self._process.communicate()
+        try:
+            if self._process.returncode != 0:
+                raise CompilerError(self._command, output)
+            _digest_file(self._workplace / self._library.name).write_text(_digest(self._workplace / self._library.name))
+            self._install()
+        finally:
+            shutil.rmtree(self._workplace, ignore_errors=True)
+            self._process = None
+        return self._library
+
+    def _install(self) -> None:
+        while not _is_whole(self._library):
+            try:
+                os.rename(self._workplace, self._folder)
+            except OSError:
+                if not self._folder.exists():
+                    raise
+                if not _is_whole(self._library):
+                    shutil.rmtree(self._folder, ignore_errors=True)
+
+
+def build(
+    name: str,
+    sources: str | Sequence[Path],
+    *,
+    include: Sequence[Path] = (),
+    level: str = "-O2",
+    compiler: Compiler | None = None,
+) -> Path:
+    """Build a shared library, or find it in the cache.
+
+    `sources` is the text of one C file, or paths; `include` are the folders of headers, `level` is -O0 … -O3.
+    Raises CompilerError; also when there is no compiler at all.
+    """
+    return start_build(name, sources, include=include, level=level, compiler=compiler).finish()
+
+
+def start_build(
+    name: str,
+    sources: str | Sequence[Path],
+    *,
+    include: Sequence[Path] = (),
+    level: str = "-O2",
+    compiler: Compiler | None = None,
+) -> Build:
+    """Like `build`, but does not wait for the compiler."""
+    compiler = compiler or find_compiler()
+    if compiler is None:
+        raise CompilerError(["cc"], "no C compiler was found; `pip install ziglang` brings one")
+    return Build(name, sources, include, level, compiler)
+
+
+def start_runtime_build(compiler: Compiler | None = None, level: str = "-O2") -> Build:
+    """The run time, as one library for all scenes."""
+    folder = data_folder("runtime")
+    return start_build("runtime", sorted(folder.glob("*.c")), include=[folder], level=level, compiler=compiler)
+
+
+def _key(sources: str | Sequence[Path], include: Sequence[Path], options: Sequence[str], compiler: Compiler) -> str:
+    hashed = hashlib.sha256(repr((options, compiler.identity, sys.platform)).encode())
+    texts = [sources.encode()] if isinstance(sources, str) else [file.read_bytes() for file in sources]
+    headers = [header.read_bytes() for folder in include for header in sorted(folder.glob("*.h"))]
+    for text in (*texts, *headers):
+        hashed.update(hashlib.sha256(text).digest())
+    return hashed.hexdigest()[:32]
+
+
+def _digest(library: Path) -> str:
+    return hashlib.sha256(library.read_bytes()).hexdigest()
+
+
+def _digest_file(library: Path) -> Path:
+    return library.with_suffix(".sha256")
+
+
+def _is_whole(library: Path) -> bool:
+    """Whether the library is there with the bytes it was built with. A truncated one would crash whoever loads it."""
+    try:
+        return _digest_file(library).read_text() == _digest(library)
+    except OSError:
+        return False

@@ -1,0 +1,401 @@
+"""The C run time, seen from Python: models as libraries or tapes, and runs.
+
+The structures mirror runtime/*.h field by field. Only the standard library is used, so that a scene that was compiled
+before starts at once; numpy arrays are welcome wherever a buffer of doubles is.
+"""
+
+import ctypes as c
+import math
+from array import array
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+_Doubles = c.POINTER(c.c_double)
+_Ints = c.POINTER(c.c_int)
+
+
+class Status(IntEnum):
+    """LagStatus of status.h."""
+
+    OK = 0
+    PAUSED = 1
+    STEP_TOO_SMALL = 2
+    NOT_FINITE = 3
+    INITIAL_FAILED = 4
+    TOO_MANY_STEPS = 5
+    TIME_PASSED = 6
+    PAST_STOP = 7
+    NOT_STARTED = 8
+    BAD_SETTINGS = 9
+    BAD_INPUTS = 10
+    OUT_OF_MEMORY = 11
+
+
+class Op(IntEnum):
+    """LagOp of tape.h."""
+
+    INPUT = 0
+    OUTPUT = 1
+    CONST = 2
+    ASSIGN = 3
+    ADD = 4
+    SUB = 5
+    MUL = 6
+    DIV = 7
+    NEG = 8
+    SQ = 9
+    TWICE = 10
+    INV = 11
+    SQRT = 12
+    SIN = 13
+    COS = 14
+    TAN = 15
+    ASIN = 16
+    ACOS = 17
+    ATAN = 18
+    ATAN2 = 19
+    EXP = 20
+    LOG = 21
+    POW = 22
+    CONSTPOW = 23
+    FABS = 24
+    SIGN = 25
+    FMIN = 26
+    FMAX = 27
+    FLOOR = 28
+    CEIL = 29
+    FMOD = 30
+    COPYSIGN = 31
+    LT = 32
+    LE = 33
+    EQ = 34
+    NE = 35
+    NOT = 36
+    AND = 37
+    OR = 38
+    IF_ELSE_ZERO = 39
+    SINH = 40
+    COSH = 41
+    TANH = 42
+    ASINH = 43
+    ACOSH = 44
+    ATANH = 45
+    ERF = 46
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Limits of a run; 0 stands for "none" or "automatic"."""
+
+    t_start: float = 0.0
+    t_stop: float = math.inf
+    tolerance: float = 1e-8
+    max_step: float = 0.0
+    first_step: float = 0.0
+    max_steps: int = 0
+    energy_every_step: bool = False
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What a run has done so far; `worst` counts positions 0 … n-1, then rates."""
+
+    steps: int
+    rejected: int
+    rhs_evaluations: int
+    dense_outputs: int
+    events: int
+    smallest_step: float
+    largest_step: float
+    energy_residual: float
+    energy_scale: float
+    worst: int
+    tolerance_raised: bool
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why, where and when a run stopped: `index` of a coordinate (its rate when `rate`) or of an initial equation."""
+
+    status: Status
+    index: int
+    rate: bool
+    time: float
+    value: float
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Rows of results, one after another in `values`: t, q, v, y, T, V, H, dissipated, work."""
+
+    status: Status
+    width: int
+    count: int
+    values: "array[float]"
+
+    def __getitem__(self, row: int) -> "array[float]":
+        if not 0 <= row < self.count:
+            raise IndexError(row)
+        return self.values[row * self.width : (row + 1) * self.width]
+
+
+@dataclass(frozen=True)
+class Tape:
+    """A function as instructions (op, out, a, b), flat in a buffer of int32; `constants` is a buffer of doubles."""
+
+    in_sizes: Sequence[int]
+    out_sizes: Sequence[int]
+    n_work: int
+    code: Any
+    constants: Any
+
+
+class _Tape(c.Structure):
+    _fields_ = (
+        ("n_instructions", c.c_int32),
+        ("n_constants", c.c_int32),
+        ("code", c.POINTER(c.c_int32)),
+        ("constants", _Doubles),
+    )
+
+
+class _Function(c.Structure):
+    _fields_ = (
+        ("n_in", c.c_int),
+        ("n_out", c.c_int),
+        ("in_size", _Ints),
+        ("out_size", _Ints),
+        ("n_work", c.c_size_t),
+        ("code", c.c_void_p),
+        ("tape", c.POINTER(_Tape)),
+    )
+
+
+_SIZES = ("n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power")
+_FUNCTIONS = ("parameters", "hoist", "start", "initial", "events", "modes", "rhs", "outputs", "energies")
+
+
+class _Model(c.Structure):
+    _fields_ = (
+        *((name, c.c_int) for name in _SIZES),
+        ("coordinate_kind", _Ints),
+        ("fixed", _Ints),
+        ("event_kind", _Ints),
+        ("outputs_need_acceleration", c.c_int),
+        *((name, _Function) for name in _FUNCTIONS),
+    )
+
+
+class _Settings(c.Structure):
+    _fields_ = (
+        ("t_start", c.c_double),
+        ("t_stop", c.c_double),
+        ("tolerance", c.c_double),
+        ("max_step", c.c_double),
+        ("first_step", c.c_double),
+        ("max_steps", c.c_int64),
+        ("energy_every_step", c.c_int32),
+    )
+
+
+class _Statistics(c.Structure):
+    _fields_ = (
+        ("steps", c.c_int64),
+        ("rejected", c.c_int64),
+        ("rhs_evaluations", c.c_int64),
+        ("dense_outputs", c.c_int64),
+        ("events", c.c_int64),
+        ("smallest_step", c.c_double),
+        ("largest_step", c.c_double),
+        ("energy_residual", c.c_double),
+        ("energy_scale", c.c_double),
+        ("worst", c.c_int32),
+        ("tolerance_raised", c.c_int32),
+    )
+
+
+class _Failure(c.Structure):
+    _fields_ = (("status", c.c_int32), ("index", c.c_int32), ("rate", c.c_int32), ("time", c.c_double), ("value", c.c_double))
+
+
+_RUN = c.c_void_p
+_SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
+    "lag_tape_valid": (c.c_int, (c.POINTER(_Function),)),
+    "lag_run_new": (_RUN, (c.POINTER(_Model), c.POINTER(_Settings))),
+    "lag_run_free": (None, (_RUN,)),
+    "lag_run_set_parameters": (c.c_int, (_RUN, _Doubles, _Doubles)),
+    "lag_run_parameters": (_Doubles, (_RUN,)),
+    "lag_run_set_inputs": (c.c_int, (_RUN, _Doubles, _Doubles, c.c_int)),
+    "lag_run_start": (c.c_int, (_RUN, _Doubles, _Doubles)),
+    "lag_run_set_stop": (None, (_RUN, c.c_double)),
+    "lag_run_row_width": (c.c_int, (c.POINTER(_Model),)),
+    "lag_run_advance": (c.c_int, (_RUN, _Doubles, c.c_int, _Doubles, _Ints, c.c_double)),
+    "lag_run_advance_steps": (c.c_int, (_RUN, c.c_int, _Doubles, _Ints, c.c_double)),
+    "lag_run_row": (c.c_int, (_RUN, _Doubles)),
+    "lag_run_time": (c.c_double, (_RUN,)),
+    "lag_run_statistics": (c.POINTER(_Statistics), (_RUN,)),
+    "lag_run_failure": (c.POINTER(_Failure), (_RUN,)),
+}
+
+
+def _buffer(values: Any) -> Any:
+    """A ctypes view or copy of doubles: buffers of doubles are not gone through one by one."""
+    if values is None:
+        return None
+    try:
+        view = memoryview(values)
+        if view.format == "d" and view.c_contiguous:
+            return (c.c_double * (view.nbytes // 8)).from_buffer_copy(view)
+    except TypeError:
+        pass
+    return (c.c_double * len(values))(*values)
+
+
+def _ints(values: Sequence[int]) -> Any:
+    return (c.c_int * len(values))(*values)
+
+
+class Model:
+    """A LagModel, and whatever memory it points to."""
+
+    def __init__(self, struct: _Model, kept: object) -> None:
+        self.struct = struct
+        self._kept = kept
+
+    @classmethod
+    def from_library(cls, path: Path) -> Self:
+        """The model that a compiled scene exports as `lag_model`."""
+        library = c.CDLL(str(path))
+        return cls(_Model.in_dll(library, "lag_model"), library)
+
+    @classmethod
+    def from_tapes(
+        cls,
+        sizes: Mapping[str, int],
+        functions: Mapping[str, Tape],
+        coordinate_kind: Sequence[int],
+        fixed: Sequence[int],
+        event_kind: Sequence[int] = (),
+    ) -> Self:
+        """A model from plain data. `sizes` has the names of LagModel's integers, those left out are 0; likewise `functions`."""
+        struct = _Model(coordinate_kind=_ints(coordinate_kind), fixed=_ints(fixed), event_kind=_ints(event_kind))
+        for name, size in sizes.items():
+            setattr(struct, name, size)
+        for name, tape in functions.items():
+            setattr(struct, name, _function_of(tape))
+        return cls(struct, None)
+
+
+def _function_of(tape: Tape) -> _Function:
+    code = bytes(memoryview(tape.code).cast("B"))
+    numbers = (c.c_int32 * (len(code) // 4)).from_buffer_copy(code)
+    constants = _buffer(tape.constants)
+    struct = _Tape(len(numbers) // 4, len(constants), numbers, constants)
+    return _Function(
+        len(tape.in_sizes), len(tape.out_sizes), _ints(tape.in_sizes), _ints(tape.out_sizes), tape.n_work, None, c.pointer(struct)
+    )
+
+
+class Runtime:
+    """The loaded library of the run time."""
+
+    def __init__(self, path: Path) -> None:
+        self.library = c.CDLL(str(path))
+        for name, (result, arguments) in _SIGNATURES.items():
+            function = getattr(self.library, name)
+            function.restype, function.argtypes = result, arguments
+
+    def check_tapes(self, model: Model) -> None:
+        """Raises ValueError when a tape reaches outside its vectors or holds an unknown op."""
+        for name in _FUNCTIONS:
+            function = getattr(model.struct, name)
+            if function.tape and not self.library.lag_tape_valid(c.byref(function)):
+                raise ValueError(f"the tape of {name!r} is not valid")
+
+    def run(self, model: Model, settings: Settings) -> "Run":
+        return Run(self, model, settings)
+
+
+class Run:
+    """A run of a model; use it in a `with` statement. Methods answer a Status; `failure` tells more."""
+
+    def __init__(self, runtime: Runtime, model: Model, settings: Settings) -> None:
+        self._library = runtime.library
+        self._model = model
+        values = [getattr(settings, name) for name, *_ in _Settings._fields_]
+        self._run: int | None = self._library.lag_run_new(c.byref(model.struct), c.byref(_Settings(*values)))
+        if not self._run:
+            raise MemoryError("no memory for a run of this model")
+        self.width: int = self._library.lag_run_row_width(c.byref(model.struct))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._library.lag_run_free(self._run)
+        self._run = None
+
+    def set_parameters(self, given: Sequence[float] | None = None, mask: Sequence[float] | None = None) -> Status:
+        """Values of all parameters, and a mask that is 1 where they count; without: all from their bindings."""
+        return Status(self._library.lag_run_set_parameters(self._run, _buffer(given), _buffer(mask)))
+
+    @property
+    def parameters(self) -> list[float]:
+        return list(self._library.lag_run_parameters(self._run)[: self._model.struct.n_parameters])
+
+    def set_inputs(self, times: Any, values: Any) -> Status:
+        """A table of inputs: times[rows], values[rows * n_inputs] row by row; linear in between, held outside."""
+        return Status(self._library.lag_run_set_inputs(self._run, _buffer(times), _buffer(values), len(times)))
+
+    def start(self, q: Sequence[float] | None = None, v: Sequence[float] | None = None) -> Status:
+        """Find start values and evaluate once; NaN in q and v where nothing is given."""
+        return Status(self._library.lag_run_start(self._run, _buffer(q), _buffer(v)))
+
+    def set_stop(self, t_stop: float) -> None:
+        self._library.lag_run_set_stop(self._run, t_stop)
+
+    def advance(self, times: Any, seconds: float = 0.0) -> Rows:
+        """Rows at ascending times, as many as could be reached (within so many seconds of wall time, if not 0)."""
+        return self._rows(len(times), self._library.lag_run_advance, _buffer(times), len(times), seconds)
+
+    def advance_steps(self, most: int, seconds: float = 0.0) -> Rows:
+        """Rows after each step, until t_stop or `most` of them."""
+        return self._rows(most, self._library.lag_run_advance_steps, most, seconds)
+
+    def _rows(self, most: int, function: Any, *arguments: Any) -> Rows:
+        *arguments_before, seconds = arguments
+        values = array("d", bytes(8 * most * self.width))
+        results = (c.c_double * len(values)).from_buffer(values)
+        done = c.c_int()
+        status = Status(function(self._run, *arguments_before, results, c.byref(done), seconds))
+        del results  # the array could not be resized while it is looked at
+        del values[done.value * self.width :]
+        return Rows(status, self.width, done.value, values)
+
+    def row(self) -> Rows:
+        """The row of the present time."""
+        values = array("d", bytes(8 * self.width))
+        status = Status(self._library.lag_run_row(self._run, (c.c_double * self.width).from_buffer(values)))
+        return Rows(status, self.width, int(status is Status.OK), values)
+
+    @property
+    def time(self) -> float:
+        return float(self._library.lag_run_time(self._run))
+
+    @property
+    def statistics(self) -> Statistics:
+        struct = self._library.lag_run_statistics(self._run).contents
+        values = {name: getattr(struct, name) for name, _ in _Statistics._fields_}
+        return Statistics(**values | {"tolerance_raised": bool(struct.tolerance_raised)})
+
+    @property
+    def failure(self) -> Failure:
+        struct = self._library.lag_run_failure(self._run).contents
+        return Failure(Status(struct.status), struct.index, bool(struct.rate), struct.time, struct.value)

@@ -1,0 +1,39 @@
+#include "account.h"
+
+#include <math.h>
+
+#include "evaluate.h"
+
+enum { KINETIC, POTENTIAL, TOTAL, DISSIPATED, WORK };
+
+static double total(LagRun *run, double t, const double *y)
+{
+    double energies[3] = {0, 0, 0};
+    lag_energies(run, t, y, energies);
+    return energies[TOTAL];
+}
+
+void lag_account_note(LagRun *run, double t, const double *y, double *entries)
+{
+    LagStatistics *statistics = &run->statistics;
+    const double *quadratures = y + 2 * run->model->n;
+    const int kept = run->model->n_power == 2;
+    lag_energies(run, t, y, entries);
+    entries[DISSIPATED] = kept ? quadratures[0] : 0;
+    entries[WORK] = kept ? quadratures[1] : 0;
+    const double residual = entries[TOTAL] - run->start_energy + entries[DISSIPATED] - entries[WORK];
+    statistics->energy_residual = fmax(statistics->energy_residual, fabs(residual));
+    for (int i = 0; i < LAG_ACCOUNT_SIZE; ++i)
+        statistics->energy_scale = fmax(statistics->energy_scale, fabs(entries[i]));
+}
+
+void lag_account_open(LagRun *run) { run->energy_before = total(run, run->solver.t, run->solver.y); }
+
+void lag_account_close(LagRun *run)
+{
+    const double jump = total(run, run->solver.t, run->solver.y) - run->energy_before;
+    if (run->model->n_power == 2)
+        run->solver.y[2 * run->model->n + 1] += jump;
+    else
+        run->start_energy += jump;
+}

@@ -1,0 +1,17 @@
+/* The energy account: H - H(0) + dissipated - work = 0 along every true motion. */
+#ifndef LAG_ACCOUNT_H
+#define LAG_ACCOUNT_H
+
+#include "state.h"
+
+enum { LAG_ACCOUNT_SIZE = 5 };
+
+/* {T, V, H, dissipated, work} of a state, noting residual and scale in the statistics. */
+void lag_account_note(LagRun *run, double t, const double *y, double *entries);
+
+/* To be called before and after modes, inputs or parameters change at the present state. The jump of H is work done by
+ * whoever changes them. */
+void lag_account_open(LagRun *run);
+void lag_account_close(LagRun *run);
+
+#endif

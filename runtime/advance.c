@@ -1,0 +1,106 @@
+/* The run loop: steps until a time is reached, rows on the way. */
+#include <math.h>
+#include <string.h>
+
+#include "account.h"
+#include "clock.h"
+#include "evaluate.h"
+#include "schedule.h"
+#include "step.h"
+
+enum { TICKS_PER_LOOK = 64 };
+
+int lag_run_row_width(const LagModel *model) { return 1 + 2 * model->n + model->n_outputs + LAG_ACCOUNT_SIZE; }
+
+static void write_row(LagRun *run, double t, const double *y, double *row)
+{
+    const int n = run->model->n;
+    double *outputs = row + 1 + 2 * n;
+    row[0] = t;
+    memcpy(row + 1, y, 2 * (size_t)n * sizeof *row);
+    lag_outputs(run, t, y, outputs);
+    lag_account_note(run, t, y, outputs + run->model->n_outputs);
+}
+
+static void row_at(LagRun *run, double t, double *row)
+{
+    if (t == run->solver.t) {
+        write_row(run, t, run->solver.y, row);
+        return;
+    }
+    lag_dop853_interpolate(&run->solver, t, run->inside);
+    write_row(run, t, run->inside, row);
+}
+
+static int time_is_over(LagRun *run, double deadline) { return ++run->ticks % TICKS_PER_LOOK == 0 && lag_clock() > deadline; }
+
+static double deadline_after(double seconds) { return seconds > 0 ? lag_clock() + seconds : INFINITY; }
+
+/* Steps until t is not after the present time. */
+static LagStatus reach(LagRun *run, double t, double deadline)
+{
+    if (t > run->settings.t_stop)
+        return lag_fail(run, LAG_PAST_STOP, -1, 0, 0);
+    if (t < run->solver.t_old)
+        return lag_fail(run, LAG_TIME_PASSED, -1, 0, 0);
+    while (run->solver.t < t) {
+        if (time_is_over(run, deadline))
+            return LAG_PAUSED;
+        const LagStatus status = lag_step(run);
+        if (status != LAG_OK)
+            return status;
+    }
+    return LAG_OK;
+}
+
+/* Times a rounding error after t_stop mean t_stop. */
+static double not_after_stop(const LagRun *run, double t)
+{
+    const double stop = run->settings.t_stop;
+    return t > stop && t <= stop + lag_time_resolution(stop) ? stop : t;
+}
+
+LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *results, int *done, double seconds)
+{
+    const double deadline = deadline_after(seconds);
+    const size_t width = (size_t)lag_run_row_width(run->model);
+    *done = 0;
+    if (!run->started)
+        return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
+    for (int i = 0; i < rows; ++i) {
+        const double t = not_after_stop(run, times[i]);
+        const LagStatus status = reach(run, t, deadline);
+        if (status != LAG_OK)
+            return status;
+        row_at(run, t, results + (size_t)i * width);
+        *done = i + 1;
+    }
+    return LAG_OK;
+}
+
+LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *done, double seconds)
+{
+    const double deadline = deadline_after(seconds);
+    const size_t width = (size_t)lag_run_row_width(run->model);
+    *done = 0;
+    if (!run->started)
+        return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
+    while (*done < rows && run->solver.t < run->settings.t_stop) {
+        if (time_is_over(run, deadline))
+            return LAG_PAUSED;
+        const LagStatus status = lag_step(run);
+        if (status != LAG_OK)
+            return status;
+        row_at(run, run->solver.t, results + (size_t)*done * width);
+        ++*done;
+    }
+    return LAG_OK;
+}
+
+LagStatus lag_run_row(LagRun *run, double *row)
+{
+    if (!run->started)
+        return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
+    row_at(run, run->solver.t, row);
+    return LAG_OK;
+}

@@ -1,0 +1,11 @@
+/* The model's functions at a time and state, with the inputs and modes of the present segment. */
+#ifndef LAG_EVALUATE_H
+#define LAG_EVALUATE_H
+
+#include "state.h"
+
+int lag_accelerations(void *run, double t, const double *q, const double *v, double *a, double *power);
+void lag_outputs(LagRun *run, double t, const double *y, double *outputs);
+void lag_energies(LagRun *run, double t, const double *y, double *energies);
+
+#endif

@@ -1,0 +1,83 @@
+/* Householder QR with column pivoting: P. Businger, G.H. Golub, Numer. Math. 7 (1965); G.H. Golub, C.F. Van Loan, Matrix
+ * Computations, 4th ed., 5.2 and 5.4. Column j keeps its reflector u in rows j and below (I - 2 u u' / u'u), R above, and
+ * the diagonal of R apart. Norms of the remaining columns are computed anew, not updated: sizes are small, and safe is better.
+ */
+#include "linear.h"
+
+#include <math.h>
+
+static double dot(const double *a, const double *b, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; ++i)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+/* x = (I - 2 u u' / u'u) x */
+static void reflect(const double *u, double *x, int n)
+{
+    const double length2 = dot(u, u, n);
+    if (length2 == 0)
+        return;
+    const double factor = 2 * dot(u, x, n) / length2;
+    for (int i = 0; i < n; ++i)
+        x[i] -= factor * u[i];
+}
+
+static int longest_column(const double *a, int rows, int cols, int first, double *norm)
+{
+    int longest = first;
+    *norm = -1;
+    for (int j = first; j < cols; ++j) {
+        const double *column = a + j * rows + first, length = sqrt(dot(column, column, rows - first));
+        if (length > *norm) {
+            *norm = length;
+            longest = j;
+        }
+    }
+    return longest;
+}
+
+static void swap_columns(double *a, int rows, int *pivot, int i, int j)
+{
+    const int column = pivot[i];
+    pivot[i] = pivot[j];
+    pivot[j] = column;
+    for (int r = 0; r < rows; ++r) {
+        const double x = a[i * rows + r];
+        a[i * rows + r] = a[j * rows + r];
+        a[j * rows + r] = x;
+    }
+}
+
+int lag_qr(double *a, int rows, int cols, double *diagonal, int *pivot, double tolerance)
+{
+    const int most = rows < cols ? rows : cols;
+    double first = 0;
+    for (int j = 0; j < cols; ++j)
+        pivot[j] = j;
+    for (int j = 0; j < most; ++j) {
+        double norm;
+        swap_columns(a, rows, pivot, j, longest_column(a, rows, cols, j, &norm));
+        first = j == 0 ? norm : first;
+        if (!(norm > tolerance * first))
+            return j;
+        double *u = a + j * rows + j;
+        diagonal[j] = u[0] > 0 ? -norm : norm;
+        u[0] -= diagonal[j];
+        for (int c = j + 1; c < cols; ++c)
+            reflect(u, a + c * rows + j, rows - j);
+    }
+    return most;
+}
+
+void lag_qr_shortest(const double *qr, int rows, int rank, const double *diagonal, const int *pivot, const double *b, double *x)
+{
+    for (int j = 0; j < rank; ++j) /* R' y = b */
+        x[j] = (b[pivot[j]] - dot(qr + j * rows, x, j)) / diagonal[j];
+    for (int j = rank; j < rows; ++j)
+        x[j] = 0;
+    for (int j = rank - 1; j >= 0; --j) /* x = Q y */
+        reflect(qr + j * rows + j, x + j, rows - j);
+}

@@ -1,0 +1,139 @@
+/* Birth, death and particulars of a run. */
+#include "run.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "account.h"
+#include "evaluate.h"
+#include "function.h"
+
+static const double SMALLEST_TOLERANCE = 1e-14;
+
+static size_t work_size(const LagModel *model)
+{
+    const LagFunction *functions[] = {&model->parameters, &model->hoist, &model->start, &model->initial, &model->events,
+                                      &model->modes, &model->rhs, &model->outputs, &model->energies};
+    size_t largest = 0;
+    for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
+        largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
+    return largest;
+}
+
+static void layout(LagRun *run, LagArena *arena)
+{
+    const LagModel *model = run->model;
+    const size_t n = (size_t)model->n, events = (size_t)model->n_events;
+    run->p = lag_take(arena, (size_t)model->n_parameters);
+    run->nothing_given = lag_take(arena, (size_t)model->n_parameters);
+    run->c = lag_take(arena, (size_t)model->n_hoisted);
+    run->u = lag_take(arena, (size_t)model->n_inputs);
+    run->d = lag_take(arena, (size_t)model->n_modes);
+    run->event_a = lag_take(arena, events);
+    run->event_b = lag_take(arena, events);
+    run->acceleration = lag_take(arena, n);
+    run->power = lag_take(arena, (size_t)model->n_power);
+    run->start = lag_take(arena, 2 * n);
+    run->inside = lag_take(arena, 2 * n + (size_t)model->n_power);
+    run->fixed = (int *)lag_take(arena, 2 * n);
+    run->work = lag_take(arena, work_size(model));
+    lag_assembly_layout(&run->assembly, arena);
+    lag_scale_layout(&run->scale, arena);
+    lag_dop853_layout(&run->solver, arena);
+}
+
+static void connect_parts(LagRun *run, const LagModel *model)
+{
+    run->model = run->assembly.model = model;
+    run->inputs.n = model->n_inputs;
+    run->scale.n = run->solver.n = model->n;
+    run->scale.kind = model->coordinate_kind;
+    run->solver.size = 2 * model->n + model->n_power;
+    run->solver.rhs = lag_accelerations;
+    run->solver.context = run;
+}
+
+LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
+{
+    LagRun *run = calloc(1, sizeof *run);
+    if (!run)
+        return NULL;
+    connect_parts(run, model);
+    LagArena arena = {NULL, 0};
+    layout(run, &arena);
+    run->memory = calloc(arena.used + 1, sizeof *run->memory);
+    if (!run->memory) {
+        lag_run_free(run);
+        return NULL;
+    }
+    arena.base = run->memory;
+    arena.used = 0;
+    layout(run, &arena);
+    run->settings = *settings;
+    run->solver.t = settings->t_start;
+    run->scale.tolerance = fmax(settings->tolerance, SMALLEST_TOLERANCE);
+    return run;
+}
+
+void lag_run_free(LagRun *run)
+{
+    if (!run)
+        return;
+    lag_inputs_free(&run->inputs);
+    free(run->memory);
+    free(run);
+}
+
+/* Events and hoisted values follow from the parameters. */
+static void apply_parameters(LagRun *run)
+{
+    const double *in[] = {run->p};
+    double *events[] = {run->event_a, run->event_b};
+    lag_call(&run->model->hoist, in, &run->c, run->work);
+    lag_call(&run->model->events, in, events, run->work);
+}
+
+LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double *mask)
+{
+    const LagModel *model = run->model;
+    if (run->started)
+        lag_account_open(run);
+    const double *in[] = {given ? given : run->nothing_given, mask ? mask : run->nothing_given};
+    lag_call(&model->parameters, in, &run->p, run->work);
+    apply_parameters(run);
+    if (run->started) {
+        lag_account_close(run);
+        run->segment_over = 1;
+    }
+    return LAG_OK;
+}
+
+const double *lag_run_parameters(const LagRun *run) { return run->p; }
+
+LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *values, int rows)
+{
+    if (run->started)
+        lag_account_open(run);
+    const LagStatus status = lag_inputs_set(&run->inputs, times, values, rows);
+    if (status != LAG_OK)
+        return lag_fail(run, status, -1, 0, 0);
+    if (run->started) {
+        lag_inputs_enter(&run->inputs, run->solver.t);
+        lag_account_close(run);
+        run->segment_over = 1;
+    }
+    return LAG_OK;
+}
+
+void lag_run_set_stop(LagRun *run, double t_stop) { run->settings.t_stop = t_stop; }
+
+double lag_run_time(const LagRun *run) { return run->solver.t; }
+
+const LagStatistics *lag_run_statistics(LagRun *run)
+{
+    run->statistics.rhs_evaluations = run->solver.evaluations;
+    run->statistics.dense_outputs = run->solver.dense_outputs;
+    return &run->statistics;
+}
+
+const LagFailure *lag_run_failure(const LagRun *run) { return &run->failure; }

@@ -1,0 +1,68 @@
+/* A run: one motion of one model. Runs share nothing; each may live in a thread of its own.
+ *
+ * Order of calls: new, set_parameters, set_inputs, start, then advance as often as wanted. A run can be started again.
+ *
+ * A row of results is t, q[n], v[n], y[n_outputs], T, V, H, dissipated, work. A row at the time of an event shows the modes
+ * and inputs in force before it; a row at the start those in force after it.
+ */
+#ifndef LAG_RUN_H
+#define LAG_RUN_H
+
+#include "model.h"
+#include "status.h"
+
+typedef struct LagRun LagRun;
+
+typedef struct {
+    double t_start, t_stop; /* t_stop may be infinity */
+    double tolerance;       /* relative error of a step; never below 1e-14 */
+    double max_step;        /* 0: no limit */
+    double first_step;      /* 0: found automatically */
+    int64_t max_steps;      /* 0: no limit */
+    int32_t energy_every_step; /* watch the energy residual at every step, not only in rows */
+} LagSettings;
+
+typedef struct {
+    int64_t steps, rejected, rhs_evaluations, dense_outputs, events;
+    double smallest_step, largest_step; /* of the accepted steps */
+    double energy_residual; /* largest |H - H(0) + dissipated - work| seen */
+    double energy_scale;    /* largest of |T|, |V|, |H|, |dissipated|, |work| seen */
+    int32_t worst;          /* component that last limited the step: q is 0 .. n-1, v is n .. 2n-1 */
+    int32_t tolerance_raised;
+} LagStatistics;
+
+/* All memory is allocated here, but for input tables. NULL: out of memory. The model must outlive the run. */
+LAG_API LagRun *lag_run_new(const LagModel *model, const LagSettings *settings);
+LAG_API void lag_run_free(LagRun *run);
+
+/* given[n_parameters] where mask is not 0; the others from their bindings. NULL, NULL: all from their bindings. */
+LAG_API LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double *mask);
+LAG_API const double *lag_run_parameters(const LagRun *run);
+
+/* Table of inputs, linear between rows, held outside: times[rows], values[rows * n_inputs]; copied. */
+LAG_API LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *values, int rows);
+
+/* Start values, NaN or NULL where not given; those given are not moved to satisfy initial equations. */
+LAG_API LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given);
+
+/* No step goes past t_stop. It may be moved on while running, as a co-simulation does. */
+LAG_API void lag_run_set_stop(LagRun *run, double t_stop);
+
+LAG_API int lag_run_row_width(const LagModel *model);
+
+/* One row for each of the ascending times. *done rows are valid whatever is returned. seconds: wall time, 0: no limit. */
+LAG_API LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *results, int *done, double seconds);
+
+/* One row after each accepted step, until the rows are full or t_stop is reached (*done < rows). */
+LAG_API LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *done, double seconds);
+
+/* The row of the present time. */
+LAG_API LagStatus lag_run_row(LagRun *run, double *row);
+
+LAG_API double lag_run_time(const LagRun *run);
+LAG_API const LagStatistics *lag_run_statistics(LagRun *run);
+
+/* About the last call that did not answer LAG_OK or LAG_PAUSED. */
+LAG_API const LagFailure *lag_run_failure(const LagRun *run);
+
+#endif

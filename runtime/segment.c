@@ -1,0 +1,62 @@
+#include "segment.h"
+
+#include <math.h>
+
+#include "account.h"
+#include "first_step.h"
+#include "function.h"
+#include "schedule.h"
+
+static const double FIRST_PART = 0.1; /* of what is left: no first step is longer */
+
+/* A time inside the segment, away from its ends, where modes are sure not to be just changing. */
+static double middle(double t, double t_event, double t_stop)
+{
+    const double end = t_stop > t && t_stop < t_event ? t_stop : t_event;
+    return isfinite(end) ? t + (end - t) / 2 : t + fmax(1, fabs(t));
+}
+
+void lag_segment_enter(LagRun *run)
+{
+    const LagModel *model = run->model;
+    const double t = run->solver.t;
+    const double scheduled = lag_schedule_next(model->n_events, model->event_kind, run->event_a, run->event_b, t);
+    const double corner = lag_inputs_next(&run->inputs, t + lag_time_resolution(t));
+    run->segment_end = fmin(scheduled, corner);
+    run->segment_over = 0;
+    const double inside = middle(t, run->segment_end, run->settings.t_stop);
+    const double *in[] = {&inside, run->p};
+    lag_inputs_enter(&run->inputs, inside);
+    lag_call(&model->modes, in, &run->d, run->work);
+}
+
+static double first_step(LagRun *run)
+{
+    const LagSettings *settings = &run->settings;
+    const double t = run->solver.t, end = fmin(run->segment_end, settings->t_stop);
+    double longest = isfinite(end) && end > t ? FIRST_PART * (end - t) : 1;
+    if (settings->max_step > 0)
+        longest = fmin(longest, settings->max_step);
+    if (settings->first_step > 0)
+        return fmin(longest, settings->first_step);
+    return lag_first_step(&run->solver, &run->scale, longest);
+}
+
+LagStatus lag_segment_evaluate(LagRun *run)
+{
+    LagDop853 *solver = &run->solver;
+    if (!lag_dop853_restart(solver, solver->t))
+        return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(solver->k[0] + solver->n, solver->n), 1, 0);
+    run->step = first_step(run);
+    run->last_error = 1;
+    return LAG_OK;
+}
+
+LagStatus lag_segment_next(LagRun *run)
+{
+    lag_account_open(run);
+    lag_segment_enter(run);
+    lag_account_close(run);
+    ++run->statistics.events;
+    return lag_segment_evaluate(run);
+}

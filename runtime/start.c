@@ -1,0 +1,64 @@
+/* From parameters and guesses to a run that can advance. */
+#include <math.h>
+#include <string.h>
+
+#include "account.h"
+#include "evaluate.h"
+#include "function.h"
+#include "segment.h"
+
+static int settings_valid(const LagSettings *s)
+{
+    return isfinite(s->t_start) && s->t_stop >= s->t_start && s->tolerance > 0 && isfinite(s->tolerance) && s->max_step >= 0
+        && s->first_step >= 0;
+}
+
+/* Guesses, and over them what was given. */
+static void guess(LagRun *run, const double *q_given, const double *v_given)
+{
+    const int n = run->model->n;
+    const double *in[] = {run->p}, *given[] = {q_given, v_given};
+    double *out[] = {run->start, run->start + n};
+    lag_call(&run->model->start, in, out, run->work);
+    for (int i = 0; i < 2 * n; ++i) {
+        const double *values = given[i / n];
+        const int is_given = values && !isnan(values[i % n]);
+        run->fixed[i] = is_given || run->model->fixed[i];
+        if (is_given)
+            run->start[i] = values[i % n];
+    }
+}
+
+static void clear(LagRun *run)
+{
+    const LagStatistics none = {0};
+    const size_t size = (size_t)run->solver.size * sizeof(double);
+    run->statistics = none;
+    run->statistics.tolerance_raised = run->scale.tolerance > run->settings.tolerance;
+    run->solver.t = run->settings.t_start;
+    run->solver.evaluations = run->solver.dense_outputs = 0;
+    memset(run->solver.y, 0, size);
+    memset(run->solver.carry, 0, size);
+    lag_scale_reset(&run->scale);
+}
+
+LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)
+{
+    run->started = 0;
+    clear(run);
+    if (!settings_valid(&run->settings))
+        return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
+    guess(run, q_given, v_given);
+    const int worst = run->model->n_initial > 0 ? lag_assemble(&run->assembly, run->p, run->fixed, run->start, run->work) : -1;
+    if (worst >= 0)
+        return lag_fail(run, LAG_INITIAL_FAILED, worst, 0, run->assembly.g[worst]);
+    memcpy(run->solver.y, run->start, 2 * (size_t)run->model->n * sizeof *run->start);
+    lag_scale_note(&run->scale, run->solver.y);
+    lag_segment_enter(run);
+    double energies[3];
+    lag_energies(run, run->solver.t, run->solver.y, energies);
+    run->start_energy = energies[2];
+    const LagStatus status = lag_segment_evaluate(run);
+    run->started = status == LAG_OK;
+    return status;
+}

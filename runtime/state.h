@@ -1,0 +1,48 @@
+/* What a run consists of. Private to the run time. */
+#ifndef LAG_STATE_H
+#define LAG_STATE_H
+
+#include "assemble.h"
+#include "dop853.h"
+#include "inputs.h"
+#include "run.h"
+
+struct LagRun {
+    const LagModel *model;
+    LagSettings settings;
+    LagStatistics statistics;
+    LagFailure failure;
+
+    double *memory; /* the block in which all vectors below lie */
+    double *p, *c, *u, *d;
+    double *nothing_given;        /* n_parameters zeros */
+    double *event_a, *event_b;
+    double *acceleration, *power; /* for outputs */
+    double *start;                /* (q, v) */
+    double *inside;               /* a state within a step */
+    double *work;                 /* scratch of the model's functions */
+    int *fixed;                   /* 2 n */
+
+    LagInputs inputs;
+    LagAssembly assembly;
+    LagScale scale;
+    LagDop853 solver;
+
+    int started;
+    int segment_over;     /* an event was reached: the next step begins a new segment */
+    double segment_end;   /* time of the next event */
+    double step;          /* length proposed for the next step */
+    double last_error;    /* of the last accepted step */
+    double start_energy, energy_before;
+    unsigned ticks;       /* steps and rows, to look at the clock now and then */
+};
+
+/* Records a failure and returns its status. */
+static inline LagStatus lag_fail(LagRun *run, LagStatus status, int index, int rate, double value)
+{
+    const LagFailure failure = {(int32_t)status, index, rate, run->solver.t, value};
+    run->failure = failure;
+    return status;
+}
+
+#endif

@@ -1,0 +1,76 @@
+#include "step.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "account.h"
+#include "segment.h"
+
+double SAFETY = 0.9, SHRINK = 0.333, GROW = 6, NOT_FINITE_SHRINK = 0.25;
+double EXPONENT = 0.125, MEMORY = 0.0;
+
+/* Where a step of length h ends: the one place where steps are cut short. Two steps of equal length rather than a long
+ * one and a tiny one lead up to a limit. */
+static double end_of_step(const LagRun *run, double h)
+{
+    const double t = run->solver.t, limit = fmin(run->segment_end, run->settings.t_stop), left = limit - t;
+    if (h >= left)
+        return limit;
+    return t + (2 * h > left ? left / 2 : h);
+}
+
+static double shrunk(double h, double error)
+{
+    return h * (error < INFINITY ? fmax(SHRINK, SAFETY * pow(error, -EXPONENT)) : NOT_FINITE_SHRINK);
+}
+
+/* PI control: K. Gustafsson, ACM Trans. Math. Softw. 17 (1991); no growth right after a rejection. */
+static double proposal(const LagRun *run, double h, double error, int rejected)
+{
+    const double factor = SAFETY * pow(fmax(error, 1e-10), -EXPONENT) * pow(run->last_error, MEMORY);
+    const double next = h * fmin(rejected ? 1 : GROW, fmax(SHRINK, factor));
+    return run->settings.max_step > 0 ? fmin(next, run->settings.max_step) : next;
+}
+
+static void record(LagRun *run, double h)
+{
+    LagStatistics *s = &run->statistics;
+    s->smallest_step = s->steps == 0 ? h : fmin(s->smallest_step, h);
+    s->largest_step = fmax(s->largest_step, h);
+    ++s->steps;
+    run->segment_over = run->solver.t == run->segment_end;
+    lag_scale_note(&run->scale, run->solver.y);
+    double entries[LAG_ACCOUNT_SIZE];
+    if (run->settings.energy_every_step)
+        lag_account_note(run, run->solver.t, run->solver.y, entries);
+}
+
+LagStatus lag_step(LagRun *run)
+{
+    LagDop853 *solver = &run->solver;
+    const int n = run->model->n;
+    int worst = 0;
+    if (run->segment_over) {
+        const LagStatus status = lag_segment_next(run);
+        if (status != LAG_OK)
+            return status;
+    }
+    if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)
+        return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
+    for (int rejected = 0;; rejected = 1) {
+        const double t = solver->t, t_new = end_of_step(run, run->step), h = t_new - t;
+        const double error = lag_dop853_try(solver, t_new, &run->scale, &worst);
+        run->statistics.worst = worst;
+        if (error <= 1 && lag_dop853_accept(solver, t_new)) {
+            const double next = proposal(run, h, error, rejected);
+            run->step = h < run->step ? fmax(next, run->step) : next;
+            run->last_error = fmax(error, 1e-4);
+            record(run, h);
+            return LAG_OK;
+        }
+        ++run->statistics.rejected;
+        run->step = shrunk(h, error <= 1 ? INFINITY : error);
+        if (run->step < fmax(4 * DBL_EPSILON * fabs(t), DBL_MIN))
+            return lag_fail(run, LAG_STEP_TOO_SMALL, worst % n, worst >= n, 0);
+    }
+}
