@@ -43,14 +43,10 @@ static LagStatus reach(LagRun *run, double t, double deadline)
         return lag_fail(run, LAG_PAST_STOP, -1, 0, 0);
     if (t < run->solver.t_old)
         return lag_fail(run, LAG_TIME_PASSED, -1, 0, 0);
-    while (run->solver.t < t) {
-        if (time_is_over(run, deadline))
-            return LAG_PAUSED;
-        const LagStatus status = lag_step(run);
-        if (status != LAG_OK)
-            return status;
-    }
-    return LAG_OK;
+    LagStatus status = time_is_over(run, deadline) ? LAG_PAUSED : LAG_OK;
+    while (status == LAG_OK && run->solver.t < t)
+        status = time_is_over(run, deadline) ? LAG_PAUSED : lag_step(run);
+    return status;
 }
 
 /* Times a rounding error after t_stop mean t_stop. */
@@ -86,9 +82,7 @@ LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *don
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
     while (*done < rows && run->solver.t < run->settings.t_stop) {
-        if (time_is_over(run, deadline))
-            return LAG_PAUSED;
-        const LagStatus status = lag_step(run);
+        const LagStatus status = time_is_over(run, deadline) ? LAG_PAUSED : lag_step(run);
         if (status != LAG_OK)
             return status;
         row_at(run, run->solver.t, results + (size_t)*done * width);

@@ -80,17 +80,19 @@ static void add_step(LagDop853 *s, double h)
     }
 }
 
-/* Hairer's combination of the two embedded errors, root mean square over positions and rates. */
+/* Hairer's combination of the two embedded errors, root mean square over positions and rates that move. */
 static double estimate(LagDop853 *s, double h, const LagScale *scale, int *worst)
 {
     const int size = 2 * s->n;
     double sum5 = 0, sum3 = 0, largest = 0;
+    int moving = 0;
     combine(s, &lag_dop853_error5, size, s->sum);
     combine(s, &lag_dop853_error3, size, s->point);
     for (int i = 0; i < size; ++i) {
-        const double unit = lag_scale_of(scale, i, s->y[i], s->other[i]);
+        const double unit = lag_scale_unit(scale, i, s->y, s->other);
         if (unit == 0)
             continue;
+        ++moving;
         const double error5 = s->sum[i] / unit, error3 = s->point[i] / unit;
         sum5 += error5 * error5;
         sum3 += error3 * error3;
@@ -100,7 +102,7 @@ static double estimate(LagDop853 *s, double h, const LagScale *scale, int *worst
         }
     }
     const double denominator = sum5 + 0.01 * sum3;
-    return denominator > 0 ? fabs(h) * sum5 / sqrt(denominator * size) : denominator;
+    return denominator > 0 ? fabs(h) * sum5 / sqrt(denominator * moving) : denominator;
 }
 
 int lag_first_not_finite(const double *x, int n)

@@ -6,39 +6,45 @@
 #include "first_step.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double LARGE_CHANGE = 0.5, SHRINK = 0.1;
 
-/* Change of the accelerations of one kind between k (here) and k_end (after h), relative to what moves coordinates of this
- * kind: their acceleration, or their velocity. A kind without either says nothing. */
-static double change_of_kind(const LagDop853 *s, const LagScale *scale, int kind, double h, const double *k, const double *k_end)
+static void note_largest(double *largest, double value) { *largest = value > *largest ? value : *largest; }
+
+/* Change of the accelerations between k (here) and k_end (after h), relative to what moves coordinates of the same kind:
+ * their accelerations, or their velocities. A kind without either says nothing. */
+static double compare(const LagScale *scale, double h, const double *k, const double *k_end)
 {
-    double motion = 0, change = 0;
-    for (int i = 0; i < s->n; ++i) {
-        if (scale->kind[i] != kind)
-            continue;
-        const double a = k[s->n + i], a_end = k_end[s->n + i];
-        motion = fmax(motion, fmax(fabs(k[i]), h * fabs(a)));
-        change = fmax(change, h * fabs(a_end - a));
+    const int n = scale->n;
+    double largest = 0;
+    memset(scale->motion, 0, (size_t)scale->kinds * sizeof(double));
+    memset(scale->change, 0, (size_t)scale->kinds * sizeof(double));
+    for (int i = 0; i < n; ++i) {
+        const int kind = scale->kind[i];
+        note_largest(&scale->motion[kind], fabs(k[i]));
+        note_largest(&scale->motion[kind], h * fabs(k[n + i]));
+        note_largest(&scale->change[kind], h * fabs(k_end[n + i] - k[n + i]));
     }
-    return motion > 0 ? change / motion : 0;
+    for (int kind = 0; kind < scale->kinds; ++kind)
+        if (scale->motion[kind] > 0)
+            note_largest(&largest, scale->change[kind] / scale->motion[kind]);
+    return largest;
 }
 
+/* The same along a parabola of length h. */
 static double change_over(LagDop853 *s, const LagScale *scale, double h)
 {
     const int n = s->n;
     const double *k = s->k[0];
-    double *k_end = s->k[1], change = 0;
+    double *k_end = s->k[1];
     for (int i = 0; i < n; ++i) {
         s->point[i] = s->y[i] + h * (k[i] + h / 2 * k[n + i]);
         k_end[i] = k[i] + h * k[n + i];
     }
     ++s->evaluations;
-    if (!s->rhs(s->context, s->t + h, s->point, k_end, k_end + n, k_end + 2 * n))
-        return INFINITY;
-    for (int i = 0; i < n; ++i)
-        change = fmax(change, change_of_kind(s, scale, scale->kind[i], h, k, k_end));
-    return change;
+    const int finite = s->rhs(s->context, s->t + h, s->point, k_end, k_end + n, k_end + 2 * n);
+    return finite ? compare(scale, h, k, k_end) : INFINITY;
 }
 
 double lag_first_step(LagDop853 *s, const LagScale *scale, double longest)

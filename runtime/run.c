@@ -8,8 +8,6 @@
 #include "evaluate.h"
 #include "function.h"
 
-static const double SMALLEST_TOLERANCE = 1e-14;
-
 static size_t work_size(const LagModel *model)
 {
     const LagFunction *functions[] = {&model->parameters, &model->hoist, &model->start, &model->initial, &model->events,
@@ -46,12 +44,13 @@ static void connect_parts(LagRun *run, const LagModel *model)
 {
     run->model = run->assembly.model = model;
     run->inputs.n = model->n_inputs;
-    run->scale.n = run->solver.n = model->n;
-    run->scale.kind = model->coordinate_kind;
+    run->solver.n = model->n;
     run->solver.size = 2 * model->n + model->n_power;
     run->solver.rhs = lag_accelerations;
     run->solver.context = run;
 }
+
+static double tolerance(const LagSettings *settings) { return fmax(settings->tolerance, LAG_SMALLEST_TOLERANCE); }
 
 LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
 {
@@ -59,6 +58,7 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
     if (!run)
         return NULL;
     connect_parts(run, model);
+    lag_scale_init(&run->scale, model->n, model->coordinate_kind, tolerance(settings));
     LagArena arena = {NULL, 0};
     layout(run, &arena);
     run->memory = calloc(arena.used + 1, sizeof *run->memory);
@@ -71,7 +71,6 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
     layout(run, &arena);
     run->settings = *settings;
     run->solver.t = settings->t_start;
-    run->scale.tolerance = fmax(settings->tolerance, SMALLEST_TOLERANCE);
     return run;
 }
 

@@ -13,9 +13,12 @@
 
 typedef struct LagRun LagRun;
 
+/* Smaller tolerances are raised to this one. */
+#define LAG_SMALLEST_TOLERANCE 1e-14
+
 typedef struct {
     double t_start, t_stop; /* t_stop may be infinity */
-    double tolerance;       /* relative error of a step; never below 1e-14 */
+    double tolerance;       /* of the result, in motions that are not chaotic: see scale.c */
     double max_step;        /* 0: no limit */
     double first_step;      /* 0: found automatically */
     int64_t max_steps;      /* 0: no limit */

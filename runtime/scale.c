@@ -1,56 +1,80 @@
+/* The user gives one number, `tolerance`; units and sizes are the model's own affair. A unit of error is
+ *
+ *     CAUTION tolerance max(|y_i|, OWN largest |y_i| so far, GROUP largest |y_j| so far of any coordinate of its kind)
+ *
+ * so that scenes in micrometres and in light-seconds are the same to the integrator, a passage through zero is not resolved
+ * to zero, and a coordinate that hardly moves is not resolved below what matters to its likes. Angles count as pi at most:
+ * a wheel that has turned a million times is still known to a fraction of a turn.
+ *
+ * A rate cannot be known better than rounding of its position allows over a step: eps |q_i| / h. Without this floor a stiff
+ * spring (1e6 N/m on 1 kg) at tolerance 1e-14 took 3.3 million steps of noise, with it 60 thousand, to the same accuracy.
+ *
+ * The constants were chosen on Kepler orbits (e = 0.6, 0.99), pendulums, linear vibration, double pendulums and a stiff
+ * spring pendulum, for fewest evaluations to a given error. CAUTION makes a tolerance of 1e-12 mean 1e-9 in the end, in
+ * motions that do not lose more digits by themselves.
+ */
 #include "scale.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "model.h"
 
-double LAG_OWN = 1e-2, LAG_GROUP = 1e-3;
-static const double ANGLE_CAP = 3.14;
+static const double OWN = 0.3, GROUP = 0.01, CAUTION = 0.05, SMALLEST = 2e-15, ANGLE_CAP = 3.141592653589793;
+
+void lag_scale_init(LagScale *scale, int n, const int *kind, double tolerance)
+{
+    scale->n = n;
+    scale->kind = kind;
+    scale->tolerance = fmax(CAUTION * tolerance, SMALLEST);
+    scale->kinds = 0;
+    for (int i = 0; i < n; ++i)
+        if (kind[i] >= scale->kinds)
+            scale->kinds = kind[i] + 1;
+}
 
 void lag_scale_layout(LagScale *scale, LagArena *arena)
 {
-    const size_t size = 2 * (size_t)scale->n;
+    const size_t size = 2 * (size_t)scale->n, kinds = (size_t)scale->kinds;
     scale->cap = lag_take(arena, size);
     scale->largest = lag_take(arena, size);
     scale->floor = lag_take(arena, size);
+    scale->group = lag_take(arena, 2 * kinds);
+    scale->motion = lag_take(arena, kinds);
+    scale->change = lag_take(arena, kinds);
 }
 
 void lag_scale_reset(LagScale *scale)
 {
     const int n = scale->n;
-    memset(scale->largest, 0, 2 * (size_t)n * sizeof *scale->largest);
-    memset(scale->floor, 0, 2 * (size_t)n * sizeof *scale->floor);
+    const size_t size = 2 * (size_t)n * sizeof(double);
+    memset(scale->largest, 0, size);
+    memset(scale->floor, 0, size);
+    memset(scale->group, 0, 2 * (size_t)scale->kinds * sizeof(double));
+    scale->rate_rounding = 0;
     for (int i = 0; i < n; ++i) {
         scale->cap[i] = scale->kind[i] == LAG_KIND_ANGLE ? ANGLE_CAP : INFINITY;
         scale->cap[n + i] = INFINITY;
     }
 }
 
-/* Largest magnitude among the coordinates (offset 0) or rates (offset n) of one kind. */
-static double largest_of_kind(const LagScale *scale, int offset, int kind)
+static double *group_of(const LagScale *scale, int i)
 {
-    double largest = 0;
-    for (int i = 0; i < scale->n; ++i)
-        if (scale->kind[i] == kind)
-            largest = fmax(largest, scale->largest[offset + i]);
-    return largest;
+    const int n = scale->n;
+    return i < n ? scale->group + scale->kind[i] : scale->group + scale->kinds + scale->kind[i - n];
 }
 
 void lag_scale_note(LagScale *scale, const double *y)
 {
-    int grown = 0;
-    for (int i = 0; i < 2 * scale->n; ++i) {
-        const double magnitude = fmin(fabs(y[i]), scale->cap[i]);
-        if (magnitude > scale->largest[i]) {
-            scale->largest[i] = magnitude;
-            grown = 1;
-        }
+    const int size = 2 * scale->n;
+    for (int i = 0; i < size; ++i) {
+        double *group = group_of(scale, i);
+        const double magnitude = lag_scale_magnitude(scale, i, y[i], scale->largest[i]);
+        scale->largest[i] = magnitude;
+        *group = magnitude > *group ? magnitude : *group;
     }
-    if (!grown)
-        return;
-    for (int i = 0; i < 2 * scale->n; ++i) {
-        const int offset = i < scale->n ? 0 : scale->n;
-        const double group = largest_of_kind(scale, offset, scale->kind[i - offset]);
-        scale->floor[i] = fmax(LAG_OWN * scale->largest[i], LAG_GROUP * group);
-    }
+    for (int i = 0; i < size; ++i)
+        scale->floor[i] = fmax(OWN * scale->largest[i], GROUP * *group_of(scale, i));
 }
+
+void lag_scale_set_step(LagScale *scale, double h) { scale->rate_rounding = DBL_EPSILON / h; }

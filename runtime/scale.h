@@ -1,4 +1,4 @@
-/* How large an error counts as one unit of tolerance, for each position and rate. */
+/* How large an error counts as one unit, for each position and rate. */
 #ifndef LAG_SCALE_H
 #define LAG_SCALE_H
 
@@ -7,25 +7,44 @@
 #include "arena.h"
 
 typedef struct {
-    int n;
+    int n, kinds;
     const int *kind; /* n: coordinates of one kind share an order of magnitude */
     double tolerance;
-    double *cap;     /* 2 n: magnitudes above this one count no more */
-    double *largest; /* 2 n: magnitude seen so far */
-    double *floor;   /* 2 n */
+    double rate_rounding; /* rounding error of a position, over the step: relative uncertainty of a rate */
+    double *cap;          /* 2 n: magnitudes above this one count no more */
+    double *largest;      /* 2 n: magnitude seen so far */
+    double *floor;        /* 2 n: magnitude that counts at least */
+    double *group;        /* 2 kinds: largest magnitude of a kind, positions then rates */
+    double *motion, *change; /* kinds: scratch of lag_first_step */
 } LagScale;
 
+/* `kinds` is one more than the largest kind. */
+void lag_scale_init(LagScale *scale, int n, const int *kind, double tolerance);
 void lag_scale_layout(LagScale *scale, LagArena *arena);
 void lag_scale_reset(LagScale *scale);
 
 /* Takes notice of a state (q, v) that was reached. */
 void lag_scale_note(LagScale *scale, const double *y);
 
-/* Error of component i, between two states, that counts as 1; 0 when the component never moved. */
-static inline double lag_scale_of(const LagScale *scale, int i, double y_old, double y_new)
+/* Takes notice of how long steps are now. */
+void lag_scale_set_step(LagScale *scale, double h);
+
+static inline double lag_scale_magnitude(const LagScale *scale, int i, double y_old, double y_new)
 {
-    const double a = fabs(y_old), b = fabs(y_new), magnitude = a > b ? a : b, capped = magnitude < scale->cap[i] ? magnitude : scale->cap[i];
-    return scale->tolerance * (capped > scale->floor[i] ? capped : scale->floor[i]);
+    const double a = fabs(y_old), b = fabs(y_new), magnitude = a > b ? a : b;
+    return magnitude < scale->cap[i] ? magnitude : scale->cap[i];
+}
+
+/* Error of component i in a step from state y_old to y_new that counts as 1; 0 when the component never moved. */
+static inline double lag_scale_unit(const LagScale *scale, int i, const double *y_old, const double *y_new)
+{
+    const double magnitude = lag_scale_magnitude(scale, i, y_old[i], y_new[i]);
+    const double unit = scale->tolerance * (magnitude > scale->floor[i] ? magnitude : scale->floor[i]);
+    if (i < scale->n)
+        return unit;
+    const int position = i - scale->n;
+    const double rounding = scale->rate_rounding * lag_scale_magnitude(scale, position, y_old[position], y_new[position]);
+    return unit > rounding ? unit : rounding;
 }
 
 #endif

@@ -45,10 +45,12 @@ static double first_step(LagRun *run)
 LagStatus lag_segment_evaluate(LagRun *run)
 {
     LagDop853 *solver = &run->solver;
-    if (!lag_dop853_restart(solver, solver->t))
+    if (!lag_dop853_restart(solver, solver->t)) {
+        run->segment_over = 1;
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(solver->k[0] + solver->n, solver->n), 1, 0);
+    }
     run->step = first_step(run);
-    run->last_error = 1;
+    lag_scale_set_step(&run->scale, run->step);
     return LAG_OK;
 }
 

@@ -34,7 +34,7 @@ static void clear(LagRun *run)
     const LagStatistics none = {0};
     const size_t size = (size_t)run->solver.size * sizeof(double);
     run->statistics = none;
-    run->statistics.tolerance_raised = run->scale.tolerance > run->settings.tolerance;
+    run->statistics.tolerance_raised = run->settings.tolerance < LAG_SMALLEST_TOLERANCE;
     run->solver.t = run->settings.t_start;
     run->solver.evaluations = run->solver.dense_outputs = 0;
     memset(run->solver.y, 0, size);

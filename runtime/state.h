@@ -32,7 +32,6 @@ struct LagRun {
     int segment_over;     /* an event was reached: the next step begins a new segment */
     double segment_end;   /* time of the next event */
     double step;          /* length proposed for the next step */
-    double last_error;    /* of the last accepted step */
     double start_energy, energy_before;
     unsigned ticks;       /* steps and rows, to look at the clock now and then */
 };
