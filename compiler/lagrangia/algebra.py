@@ -1,0 +1,254 @@
+"""The algebra in which kinematics and energies are evaluated: CasADi here; SymPy comes as a second one.
+
+A scalar is a Python float, a symbol of the algebra, or a Dual of such scalars. Python's operators work on all of them; what
+operators cannot say (functions, conditions) goes through the methods of an Algebra.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import casadi as ca
+
+Scalar = Any  # float | ca.SX | Dual
+
+# Keeps the square root in distances differentiable where two points coincide: the direction is then zero, not NaN.
+TINY = 1e-300
+
+
+class Algebra(Protocol):
+    def call(self, function: str, *arguments: Scalar) -> Scalar: ...
+    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar: ...
+    def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar: ...
+    def logic(self, operator: str, *conditions: Scalar) -> Scalar: ...
+
+
+# -------------------------------------------------------------------- CasADi
+
+
+@dataclass
+class Mode:
+    """A quantity that is constant between two time events: a relation, a floor, or the segment of a table in time.
+
+    `value` gives it as a function of t (the middle of the segment) and p; the events are where `argument` crosses zero
+    (kind 0) or an integer (kind 1).
+    """
+
+    symbol: ca.SX
+    value: ca.SX
+    argument: ca.SX
+    kind: int
+
+
+@dataclass
+class CasadiAlgebra:
+    """Scalars are ca.SX or float. Conditions on time and parameters alone become modes, so that the right-hand side is smooth
+    between time events and the integrator can stop exactly at them."""
+
+    time: ca.SX
+    state: ca.SX  # all symbols that change continuously besides time: q, v, u
+    modes: list[Mode] = field(default_factory=list)
+
+    def call(self, function: str, *arguments: Scalar) -> Scalar:
+        if function in ("floor", "ceil") and self._is_timed(arguments[0]):
+            inner = arguments[0] if function == "floor" else -arguments[0]
+            mode = self._mode(ca.floor(inner), inner, 1)
+            return mode if function == "floor" else -mode
+        if all(isinstance(a, float | int) for a in arguments):
+            return _call_float(function, *arguments)
+        return _SX_FUNCTIONS[function](*arguments)
+
+    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        if isinstance(a, float | int) and isinstance(b, float | int):
+            return float(_COMPARE[operator](a, b))
+        difference = a - b
+        if operator not in ("==", "<>") and self._is_timed(difference):
+            return self._mode(_COMPARE[operator](difference, 0), difference, 0)
+        return _COMPARE[operator](a, b)
+
+    def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
+        if isinstance(condition, float | int):
+            return then if condition else otherwise
+        return ca.if_else(condition, then, otherwise)
+
+    def logic(self, operator: str, *conditions: Scalar) -> Scalar:
+        if operator == "not":
+            return 1.0 - conditions[0]
+        a, b = conditions
+        return a * b if operator == "and" else a + b - a * b
+
+    def _is_timed(self, value: Scalar) -> bool:
+        """Depends on time, and on nothing else that changes, in such a way that its crossings can be computed: a + b t."""
+        if not isinstance(value, ca.SX) or not ca.depends_on(value, self.time) or ca.depends_on(value, self.state):
+            return False
+        return not ca.depends_on(ca.jacobian(value, self.time), self.time)
+
+    def _mode(self, value: ca.SX, argument: ca.SX, kind: int) -> ca.SX:
+        for mode in self.modes:
+            if ca.is_equal(mode.value, value, 50):
+                return mode.symbol
+        symbol = ca.SX.sym(f"d_{len(self.modes)}")
+        self.modes.append(Mode(symbol, value, argument, kind))
+        return symbol
+
+
+def _sx_atan2(y: Scalar, x: Scalar) -> ca.SX:
+    return ca.atan2(y, x)
+
+
+def _floor_mod(a: Scalar, b: Scalar) -> Scalar:
+    return a - b * ca.floor(a / b)
+
+
+_SX_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
+    **{name: getattr(ca, name) for name in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh",
+                                            "atanh", "exp", "log", "log10", "sqrt", "floor", "ceil", "sign", "fmin", "fmax")},
+    "abs": ca.fabs, "atan2": _sx_atan2, "mod": _floor_mod, "pow": lambda a, b: a**b,
+}  # fmt: skip
+_COMPARE: Mapping[str, Callable[[Any, Any], Any]] = {
+    "<": lambda a, b: a < b, "<=": lambda a, b: a <= b, ">": lambda a, b: a > b, ">=": lambda a, b: a >= b,
+    "==": lambda a, b: a == b, "<>": lambda a, b: a != b,
+}  # fmt: skip
+_FLOAT_FUNCTIONS: Mapping[str, Callable[..., float]] = {
+    "abs": abs, "fmin": min, "fmax": max, "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
+    "floor": lambda x: float(math.floor(x)), "ceil": lambda x: float(math.ceil(x)),
+    "mod": lambda a, b: a - b * math.floor(a / b), "pow": lambda a, b: float(a**b),
+}  # fmt: skip
+
+
+def _call_float(function: str, *arguments: float) -> float:
+    """Raises ValueError or ArithmeticError outside the function's domain."""
+    chosen = _FLOAT_FUNCTIONS.get(function) or getattr(math, function)
+    return float(chosen(*arguments))
+
+
+# -------------------------------------------------------------------- values with their rates
+
+
+class Dual:
+    """A scalar and its rate along the motion. A rate that is the float 0 costs nothing."""
+
+    __slots__ = ("rate", "value")
+
+    def __init__(self, value: Scalar, rate: Scalar) -> None:
+        self.value, self.rate = value, rate
+
+    def __add__(self, other: Scalar) -> "Dual":
+        if isinstance(other, Dual):
+            return Dual(self.value + other.value, _plus(self.rate, other.rate))
+        return Dual(self.value + other, self.rate)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> "Dual":
+        return Dual(-self.value, 0.0 if _is_zero(self.rate) else -self.rate)
+
+    def __sub__(self, other: Scalar) -> "Dual":
+        return self + (-other)
+
+    def __rsub__(self, other: Scalar) -> "Dual":
+        return (-self) + other
+
+    def __mul__(self, other: Scalar) -> "Dual":
+        if isinstance(other, Dual):
+            return Dual(self.value * other.value, _plus(_times(self.rate, other.value), _times(other.rate, self.value)))
+        return Dual(self.value * other, _times(self.rate, other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Scalar) -> "Dual":
+        if not isinstance(other, Dual):
+            return Dual(self.value / other, 0.0 if _is_zero(self.rate) else self.rate / other)
+        quotient = self.value / other.value
+        top = _plus(self.rate, _times(_negative(other.rate), quotient))
+        return Dual(quotient, 0.0 if _is_zero(top) else top / other.value)
+
+    def __rtruediv__(self, other: Scalar) -> "Dual":
+        return Dual(other, 0.0) / self
+
+
+def _is_zero(x: Scalar) -> bool:
+    return isinstance(x, float | int) and x == 0
+
+
+def _plus(a: Scalar, b: Scalar) -> Scalar:
+    return b if _is_zero(a) else a if _is_zero(b) else a + b
+
+
+def _times(a: Scalar, b: Scalar) -> Scalar:
+    return 0.0 if _is_zero(a) or _is_zero(b) else a * b
+
+
+def _negative(a: Scalar) -> Scalar:
+    return 0.0 if _is_zero(a) else -a
+
+
+def value_of(x: Scalar) -> Scalar:
+    return x.value if isinstance(x, Dual) else x
+
+
+def rate_of(x: Scalar) -> Scalar:
+    return x.rate if isinstance(x, Dual) else 0.0
+
+
+@dataclass(frozen=True)
+class DualAlgebra:
+    """Duals over the scalars of `base`: every function carries its derivative along."""
+
+    base: Algebra
+
+    def call(self, function: str, *arguments: Scalar) -> Scalar:
+        if not any(isinstance(a, Dual) for a in arguments):
+            return self.base.call(function, *arguments)
+        values, rates = [value_of(a) for a in arguments], [rate_of(a) for a in arguments]
+        if function in ("fmin", "fmax"):
+            first = self.base.compare("<" if function == "fmin" else ">", *values)
+            return Dual(self.base.call(function, *values), self.base.choose(first, *rates))
+        value = self.base.call(function, *values)
+        partials = _PARTIALS[function](self.base, value, *values)
+        total: Scalar = 0.0
+        for partial, rate in zip(partials, rates, strict=True):
+            total = _plus(total, _times(partial() if not _is_zero(rate) else 0.0, rate))
+        return Dual(value, total)
+
+    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        return self.base.compare(operator, value_of(a), value_of(b))
+
+    def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
+        if not isinstance(then, Dual) and not isinstance(otherwise, Dual):
+            return self.base.choose(condition, then, otherwise)
+        rates = rate_of(then), rate_of(otherwise)
+        rate = 0.0 if _is_zero(rates[0]) and _is_zero(rates[1]) else self.base.choose(condition, *rates)
+        return Dual(self.base.choose(condition, value_of(then), value_of(otherwise)), rate)
+
+    def logic(self, operator: str, *conditions: Scalar) -> Scalar:
+        return self.base.logic(operator, *(value_of(c) for c in conditions))
+
+
+# Partial derivatives of f = function(x, ...): one closure for each argument, called only when that argument moves.
+_PARTIALS: Mapping[str, Callable[..., list[Callable[[], Scalar]]]] = {
+    "sin": lambda g, f, x: [lambda: g.call("cos", x)],
+    "cos": lambda g, f, x: [lambda: -g.call("sin", x)],
+    "tan": lambda g, f, x: [lambda: 1.0 + f * f],
+    "asin": lambda g, f, x: [lambda: 1.0 / g.call("sqrt", 1.0 - x * x)],
+    "acos": lambda g, f, x: [lambda: -1.0 / g.call("sqrt", 1.0 - x * x)],
+    "atan": lambda g, f, x: [lambda: 1.0 / (1.0 + x * x)],
+    "sinh": lambda g, f, x: [lambda: g.call("cosh", x)],
+    "cosh": lambda g, f, x: [lambda: g.call("sinh", x)],
+    "tanh": lambda g, f, x: [lambda: 1.0 - f * f],
+    "asinh": lambda g, f, x: [lambda: 1.0 / g.call("sqrt", x * x + 1.0)],
+    "acosh": lambda g, f, x: [lambda: 1.0 / g.call("sqrt", x * x - 1.0)],
+    "atanh": lambda g, f, x: [lambda: 1.0 / (1.0 - x * x)],
+    "exp": lambda g, f, x: [lambda: f],
+    "log": lambda g, f, x: [lambda: 1.0 / x],
+    "log10": lambda g, f, x: [lambda: 1.0 / (x * math.log(10.0))],
+    "sqrt": lambda g, f, x: [lambda: 0.5 / f],
+    "abs": lambda g, f, x: [lambda: g.call("sign", x)],
+    "sign": lambda g, f, x: [lambda: 0.0],
+    "floor": lambda g, f, x: [lambda: 0.0],
+    "ceil": lambda g, f, x: [lambda: 0.0],
+    "atan2": lambda g, f, y, x: [lambda: x / (x * x + y * y), lambda: -y / (x * x + y * y)],
+    "mod": lambda g, f, a, b: [lambda: 1.0, lambda: -g.call("floor", a / b)],
+    "pow": lambda g, f, a, b: [lambda: b * g.call("pow", a, b - 1.0), lambda: f * g.call("log", a)],
+}  # fmt: skip

@@ -1,0 +1,209 @@
+"""M a = r solved along the tree of bodies, leaf to root, without forming M: O(n) for any tree.
+
+A rigid body is a cluster of frames joined by rigid edges; its inertia in its own axes at its reference frame is the mass m, the
+first moment m c and the second moment J, taken from the Hessian of its kinetic terms in the twist (vx, vy, w). Towards the
+root, for every coordinate with motion direction s:
+
+    U = I s,   D = s . U,   I -= U U^T / D,   p += U (r - s . p) / D,
+
+then I and p move to the parent's reference frame. Back from the root: a = (u - U . A) / D, A += s a.
+Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
+"""
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+from lagrangia.algebra import Dual, Scalar, rate_of
+from lagrangia.bodies import Bodies, Inertia
+from lagrangia.evaluation import Evaluator, Value
+from lagrangia.graph import Edge
+from lagrangia.kinematics import Kinematics, Pose, rotated
+
+Vector = list[Scalar]  # vx, vy, w or fx, fy, torque
+
+
+@dataclass
+class Cluster:
+    """A rigid body. `joint` is where its reference frame sits in the parent, in world axes from the parent's reference."""
+
+    frame: str
+    parent: "Cluster | None"
+    directions: list[tuple[int, Vector]]  # (index of the coordinate, s) in the order of the joint
+    turn: Pose  # of the reference frame; only the angle is used
+    joint: tuple[Scalar, Scalar] = (0.0, 0.0)
+    inertia: list[Vector] = field(default_factory=lambda: [[0.0] * 3 for _ in range(3)])  # upper triangle, world axes
+    load: Vector = field(default_factory=lambda: [0.0] * 3)
+    solved: list[tuple[int, Vector, Vector, Scalar, Scalar]] = field(default_factory=list)
+
+    @property
+    def is_ground(self) -> bool:
+        return self.parent is None and not self.directions
+
+
+def eliminate(kinematics: Kinematics, bodies: Bodies, r: ca.SX) -> ca.SX | None:
+    """The solution a of M a = r, or None when the scene is no tree of rigid bodies: a coordinate that moves several joints,
+    or a kinetic term that couples several bodies or is no body's."""
+    uses = Counter(name for edge in kinematics.graph.edges for name in edge.coordinates)
+    if bodies.rest or any(count > 1 for count in uses.values()):
+        return None
+    clusters = _clusters(kinematics, bodies)
+    for inertia in bodies.inertias:
+        _add_inertia(clusters[bodies.home[inertia.frame]], inertia, bodies.local[inertia.frame])
+    acceleration: list[Scalar] = [0.0] * r.numel()
+    for cluster in reversed(clusters.values()):
+        _towards_root(cluster, r)
+    twists: dict[str, Vector] = {}
+    for cluster in clusters.values():
+        start = _moved(twists[cluster.parent.frame], cluster.joint) if cluster.parent else [0.0] * 3
+        twists[cluster.frame] = _from_root(cluster, start, acceleration)
+    return ca.vertcat(*acceleration)
+
+
+# -------------------------------------------------------------------- bodies
+
+
+def _clusters(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
+    """The rigid bodies by their reference frames, parents first."""
+    graph = kinematics.graph
+    number = {c.name: k for k, c in enumerate(graph.coordinates)}
+    units = {"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0], "phi": [0.0, 0.0, 1.0]}
+    clusters: dict[str, Cluster] = {}
+    for root in graph.roots:
+        directions = [(number[f"{root.frame}.{a}"], units[a]) for a in root.attributes]
+        clusters[root.frame] = Cluster(root.frame, None, directions, kinematics.pose(root.frame, 0))
+    for edge in graph.edges:
+        if edge.is_rigid:
+            continue
+        parent, local = clusters[bodies.home[edge.parent]], bodies.local[edge.parent]
+        directions = [(number[name], _direction(kinematics, edge, name)) for name in edge.coordinates]
+        x, y = rotated(parent.turn.cos, parent.turn.sin, 0.0, local.x, local.y)
+        here = kinematics.pose(edge.parent, 0)
+        ahead = kinematics.follow(edge, Pose(x, y, here.phi, here.cos, here.sin), 0)
+        clusters[edge.child] = Cluster(edge.child, parent, directions, kinematics.pose(edge.child, 0), (ahead.x, ahead.y))
+    return clusters
+
+
+def _add_inertia(cluster: Cluster, inertia: Inertia, local: Pose) -> None:
+    """Moves the inertia to the cluster's reference frame (parallel axes) and turns it into world axes."""
+    if cluster.is_ground:
+        return
+    m = inertia.mass
+    ahead = local.x, local.y
+    bx, by = rotated(local.cos, local.sin, 0.0, inertia.moment_x, inertia.moment_y)
+    J = inertia.second_moment + 2 * (ahead[0] * bx + ahead[1] * by) + m * (ahead[0] * ahead[0] + ahead[1] * ahead[1])
+    x, y = rotated(cluster.turn.cos, cluster.turn.sin, 0.0, bx + m * ahead[0], by + m * ahead[1])
+    for (i, j), value in {(0, 0): m, (1, 1): m, (0, 2): -y, (1, 2): x, (2, 2): J}.items():
+        cluster.inertia[i][j] = _add(cluster.inertia[i][j], value)
+
+
+class _OneMoves:
+    """Leaves of an evaluator in which a single coordinate moves, at rate 1."""
+
+    def __init__(self, kinematics: Kinematics, mover: str) -> None:
+        self.kinematics, self.mover = kinematics, mover
+
+    def symbol(self, name: str, level: int) -> Value | None:
+        positions = self.kinematics.symbols.positions
+        if name not in positions:
+            return self.kinematics.symbol(name, level)
+        return Dual(positions[name], 1.0 if name == self.mover else 0.0) if level else positions[name]
+
+    def time(self, level: int) -> Scalar:
+        return self.kinematics.symbols.time
+
+    def frame(self, name: str, attribute: str, level: int) -> Value:
+        raise AssertionError("a joint depends on no frame")
+
+
+def _direction(kinematics: Kinematics, edge: Edge, mover: str) -> Vector:
+    """Twist of the edge's child when its parent rests and one coordinate moves at rate 1."""
+    evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, _OneMoves(kinematics, mover))
+    pose = kinematics.follow(edge, kinematics.pose(edge.parent, 0), 1, evaluator)
+    return [rate_of(pose.x), rate_of(pose.y), rate_of(pose.phi)]
+
+
+# -------------------------------------------------------------------- the two sweeps
+
+
+def _towards_root(cluster: Cluster, r: ca.SX) -> None:
+    I, p = cluster.inertia, cluster.load
+    for index, s in reversed(cluster.directions):
+        U = [_dot([I[min(i, j)][max(i, j)] for j in range(3)], s) for i in range(3)]
+        inverse = 1.0 / _dot(s, U)
+        u = r[index] - _dot(s, p)
+        cluster.solved.append((index, s, U, inverse, u))
+        axis = _axis(s)
+        if axis is not None:
+            p[axis] = r[index]  # along an axis the load is exactly what r says, and the reduced inertia zero
+        for i in (k for k in range(3) if k != axis):
+            scaled = _mul(U[i], inverse)
+            p[i] = _add(p[i], _mul(scaled, u))
+            for j in range(i, 3):
+                I[i][j] = _minus(I[i][j], _mul(scaled, U[j]))
+        for k in range(3):
+            if axis is not None:
+                I[min(k, axis)][max(k, axis)] = 0.0
+    if cluster.parent is not None and not cluster.parent.is_ground:
+        _hand_over(cluster, cluster.parent)
+
+
+def _axis(s: Vector) -> int | None:
+    """k when s is the k-th unit vector."""
+    nonzero = [k for k, x in enumerate(s) if not _is_zero(x)]
+    return nonzero[0] if len(nonzero) == 1 and isinstance(s[nonzero[0]], float) and s[nonzero[0]] == 1.0 else None
+
+
+def _hand_over(cluster: Cluster, parent: Cluster) -> None:
+    """Adds the inertia and load of a body to its parent's, moved to the parent's reference frame."""
+    dx, dy = cluster.joint
+    I = cluster.inertia
+    fx, fy, torque = cluster.load
+    # X^T I X with X = [[1, 0, -dy], [0, 1, dx], [0, 0, 1]]
+    xz = _add(_minus(I[0][2], _mul(I[0][0], dy)), _mul(I[0][1], dx))
+    yz = _add(_minus(I[1][2], _mul(I[0][1], dy)), _mul(I[1][1], dx))
+    zz = _minus(_add(_minus(_add(I[2][2], _mul(I[1][2], dx)), _mul(I[0][2], dy)), _mul(yz, dx)), _mul(xz, dy))
+    for (i, j), value in {(0, 0): I[0][0], (0, 1): I[0][1], (1, 1): I[1][1], (0, 2): xz, (1, 2): yz, (2, 2): zz}.items():
+        parent.inertia[i][j] = _add(parent.inertia[i][j], value)
+    moved = [fx, fy, _minus(_add(torque, _mul(fy, dx)), _mul(fx, dy))]
+    parent.load = [_add(a, b) for a, b in zip(parent.load, moved, strict=True)]
+
+
+def _from_root(cluster: Cluster, twist: Vector, acceleration: list[Scalar]) -> Vector:
+    for index, s, U, inverse, u in reversed(cluster.solved):
+        a = _mul(_minus(u, _dot(U, twist)), inverse)
+        acceleration[index] = a
+        twist = [_add(x, _mul(y, a)) for x, y in zip(twist, s, strict=True)]
+    return twist
+
+
+def _moved(twist: Vector, joint: tuple[Scalar, Scalar]) -> Vector:
+    vx, vy, w = twist
+    return [_minus(vx, _mul(w, joint[1])), _add(vy, _mul(w, joint[0])), w]
+
+
+# -------------------------------------------------------------------- scalars; the numbers 0 and 1 cost nothing
+
+
+def _is_zero(x: Scalar) -> bool:
+    return (isinstance(x, float | int) and x == 0) or (isinstance(x, ca.SX) and x.is_zero())
+
+
+def _add(a: Scalar, b: Scalar) -> Scalar:
+    return b if _is_zero(a) else a if _is_zero(b) else a + b
+
+
+def _minus(a: Scalar, b: Scalar) -> Scalar:
+    return a if _is_zero(b) else -b if _is_zero(a) else a - b
+
+
+def _mul(a: Scalar, b: Scalar) -> Scalar:
+    return 0.0 if _is_zero(a) or _is_zero(b) else a * b
+
+
+def _dot(a: Vector, b: Vector) -> Scalar:
+    total: Scalar = 0.0
+    for x, y in zip(a, b, strict=True):
+        total = _add(total, _mul(x, y))
+    return total

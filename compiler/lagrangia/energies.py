@@ -1,0 +1,119 @@
+"""Kinematics -> T, V, D and the virtual work, term by term as the components state them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi as ca
+
+from lagrangia.algebra import Scalar
+from lagrangia.diagnostics import Report, Span
+from lagrangia.evaluation import Value
+from lagrangia.flat import Energy, Work
+from lagrangia.kinematics import Kinematics
+
+
+@dataclass(frozen=True)
+class Term:
+    """One energy term with its statement in the source."""
+
+    value: Scalar
+    statement: Energy
+
+    @property
+    def component(self) -> str:
+        return self.statement.component
+
+
+@dataclass(frozen=True)
+class Load:
+    """A force and the position it works on, both as lists of scalars of equal length."""
+
+    force: tuple[Scalar, ...]
+    position: tuple[Scalar, ...]
+    statement: Work
+
+
+@dataclass(frozen=True)
+class Energies:
+    kinetic: tuple[Term, ...]
+    potential: tuple[Term, ...]
+    dissipation: tuple[Term, ...]
+    loads: tuple[Load, ...]
+
+    @staticmethod
+    def total(terms: tuple[Term, ...]) -> ca.SX:
+        """Sum by halves, which keeps the tree of additions shallow."""
+        return _balanced_sum([ca.SX(t.value) for t in terms])
+
+
+def build_energies(kinematics: Kinematics) -> Energies:
+    """Raises LagError (L05xx) for a term that is no scalar or depends on accelerations or on an input where it must not."""
+    report = Report()
+    model = kinematics.graph.model
+    terms: dict[str, list[Term]] = {"kinetic": [], "potential": [], "dissipation": []}
+    for energy in model.energies:
+        value = kinematics.evaluator.value(energy.value)
+        _check_scalar(value, energy.kind, energy.span, report)
+        terms[energy.kind].append(Term(value, energy))
+    loads = [_load(work, kinematics.evaluator.value, report) for work in model.works]
+    report.raise_errors()
+    energies = Energies(tuple(terms["kinetic"]), tuple(terms["potential"]), tuple(terms["dissipation"]), tuple(loads))
+    _check_dependence(energies, kinematics, report)
+    report.raise_errors()
+    return energies
+
+
+def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:
+    force, position = value(work.force), value(work.position)
+    if isinstance(force, tuple) != isinstance(position, tuple) or (isinstance(force, tuple) and len(force) != len(position)):
+        report.error("L0303", "a force works on a position of the same size", work.span,
+                     "a vector on a point (at.r), a number on a length or an angle")  # fmt: skip
+        return Load((), (), work)
+    if isinstance(force, tuple):
+        return Load(force, position, work)
+    return Load((force,), (position,), work)
+
+
+def _check_scalar(value: Value, kind: str, span: Span, report: Report) -> None:
+    if isinstance(value, tuple):
+        report.error("L0303", f"a {kind} energy is one number, this is an array of {len(value)}", span, "dot(v, v) squares a vector")
+
+
+def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report) -> None:
+    """V may depend on positions, T and D on velocities, nothing on accelerations; inputs act through forces and dampers."""
+    symbols = kinematics.symbols
+    accelerations = ca.vertcat(*symbols.accelerations.values())
+    rates = ca.vertcat(*symbols.rates.values())
+    inputs = ca.vertcat(*[x for name, v in kinematics.graph.model.variables.items() if v.kind == "input"
+                          for x in _scalars(symbols.values[name])])  # fmt: skip
+    groups = {"kinetic": energies.kinetic, "potential": energies.potential, "dissipation": energies.dissipation}
+    for kind, terms in groups.items():
+        whole = energies.total(terms)
+        checks = [(accelerations, "L0501", f"a {kind} energy cannot depend on accelerations", "")]
+        if kind == "potential":
+            checks.append((rates, "L0502", "a potential cannot depend on velocities", "what resists motion is a dissipation"))
+        if kind != "dissipation":
+            checks.append((inputs, "L0908", f"not supported yet: an input in a {kind} energy", "let it act as a force: work ... on ..."))
+        for wrong, code, message, hint in checks:
+            if wrong.numel() and ca.depends_on(whole, wrong):
+                for term in terms:
+                    if ca.depends_on(ca.SX(term.value), wrong):
+                        report.error(code, message, term.statement.span, *filter(None, [hint]))
+    for load in energies.loads:
+        if accelerations.numel() and ca.depends_on(ca.vertcat(*load.force, 0), accelerations):
+            report.error("L0501", "a force cannot depend on accelerations", load.statement.span)
+        if rates.numel() and ca.depends_on(ca.vertcat(*load.position, 0), rates):
+            report.error("L0502", "a force works on a position, this depends on velocities", load.statement.span)
+
+
+def _scalars(value: Value) -> list[Scalar]:
+    return [x for item in value for x in _scalars(item)] if isinstance(value, tuple) else [value]
+
+
+def _balanced_sum(values: list[ca.SX]) -> ca.SX:
+    if not values:
+        return ca.SX(0)
+    while len(values) > 1:
+        pairs = [values[i] + values[i + 1] for i in range(0, len(values) - 1, 2)]
+        values = pairs + values[len(values) // 2 * 2 :]
+    return values[0]

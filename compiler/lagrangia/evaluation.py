@@ -1,0 +1,303 @@
+"""Flat expressions -> scalars and vectors of an algebra.
+
+Everything is evaluated at a *level*: level 0 gives plain scalars of the base algebra, level 1 Duals that carry the rate along,
+level 2 Duals of Duals with the acceleration as well. `der(e)` at level k is the rate of e at level k + 1.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol, TypeAlias
+
+from lagrangia.algebra import TINY, Algebra, DualAlgebra, Scalar, rate_of
+from lagrangia.algorithms import FlatFunction
+from lagrangia.diagnostics import Span, fail
+from lagrangia.flat import FlatModel
+from lagrangia.names import Flat, FrameRef, Local, Ref, Time
+from lagrangia.tree import Array, Binary, Boolean, Call, IfExpression, Number, String, Unary
+
+Value: TypeAlias = Any  # Scalar | tuple[Value, ...]
+_HIGHEST_LEVEL = 2
+_LARGEST_EXPANDED_POWER = 8
+
+
+class Leaves(Protocol):
+    """Where the values of symbols and frames come from (kinematics.py)."""
+
+    def symbol(self, name: str, level: int) -> Value | None:
+        """A coordinate, parameter or input; None for a variable with a binding."""
+
+    def time(self, level: int) -> Scalar: ...
+    def frame(self, name: str, attribute: str, level: int) -> Value: ...
+
+
+class Evaluator:
+    """Evaluates expressions of one flat model; values of variables are kept, so that each is computed once a level."""
+
+    def __init__(self, model: FlatModel, algebra: Algebra, leaves: Leaves) -> None:
+        self.model, self.leaves = model, leaves
+        self.algebras: list[Algebra] = [algebra]
+        for _ in range(_HIGHEST_LEVEL):
+            self.algebras.append(DualAlgebra(self.algebras[-1]))
+        self._known: dict[tuple[str, int], Value] = {}
+        self._pending: list[str] = []
+
+    def value(self, node: Flat, level: int = 0, local: Mapping[str, Value] | None = None) -> Value:
+        match node:
+            case Number(number):
+                return number
+            case Boolean(flag):
+                return float(flag)
+            case Ref(name, index, span):
+                return _element(self.variable(name, level, span), index)
+            case FrameRef(name, attribute, index, _):
+                return _element(self.leaves.frame(name, attribute, level), index)
+            case Time():
+                return self.leaves.time(level)
+            case Local(name, span):
+                if local is None or name not in local:
+                    fail("L0211", f"'{name}' is used before it is given a value", span)
+                return local[name]
+            case Unary("not", operand, _):
+                return self.algebras[level].logic("not", self.value(operand, level, local))  # type: ignore[arg-type]
+            case Unary(_, operand, _):
+                return _map(lambda x: -x, self.value(operand, level, local))  # type: ignore[arg-type]
+            case Binary():
+                return self._binary(node, level, local)
+            case IfExpression(condition, then, otherwise, _):
+                chosen = self.value(condition, level, local)  # type: ignore[arg-type]
+                a, b = self.value(then, level, local), self.value(otherwise, level, local)  # type: ignore[arg-type]
+                return _zip(lambda x, y: self.algebras[level].choose(chosen, x, y), a, b, node.span)
+            case Array(items, _):
+                return tuple(self.value(item, level, local) for item in items)  # type: ignore[arg-type]
+            case Call():
+                return self._call(node, level, local)
+            case String(_, span):
+                fail("L0302", "a text is no number", span)
+
+    def variable(self, name: str, level: int, span: Span) -> Value:
+        key = (name, level)
+        if key not in self._known:
+            value = self.leaves.symbol(name, level)
+            if value is None:
+                value = self._bound(name, level, span)
+            self._known[key] = value
+        return self._known[key]
+
+    def _bound(self, name: str, level: int, span: Span) -> Value:
+        variable = self.model.variables[name]
+        if name in self._pending:
+            chain = self._pending[self._pending.index(name) :]
+            fail("L0212", f"'{name}' depends on itself", variable.span, " > ".join([*chain, name]))
+        assert variable.binding is not None
+        self._pending.append(name)
+        value = self.value(variable.binding, level)
+        self._pending.pop()
+        return value
+
+    # ------------------------------------------------------------ operators
+
+    def _binary(self, node: Binary, level: int, local: Mapping[str, Value] | None) -> Value:
+        algebra = self.algebras[level]
+        a, b = self.value(node.left, level, local), self.value(node.right, level, local)  # type: ignore[arg-type]
+        match node.operator:
+            case "+":
+                return _zip(lambda x, y: x + y, a, b, node.span)
+            case "-":
+                return _zip(lambda x, y: x - y, a, b, node.span)
+            case "*":
+                return self._product(a, b, node.span)
+            case "/":
+                if not isinstance(b, tuple) and isinstance(b, float | int) and b == 0:
+                    fail("L0217", "division by zero", node.span)
+                return _map(lambda x: x / b, a)
+            case "^":
+                return self._power(a, b, level)
+            case "and" | "or":
+                return algebra.logic(node.operator, a, b)
+            case _:
+                return algebra.compare(node.operator, a, b)
+
+    def _product(self, a: Value, b: Value, span: Span) -> Value:
+        """Scalar times anything; of two vectors the inner product."""
+        if isinstance(a, tuple) and isinstance(b, tuple):
+            return _sum(_zip(lambda x, y: x * y, a, b, span))
+        if isinstance(a, tuple):
+            return _map(lambda x: x * b, a)
+        return _map(lambda y: a * y, b)
+
+    def _power(self, base: Scalar, exponent: Scalar, level: int) -> Scalar:
+        """Whole and half powers by multiplication and sqrt: a C compiler calls pow for the others, which is slow."""
+        algebra = self.algebras[level]
+        if not isinstance(exponent, float | int) or isinstance(base, float | int):
+            return algebra.call("pow", base, exponent)
+        if exponent < 0:
+            return 1.0 / self._power(base, -exponent, level)
+        if exponent == 0.5:
+            return algebra.call("sqrt", base)
+        if not float(exponent).is_integer() or exponent > _LARGEST_EXPANDED_POWER:
+            return algebra.call("pow", base, float(exponent))
+        return self._whole_power(base, int(exponent))
+
+    def _whole_power(self, base: Scalar, exponent: int) -> Scalar:
+        if exponent == 0:
+            return 1.0
+        half = self._whole_power(base, exponent // 2)
+        square = half * half if exponent > 1 else 1.0
+        return square * base if exponent % 2 else square
+
+    # ------------------------------------------------------------ functions
+
+    def _call(self, node: Call, level: int, local: Mapping[str, Value] | None) -> Value:
+        if node.function == "der":
+            return self._rate(node, level, local)
+        if node.function == "distance":
+            return self._distance(node, level)
+        arguments = [self.value(argument, level, local) for argument in node.arguments]  # type: ignore[arg-type]
+        if node.function in self.model.functions:
+            return self._user_function(self.model.functions[node.function], arguments, level)
+        vector = _VECTOR_FUNCTIONS.get(node.function)
+        if vector is not None:
+            return vector(self, arguments, level, node.span)
+        try:
+            return self.algebras[level].call(node.function, *arguments)
+        except (ValueError, ArithmeticError):
+            fail("L0217", "this cannot be computed", node.span, "a value outside the function's domain")
+
+    def _rate(self, node: Call, level: int, local: Mapping[str, Value] | None) -> Value:
+        if local is not None:
+            fail("L0302", "der(...) cannot stand in a function", node.span)
+        if level >= _HIGHEST_LEVEL:
+            fail("L0503", "der of der of der: only positions, velocities and accelerations are known", node.span)
+        return _map(rate_of, self.value(node.arguments[0], level + 1))  # type: ignore[arg-type]
+
+    def _distance(self, node: Call, level: int) -> Scalar:
+        """Between two frames or two points."""
+        ends = []
+        for argument in node.arguments:
+            is_frame = isinstance(argument, FrameRef) and not argument.attribute
+            ends.append(self.leaves.frame(argument.name, "r", level) if is_frame else self.value(argument, level))  # type: ignore[union-attr, arg-type]
+        return self.norm(_zip(lambda x, y: x - y, ends[1], ends[0], node.span), level)
+
+    def norm(self, vector: Value, level: int) -> Scalar:
+        squares = _sum(_map(lambda x: x * x, vector))
+        if isinstance(squares, float | int):
+            return float(squares) ** 0.5
+        return self.algebras[level].call("sqrt", squares + TINY)
+
+    def _user_function(self, function: FlatFunction, arguments: list[Value], level: int) -> Value:
+        known = dict(zip(function.inputs, arguments, strict=True))
+        for name, expression in function.steps:
+            known[name] = self.value(expression, level, known)
+        return known[function.output]
+
+
+# -------------------------------------------------------------------- vectors
+
+
+def _map(function: Callable[[Scalar], Scalar], value: Value) -> Value:
+    return tuple(_map(function, item) for item in value) if isinstance(value, tuple) else function(value)
+
+
+def _zip(function: Callable[[Scalar, Scalar], Scalar], a: Value, b: Value, span: Span) -> Value:
+    if isinstance(a, tuple) != isinstance(b, tuple) or (isinstance(a, tuple) and len(a) != len(b)):
+        fail("L0303", f"{_size(a)} and {_size(b)} do not go together", span)
+    return tuple(_zip(function, x, y, span) for x, y in zip(a, b, strict=True)) if isinstance(a, tuple) else function(a, b)
+
+
+def _size(value: Value) -> str:
+    return f"an array of {len(value)}" if isinstance(value, tuple) else "a number"
+
+
+def _sum(values: Value) -> Scalar:
+    total: Scalar = 0.0
+    for value in values if isinstance(values, tuple) else (values,):
+        total = value if isinstance(total, float) and total == 0 else total + value
+    return total
+
+
+def _element(value: Value, index: tuple[int, ...]) -> Value:
+    for i in index:
+        value = value[i - 1]
+    return value
+
+
+def _flatten(values: Value) -> list[Scalar]:
+    return [x for value in values for x in _flatten(value)] if isinstance(values, tuple | list) else [values]
+
+
+def _need_vectors(arguments: list[Value], count: int, span: Span) -> None:
+    for value in arguments[:count]:
+        if not isinstance(value, tuple) or (count == 2 and len(value) != len(arguments[0])):
+            fail("L0303", "vectors of equal size are needed here", span)
+
+
+def _dot(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
+    _need_vectors(arguments, 2, span)
+    return _sum(_zip(lambda x, y: x * y, *arguments, span))
+
+
+def _cross(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
+    (ax, ay), (bx, by) = arguments
+    return ax * by - ay * bx
+
+
+def _norm(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
+    _need_vectors(arguments, 1, span)
+    return evaluator.norm(arguments[0], level)
+
+
+def _rotate(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:
+    """rotate(vector, angle), counter-clockwise."""
+    _need_vectors(arguments, 1, span)
+    (x, y), angle = arguments
+    c, s = (evaluator.algebras[level].call(f, angle) for f in ("cos", "sin"))
+    return (c * x - s * y, s * x + c * y)
+
+
+def _extreme(function: str) -> Callable[[Evaluator, list[Value], int, Span], Scalar]:
+    def evaluate(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
+        first, *rest = _flatten(arguments)
+        for value in rest:
+            first = evaluator.algebras[level].call(function, first, value)
+        return first
+
+    return evaluate
+
+
+def _total(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
+    return _sum(tuple(_flatten(arguments)))
+
+
+def _product_of(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
+    total: Scalar = 1.0
+    for value in _flatten(arguments):
+        total = total * value
+    return total
+
+
+def _table(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
+    """table(x, xs, ys): straight lines between the points, held beyond the ends."""
+    x, xs, ys = arguments
+    if not isinstance(xs, tuple) or not isinstance(ys, tuple) or len(xs) != len(ys) or len(xs) < 2:
+        fail("L0303", "table(x, {x1, x2, ...}, {y1, y2, ...}) needs two arrays of equal size, at least 2", span)
+    if all(isinstance(v, float | int) for v in xs) and any(b <= a for a, b in zip(xs, xs[1:], strict=False)):
+        fail("L0303", "the x of a table must rise", span)
+    algebra = evaluator.algebras[level]
+    value: Scalar = ys[-1]
+    for k in range(len(xs) - 1, 0, -1):
+        line = ys[k - 1] + (x - xs[k - 1]) * ((ys[k] - ys[k - 1]) / (xs[k] - xs[k - 1]))
+        value = algebra.choose(algebra.compare("<", x, xs[k]), line, value)
+    return algebra.choose(algebra.compare("<", x, xs[0]), ys[0], value)
+
+
+def _item(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:
+    """element(vector, k), made by the compiler."""
+    vector, k = arguments
+    if not isinstance(vector, tuple) or not 1 <= int(k) <= len(vector):
+        fail("L0303", "a vector is needed here", span)
+    return vector[int(k) - 1]
+
+
+_VECTOR_FUNCTIONS: Mapping[str, Callable[[Evaluator, list[Value], int, Span], Value]] = {
+    "dot": _dot, "cross": _cross, "norm": _norm, "rotate": _rotate, "min": _extreme("fmin"), "max": _extreme("fmax"),
+    "sum": _total, "product": _product_of, "table": _table, "element": _item,
+}  # fmt: skip

@@ -1,0 +1,355 @@
+"""FlatModel -> ComponentGraph: frames are nodes, frame equations are edges usable in both directions.
+
+The spanning tree starts at the ground; a part of the graph that carries mass but is joined to no ground floats, with up to
+three coordinates of its own; a part without mass is an error, or is left out when nothing uses it.
+"""
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from lagrangia.diagnostics import Report, Span, fail
+from lagrangia.flat import FlatModel, Frame, FrameEquation, Variable
+from lagrangia.names import Flat, FrameRef, Ref, Time
+from lagrangia.tree import Call
+from lagrangia.walk import leaves
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A part of the way from one frame to another: shift by a vector or turn by an angle, forwards or backwards."""
+
+    kind: str  # "shift" or "turn"
+    amount: Flat
+    is_inverse: bool = False
+
+    def inverse(self) -> "Step":
+        return Step(self.kind, self.amount, not self.is_inverse)
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """child = parent followed by the steps."""
+
+    parent: str
+    child: str
+    steps: tuple[Step, ...]
+    coordinates: tuple[str, ...]  # those the steps depend on
+    moves_with_time: bool
+    span: Span
+
+    @property
+    def is_rigid(self) -> bool:
+        return not self.coordinates and not self.moves_with_time
+
+    def inverse(self) -> "Edge":
+        steps = tuple(step.inverse() for step in reversed(self.steps))
+        return Edge(self.child, self.parent, steps, self.coordinates, self.moves_with_time, self.span)
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    name: str
+    unit: str
+    display_unit: str
+    start: Flat | None
+    rate_start: Flat | None
+    is_fixed: bool
+    description: str
+    span: Span
+
+    @property
+    def rate_name(self) -> str:
+        return f"der({self.name})"
+
+
+@dataclass(frozen=True, slots=True)
+class Root:
+    """The root of a tree of frames: the ground, or a floating frame with its coordinates in the order of `attributes`."""
+
+    frame: str
+    attributes: tuple[str, ...] = ()  # of x, y, phi
+
+    @property
+    def is_ground(self) -> bool:
+        return not self.attributes
+
+
+@dataclass(frozen=True)
+class ComponentGraph:
+    model: FlatModel
+    roots: tuple[Root, ...]
+    edges: tuple[Edge, ...]  # of the spanning trees, parents first
+    coordinates: tuple[Coordinate, ...]
+    unused_frames: tuple[str, ...]
+
+    def summary(self) -> str:
+        lines = [f"{len(self.model.frames)} frames, {len(self.edges)} edges, {len(self.roots)} trees"]
+        for root in self.roots:
+            lines.append(f"root {root.frame}" + ("" if root.is_ground else f" floats: {', '.join(root.attributes)}"))
+        for edge in self.edges:
+            how = ", ".join(f"{'back ' if s.is_inverse else ''}{s.kind} {s.amount.span.text}" for s in edge.steps) or "same"
+            lines.append(f"{edge.parent} -> {edge.child}: {how}")
+        lines += [f"coordinate {c.name} [{c.unit}]" for c in self.coordinates]
+        lines += [f"left out {name}" for name in self.unused_frames]
+        return "\n".join(lines)
+
+
+def build_graph(model: FlatModel) -> ComponentGraph:
+    """Raises LagError (L04xx): ports joined to nothing, closed loops, constraints (both not supported yet)."""
+    return _Building(model).build()
+
+
+class _Building:
+    def __init__(self, model: FlatModel) -> None:
+        self.model = model
+        self.report = Report()
+        self.bindings = {name: v.binding for name, v in model.variables.items()}
+        self.neighbours: dict[str, list[Edge]] = {name: [] for name in model.frames}
+        self.parent: dict[str, str] = {}
+        self.edges: list[Edge] = []
+        self.taken: set[int] = set()
+
+    def build(self) -> ComponentGraph:
+        self._refuse_constraints()
+        for equation in self.model.frame_equations:
+            self._add_edge(equation)
+        used = self._used_frames()
+        massive = self._massive_frames()
+        roots = [Root(name) for name, frame in self.model.frames.items() if frame.is_ground]
+        for root in roots:
+            self._grow(root.frame)
+        unused: list[str] = []
+        floating: list[Root] = []
+        for island in self._islands():
+            if island & massive.keys():
+                root = self._floating_root(island, massive, used)
+                floating.append(root)
+                self._grow(root.frame)
+            elif island & used.keys():
+                self._report_unbound(island, used)
+            else:
+                unused += sorted(island)
+        self._refuse_loops(set(unused))
+        self.report.raise_errors()
+        coordinates = tuple(self._coordinates(floating))
+        self.report.raise_errors()
+        return ComponentGraph(self.model, (*roots, *floating), tuple(self.edges), coordinates, tuple(unused))
+
+    def _refuse_constraints(self) -> None:
+        for equation in self.model.constraints:
+            self.report.error("L0903", "not supported yet: a scalar equation as a constraint", equation.span,
+                              "an equation may give a value to a variable without a binding, or join frames")  # fmt: skip
+
+    # ------------------------------------------------------------ edges
+
+    def _add_edge(self, equation: FrameEquation) -> None:
+        left, left_steps = _unfold(equation.left)
+        right, right_steps = _unfold(equation.right)
+        steps = right_steps + tuple(step.inverse() for step in reversed(left_steps))
+        found = leaves([step.amount for step in steps], self.bindings)
+        for leaf in found:
+            if isinstance(leaf, FrameRef):
+                fail("L0402", f"a joint's shift or turn cannot depend on the frame '{leaf.name}'", equation.span)
+        names = {leaf.name: self.model.variables.get(leaf.name) for leaf in found if isinstance(leaf, Ref)}
+        coordinates = tuple(name for name, v in names.items() if v is not None and v.kind == "coordinate")
+        inputs = [name for name, v in names.items() if v is not None and v.kind == "input"]
+        if inputs:
+            fail("L0904", f"not supported yet: the input '{inputs[0]}' moves a frame", equation.span, "let it act as a force")
+        edge = Edge(right, left, steps, coordinates, any(isinstance(leaf, Time) for leaf in found), equation.span)
+        if left == right and not steps:
+            return
+        self.neighbours[right].append(edge)
+        self.neighbours[left].append(edge)
+
+    def _grow(self, root: str) -> None:
+        """Breadth first from the root."""
+        self.parent[root] = ""
+        queue = deque([root])
+        while queue:
+            here = queue.popleft()
+            for edge in self.neighbours[here]:
+                ahead = edge if edge.parent == here else edge.inverse()
+                if ahead.child not in self.parent:
+                    self.parent[ahead.child] = here
+                    self.edges.append(ahead)
+                    self.taken.add(id(edge))
+                    queue.append(ahead.child)
+
+    def _refuse_loops(self, unused: set[str]) -> None:
+        """An edge outside the tree closes a loop, unless it only says again what identities of frames say."""
+        same = _Same()
+        for edge in self.edges:
+            if not edge.steps:
+                same.join(edge.parent, edge.child)
+        seen: set[int] = set()
+        for name, edges in self.neighbours.items():
+            for edge in edges:
+                if name in unused or id(edge) in self.taken or id(edge) in seen:
+                    continue
+                seen.add(id(edge))
+                if not edge.steps and same.find(edge.parent) == same.find(edge.child):
+                    continue
+                self.report.error("L0905", f"not supported yet: a closed loop, through '{edge.parent}' and '{edge.child}'", edge.span,
+                                  "this joins two frames that are already joined another way")  # fmt: skip
+
+    # ------------------------------------------------------------ islands
+
+    def _islands(self) -> list[set[str]]:
+        """Sets of frames joined to each other and not to the ground, in the order of declaration."""
+        islands, seen = [], set(self.parent)
+        for start in self.model.frames:
+            if start in seen:
+                continue
+            island, queue = {start}, deque([start])
+            while queue:
+                here = queue.popleft()
+                for edge in self.neighbours[here]:
+                    for end in (edge.parent, edge.child):
+                        if end not in island:
+                            island.add(end)
+                            queue.append(end)
+            seen |= island
+            islands.append(island)
+        return islands
+
+    def _massive_frames(self) -> dict[str, set[str]]:
+        """Frames whose motion some kinetic term measures, with the attributes it reads."""
+        return self._read_frames([e.value for e in self.model.energies if e.kind == "kinetic"])
+
+    def _used_frames(self) -> dict[str, set[str]]:
+        model = self.model
+        roots: list[Flat] = [e.value for e in model.energies] + [x for w in model.works for x in (w.force, w.position)]
+        roots += [x for e in (*model.initial_equations, *model.constraints) for x in (e.left, e.right)]
+        roots += [v.binding for v in model.variables.values() if v.is_output and v.binding is not None]
+        return self._read_frames(roots)
+
+    def _read_frames(self, roots: list[Flat]) -> dict[str, set[str]]:
+        read: dict[str, set[str]] = {}
+        for leaf in leaves(roots, self.bindings):
+            if isinstance(leaf, FrameRef):
+                read.setdefault(leaf.name, set()).add(leaf.attribute)
+        return read
+
+    def _floating_root(self, island: set[str], massive: dict[str, set[str]], used: dict[str, set[str]]) -> Root:
+        """The frame with given starts, else the first whose motion the kinetic energy measures.
+
+        The angle is no coordinate when nothing depends on it, as for a point mass.
+        """
+        frames = [name for name in self.model.frames if name in island]
+        started = [name for name in frames if self.model.frames[name].starts]
+        root = (started or [name for name in frames if name in massive])[0]
+        has_angle = any(used.get(name, set()) & {"phi", "w"} for name in frames) or any(
+            step.kind == "shift" for name in frames for edge in self.neighbours[name] for step in edge.steps
+        )
+        return Root(root, ("x", "y", "phi") if has_angle else ("x", "y"))
+
+    def _report_unbound(self, island: set[str], used: dict[str, set[str]]) -> None:
+        frames = [self.model.frames[name] for name in self.model.frames if name in island]
+        named = next((f for f in frames if f.name in used), frames[0])
+        port, _, component = named.name.rpartition(".")[::-1]
+        component_text = f" of {named.owner} '{component}'" if component else ""
+        self.report.error("L0401", f"the port '{port}'{component_text} is joined to nothing", self._place(named),
+                          f"bind it, {port} = world or {port} = bar.a, or connect({named.name}, ...)")  # fmt: skip
+
+    def _place(self, frame: Frame) -> Span:
+        """Where the user declared the component: the declaration of an equation of its island in the user's file, else the port."""
+        return frame.span
+
+    # ------------------------------------------------------------ coordinates
+
+    def _coordinates(self, floating: list[Root]) -> list[Coordinate]:
+        rates = self._rate_starts()
+        found = []
+        for variable in self.model.variables.values():
+            if variable.kind != "coordinate":
+                continue
+            if variable.shape:
+                self.report.error("L0906", f"not supported yet: the array of coordinates '{variable.name}'", variable.span,
+                                  "declare an array of components with one coordinate each")  # fmt: skip
+                continue
+            found.append(Coordinate(variable.name, variable.unit, variable.display_unit, variable.start, rates.get(variable.name),
+                                    variable.is_fixed, variable.description, variable.span))  # fmt: skip
+        for root in floating:
+            found += self._floating_coordinates(root)
+        self._refuse_other_starts({root.frame for root in floating})
+        return found
+
+    def _rate_starts(self) -> dict[str, Flat]:
+        """`w(start = 2)` where w = der(phi) starts the rate of phi."""
+        starts = {}
+        for variable in self.model.variables.values():
+            if variable.start is None or variable.kind == "coordinate":
+                continue
+            name = rate_of(variable)
+            if name is None or name not in self.bindings or self.model.variables[name].kind != "coordinate":
+                if variable.kind == "variable":
+                    self.report.error("L0907", f"not supported yet: a start for '{variable.name}', which is no coordinate", variable.span,
+                                      f"write it as an initial equation: {variable.name} = ...;")  # fmt: skip
+                continue
+            starts[name] = variable.start
+        return starts
+
+    def _floating_coordinates(self, root: Root) -> list[Coordinate]:
+        frame = self.model.frames[root.frame]
+        starts: dict[str, Flat] = dict(frame.starts)
+        for vector, names in (("r", ("x", "y")), ("v", ("vx", "vy"))):
+            if vector in starts:
+                starts |= {name: Call("element", (starts[vector], _index(k, frame.span)), (), frame.span)
+                           for k, name in enumerate(names)}  # fmt: skip
+        rate = {"x": "vx", "y": "vy", "phi": "w"}
+        what = {"x": "horizontal position", "y": "height", "phi": "angle"}
+        return [
+            Coordinate(f"{root.frame}.{a}", "rad" if a == "phi" else "m", "deg" if a == "phi" else "", starts.get(a), starts.get(rate[a]),
+                       bool(frame.fixed & {a, "r" if a != "phi" else a}), f"{what[a]} of the floating {frame.owner}", frame.span)
+            for a in root.attributes
+        ]  # fmt: skip
+
+    def _refuse_other_starts(self, roots: set[str]) -> None:
+        for frame in self.model.frames.values():
+            if frame.starts and frame.name not in roots:
+                self.report.error("L0907", f"not supported yet: a start for the frame '{frame.name}', which joints already place",
+                                  frame.span, "start the coordinates of the joints, or write an initial equation")  # fmt: skip
+
+
+class _Same:
+    """Union-find over names."""
+
+    def __init__(self) -> None:
+        self.leader: dict[str, str] = {}
+
+    def find(self, name: str) -> str:
+        while self.leader.get(name, name) != name:
+            name = self.leader[name]
+        return name
+
+    def join(self, a: str, b: str) -> None:
+        self.leader[self.find(a)] = self.find(b)
+
+
+def _index(k: int, span: Span) -> Flat:
+    from lagrangia.tree import Number
+
+    return Number(float(k + 1), None, span, True)
+
+
+def rate_of(variable: Variable) -> str | None:
+    """The name of x when the variable is bound to der(x), else None."""
+    binding = variable.binding
+    if isinstance(binding, Call) and binding.function == "der" and isinstance(binding.arguments[0], Ref):
+        return binding.arguments[0].name
+    return None
+
+
+def _unfold(node: Flat) -> tuple[str, tuple[Step, ...]]:
+    """shift(turn(a, phi), d) as the frame a and the steps from it."""
+    if isinstance(node, FrameRef) and not node.attribute:
+        return node.name, ()
+    if isinstance(node, Call) and node.function in ("shift", "turn"):
+        base, steps = _unfold(node.arguments[0])  # type: ignore[arg-type]
+        return base, (*steps, Step(node.function, node.arguments[1]))  # type: ignore[arg-type]
+    fail("L0221", "this is no frame", node.span, "a frame is a port, as bar.a, or shift(...) or turn(...) of one")
+
+
+def bindings_of(model: FlatModel) -> Mapping[str, Flat | None]:
+    return {name: v.binding for name, v in model.variables.items()}

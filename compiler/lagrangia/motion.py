@@ -1,0 +1,192 @@
+"""Energies -> Lagrange's equations: M(q, p) dv/dt + h(q, v, t, p, u) = 0, solved for the accelerations.
+
+    d/dt(dT/dv) - dT/dq + dV/dq + dD/dv = f,   f_k = sum_i F_i . dr_i/dq_k
+
+h is made by algorithmic differentiation: the gradient of T, V and D, and one forward sweep along v for the time derivative of
+dT/dv. The accelerations come from the dense M, or by elimination along the tree of bodies; what counts fewer nodes is taken.
+"""
+
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from lagrangia.algebra import Scalar, rate_of, value_of
+from lagrangia.bodies import Bodies, Inertia, find_bodies
+from lagrangia.diagnostics import Span, fail
+from lagrangia.elimination import eliminate
+from lagrangia.energies import Energies
+from lagrangia.kinematics import Kinematics, rotated
+
+# A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
+_DENSEST = 24
+
+
+@dataclass(frozen=True)
+class Motion:
+    """All in CasADi SX; n coordinates. M is None where it was not formed."""
+
+    q: ca.SX  # (n,)
+    v: ca.SX
+    a: ca.SX  # symbols of the accelerations, for outputs
+    t: ca.SX
+    u: ca.SX
+    p: ca.SX
+    T: ca.SX
+    V: ca.SX
+    D: ca.SX
+    H: ca.SX  # v . dT/dv - T + V: T + V, but for supports that move with time
+    momentum: ca.SX  # dT/dv
+    h: ca.SX
+    acceleration: ca.SX
+    dissipated_power: ca.SX  # taken out by dampers
+    source_power: ca.SX  # put in by loads and moving supports
+    way: str  # "dense" or "tree"
+    nodes: dict[str, int]  # of each way that was tried
+
+
+def build_motion(kinematics: Kinematics, energies: Energies) -> Motion:
+    """Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates."""
+    symbols = kinematics.symbols
+    q, v, a = (ca.vertcat(*s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
+    t, tau = symbols.time, symbols.tau
+    if q.numel() == 0:
+        fail("L0505", "nothing can move: the scene has no coordinate", kinematics.graph.model.span,
+             "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")  # fmt: skip
+    bodies = find_bodies(kinematics, energies)
+    T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
+    n = q.numel()
+    slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
+    momentum, dL_dt = slopes[:n], slopes[n]
+    force, damping = _generalised_force(energies, q), ca.gradient(D, v)
+    h = _inertial_force(kinematics, energies, bodies, q, v) + damping
+    dissipated = ca.dot(v, damping) + tau * ca.gradient(D, tau)
+    source = ca.dot(force, v) - tau * dL_dt + tau * ca.gradient(D, tau)
+    H = ca.dot(v, momentum) - T + V if ca.depends_on(T, tau) else T + V
+    T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
+    _require_mass(kinematics, momentum, v)
+    acceleration, way, nodes = _solve(kinematics, bodies, momentum, h, v)
+    names = kinematics.graph.model.variables
+    p, u = (_stack(kinematics, [n for n, x in names.items() if x.kind == kind]) for kind in ("parameter", "input"))
+    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, dissipated, source, way, nodes)
+
+
+def mass_matrix(motion: Motion) -> ca.SX:
+    """M = d(dT/dv)/dv, n by n, kg or kg.m or kg.m2 by the coordinates."""
+    return ca.jacobian(motion.momentum, motion.v)
+
+
+def _inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q: ca.SX, v: ca.SX) -> ca.SX:
+    """d/dt(dT/dv) - dT/dq + dV/dq - f at zero accelerations of the coordinates.
+
+    For a rigid body's T the first two are sum_i (dr_i/dq)^T m a_i with the acceleration a_i that remains when dv/dt = 0: of
+    the two halves of d/dt(dT/dv) and dT/dq nothing that cancels is ever built. All reverse sweeps are one.
+    """
+    at_rest = {name: 0.0 for name in kinematics.symbols.accelerations}
+    remaining = Kinematics(kinematics.graph, replace(kinematics.symbols, accelerations=at_rest), kinematics.algebra)
+    positions: list[Scalar] = [energies.total(energies.potential)]
+    forces: list[Scalar] = [1.0]
+    for inertia in bodies.inertias:
+        for position, force in _reaction(remaining, inertia):
+            if not (isinstance(position, float) or isinstance(force, float)):
+                positions.append(position)
+                forces.append(force)
+    for load in energies.loads:
+        positions += load.position
+        forces += [-force for force in load.force]
+    h = ca.densify(ca.jtimes(ca.vertcat(*positions), q, ca.vertcat(*forces), True))
+    return h + _lagrange(kinematics, energies.total(bodies.rest), q, v) if bodies.rest else h
+
+
+def _reaction(remaining: Kinematics, inertia: Inertia) -> list[tuple[Scalar, Scalar]]:
+    """The positions x, y, phi of a body's frame and the force and moment its inertia asks for: with the first moment b,
+
+    F = m a - w^2 b + alpha x b,   tau = J alpha + b x a.
+    """
+    pose = remaining.pose(inertia.frame, 2)
+    ax, ay, alpha = (rate_of(rate_of(x)) for x in (pose.x, pose.y, pose.phi))
+    w = value_of(rate_of(pose.phi))
+    place = remaining.pose(inertia.frame, 0)
+    fx, fy, torque = inertia.mass * ax, inertia.mass * ay, inertia.second_moment * alpha
+    if not (ca.SX(inertia.moment_x).is_zero() and ca.SX(inertia.moment_y).is_zero()):
+        bx, by = rotated(place.cos, place.sin, 0.0, inertia.moment_x, inertia.moment_y)
+        fx, fy = fx - w * w * bx - alpha * by, fy - w * w * by + alpha * bx
+        torque = torque + bx * ay - by * ax
+    return [(place.x, fx), (place.y, fy), (place.phi, torque)]
+
+
+def _lagrange(kinematics: Kinematics, T: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:
+    """d/dt(dT/dv) - dT/dq at zero accelerations, by one reverse sweep and one forward sweep along v."""
+    t, tau = kinematics.symbols.time, kinematics.symbols.tau
+    slopes = ca.densify(ca.gradient(T, ca.vertcat(v, q)))
+    n = q.numel()
+    return ca.jtimes(slopes[:n], ca.vertcat(q, t), ca.vertcat(v, tau)) - slopes[n:]
+
+
+def _generalised_force(energies: Energies, q: ca.SX) -> ca.SX:
+    """sum_i (dr_i/dq)^T F_i, in one reverse sweep."""
+    if not energies.loads:
+        return ca.SX.zeros(q.numel())
+    positions = ca.vertcat(*[x for load in energies.loads for x in load.position])
+    forces = ca.vertcat(*[x for load in energies.loads for x in load.force])
+    return ca.densify(ca.jtimes(positions, q, forces, True))
+
+
+def _stack(kinematics: Kinematics, names: list[str]) -> ca.SX:
+    from lagrangia.energies import _scalars
+
+    return ca.vertcat(*[x for name in names for x in _scalars(kinematics.symbols.values[name])])
+
+
+def _require_mass(kinematics: Kinematics, momentum: ca.SX, v: ca.SX) -> None:
+    """A coordinate whose momentum does not depend on any rate moves no mass, whatever the numbers."""
+    pattern = ca.jacobian_sparsity(momentum, v)
+    massless = sorted(set(range(v.numel())) - set(pattern.row()))
+    if massless:
+        coordinate = kinematics.graph.coordinates[massless[0]]
+        others = f" (nor do {', '.join(kinematics.graph.coordinates[k].name for k in massless[1:4])})" if massless[1:] else ""
+        fail("L0504", f"the coordinate '{coordinate.name}' moves no mass{others}", coordinate.span, _missing_port(kinematics, coordinate.name))
+
+
+def _missing_port(kinematics: Kinematics, coordinate: str) -> str:
+    """Names the port of the coordinate's component that nobody joined to anything."""
+    component = coordinate.rpartition(".")[0]
+    ends = [edge.parent for edge in kinematics.graph.edges] + [edge.child for edge in kinematics.graph.edges]
+    loose = [name for name in kinematics.graph.model.frames if name.startswith(component + ".") and ends.count(name) == 1]
+    return f"'{loose[0]}' is joined to nothing: connect a body there" if loose else "give a body behind it a mass"
+
+
+def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v: ca.SX) -> tuple[ca.SX, str, dict[str, int]]:
+    """The accelerations by each way that is open, and the one that counts fewer nodes."""
+    tau = kinematics.symbols.tau
+    ways: dict[str, ca.SX] = {}
+    tree = eliminate(kinematics, bodies, -h)
+    if tree is not None:
+        ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
+    pattern = ca.jacobian_sparsity(momentum, v)
+    if tree is None or pattern.nnz() <= _DENSEST * v.numel():
+        ways["dense"] = _dense(momentum, h, v)
+    nodes = {way: count_nodes([a], [kinematics.algebra.state]) for way, a in ways.items()}
+    best = min(nodes, key=lambda way: nodes[way])
+    return ways[best], best, nodes
+
+
+def _dense(momentum: ca.SX, h: ca.SX, v: ca.SX) -> ca.SX:
+    """Sparse M = L D L^T, ordered by minimum degree. M is positive definite for trees, so no pivoting is needed."""
+    M = ca.jacobian(momentum, v)
+    diagonal, upper, order = ca.ldl(M, True)
+    return ca.ldl_solve(-h, diagonal, upper, order)
+
+
+def count_nodes(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:
+    """Operations that depend on the arguments, common subexpressions counted once."""
+    rest = ca.symvar(ca.veccat(*expressions, *arguments))
+    moving = ca.vertcat(*arguments)
+    fixed = [s for s in rest if not ca.depends_on(moving, s)]
+    shared = ca.cse(ca.veccat(*expressions))
+    reduced = ca.extract_parametric(shared, ca.vertcat(*fixed), {"extract_trivial": True})[0] if fixed else shared
+    function = ca.Function("count", [moving], [reduced], {"allow_free": True})
+    kinds = (ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_CONST, ca.OP_PARAMETER)
+    return sum(1 for k in range(function.n_instructions()) if function.instruction_id(k) not in kinds)
+
+
+__all__ = ["Motion", "Span", "build_motion", "count_nodes", "mass_matrix"]
