@@ -1,0 +1,173 @@
+"""Compilers, the cache, and what happens when either is missing or broken."""
+
+import ctypes
+import os
+import stat
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from lagrangia import native
+from lagrangia.native import Compiler, CompilerError, build, cache_folder, find_compiler, start_build, start_runtime_build
+
+FORTY_TWO = "int answer(void);\n__attribute__((visibility(\"default\"))) int answer(void) { return 42; }\n"
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(folder))
+    monkeypatch.delenv("LAGRANGIA_CC", raising=False)
+    return folder
+
+
+def answer(library: Path) -> int:
+    return int(ctypes.CDLL(str(library)).answer())
+
+
+def counting_compiler(folder: Path) -> tuple[Compiler, Path]:
+    """A compiler that leaves a line in a log each time it is called."""
+    real = find_compiler()
+    assert real is not None
+    log, script = folder / "log", folder / "counting-cc"
+    script.write_text(f'#!/bin/sh\necho called >> "{log}"\nexec {" ".join(real.command)} "$@"\n')
+    script.chmod(0o755)
+    return Compiler((str(script),)), log
+
+
+@needs_compiler
+def test_builds_once(tmp_path: Path) -> None:
+    compiler, log = counting_compiler(tmp_path)
+    first = build("answer", FORTY_TWO, compiler=compiler)
+    assert answer(first) == 42
+    assert build("answer", FORTY_TWO, compiler=compiler) == first
+    assert log.read_text().count("called") == 1
+
+
+@needs_compiler
+def test_source_header_level_and_compiler_are_part_of_the_key(tmp_path: Path) -> None:
+    source, header = tmp_path / "answer.c", tmp_path / "answer.h"
+    source.write_text('#include "answer.h"\n' + FORTY_TWO.replace("42", "ANSWER"))
+    header.write_text("#define ANSWER 42\n")
+
+    def built(level: str = "-O1", compiler: Compiler | None = None) -> Path:
+        return build("answer", [source], include=[tmp_path], level=level, compiler=compiler)
+
+    libraries = [built(), built("-O0"), built(compiler=counting_compiler(tmp_path)[0])]
+    header.write_text("#define ANSWER 43\n")
+    libraries.append(built())
+    assert answer(libraries[-1]) == 43
+    source.write_text(source.read_text() + "\n")
+    libraries.append(built())
+    assert len(set(libraries)) == 5
+
+
+@needs_compiler
+@pytest.mark.parametrize("damage", [lambda file: file.write_bytes(file.read_bytes()[:1000]), lambda file: file.unlink()])
+def test_a_damaged_library_is_built_again(damage: "object") -> None:
+    library = build("answer", FORTY_TWO)
+    assert callable(damage)
+    damage(library)
+    assert build("answer", FORTY_TWO) == library
+    assert answer(library) == 42
+
+
+@needs_compiler
+def test_builds_at_the_same_time_agree(own_cache: Path) -> None:
+    def one(_: int) -> Path:
+        return build("answer", FORTY_TWO)
+
+    with ThreadPoolExecutor(8) as pool:
+        libraries = set(pool.map(one, range(8)))
+    assert len(libraries) == 1
+    assert answer(libraries.pop()) == 42
+    assert not [entry for entry in own_cache.iterdir() if entry.name.startswith(".")]
+
+
+@needs_compiler
+def test_builds_started_together_finish_in_any_order() -> None:
+    runtime, scene = start_runtime_build(level="-O0"), start_build("answer", FORTY_TWO)
+    assert answer(scene.finish()) == 42
+    assert runtime.finish().exists()
+    assert runtime.finish().exists()
+
+
+@needs_compiler
+def test_a_refusal_shows_command_and_message(own_cache: Path) -> None:
+    with pytest.raises(CompilerError, match="nonsense") as caught:
+        build("answer", "int nonsense = ;\n" * 100)
+    assert "-std=c99" in caught.value.command
+    assert len(caught.value.output.splitlines()) <= 20
+    assert not list(own_cache.glob("*answer*"))
+
+
+def test_none_pretends_that_there_is_no_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGRANGIA_CC", "none")
+    assert find_compiler() is None
+    with pytest.raises(CompilerError, match="ziglang"):
+        build("answer", FORTY_TWO)
+
+
+def test_a_compiler_that_does_not_work_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    broken = f"{sys.executable} -c 'raise SystemExit(1)'"
+    monkeypatch.setenv("CC", broken)
+    assert find_compiler() not in (Compiler((sys.executable, "-c", "raise SystemExit(1)")),)
+    monkeypatch.setenv("LAGRANGIA_CC", broken)
+    assert find_compiler() is None
+    monkeypatch.setenv("LAGRANGIA_CC", "no-such-compiler-anywhere")
+    assert find_compiler() is None
+
+
+@needs_compiler
+def test_a_chosen_compiler_is_taken(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    compiler, log = counting_compiler(tmp_path)
+    monkeypatch.setenv("LAGRANGIA_CC", compiler.command[0])
+    assert find_compiler() == compiler
+    assert find_compiler() == compiler
+    assert log.read_text().count("called") == 1
+
+
+@pytest.mark.slow
+def test_ziglang_builds_the_run_time_without_a_warning() -> None:
+    pytest.importorskip("ziglang")
+    zig = Compiler((sys.executable, "-m", "ziglang", "cc"))
+    assert answer(build("answer", FORTY_TWO, compiler=zig)) == 42
+    assert start_runtime_build(zig).finish().exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX folders")
+def test_cache_folders(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    assert cache_folder() == tmp_path / "cache"
+    monkeypatch.delenv("LAGRANGIA_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    assert cache_folder() == tmp_path / "xdg" / "lagrangia"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert tmp_path in cache_folder().parents
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX permissions")
+def test_without_a_home_the_cache_is_a_private_temporary_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for name in ("LAGRANGIA_CACHE", "XDG_CACHE_HOME", "HOME"):
+        monkeypatch.setenv(name, str(tmp_path / "file"))  # no folder can be made below a file
+    monkeypatch.setattr(native.tempfile, "gettempdir", lambda: str(tmp_path))
+    native._private_temporary_folder.cache_clear()
+    folder = cache_folder()
+    assert folder.parent == tmp_path
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    assert os.access(folder, os.W_OK)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX permissions")
+def test_a_temporary_folder_that_others_can_write_to_is_not_used(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    trap = tmp_path / f"lagrangia-{os.getuid()}"
+    trap.mkdir()
+    trap.chmod(0o777)
+    monkeypatch.setattr(native.tempfile, "gettempdir", lambda: str(tmp_path))
+    native._private_temporary_folder.cache_clear()
+    assert native._private_temporary_folder() != trap
+    native._private_temporary_folder.cache_clear()

@@ -1,0 +1,772 @@
+"""The C run time: the method, its accuracy on motions known to 18 digits, events, assembly, accounts and failures."""
+
+import math
+import re
+import subprocess
+import sys
+from array import array
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from lagrangia.folders import data_folder
+from lagrangia.native import build, find_compiler, start_runtime_build
+from lagrangia.runtime import Model, Op, Run, Runtime, Settings, Status, Tape
+
+FOLDER = data_folder("runtime")
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+
+FUNCTION = """
+static int {name}(const double *const *in, double *const *out, double *work)
+{{
+    (void)in, (void)out, (void)work;
+    {body}
+    return 0;
+}}
+"""
+STATE = """const double t = *in[0], *q = in[1], *v = in[2], *u = in[3], *d = in[4], *c = in[5];
+    (void)t, (void)q, (void)v, (void)u, (void)d, (void)c;"""
+HEADS = {
+    "rhs": STATE + "double *a = out[0], *power = out[1];(void)power;",
+    "outputs": "const double t = *in[0], *q = in[1], *a = in[3], *d = in[5];(void)t,(void)q,(void)a,(void)d;double *y = out[0];",
+    "energies": STATE + "double *E = out[0];",
+    "start": "const double *p = in[0];(void)p;double *q = out[0], *v = out[1];(void)q,(void)v;",
+    "modes": "const double t = *in[0], *p = in[1];(void)t,(void)p;double *d = out[0];",
+    "events": "double *a = out[0], *b = out[1];",
+    "initial": "const double *q = in[0], *v = in[1];(void)q,(void)v;double *g = out[0], *J = out[1];",
+    "parameters": "const double *given = in[0], *mask = in[1];double *p = out[0];",
+    "hoist": "const double *p = in[0];double *c = out[0];",
+}
+
+
+def compiled(n: int, *, kinds: list[int] | None = None, event_kind: str = "0", numbers: str = "", **functions: str) -> Model:
+    """A model from the bodies of its C functions; names of inputs and outputs as in HEADS."""
+    bodies = {"start": "", **functions}
+    text = '#include <math.h>\n#include "model.h"\n'
+    text += "".join(FUNCTION.format(name=name, body=HEADS[name] + body) for name, body in bodies.items())
+    kind = ", ".join(map(str, kinds or [1] * n)) or "0"
+    text += f"static const int kind[] = {{{kind}}}, fixed[{2 * n + 1}], event_kind[] = {{{event_kind}}};\n"
+    fields = "".join(f", .{name} = {{.code = {name}}}" for name in bodies)
+    text += "LAG_API const LagModel lag_model = {.coordinate_kind = kind, .fixed = fixed, .event_kind = event_kind,\n"
+    text += f"    .n = {n}{numbers}{fields}}};\n"
+    return Model.from_library(build("case", text, include=[FOLDER]))
+
+
+@pytest.fixture(scope="module")
+def runtime() -> Runtime:
+    return Runtime(start_runtime_build().finish())
+
+
+def started(runtime: Runtime, model: Model, q: list[float], v: list[float], **settings: float) -> Run:
+    run = runtime.run(model, Settings(**settings))
+    assert run.set_parameters() is Status.OK
+    assert run.start(q, v) is Status.OK
+    return run
+
+
+# ---------------------------------------------------------------------------------------------------------------- method
+
+
+def tableau() -> dict[str, list[list[float]]]:
+    """The arrays of dop853_tableau.h, with zeros filled in."""
+    text = (FOLDER / "dop853_tableau.h").read_text()
+    found = {}
+    for name, body in re.findall(r"lag_dop853_(\w+)(?:\[\w+\])? =\s*(.*?);", text, re.S):
+        rows = re.findall(r"\{\d+, \{([\d, ]+)\},\s*\{([^}]+)\}\}", body)
+        found[name] = [_dense(columns, weights) for columns, weights in rows] or [_numbers(body)]
+    return found
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(number) for number in text.strip("{} \n").split(",")]
+
+
+def _dense(columns: str, weights: str) -> list[float]:
+    row = [0.0] * 16
+    for column, weight in zip(_numbers(columns), _numbers(weights), strict=True):
+        row[int(column)] = weight
+    return row
+
+
+def dot(x: Iterable[float], y: Iterable[float]) -> float:
+    return math.fsum(a * b for a, b in zip(x, y, strict=True))
+
+
+def test_tableau_satisfies_order_conditions() -> None:
+    arrays = tableau()
+    c, A, b = arrays["node"][0], arrays["stage"], arrays["stage"][12]
+    assert len(A) == 16
+    for i in range(16):
+        assert dot(A[i], [1.0] * 16) == pytest.approx(c[i], abs=2e-14)
+    for k in range(8):
+        powers = [x**k for x in c]
+        assert dot(b, powers) == pytest.approx(1 / (k + 1), abs=1e-14)
+    for m in range(7):
+        for k in range(7 - m):  # the trees [tau^m [tau^k]], orders up to 8
+            inner = [dot(row, [x**k for x in c]) for row in A]
+            tree = [x**m * y for x, y in zip(c, inner, strict=True)]
+            assert dot(b, tree) == pytest.approx(1 / ((k + 1) * (k + m + 2)), abs=1e-14)
+    for k in range(5):
+        assert dot(arrays["error5"][0], [x**k for x in c]) == pytest.approx(0, abs=1e-14)
+    for k in range(3):
+        assert dot(arrays["error3"][0], [x**k for x in c]) == pytest.approx(0, abs=1e-13)
+    assert abs(dot(arrays["error5"][0], [x**5 for x in c])) > 1e-4
+
+
+OSCILLATOR = "a[0] = -q[0];"
+
+
+def test_order_of_convergence(runtime: Runtime) -> None:
+    model = compiled(1, rhs=OSCILLATOR)
+    errors, inside = [], []
+    for h in (0.5, 0.25):
+        with started(runtime, model, [1], [0], t_stop=8, tolerance=1e3, first_step=h, max_step=h) as run:
+            rows = run.advance([8 - 0.3 * h, 8])
+            assert run.statistics.steps == 8 / h
+        errors.append(abs(rows[1][1] - math.cos(8)))
+        inside.append(abs(rows[0][1] - math.cos(8 - 0.3 * h)))
+    assert 7.5 < math.log2(errors[0] / errors[1]) < 9.5
+    assert math.log2(inside[0] / inside[1]) > 7
+
+
+def test_dense_output_meets_both_ends_of_a_step(runtime: Runtime) -> None:
+    model = compiled(1, rhs="a[0] = -sin(q[0]);")
+    with started(runtime, model, [1], [0.5], t_stop=10, tolerance=1e-5) as run:
+        times = [0.0]
+        ends = [run.row()[0]]
+        for _ in range(4):
+            ends.append(run.advance_steps(1)[0])
+            times.append(run.time)
+    with started(runtime, model, [1], [0.5], t_stop=10, tolerance=1e-5) as run:
+        for t, end in zip(times[1:], ends[1:], strict=True):
+            rows = run.advance([t * (1 - 1e-13), t])
+            assert list(rows[0][1:3]) == pytest.approx(list(end[1:3]), abs=1e-12)
+            assert rows[1] == end
+
+
+# -------------------------------------------------------------------------------------------------------------- accuracy
+
+KEPLER = "const double r2 = q[0]*q[0] + q[1]*q[1], r3 = r2*sqrt(r2); a[0] = -q[0]/r3; a[1] = -q[1]/r3;"
+
+
+def double_pendulum(m: float, L: float, centre: float, inertia: float, damping: float) -> str:
+    """Two equal bars, angles from the downward vertical."""
+    coupling = m * L * centre
+    return f"""
+    const double C = {coupling!r}*cos(q[0] - q[1]), S = {coupling!r}*sin(q[0] - q[1]);
+    const double M11 = {inertia + m * centre**2 + m * L**2!r}, M22 = {inertia + m * centre**2!r}, D = M11*M22 - C*C;
+    const double f1 = -S*v[1]*v[1] - {m * (centre + L)!r}*9.81*sin(q[0]) - {damping!r}*v[0];
+    const double f2 = S*v[0]*v[0] - {m * centre!r}*9.81*sin(q[1]);
+    a[0] = (M22*f1 - C*f2)/D; a[1] = (M11*f2 - C*f1)/D;"""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A motion with reference states; `see` maps (q, v) to what is compared, `size` is its amplitude."""
+
+    rhs: str
+    q: list[float]
+    v: list[float]
+    reference: dict[float, list[float]]
+    size: float
+    kinds: tuple[int, ...] = (1, 1)
+
+    def see(self, q: list[float], v: list[float]) -> list[float]:
+        return [*q, *v][: len(next(iter(self.reference.values())))]
+
+
+class Tips(Case):
+    """Compared in the plane: the tip of the first and of the second bar."""
+
+    def see(self, q: list[float], v: list[float]) -> list[float]:
+        x, y = math.sin(q[0]), -math.cos(q[0])
+        return [x, y, x + math.sin(q[1]), y - math.cos(q[1])]
+
+
+class RelativeAngles(Case):
+    """Compared from the horizontal, the second bar relative to the first."""
+
+    def see(self, q: list[float], v: list[float]) -> list[float]:
+        return [q[0] - math.pi / 2, v[0], q[1] - q[0], v[1] - v[0]]
+
+
+# References: closed forms (Kepler's equation, Jacobi's functions, matrix exponentials), or Taylor series of high order in
+# multiple precision checked against an extrapolation code in quadruple precision; 18 digits or more are right.
+CASES = {
+    "Kepler 0.6": Case(
+        KEPLER,
+        [0.4, 0],
+        [0, 2],
+        {
+            20: [-0.77007557841124044, 0.78834481699442438, -0.894183731988691497, -0.12346176416804095],
+            100: [-0.10418320443418060, -0.69474171556795059, 1.2361777626870763, 0.56462325108586457],
+        },
+        size=1,
+    ),
+    "Kepler 0.99": Case(
+        KEPLER,
+        [0.01, 0],
+        [0, math.sqrt(199)],
+        {
+            1: [-1.339314318191828685, 0.1321809070607890006],
+            20: [-1.438132493154337110, 0.1261095858558247437],
+            100: [-0.9388973273317407724, -0.1408830418653664609],
+        },
+        size=1,
+    ),
+    "pendulum swinging": Case(
+        "a[0] = -sin(q[0]);",
+        [0],
+        [1],
+        {2 * math.pi: [-0.443944662290258816, 0.897846803312944007]},
+        1,
+        (0,),
+    ),
+    "pendulum near its separatrix": Case(
+        "a[0] = -sin(q[0]);",
+        [179.9 * math.pi / 180],
+        [0],
+        {
+            5: [3.012117212670403932, -0.1293732495930838650],
+            20: [-3.121403403452826931, 0.02011332400792372295],
+            50: [-3.139543797279738907, -0.001073143646572228107],
+        },
+        math.pi,
+        (0,),
+    ),
+    "pendulum rotating": Case(
+        "a[0] = -sin(q[0]);",
+        [0],
+        [2.1],
+        {5: [6.333424069819392547, 2.099399103919267954], 100: [126.6324510806264510823, 1.882197847822007650]},
+        math.pi,
+        (0,),
+    ),
+    "two masses, damped": Case(
+        "const double f = 2*(q[1] - q[0]) + 0.1*(v[1] - v[0]); a[0] = (f - 3*q[0] - 0.3*v[0])/2; a[1] = -f - q[1];",
+        [1, 0],
+        [0, 0.5],
+        {
+            1: [0.1839306645861929179, 0.8453643814452949323, -1.077687035779679912, 0.4196451754127788584],
+            10: [0.007024048459553239618, 0.1022413410269144308, 0.1650586908710957044, 1.037596548835110924],
+            100: [0.002982303619591565588, 0.003173402327674700392, -0.007740225447198053638, -0.009375449640900075581],
+        },
+        1,
+    ),
+    "quarter car over a step": Case(
+        "const double s = 80000*(q[1]-q[0]) + 350*(v[1]-v[0]); a[0] = s/2500; a[1] = (500000*(0.1-q[1]) - 15020*v[1] - s)/320;",
+        [0, 0],
+        [0, 4.69375],
+        {0.1: [0.01371656894765291556, 0.09201101540239088376], 5: [0.07538846215534975243, 0.09573343036811594905]},
+        0.1,
+    ),
+    "double pendulum": Tips(
+        double_pendulum(1, 1, 1, 0, 0),
+        [math.pi / 2] * 2,
+        [0, 0],
+        {5: [-0.58686920981627114532, -0.80968174647180080514, -1.5507784694704428004, -1.0759127348126524565]},
+        1,
+        (0, 0),
+    ),
+    "double pendulum, damped": RelativeAngles(
+        double_pendulum(13.86, 0.5, 0.25, 0.292908, 0.1),
+        [math.pi / 2] * 2,
+        [0, 0],
+        {
+            1: [-2.915161357931965093, 2.947065631985872531, -0.5164476259671957187, -7.249062905137639115],
+            3: [-2.315814712626491486, 4.100899424391187455, -1.736610642804923231, -0.03314630939350927809],
+        },
+        1,
+        (0, 0),
+    ),
+    "stiff spring pendulum": Case(
+        "const double r = sqrt(q[0]*q[0] + q[1]*q[1]), f = -1e6*(r - 1)/r; a[0] = f*q[0]; a[1] = f*q[1] - 9.81;",
+        [1, 0],
+        [0, 0],
+        {
+            1: [-0.98629074280213375439, -0.16504631169751566685, -0.29694694362071681506, 1.7748260636421157975],
+            5: [0.94238391974646738738, -0.33456275886425351935, -0.85708590055202621853, -2.4144208719785924179],
+        },
+        1,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_error_follows_the_tolerance(runtime: Runtime, name: str) -> None:
+    case = CASES[name]
+    n = len(case.q)
+    model = compiled(n, kinds=list(case.kinds), rhs=case.rhs)
+    errors = {}
+    for tolerance in (1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
+        with started(runtime, model, case.q, case.v, t_stop=max(case.reference), tolerance=tolerance) as run:
+            rows = run.advance(sorted(case.reference))
+        assert rows.status is Status.OK
+        seen = [case.see(rows[i][1 : n + 1].tolist(), rows[i][n + 1 : 2 * n + 1].tolist()) for i in range(rows.count)]
+        right = [case.reference[t] for t in sorted(case.reference)]
+        errors[tolerance] = max(abs(x - y) for row in zip(seen, right, strict=True) for x, y in zip(*row, strict=True))
+    assert errors[1e-12] < 1e-9 * case.size
+    assert errors[1e-12] < 1e-5 * errors[1e-4]
+    for loose, tight in ((1e-4, 1e-8), (1e-6, 1e-10), (1e-8, 1e-12)):
+        assert errors[tight] < 3e-2 * errors[loose]
+
+
+@pytest.mark.parametrize("length", [1e-6, 3e8])
+@pytest.mark.parametrize("second", [1e-9, 1e9])
+def test_units_do_not_matter(runtime: Runtime, length: float, second: float) -> None:
+    def steps(amplitude: float, period: float) -> int:
+        w = 2 * math.pi / period
+        model = compiled(1, rhs=f"a[0] = -{w * w!r}*q[0];")
+        with started(runtime, model, [amplitude], [0], t_stop=10 * period, tolerance=1e-9) as run:
+            row = run.advance([9.9 * period])[0]
+            assert row[1] == pytest.approx(amplitude * math.cos(2 * math.pi * 9.9), rel=1e-7)
+            return run.statistics.steps
+
+    assert abs(steps(length, second) - steps(1, 1)) <= 2
+
+
+def test_many_turns_do_not_loosen_an_angle(runtime: Runtime) -> None:
+    model = compiled(1, kinds=[0], rhs="a[0] = -sin(q[0]);")
+    far = 2 * math.pi * 2**17
+    near = started(runtime, model, [1], [0], t_stop=20, tolerance=1e-7)
+    away = started(runtime, model, [far + 1], [0], t_stop=20, tolerance=1e-7)
+    with near, away:
+        difference = away.advance([20])[0][1] - far - near.advance([20])[0][1]
+        assert abs(difference) < 1e-6
+        assert abs(away.statistics.steps - near.statistics.steps) <= 3
+
+
+@pytest.mark.parametrize(
+    ("acceleration", "end"),
+    [("0*q[0]", 0.0), ("-9.81", -9.81 * 50), ("sin(t)", 10 - math.sin(10)), ("1 - q[0]", 1 - math.cos(10))],
+)
+def test_starts_from_rest_at_zero(runtime: Runtime, acceleration: str, end: float) -> None:
+    with started(runtime, compiled(1, rhs=f"a[0] = {acceleration};"), [0], [0], t_stop=10, tolerance=1e-10) as run:
+        assert run.advance([10])[0][1] == pytest.approx(end, abs=1e-8)
+        assert run.statistics.steps < 60
+
+
+def test_rows_do_not_depend_on_how_they_are_asked_for(runtime: Runtime) -> None:
+    model = compiled(2, rhs=KEPLER)
+    times = [0.1 * i for i in range(200)]
+    with started(runtime, model, [0.4, 0], [0, 2], t_stop=20, tolerance=1e-8) as run:
+        at_once = run.advance(times)
+    with started(runtime, model, [0.4, 0], [0, 2], t_stop=20, tolerance=1e-8) as run:
+        one_by_one = array("d")
+        for t in times:
+            one_by_one.extend(run.advance([t]).values)
+    assert at_once.values == one_by_one
+
+
+def test_runs_in_threads_are_independent(runtime: Runtime) -> None:
+    model = compiled(2, rhs=KEPLER)
+
+    def end(e: float) -> array:
+        with started(runtime, model, [1 - e, 0], [0, math.sqrt((1 + e) / (1 - e))], t_stop=300) as run:
+            return run.advance([300]).values
+
+    orbits = [0.1, 0.3, 0.5, 0.7] * 3
+    alone = [end(e) for e in orbits]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(end, orbits)) == alone
+
+
+# ---------------------------------------------------------------------------------------------------- events and inputs
+
+
+def test_mode_changes_exactly_at_its_time(runtime: Runtime) -> None:
+    model = compiled(
+        1,
+        numbers=", .n_modes = 1, .n_events = 1, .n_outputs = 1",
+        events="a[0] = -0.7; b[0] = 1;",
+        modes="d[0] = t > 0.7;",
+        rhs="a[0] = d[0];",
+        outputs="y[0] = d[0];",
+    )
+    with started(runtime, model, [0], [0], t_stop=2, tolerance=1e-6) as run:
+        rows = run.advance([0.5, 0.7, 0.7 + 1e-9, 2])
+        assert run.statistics.events == 1
+        assert [rows[i][3] for i in range(4)] == [0, 0, 1, 1]
+        assert rows[3][1] == pytest.approx(1.3**2 / 2, rel=1e-15)
+
+
+def test_integer_events_make_a_square_wave(runtime: Runtime) -> None:
+    model = compiled(
+        1,
+        event_kind="1",
+        numbers=", .n_modes = 1, .n_events = 1",
+        events="a[0] = 0.25; b[0] = -10;",
+        modes="d[0] = fmod(floor(0.25 - 10*t), 2) == 0 ? 1 : -1;",
+        rhs="a[0] = d[0];",
+    )
+    with started(runtime, model, [0], [0], t_stop=100, tolerance=1e-6) as run:
+        rows = run.advance([0.025, 0.125, 100])
+        assert run.statistics.events == 1000
+        assert [rows[i][2] for i in range(2)] == pytest.approx([0.025, -0.075], abs=1e-15)
+        assert rows[2][2] == pytest.approx(0, abs=1e-12)
+
+
+def test_event_at_the_start_has_already_happened(runtime: Runtime) -> None:
+    model = compiled(
+        1,
+        numbers=", .n_modes = 1, .n_events = 1",
+        events="a[0] = -0.3; b[0] = 1;",
+        modes="d[0] = t > 0.3 ? 2 : -7;",
+        rhs="a[0] = d[0];",
+    )
+    with started(runtime, model, [0], [0], t_start=0.3, t_stop=1.3) as run:
+        assert run.advance([1.3])[0][2] == pytest.approx(2, rel=1e-15)
+        assert run.statistics.events == 0
+
+
+def test_inputs_are_integrated_over_ramps_and_jumps(runtime: Runtime) -> None:
+    model = compiled(1, numbers=", .n_inputs = 1", rhs="a[0] = u[0];")
+    with runtime.run(model, Settings(t_stop=6, tolerance=1e-5)) as run:
+        run.set_parameters()
+        # a ramp from (1, 0) to (2, 3), a jump to -1 held to 4, then 5 for ever
+        assert run.set_inputs([1, 2, 2, 4, 4], [0, 3, -1, -1, 5]) is Status.OK
+        run.start()
+        rows = run.advance([1, 2, 4, 6])
+    assert [rows[i][2] for i in range(4)] == pytest.approx([0, 1.5, -0.5, 9.5], abs=1e-14)
+
+
+def test_inputs_may_change_while_running(runtime: Runtime) -> None:
+    """As in a co-simulation: the end moves on and inputs change at communication points."""
+    model = compiled(1, numbers=", .n_inputs = 1", rhs="a[0] = u[0];")
+    with runtime.run(model, Settings(t_stop=0, tolerance=1e-6)) as run:
+        run.set_parameters()
+        run.start()
+        for i in range(10):
+            run.set_inputs([0], [i])
+            run.set_stop(0.1 * (i + 1))
+            assert run.advance([0.1 * (i + 1)]).status is Status.OK
+        assert run.row()[0][2] == pytest.approx(4.5, rel=1e-14)
+
+
+def test_energy_account(runtime: Runtime) -> None:
+    """A damped oscillator whose spring is stiffened at t = 2: the jump of its energy is work."""
+    model = compiled(
+        1,
+        numbers=", .n_power = 2, .n_modes = 1, .n_events = 1",
+        events="a[0] = -2; b[0] = 1;",
+        modes="d[0] = t > 2 ? 9 : 1;",
+        rhs="a[0] = -d[0]*q[0] - 0.2*v[0] + cos(t); power[0] = 0.2*v[0]*v[0]; power[1] = v[0]*cos(t);",
+        energies="E[0] = v[0]*v[0]/2; E[1] = d[0]*q[0]*q[0]/2; E[2] = E[0] + E[1];",
+    )
+    with started(runtime, model, [1], [0], t_stop=10, tolerance=1e-10, energy_every_step=True) as run:
+        T, V, H, dissipated, work = run.advance([10])[0][3:]
+        assert dissipated > 0.1
+        assert pytest.approx(T + V) == H
+        assert abs(H - 0.5 + dissipated - work) < 1e-8
+        assert 0 < run.statistics.energy_residual < 1e-8
+        assert run.statistics.energy_scale > 0.5
+
+
+def test_rounding_does_not_grow_with_the_number_of_steps(runtime: Runtime) -> None:
+    model = compiled(1, rhs=OSCILLATOR, energies="E[0] = v[0]*v[0]/2; E[1] = q[0]*q[0]/2; E[2] = E[0] + E[1];")
+    with started(runtime, model, [1], [0], t_stop=300, max_step=1e-3) as run:
+        run.advance([300])
+        assert run.statistics.steps >= 300_000
+        assert run.statistics.energy_residual < 3e-15  # without compensation 2e-14
+
+
+# -------------------------------------------------------------------------------------------- parameters and assembly
+
+
+def test_parameters_given_and_bound(runtime: Runtime) -> None:
+    model = compiled(
+        1,
+        numbers=", .n_parameters = 2, .n_hoisted = 1",
+        parameters="p[0] = mask[0] != 0 ? given[0] : 2; p[1] = mask[1] != 0 ? given[1] : 10*p[0];",
+        hoist="c[0] = p[1]/p[0];",
+        rhs="a[0] = c[0];",
+        start="q[0] = p[0];",
+    )
+    for given, mask, expected in ((None, None, [2, 20]), ([3, 0], [1, 0], [3, 30]), ([0, 8], [0, 1], [2, 8])):
+        with runtime.run(model, Settings(t_stop=1)) as run:
+            run.set_parameters(given, mask)
+            assert run.parameters == expected
+            run.start()
+            row = run.advance([1])[0]
+            assert row[1:3].tolist() == pytest.approx([expected[0] + expected[1] / expected[0] / 2, expected[1] / expected[0]])
+
+
+CIRCLE = "g[0] = q[0]*q[0] + q[1]*q[1] - 25; J[0] = 2*q[0]; J[1] = 2*q[1]; J[2] = J[3] = 0;"
+TWICE = """
+    g[0] = q[0]*q[0] + q[1]*q[1] - 25; g[1] = 1e6*g[0]; g[2] = q[0]*v[0] + q[1]*v[1];
+    const double row[3][4] = {{2*q[0], 2*q[1], 0, 0}, {2e6*q[0], 2e6*q[1], 0, 0}, {v[0], v[1], q[0], q[1]}};
+    for (int i = 0; i < 3; ++i) for (int j = 0; j < 4; ++j) J[i + 3*j] = row[i][j];"""
+FREE = "a[0] = a[1] = 0;"
+
+
+def test_assembly_goes_to_the_nearest_solution(runtime: Runtime) -> None:
+    model = compiled(2, numbers=", .n_initial = 1", initial=CIRCLE, start="q[0] = 3.5; q[1] = 3.5;", rhs=FREE)
+    with runtime.run(model, Settings(t_stop=1)) as run:
+        run.set_parameters()
+        assert run.start() is Status.OK
+        assert run.row()[0][1:3].tolist() == pytest.approx([5 / math.sqrt(2)] * 2, rel=1e-15)
+
+
+def test_assembly_leaves_given_values_alone(runtime: Runtime) -> None:
+    model = compiled(2, numbers=", .n_initial = 1", initial=CIRCLE, start="q[0] = 1; q[1] = 1;", rhs=FREE)
+    with runtime.run(model, Settings(t_stop=1)) as run:
+        run.set_parameters()
+        assert run.start([3, math.nan]) is Status.OK
+        assert run.row()[0][1:3].tolist() == pytest.approx([3, 4], rel=1e-15)
+
+
+def test_assembly_takes_redundant_equations(runtime: Runtime) -> None:
+    model = compiled(2, numbers=", .n_initial = 3", initial=TWICE, start="q[0] = 3; q[1] = 4.5; v[0] = 1;", rhs=FREE)
+    with runtime.run(model, Settings(t_stop=1)) as run:
+        run.set_parameters()
+        assert run.start() is Status.OK
+        x, y, vx, vy = run.row()[0][1:5]
+        assert math.hypot(x, y) == pytest.approx(5, rel=1e-15)
+        assert x * vx + y * vy == pytest.approx(0, abs=1e-14)
+
+
+def test_assembly_names_the_equation_that_fails(runtime: Runtime) -> None:
+    model = compiled(
+        1,
+        numbers=", .n_initial = 2",
+        initial="g[0] = q[0] - 1; g[1] = v[0]*v[0] + 4; J[0] = 1; J[1] = J[2] = 0; J[3] = 2*v[0];",
+        rhs=OSCILLATOR,
+    )
+    with runtime.run(model, Settings(t_stop=1)) as run:
+        run.set_parameters()
+        assert run.start([math.nan], [0.5]) is Status.INITIAL_FAILED
+        assert (run.failure.index, run.failure.value) == (1, 4.25)
+        assert run.advance([1]).status is Status.NOT_STARTED
+
+
+# -------------------------------------------------------------------------------------------------------------- failures
+
+
+def test_a_singularity_ends_the_run_and_keeps_its_rows(runtime: Runtime) -> None:
+    fall = math.pi / (2 * math.sqrt(2))  # from rest at distance 1 into a centre of attraction
+    with started(runtime, compiled(1, rhs="a[0] = -1/(q[0]*q[0]);"), [1], [0], t_stop=2, tolerance=1e-9) as run:
+        rows = run.advance([0.5, 1.0, 1.5, 2.0])
+        assert (rows.status, rows.count) == (Status.STEP_TOO_SMALL, 2)
+        assert run.failure.time == pytest.approx(fall, rel=1e-6)
+        assert run.failure.index == 0
+
+
+def test_a_value_that_ends_is_approached(runtime: Runtime) -> None:
+    with started(runtime, compiled(1, rhs="a[0] = sqrt(1 - t) * 0 - q[0];"), [1], [0], t_stop=2, tolerance=1e-9) as run:
+        rows = run.advance([0.999, 1.5])
+        assert (rows.status, rows.count) == (Status.STEP_TOO_SMALL, 1)
+        assert run.failure.time == pytest.approx(1, abs=1e-9)
+        assert rows[0][1] == pytest.approx(math.cos(0.999), rel=1e-8)
+
+
+def test_a_start_that_is_not_finite_is_named(runtime: Runtime) -> None:
+    model = compiled(3, rhs="a[0] = 1; a[1] = 1/q[1]; a[2] = sqrt(q[2]);")
+    with runtime.run(model, Settings(t_stop=1)) as run:
+        run.set_parameters()
+        assert run.start([0, 1, -1]) is Status.NOT_FINITE
+        assert run.failure.index == 2
+        assert run.start([0, 0, 1]) is Status.NOT_FINITE
+        assert run.failure.index == 1
+        assert run.start([0, 1, 1]) is Status.OK
+
+
+def test_limits(runtime: Runtime) -> None:
+    model = compiled(1, rhs=OSCILLATOR)
+    with started(runtime, model, [1], [0], t_stop=100, tolerance=1e-20, max_steps=10) as run:
+        assert run.statistics.tolerance_raised
+        assert run.advance([100]).status is Status.TOO_MANY_STEPS
+        assert run.statistics.steps == 10
+        assert run.advance([0]).status is Status.TIME_PASSED
+        assert run.advance([101]).status is Status.PAST_STOP
+    with started(runtime, model, [1], [0], t_stop=10, max_step=0.01) as run:
+        run.advance([10 * (1 + 1e-16)])
+        assert run.statistics.largest_step <= 0.01 * (1 + 1e-9)
+        assert run.statistics.steps >= 1000
+
+
+def test_a_pause_loses_nothing(runtime: Runtime) -> None:
+    model = compiled(1, rhs=OSCILLATOR)
+    times = [10.0 * i for i in range(101)]
+    with started(runtime, model, [1], [0], t_stop=1000, tolerance=1e-10) as run:
+        whole = run.advance(times).values
+    with started(runtime, model, [1], [0], t_stop=1000, tolerance=1e-10) as run:
+        pieces, pauses = array("d"), 0
+        while len(pieces) < len(whole):
+            rows = run.advance(times[len(pieces) // run.width :], seconds=1e-9)
+            pieces.extend(rows.values)
+            pauses += rows.status is Status.PAUSED
+    assert pieces == whole
+    assert pauses > 5
+
+
+@pytest.mark.parametrize(
+    "settings", [Settings(t_stop=-1), Settings(tolerance=0), Settings(tolerance=math.nan), Settings(t_start=math.inf)]
+)
+def test_bad_settings(runtime: Runtime, settings: Settings) -> None:
+    with runtime.run(compiled(1, rhs=OSCILLATOR), settings) as run:
+        run.set_parameters()
+        assert run.start() is Status.BAD_SETTINGS
+
+
+def test_bad_inputs(runtime: Runtime) -> None:
+    with runtime.run(compiled(1, numbers=", .n_inputs = 1", rhs="a[0] = u[0];"), Settings()) as run:
+        assert run.set_inputs([0, 2, 1], [0, 0, 0]) is Status.BAD_INPUTS
+        assert run.set_inputs([math.nan], [0]) is Status.BAD_INPUTS
+        assert run.set_inputs([0, 1, 1], [0, 0, 0]) is Status.OK
+
+
+# ----------------------------------------------------------------------------------------------------------------- tapes
+
+
+def tape_of(function: "object") -> Tape:
+    """A CasADi SX function as a tape."""
+    import casadi as ca  # noqa: PLC0415
+
+    assert isinstance(function, ca.Function)
+    names = {getattr(ca, f"OP_{op.name}"): op for op in Op}
+    code, constants = array("i"), array("d")
+    for k in range(function.n_instructions()):
+        op, i, o = names[function.instruction_id(k)], function.instruction_input(k), function.instruction_output(k)
+        if op is Op.CONST:
+            code.extend((op, o[0], len(constants), 0))
+            constants.append(function.instruction_constant(k))
+        elif op is Op.INPUT:
+            code.extend((op, o[0], i[0], i[1]))
+        elif op is Op.OUTPUT:
+            code.extend((op, o[0], i[0], o[1]))
+        else:
+            code.extend((op, o[0], i[0], i[-1]))
+    sizes = ([function.numel_in(i) for i in range(function.n_in())], [function.numel_out(i) for i in range(function.n_out())])
+    return Tape(*sizes, function.sz_w(), code, constants)
+
+
+def state_function(n: int, n_u: int, result: "object", *, outputs: bool = False) -> Tape:
+    """A tape with the inputs of rhs (or of outputs); `result` maps the symbols (q, v, u) to a list of expressions."""
+    import casadi as ca  # noqa: PLC0415
+
+    t, q, v, a, u, d, c = (ca.SX.sym(name, size) for name, size in zip("tqvaudc", (1, n, n, n, n_u, 0, 0), strict=True))
+    symbols = [t, q, v, a, u, d, c] if outputs else [t, q, v, u, d, c]
+    return tape_of(ca.Function("f", symbols, result(q, v, u)))
+
+
+@pytest.mark.parametrize(("x", "y"), [(0.3, -0.7), (-1.4, 0.5), (0.0, 1.0), (2.5, 0.0), (3.0, 3.0)])
+def test_every_operation_of_a_tape(runtime: Runtime, x: float, y: float) -> None:
+    ca = pytest.importorskip("casadi")
+    unary = "sqrt sin cos tan asin acos atan exp log fabs sign floor ceil sinh cosh tanh asinh acosh atanh erf logic_not"
+    binary = "atan2 fmin fmax fmod copysign logic_and logic_or"
+
+    def everything(_q: "object", _v: "object", u: list) -> list:
+        a, b = u[0], u[1]
+        single = [getattr(ca, name)(a) for name in unary.split()] + [-a, 1 / a, 2 * a, a**2, a**3]
+        double = [getattr(ca, name)(a, b) for name in binary.split()]
+        double += [a + b, a - b, a * b, a / b, a**b, 0.1 + a, a < b, a <= b, a == b, a != b]
+        return [ca.vertcat(*single, *double, ca.if_else(a > b, a, 1 / b))]
+
+    function = ca.Function("f", [u := ca.SX.sym("u", 2)], everything(None, None, u))
+    outputs = state_function(0, 2, everything, outputs=True)
+    start = tape_of(ca.Function("start", [ca.SX.sym("p", 0)], [ca.SX(0, 1), ca.SX(0, 1)]))
+    model = Model.from_tapes({"n_inputs": 2, "n_outputs": outputs.out_sizes[0]}, {"start": start, "outputs": outputs}, [], [])
+    runtime.check_tapes(model)
+    assert set(outputs.code[0::4]) >= set(Op) - {Op.ASSIGN, Op.CONSTPOW}
+    with runtime.run(model, Settings(t_stop=1)) as run:
+        run.set_parameters()
+        run.set_inputs([0], [x, y])
+        assert run.start() is Status.OK
+        computed = run.row()[0][1 : 1 + outputs.out_sizes[0]].tolist()
+    assert computed == pytest.approx([float(z) for z in function([x, y]).full().flat], rel=1e-15, nan_ok=True)
+
+
+def test_a_tape_runs_like_compiled_code(runtime: Runtime) -> None:
+    ca = pytest.importorskip("casadi")
+    rhs = state_function(2, 0, lambda q, v, u: [-q / ca.sumsqr(q) ** 1.5, ca.SX(0, 1)])
+    start = tape_of(ca.Function("start", [ca.SX.sym("p", 0)], [ca.SX([0.4, 0]), ca.SX([0, 2])]))
+    model = Model.from_tapes({"n": 2}, {"start": start, "rhs": rhs}, [1, 1], [0] * 4)
+    with runtime.run(model, Settings(t_stop=20, tolerance=1e-12)) as run:
+        run.set_parameters()
+        run.start()
+        assert run.advance([20])[0][1:5].tolist() == pytest.approx(CASES["Kepler 0.6"].reference[20], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "instruction",
+    [(Op.ADD, 0, 1, 9), (99, 0, 0, 0), (Op.INPUT, 0, 7, 0), (Op.OUTPUT, 0, 0, 5), (Op.CONST, 0, 1, 0), (Op.SIN, -1, 0, 0)],
+)
+def test_a_tape_that_reaches_outside_is_refused(runtime: Runtime, instruction: tuple[int, ...]) -> None:
+    tape = Tape([1], [1], 2, array("i", [Op.INPUT, 0, 0, 0, *instruction]), array("d", [1.0]))
+    with pytest.raises(ValueError, match="hoist"):
+        runtime.check_tapes(Model.from_tapes({}, {"hoist": tape}, [], []))
+
+
+# --------------------------------------------------------------------------------------------------------------- hygiene
+
+
+def test_enumerations_match_the_headers() -> None:
+    def names(header: str, prefix: str, last: str) -> list[str]:
+        text = re.sub(r"/\*.*?\*/", "", (FOLDER / header).read_text(), flags=re.S)
+        return re.findall(rf"\b{prefix}(\w+)", text[text.index("typedef enum") : text.index(last)])
+
+    assert [status.name for status in Status] == names("status.h", "LAG_", "} LagStatus")
+    assert [op.name for op in Op] == names("tape.h", "LAG_OP_", "LAG_OP_COUNT")
+
+
+def test_sources_compile_without_a_warning() -> None:
+    compiler = find_compiler()
+    assert compiler is not None
+    options = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-fsyntax-only"]
+    for source in sorted(FOLDER.glob("*.c")):
+        done = subprocess.run([*compiler.command, *options, str(source)], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+
+
+DRIVER = """
+#include "run.h"
+#include <math.h>
+#include <stdlib.h>
+static int rhs(const double *const *in, double *const *out, double *work)
+{ (void)work; out[0][0] = -in[1][0] + in[3][0] + in[4][0]; out[1][0] = 0; out[1][1] = in[2][0]; return 0; }
+static int start(const double *const *in, double *const *out, double *work)
+{ (void)in; (void)work; out[0][0] = 1; out[1][0] = 0; return 0; }
+static int events(const double *const *in, double *const *out, double *work)
+{ (void)in; (void)work; out[0][0] = 0; out[1][0] = 1; return 0; }
+static int modes(const double *const *in, double *const *out, double *work)
+{ (void)work; out[0][0] = floor(in[0][0]); return 0; }
+static int initial(const double *const *in, double *const *out, double *work)
+{ (void)work; out[0][0] = in[0][0] * in[0][0] - 2; out[1][0] = 2 * in[0][0]; out[1][1] = 0; return 0; }
+static const int kind[] = {3}, fixed[] = {0, 0}, integer[] = {LAG_EVENT_INTEGER};
+static const LagModel model = {.n = 1, .n_inputs = 1, .n_modes = 1, .n_events = 1, .n_initial = 1, .n_power = 2,
+    .coordinate_kind = kind, .fixed = fixed, .event_kind = integer, .start = {.code = start}, .initial = {.code = initial},
+    .events = {.code = events}, .modes = {.code = modes}, .rhs = {.code = rhs}};
+int main(void)
+{
+    const LagSettings settings = {.t_stop = 10, .tolerance = 1e-9};
+    const double times[] = {0, 0.5, 1, 7.3, 10}, corners[] = {2, 3, 3}, values[] = {0, 1, 2};
+    double *rows = malloc(5 * (size_t)lag_run_row_width(&model) * sizeof *rows);
+    LagRun *run = lag_run_new(&model, &settings);
+    int done = 0;
+    lag_run_set_parameters(run, NULL, NULL);
+    lag_run_set_inputs(run, corners, values, 3);
+    for (int i = 0; i < 2; ++i)
+        if (lag_run_start(run, NULL, NULL) != LAG_OK || lag_run_advance(run, times, 5, rows, &done, 0) != LAG_OK || done != 5)
+            return 1;
+    lag_run_free(run);
+    free(rows);
+    return 0;
+}
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
+def test_sanitizers_find_nothing(tmp_path: Path) -> None:
+    compiler = find_compiler()
+    assert compiler is not None
+    driver, program = tmp_path / "driver.c", tmp_path / "driver"
+    driver.write_text(DRIVER)
+    sources = [str(driver), *map(str, sorted(FOLDER.glob("*.c")))]
+    options = ["-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", f"-I{FOLDER}", "-o", str(program)]
+    if subprocess.run([*compiler.command, *options, *sources, "-lm"], capture_output=True, check=False).returncode != 0:
+        pytest.skip("this compiler has no sanitizers")
+    done = subprocess.run([program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
