@@ -32,7 +32,10 @@ static void row_at(LagRun *run, double t, double *row)
     write_row(run, t, run->inside, row);
 }
 
-static int time_is_over(LagRun *run, double deadline) { return ++run->ticks % TICKS_PER_LOOK == 0 && lag_clock() > deadline; }
+static int time_is_over(LagRun *run, double deadline)
+{
+    return ++run->ticks % TICKS_PER_LOOK == 0 && lag_clock() > deadline;
+}
 
 static double deadline_after(double seconds) { return seconds > 0 ? lag_clock() + seconds : INFINITY; }
 

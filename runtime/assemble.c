@@ -100,6 +100,8 @@ int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, d
     double size = INFINITY;
     for (int j = 0; j < 2 * s->model->n; ++j)
         s->scale[j] = fixed[j] ? 0 : x[j] != 0 ? fabs(x[j]) : 1;
+    if (s->model->n_initial == 0)
+        return -1;
     if (evaluate(s, p, x, work) != 0)
         return 0;
     for (int i = 0; i < MOST_ITERATIONS && falling; ++i) {

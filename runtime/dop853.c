@@ -185,8 +185,10 @@ void lag_dop853_interpolate(LagDop853 *s, double t, double *y)
     if (!s->dense_ready)
         prepare_dense(s);
     const double x = (t - s->t_old) / (s->t - s->t_old), rest = 1 - x;
-    double *const *f = s->dense;
-    for (int i = 0; i < s->size; ++i)
-        y[i] = s->other[i]
-             + x * (f[0][i] + rest * (f[1][i] + x * (f[2][i] + rest * (f[3][i] + x * (f[4][i] + rest * (f[5][i] + x * f[6][i]))))));
+    for (int i = 0; i < s->size; ++i) {
+        double sum = 0;
+        for (int j = LAG_DOP853_COEFFICIENTS - 1; j >= 0; --j)
+            sum = (sum + s->dense[j][i]) * (j % 2 == 0 ? x : rest);
+        y[i] = s->other[i] + sum;
+    }
 }

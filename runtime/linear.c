@@ -1,6 +1,8 @@
-/* Householder QR with column pivoting: P. Businger, G.H. Golub, Numer. Math. 7 (1965); G.H. Golub, C.F. Van Loan, Matrix
- * Computations, 4th ed., 5.2 and 5.4. Column j keeps its reflector u in rows j and below (I - 2 u u' / u'u), R above, and
- * the diagonal of R apart. Norms of the remaining columns are computed anew, not updated: sizes are small, and safe is better.
+/* Householder QR with column pivoting: P. Businger, G.H. Golub, Numer. Math. 7 (1965); G.H. Golub, C.F. Van Loan,
+ * Matrix Computations, 4th ed., 5.2 and 5.4.
+ *
+ * Column j keeps its reflector u in rows j and below (I - 2 u u' / u'u), R above; the diagonal of R is kept apart. Norms of
+ * the remaining columns are computed anew, not updated: sizes are small, and safe is better.
  */
 #include "linear.h"
 
@@ -72,7 +74,8 @@ int lag_qr(double *a, int rows, int cols, double *diagonal, int *pivot, double t
     return most;
 }
 
-void lag_qr_shortest(const double *qr, int rows, int rank, const double *diagonal, const int *pivot, const double *b, double *x)
+void lag_qr_shortest(const double *qr, int rows, int rank, const double *diagonal, const int *pivot, const double *b,
+                     double *x)
 {
     for (int j = 0; j < rank; ++j) /* R' y = b */
         x[j] = (b[pivot[j]] - dot(qr + j * rows, x, j)) / diagonal[j];

@@ -7,6 +7,7 @@
 int lag_qr(double *a, int rows, int cols, double *diagonal, int *pivot, double tolerance);
 
 /* The shortest x[rows] with A' x = b for the `rank` independent columns of A; qr as left by lag_qr. */
-void lag_qr_shortest(const double *qr, int rows, int rank, const double *diagonal, const int *pivot, const double *b, double *x);
+void lag_qr_shortest(const double *qr, int rows, int rank, const double *diagonal, const int *pivot, const double *b,
+                     double *x);
 
 #endif

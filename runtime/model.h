@@ -1,7 +1,7 @@
 /* A compiled mechanism: sizes and functions, all constant.
  *
- * One model serves any number of runs in any number of threads. Generated scene code exports one, `const LagModel lag_model`;
- * a caller without a C compiler fills one with tapes (tape.h).
+ * One model serves any number of runs in any number of threads. Generated scene code exports one,
+ * `LAG_API const LagModel lag_model`; a caller without a C compiler fills one with tapes (tape.h).
  *
  * Notation: q coordinates, v = dq/dt, a = dv/dt, t time, p parameters, c what depends on parameters alone ("hoisted"),
  * u inputs, d modes (values that change only at events), y outputs.

@@ -7,7 +7,7 @@
 
 #include "model.h"
 
-enum { ULPS = 8 };
+static const double ULPS = 8;
 
 double lag_time_resolution(double t) { return ULPS * DBL_EPSILON * fabs(t); }
 

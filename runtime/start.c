@@ -49,7 +49,7 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     if (!settings_valid(&run->settings))
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     guess(run, q_given, v_given);
-    const int worst = run->model->n_initial > 0 ? lag_assemble(&run->assembly, run->p, run->fixed, run->start, run->work) : -1;
+    const int worst = lag_assemble(&run->assembly, run->p, run->fixed, run->start, run->work);
     if (worst >= 0)
         return lag_fail(run, LAG_INITIAL_FAILED, worst, 0, run->assembly.g[worst]);
     memcpy(run->solver.y, run->start, 2 * (size_t)run->model->n * sizeof *run->start);

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from sysconfig import get_platform
 
 from lagrangia.folders import data_folder
 
@@ -217,7 +218,7 @@ def start_runtime_build(compiler: Compiler | None = None, level: str = "-O2") ->
 
 
 def _key(sources: str | Sequence[Path], include: Sequence[Path], options: Sequence[str], compiler: Compiler) -> str:
-    hashed = hashlib.sha256(repr((options, compiler.identity, sys.platform)).encode())
+    hashed = hashlib.sha256(repr((options, compiler.identity, get_platform())).encode())
     texts = [sources.encode()] if isinstance(sources, str) else [file.read_bytes() for file in sources]
     headers = [header.read_bytes() for folder in include for header in sorted(folder.glob("*.h"))]
     for text in (*texts, *headers):
