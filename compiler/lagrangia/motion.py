@@ -181,7 +181,8 @@ def count_nodes(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:
     """Operations that depend on the arguments, common subexpressions counted once."""
     rest = ca.symvar(ca.veccat(*expressions, *arguments))
     moving = ca.vertcat(*arguments)
-    fixed = [s for s in rest if not ca.depends_on(moving, s)]
+    movers = {s.__hash__() for s in ca.symvar(moving)}
+    fixed = [s for s in rest if s.__hash__() not in movers]
     shared = ca.cse(ca.veccat(*expressions))
     reduced = ca.extract_parametric(shared, ca.vertcat(*fixed), {"extract_trivial": True})[0] if fixed else shared
     function = ca.Function("count", [moving], [reduced], {"allow_free": True})

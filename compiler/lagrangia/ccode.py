@@ -1,0 +1,98 @@
+"""Tapes -> C99: one function each, and the table `lag_model` that runtime/model.h describes.
+
+A long function is cut into pieces that share the work vector: compilers take time that grows faster than a function's length.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from lagrangia.runtime import Op, Tape
+
+_PIECE = 1500  # instructions in one C function
+
+_TEMPLATES: Mapping[int, str] = {
+    Op.ASSIGN: "{a}", Op.ADD: "{a} + {b}", Op.SUB: "{a} - {b}", Op.MUL: "{a} * {b}", Op.DIV: "{a} / {b}", Op.NEG: "-{a}",
+    Op.SQ: "{a} * {a}", Op.TWICE: "2.0 * {a}", Op.INV: "1.0 / {a}", Op.SQRT: "sqrt({a})", Op.SIN: "sin({a})", Op.COS: "cos({a})",
+    Op.TAN: "tan({a})", Op.ASIN: "asin({a})", Op.ACOS: "acos({a})", Op.ATAN: "atan({a})", Op.ATAN2: "atan2({a}, {b})",
+    Op.EXP: "exp({a})", Op.LOG: "log({a})", Op.POW: "pow({a}, {b})", Op.CONSTPOW: "pow({a}, {b})", Op.FABS: "fabs({a})",
+    Op.SIGN: "(double)(({a} > 0.0) - ({a} < 0.0))", Op.FMIN: "fmin({a}, {b})", Op.FMAX: "fmax({a}, {b})", Op.FLOOR: "floor({a})",
+    Op.CEIL: "ceil({a})", Op.FMOD: "fmod({a}, {b})", Op.COPYSIGN: "copysign({a}, {b})", Op.LT: "(double)({a} < {b})",
+    Op.LE: "(double)({a} <= {b})", Op.EQ: "(double)({a} == {b})", Op.NE: "(double)({a} != {b})", Op.NOT: "(double)({a} == 0.0)",
+    Op.AND: "(double)({a} != 0.0 && {b} != 0.0)", Op.OR: "(double)({a} != 0.0 || {b} != 0.0)",
+    Op.IF_ELSE_ZERO: "({a} != 0.0 ? {b} : 0.0)", Op.SINH: "sinh({a})", Op.COSH: "cosh({a})", Op.TANH: "tanh({a})",
+    Op.ASINH: "asinh({a})", Op.ACOSH: "acosh({a})", Op.ATANH: "atanh({a})", Op.ERF: "erf({a})",
+}  # fmt: skip
+
+
+def write_c(
+    name: str, sizes: Mapping[str, int], tapes: Mapping[str, Tape], coordinate_kind: Sequence[int], fixed: Sequence[int], event_kind: Sequence[int]
+) -> str:
+    """The C source of a scene. Equal input gives equal text."""
+    lines = [f"/* {_comment(name)}: generated, do not edit. */", "#include <math.h>", '#include "model.h"', ""]
+    for label, tape in tapes.items():
+        lines += _function(label, tape)
+    lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
+    lines += ["LAG_API extern const LagModel lag_model;", "const LagModel lag_model = {"]
+    lines += [f"    .{key} = {value}," for key, value in sizes.items()]
+    lines += ["    .coordinate_kind = coordinate_kind,", "    .fixed = fixed_start,", "    .event_kind = event_kind,"]
+    for label, tape in tapes.items():
+        lines.append(
+            f"    .{label} = {{{len(tape.in_sizes)}, {len(tape.out_sizes)}, {label}_in, {label}_out, {_work(tape)}, {label}, 0}},"
+        )
+    return "\n".join([*lines, "};", ""])
+
+
+def _comment(text: str) -> str:
+    return "".join(c if c.isprintable() and c not in "*/\\" else " " for c in text)[:200]
+
+
+def _ints(name: str, values: Sequence[int]) -> str:
+    return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"
+
+
+def _is_long(tape: Tape) -> bool:
+    return len(tape.code) // 4 > _PIECE
+
+
+def _work(tape: Tape) -> int:
+    """A short function keeps its values in local variables."""
+    return tape.n_work if _is_long(tape) else 0
+
+
+def _function(label: str, tape: Tape) -> list[str]:
+    head = [_ints(f"{label}_in", tape.in_sizes), _ints(f"{label}_out", tape.out_sizes)]
+    signature = "(const double *const *in, double *const *out, double *w)"
+    if not _is_long(tape):
+        names = sorted({tape.code[k + 1] for k in range(0, len(tape.code), 4) if tape.code[k] != Op.OUTPUT})
+        local = [f"    double {', '.join(f'w{n}' for n in names[i : i + 20])};" for i in range(0, len(names), 20)]
+        body = [f"    {line}" for line in _statements(tape, 0, len(tape.code) // 4, "w{}")]
+        return [*head, f"static int {label}{signature}", "{", "    (void)in; (void)out; (void)w;", *local, *body, "    return 0;", "}", ""]
+    count = len(tape.code) // 4
+    pieces, calls = [], []
+    for number, start in enumerate(range(0, count, _PIECE)):
+        body = [f"    {line}" for line in _statements(tape, start, min(count, start + _PIECE), "w[{}]")]
+        pieces += [f"static void {label}_{number}{signature}", "{", "    (void)in; (void)out;", *body, "}", ""]
+        calls.append(f"    {label}_{number}(in, out, w);")
+    return [*head, *pieces, f"static int {label}{signature}", "{", *calls, "    return 0;", "}", ""]
+
+
+def _statements(tape: Tape, start: int, stop: int, name: str) -> Iterator[str]:
+    code, constants = tape.code, tape.constants
+    for k in range(4 * start, 4 * stop, 4):
+        op, out, a, b = code[k : k + 4]
+        if op == Op.INPUT:
+            yield f"{name.format(out)} = in[{a}][{b}];"
+        elif op == Op.OUTPUT:
+            yield f"out[{out}][{b}] = {name.format(a)};"
+        elif op == Op.CONST:
+            yield f"{name.format(out)} = {_number(constants[a])};"
+        else:
+            yield f"{name.format(out)} = {_TEMPLATES[op].format(a=name.format(a), b=name.format(b))};"
+
+
+def _number(value: float) -> str:
+    if math.isnan(value):
+        return "NAN"
+    if math.isinf(value):
+        return "HUGE_VAL" if value > 0 else "-HUGE_VAL"
+    return repr(float(value))

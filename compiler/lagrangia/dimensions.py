@@ -1,0 +1,279 @@
+"""Checks of dimensions on the flat model: adding metres to seconds is an error with both units named.
+
+A bare number takes the unit of its place. So a product with a bare factor is *soft*: it has the dimension of the rest, but gives
+way where another one is wanted (`sin(3*time)`, `torque = 0.5*sin(2*time)`); an integer divisor, as in m*L^2/12, is a pure number.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from lagrangia.diagnostics import LagError, Report, Span
+from lagrangia.flat import FlatModel, Variable
+from lagrangia.names import Flat, FrameRef, Local, Ref, Time, fold
+from lagrangia.tree import Array, Binary, Boolean, Call, IfExpression, Number, String, Unary
+from lagrangia.units import ONE, Dimension, dimension, divide, multiply, parse_unit, power, spell
+
+_METRE, _SECOND = dimension(m=1), dimension(s=1)
+_SPEED, _TURN_RATE = dimension(m=1, s=-1), dimension(s=-1)
+_JOULE, _WATT = dimension(kg=1, m=2, s=-2), dimension(kg=1, m=2, s=-3)
+_FRAME_DIMENSIONS = {"r": _METRE, "x": _METRE, "y": _METRE, "phi": ONE, "v": _SPEED, "w": _TURN_RATE}
+_FRAME_UNITS = {"r": "m", "x": "m", "y": "m", "phi": "rad", "v": "m/s", "w": "rad/s"}
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """What is known of a value: its dimension (None: any), and whether it gives way to another one."""
+
+    dimension: Dimension | None
+    is_soft: bool = False
+
+    def spell(self) -> str:
+        return "any unit" if self.dimension is None else spell(self.dimension)
+
+
+ANY = Quantity(None)
+PURE = Quantity(ONE)
+
+
+def check_dimensions(model: FlatModel) -> None:
+    """Raises LagError L03xx with all mismatches found."""
+    checker = _Checker(model)
+    for variable in model.variables.values():
+        checker.guard(lambda v=variable: checker.check_variable(v))
+    for frame in model.frames.values():
+        for name, start in frame.starts.items():
+            checker.guard(lambda n=name, s=start: checker.expect(s, _FRAME_DIMENSIONS[n], f"the start of {n}"))
+    for equation in model.frame_equations:
+        checker.guard(lambda e=equation: (checker.quantity(e.left), checker.quantity(e.right)))
+    for equation in (*model.constraints, *model.initial_equations):
+        checker.guard(lambda e=equation: checker.same(checker.quantity(e.left), checker.quantity(e.right), e.span, "be equal"))
+    for energy in model.energies:
+        wanted = _WATT if energy.kind == "dissipation" else _JOULE
+        what = "a dissipation function" if energy.kind == "dissipation" else f"a {energy.kind} energy"
+        checker.guard(lambda e=energy, w=wanted, t=what: checker.expect(e.value, w, t))
+    for work in model.works:
+        checker.guard(lambda w=work: checker.check_work(w.force, w.position, w.span))
+    checker.report.raise_errors()
+
+
+def unit_of(model: FlatModel, node: Flat) -> str:
+    """The unit of an observable as text, "" when none is known."""
+    match node:
+        case Ref(name, _, _):
+            return model.variables[name].unit
+        case FrameRef(_, attribute, _, _):
+            return _FRAME_UNITS.get(attribute, "")
+        case Call("der", (inner,), _, _):
+            unit = unit_of(model, inner)  # type: ignore[arg-type]
+            return _rate_unit(unit)
+    return ""
+
+
+def _rate_unit(unit: str) -> str:
+    if unit.endswith("/s"):
+        return unit + "2"
+    return f"{unit}/s" if unit else ""
+
+
+class _Checker:
+    def __init__(self, model: FlatModel) -> None:
+        self.model = model
+        self.report = Report()
+        self.known: dict[str, Quantity] = {}
+        self.pending: set[str] = set()
+
+    def guard(self, action: Callable[[], object]) -> None:
+        try:
+            action()
+        except LagError as error:
+            self.report.diagnostics += [d for d in error.diagnostics if d not in self.report.diagnostics]
+
+    # ------------------------------------------------------------ checks
+
+    def check_variable(self, variable: Variable) -> None:
+        declared = self.declared(variable)
+        for value, what in ((variable.binding, f"'{variable.name}'"), (variable.start, f"the start of '{variable.name}'")):
+            if value is None:
+                continue
+            if declared.dimension is not None:
+                self.expect(value, declared.dimension, what, variable.unit)
+            else:
+                self.quantity(value)
+
+    def declared(self, variable: Variable) -> Quantity:
+        if not variable.unit:
+            return ANY
+        try:
+            return Quantity(parse_unit(variable.unit).dimension)
+        except ValueError as error:
+            self.report.error("L0301", str(error), variable.span)
+            return ANY
+
+    def check_work(self, force: Flat, position: Flat, span: Span) -> None:
+        product = self._times(self.quantity(force), self.quantity(position))
+        if not _fits(product, _JOULE):
+            self.report.error("L0304", f"force times position is in {product.spell()}, not in J", span,
+                              "a force in N works on a length, a torque in N.m on an angle")  # fmt: skip
+
+    def expect(self, node: Flat, wanted: Dimension, what: str, unit: str = "") -> None:
+        found = self.quantity(node)
+        if not _fits(found, wanted):
+            self.report.error("L0304", f"{what} is in {unit or spell(wanted)}, this is in {found.spell()}", node.span)
+
+    def same(self, a: Quantity, b: Quantity, span: Span, how: str) -> Quantity:
+        """The common quantity of two that must agree."""
+        if a.dimension is None or b.dimension is None:
+            return b if a.dimension is None else a
+        if a.dimension == b.dimension:
+            return Quantity(a.dimension, a.is_soft and b.is_soft)
+        if a.is_soft or b.is_soft:
+            return (ANY if a.is_soft and b.is_soft else b if a.is_soft else a)
+        self.report.error("L0304", f"{spell(a.dimension)} and {spell(b.dimension)} cannot {how}", span)
+        return ANY
+
+    # ------------------------------------------------------------ inference
+
+    def quantity(self, node: Flat, local: Mapping[str, Quantity] | None = None) -> Quantity:
+        match node:
+            case Number(_, unit, _, _):
+                return ANY if unit is None else Quantity(parse_unit(unit).dimension)
+            case Boolean() | String():
+                return ANY
+            case Ref(name, _, _):
+                return self._variable(name)
+            case FrameRef(_, attribute, _, _):
+                return Quantity(_FRAME_DIMENSIONS.get(attribute))
+            case Local(name, _):
+                return (local or {}).get(name, ANY)
+            case Time():
+                return Quantity(_SECOND)
+            case Unary(_, operand, _):
+                return self.quantity(operand, local)  # type: ignore[arg-type]
+            case Binary():
+                return self._binary(node, local)
+            case IfExpression(condition, then, otherwise, span):
+                self.quantity(condition, local)  # type: ignore[arg-type]
+                return self.same(self.quantity(then, local), self.quantity(otherwise, local), span, "stand for one value")  # type: ignore[arg-type]
+            case Array(items, span):
+                return self._common([self.quantity(item, local) for item in items], span, "stand in one array")  # type: ignore[arg-type]
+            case Call():
+                return self._call(node, local)
+
+    def _variable(self, name: str) -> Quantity:
+        if name not in self.known:
+            variable = self.model.variables[name]
+            found = self.declared(variable)
+            if found.dimension is None and variable.binding is not None and variable.kind == "variable" and name not in self.pending:
+                self.pending.add(name)
+                found = self.quantity(variable.binding)
+                self.pending.discard(name)
+            self.known[name] = found
+        return self.known[name]
+
+    def _common(self, found: list[Quantity], span: Span, how: str) -> Quantity:
+        total = ANY
+        for quantity in found:
+            total = self.same(total, quantity, span, how)
+        return total
+
+    def _binary(self, node: Binary, local: Mapping[str, Quantity] | None) -> Quantity:
+        a, b = self.quantity(node.left, local), self.quantity(node.right, local)  # type: ignore[arg-type]
+        match node.operator:
+            case "+" | "-":
+                return self.same(a, b, node.span, "be added" if node.operator == "+" else "be subtracted")
+            case "*":
+                return self._times(a, b)
+            case "/":
+                return self._over(a, b, node.right)  # type: ignore[arg-type]
+            case "^":
+                return self._power(a, b, node)
+            case "and" | "or":
+                return PURE
+            case _:
+                self.same(a, b, node.span, "be compared")
+                return PURE
+
+    def _times(self, a: Quantity, b: Quantity) -> Quantity:
+        if a.dimension is None or b.dimension is None:
+            known = a.dimension if a.dimension is not None else b.dimension
+            return ANY if known is None else Quantity(known, True)
+        return Quantity(multiply(a.dimension, b.dimension), a.is_soft or b.is_soft)
+
+    def _over(self, a: Quantity, b: Quantity, divisor: Flat) -> Quantity:
+        if isinstance(divisor, Number) and divisor.unit is None and divisor.is_integer:
+            return a
+        if b.dimension is None:
+            return ANY if a.dimension is None else Quantity(a.dimension, True)
+        return self._times(a, Quantity(divide(ONE, b.dimension), b.is_soft))
+
+    def _power(self, base: Quantity, exponent: Quantity, node: Binary) -> Quantity:
+        self._pure(exponent, node.right, "an exponent")  # type: ignore[arg-type]
+        if base.dimension is None or base.dimension == ONE:
+            return base
+        value = fold(node.right)  # type: ignore[arg-type]
+        if value is None or isinstance(value, bool):
+            if not base.is_soft:
+                self.report.error("L0304", f"{base.spell()} to a power that is not a fixed number", node.span)
+            return ANY
+        return Quantity(power(base.dimension, Fraction(value).limit_denominator(12)), base.is_soft)
+
+    def _pure(self, quantity: Quantity, node: Flat, what: str) -> None:
+        if not _fits(quantity, ONE):
+            self.report.error("L0304", f"{what} must be a number without unit, this is in {quantity.spell()}", node.span)
+
+    # ------------------------------------------------------------ functions
+
+    def _call(self, node: Call, local: Mapping[str, Quantity] | None) -> Quantity:
+        if node.function in self.model.functions:
+            return self._user_function(node, local)
+        found = [self.quantity(argument, local) for argument in node.arguments]  # type: ignore[arg-type]
+        match node.function:
+            case "der":
+                return self._over(found[0], Quantity(_SECOND), node)
+            case "shift" | "turn":
+                wanted = _METRE if node.function == "shift" else ONE
+                self.expect(node.arguments[1], wanted, "a shift" if node.function == "shift" else "an angle")  # type: ignore[arg-type]
+                return ANY
+            case "sqrt":
+                return Quantity(power(found[0].dimension, Fraction(1, 2)), found[0].is_soft) if found[0].dimension is not None else ANY
+            case "abs" | "norm" | "floor" | "ceil" | "rotate" | "element":
+                return found[0]
+            case "sign":
+                return PURE
+            case "dot" | "cross":
+                return self._times(found[0], found[1])
+            case "distance":
+                self._common(found, node.span, "be points")
+                return Quantity(_METRE)
+            case "atan2":
+                self.same(found[0], found[1], node.span, "be compared")
+                return PURE
+            case "mod" | "min" | "max" | "sum":
+                return self._common(found, node.span, "go together")
+            case "table":
+                self.same(found[0], found[1], node.span, "be compared")
+                return found[2]
+            case "product":
+                return ANY
+        for quantity, argument in zip(found, node.arguments, strict=True):
+            self._pure(quantity, argument, f"the argument of {node.function}")  # type: ignore[arg-type]
+        return PURE
+
+    def _user_function(self, node: Call, local: Mapping[str, Quantity] | None) -> Quantity:
+        function = self.model.functions[node.function]
+        known: dict[str, Quantity] = {}
+        for name, argument in zip(function.inputs, node.arguments, strict=True):
+            found = self.quantity(argument, local)  # type: ignore[arg-type]
+            unit = function.units[name]
+            if unit and not _fits(found, parse_unit(unit).dimension):
+                self.report.error("L0304", f"{node.function} wants '{name}' in {unit}, this is in {found.spell()}", argument.span)
+            known[name] = Quantity(parse_unit(unit).dimension) if unit else found
+        for name, expression in function.steps:
+            known[name] = self.quantity(expression, known)
+        unit = function.units[function.output]
+        return Quantity(parse_unit(unit).dimension) if unit else known[function.output]
+
+
+def _fits(found: Quantity, wanted: Dimension) -> bool:
+    return found.dimension is None or found.is_soft or found.dimension == wanted

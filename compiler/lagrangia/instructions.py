@@ -1,0 +1,45 @@
+"""CasADi Function -> tape: instructions (op, out, a, b) on one work vector, as runtime/tape.h states."""
+
+from array import array
+from collections.abc import Mapping
+
+import casadi as ca
+
+from lagrangia.runtime import Op, Tape
+
+_NAMES = {
+    "ASSIGN": "ASSIGN", "ADD": "ADD", "SUB": "SUB", "MUL": "MUL", "DIV": "DIV", "NEG": "NEG", "SQ": "SQ", "TWICE": "TWICE", "INV": "INV",
+    "SQRT": "SQRT", "SIN": "SIN", "COS": "COS", "TAN": "TAN", "ASIN": "ASIN", "ACOS": "ACOS", "ATAN": "ATAN", "ATAN2": "ATAN2",
+    "EXP": "EXP", "LOG": "LOG", "POW": "POW", "CONSTPOW": "CONSTPOW", "FABS": "FABS", "SIGN": "SIGN", "FMIN": "FMIN", "FMAX": "FMAX",
+    "FLOOR": "FLOOR", "CEIL": "CEIL", "FMOD": "FMOD", "COPYSIGN": "COPYSIGN", "LT": "LT", "LE": "LE", "EQ": "EQ", "NE": "NE",
+    "NOT": "NOT", "AND": "AND", "OR": "OR", "IF_ELSE_ZERO": "IF_ELSE_ZERO", "SINH": "SINH", "COSH": "COSH", "TANH": "TANH",
+    "ASINH": "ASINH", "ACOSH": "ACOSH", "ATANH": "ATANH", "ERF": "ERF",
+}  # fmt: skip
+_OPS: Mapping[int, Op] = {getattr(ca, f"OP_{casadi}"): Op[ours] for casadi, ours in _NAMES.items()}
+
+
+def tape_of(function: ca.Function) -> Tape:
+    """The instructions of an SX Function with dense inputs and outputs. Raises NotImplementedError for an op the run time lacks."""
+    code: array[int] = array("i")
+    constants: array[float] = array("d")
+    for k in range(function.n_instructions()):
+        op, inputs, outputs = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+        if op == ca.OP_INPUT:
+            code.extend((Op.INPUT, outputs[0], inputs[0], inputs[1]))
+        elif op == ca.OP_OUTPUT:
+            code.extend((Op.OUTPUT, outputs[0], inputs[0], outputs[1]))
+        elif op == ca.OP_CONST:
+            code.extend((Op.CONST, outputs[0], len(constants), 0))
+            constants.append(function.instruction_constant(k))
+        elif op in _OPS:
+            code.extend((_OPS[op], outputs[0], inputs[0], inputs[1] if len(inputs) > 1 else 0))
+        else:
+            raise NotImplementedError(f"the operation {op} of CasADi in '{function.name()}'")
+    sizes_in = [function.numel_in(i) for i in range(function.n_in())]
+    sizes_out = [function.numel_out(i) for i in range(function.n_out())]
+    return Tape(sizes_in, sizes_out, max(1, function.sz_w()), code, constants)
+
+
+def count_operations(tape: Tape) -> int:
+    """Instructions that compute something."""
+    return sum(1 for k in range(0, len(tape.code), 4) if tape.code[k] not in (Op.INPUT, Op.OUTPUT, Op.CONST))

@@ -1,0 +1,44 @@
+"""Names as people write them -> expressions: `hinge.phi`, `der(hinge.phi)`, `bar.center.x`, `P.force[2]`."""
+
+import re
+
+from lagrangia.diagnostics import Span, fail, suggest
+from lagrangia.flat import FlatModel
+from lagrangia.instances import FRAME_ATTRIBUTES
+from lagrangia.names import Flat, FrameRef, Ref
+from lagrangia.tree import Call
+
+_INDEXED = re.compile(r"(.*)\[([\d,]+)\]")
+
+
+def observe(model: FlatModel, name: str) -> Flat:
+    """The expression that a name stands for. Raises LagError L0701 for an unknown one, with the nearest known."""
+    text = name.strip()
+    if text.startswith("der(") and text.endswith(")"):
+        return Call("der", (observe(model, text[4:-1]),), (), model.span)  # type: ignore[arg-type]
+    found = _variable(model, text, model.span) or _frame(model, text, model.span)
+    if found is None:
+        known = [*model.variables, *(f"{frame}.x" for frame in model.frames)]
+        fail("L0701", f"there is no quantity '{name}' in {model.name}", None, *filter(None, [suggest(text, known)]))
+    return found
+
+
+def _variable(model: FlatModel, text: str, span: Span) -> Flat | None:
+    if text in model.variables:
+        return Ref(text, (), span)
+    match = _INDEXED.fullmatch(text)
+    if match and match[1] in model.variables:
+        index = tuple(int(i) for i in match[2].split(","))
+        shape = model.variables[match[1]].shape
+        if len(index) <= len(shape) and all(1 <= i <= size for i, size in zip(index, shape, strict=False)):
+            return Ref(match[1], index, span)
+    return None
+
+
+def _frame(model: FlatModel, text: str, span: Span) -> Flat | None:
+    match = _INDEXED.fullmatch(text)
+    path, index = (match[1], (int(match[2]),)) if match and match[2] in ("1", "2") else (text, ())
+    frame, _, attribute = path.rpartition(".")
+    if frame in model.frames and attribute in FRAME_ATTRIBUTES and (not index or attribute in ("r", "v")):
+        return FrameRef(frame, attribute, index, span)
+    return None

@@ -1,0 +1,169 @@
+"""Every phase in order: text -> syntax -> flat -> graph -> kinematics -> energies -> motion -> functions -> scene.
+
+Heavy libraries are imported by the phases that need them, when they are needed.
+"""
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangia.diagnostics import Report, Source, fail
+from lagrangia.folders import data_folder
+
+if TYPE_CHECKING:
+    from lagrangia.energies import Energies
+    from lagrangia.flat import FlatModel
+    from lagrangia.functions import Functions
+    from lagrangia.graph import ComponentGraph
+    from lagrangia.initial import InitialConditions
+    from lagrangia.kinematics import Kinematics
+    from lagrangia.motion import Motion
+    from lagrangia.scene import Scene
+    from lagrangia.tree import Syntax
+
+PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")
+_DEEPEST_RECURSION = 50_000
+Watch = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Compilation:
+    """What each phase made. `model` is chosen by name, or is the last model of the file."""
+
+    syntax: "Syntax"
+    flat: "FlatModel"
+    graph: "ComponentGraph"
+    kinematics: "Kinematics"
+    energies: "Energies"
+    motion: "Motion"
+    initial: "InitialConditions"
+    functions: "Functions"
+    scene: "Scene"
+    seconds: Mapping[str, float]
+
+
+def compile_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None, outputs: tuple[str, ...] = ()) -> Compilation:
+    """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
+    from lagrangia.dimensions import check_dimensions
+    from lagrangia.energies import build_energies
+    from lagrangia.functions import build_functions
+    from lagrangia.graph import build_graph
+    from lagrangia.initial import build_initial
+    from lagrangia.kinematics import build_kinematics
+    from lagrangia.motion import build_motion
+    from lagrangia.scenes import build_scene
+
+    seconds: dict[str, float] = {}
+    with _deep_recursion():
+        with _timed(seconds, "syntax, flat"):
+            syntax, flat = flatten_file(path, model, structural)
+            check_dimensions(flat)
+        with _timed(seconds, "graph"):
+            graph = build_graph(flat)
+        with _timed(seconds, "kinematics, energies"):
+            kinematics = build_kinematics(graph)
+            energies = build_energies(kinematics)
+        with _timed(seconds, "motion"):
+            motion = build_motion(kinematics, energies)
+        with _timed(seconds, "functions"):
+            initial = build_initial(kinematics)
+            declared = tuple(v.name for v in flat.variables.values() if v.is_output)
+            functions = build_functions(kinematics, motion, initial, tuple(dict.fromkeys((*declared, *outputs))))
+        with _timed(seconds, "scene"):
+            scene = build_scene(kinematics, motion, initial, functions)
+    return Compilation(syntax, flat, graph, kinematics, energies, motion, initial, functions, scene, seconds)
+
+
+def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> "tuple[Syntax, FlatModel]":
+    """Text -> syntax -> flat model. Raises LagError."""
+    from lagrangia.classes import build_class_table
+    from lagrangia.flat import flatten
+
+    with _deep_recursion():
+        syntax, imported = read_files(path)
+        table = build_class_table(library(), [syntax, *imported])
+        definition = _choose(syntax, model)
+        return syntax, flatten(table, definition, structural)
+
+
+def library() -> "tuple[Syntax, ...]":
+    from lagrangia.syntax import parse
+
+    files = sorted((data_folder("models") / "library").glob("*.lag"))
+    return tuple(parse(Source(f"library/{file.name}", file.read_text(encoding="utf-8"))) for file in files)
+
+
+def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":
+    """The file and all that it imports, each once. Raises LagError."""
+    from lagrangia.syntax import parse
+
+    main = parse(read_source(path))
+    found: dict[Path, Syntax] = {path.resolve(): main}
+    report = Report()
+    pending = [(path, main)]
+    while pending:
+        here, syntax = pending.pop()
+        for item in syntax.imports:
+            target = (here.parent / item.path).resolve()
+            if target in found:
+                continue  # also a cycle of imports ends here
+            if not target.is_file():
+                report.error("L0002", f"there is no file '{item.path}'", item.span, f"looked for {here.parent / item.path}")
+                continue
+            found[target] = parse(read_source(here.parent / item.path))
+            pending.append((here.parent / item.path, found[target]))
+    report.raise_errors()
+    return main, [syntax for syntax in found.values() if syntax is not main]
+
+
+def read_source(path: Path) -> Source:
+    """Raises LagError L000x for what cannot be read as text."""
+    try:
+        return Source(str(path), path.read_bytes().decode("utf-8"))
+    except FileNotFoundError:
+        fail("L0001", f"there is no file '{path}'")
+    except IsADirectoryError:
+        fail("L0001", f"'{path}' is a folder")
+    except OSError as error:
+        fail("L0001", f"'{path}' cannot be read: {error.strerror}")
+    except UnicodeDecodeError as error:
+        fail("L0101", f"'{path}' is not a text file in UTF-8: byte {error.object[error.start]:#04x} at offset {error.start}")
+
+
+def _choose(syntax: "Syntax", name: str | None) -> Any:
+    from lagrangia.diagnostics import suggest
+
+    models = [c for c in syntax.classes if c.kind == "model"]
+    if name is not None:
+        chosen = [c for c in models if c.name == name]
+        if not chosen:
+            fail("L0003", f"'{syntax.source.name}' has no model '{name}'", None, *filter(None, [suggest(name, [c.name for c in models])]))
+        return chosen[0]
+    complete = [c for c in models if not c.is_partial]
+    if not complete:
+        fail("L0003", f"'{syntax.source.name}' has no model to run", None, "a scene is: model Name ... end Name;")
+    return complete[-1]
+
+
+@contextmanager
+def _timed(seconds: dict[str, float], what: str) -> Iterator[None]:
+    begin = time.perf_counter()
+    yield
+    seconds[what] = time.perf_counter() - begin
+
+
+@contextmanager
+def _deep_recursion() -> Iterator[None]:
+    """Expressions are trees, and long sums are deep ones: the parser bounds how deep."""
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(limit, _DEEPEST_RECURSION))
+    try:
+        yield
+    except RecursionError:
+        fail("L0102", "the model is nested too deeply", None, "name parts of long expressions with variables of their own")
+    finally:
+        sys.setrecursionlimit(limit)

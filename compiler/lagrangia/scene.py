@@ -1,0 +1,103 @@
+"""A compiled scene as plain data: all that a run needs, and nothing that needs CasADi or Lark to be read."""
+
+import base64
+import json
+from array import array
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from lagrangia.runtime import Tape
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A scalar parameter. `value` is None when it follows from other parameters; `place` is where it is declared."""
+
+    name: str
+    unit: str
+    value: float | None
+    minimum: float | None
+    maximum: float | None
+    description: str
+    place: str
+
+
+@dataclass(frozen=True)
+class Column:
+    """A quantity of the results."""
+
+    name: str
+    unit: str
+    display_unit: str
+    description: str
+
+
+@dataclass(frozen=True)
+class Scene:
+    name: str
+    description: str
+    coordinates: tuple[Column, ...]
+    rates: tuple[Column, ...]
+    outputs: tuple[Column, ...]
+    parameters: tuple[Parameter, ...]
+    inputs: tuple[Parameter, ...]
+    structural: Mapping[str, float | bool | str]
+    aliases: Mapping[str, int]  # other names of q (0 .. n-1) and v (n .. 2n-1)
+    start: float
+    stop: float
+    tolerance: float
+    interval: float | None
+    sizes: Mapping[str, int]  # integers of LagModel
+    coordinate_kind: tuple[int, ...]
+    fixed: tuple[int, ...]
+    event_kind: tuple[int, ...]
+    initial_places: tuple[str, ...]  # where the initial equations are written
+    notes: Mapping[str, Any]  # figures for --stats
+    warnings: tuple[str, ...]
+    tapes: Mapping[str, Tape]
+
+    @property
+    def n(self) -> int:
+        return len(self.coordinates)
+
+    def slot(self, name: str) -> int | None:
+        """Place in (q, v) of a coordinate, a rate or another name of one."""
+        for k, column in enumerate((*self.coordinates, *self.rates)):
+            if column.name == name:
+                return k
+        return self.aliases.get(name)
+
+
+def to_json(scene: Scene) -> str:
+    plain = {name: getattr(scene, name) for name in Scene.__dataclass_fields__ if name != "tapes"}
+    for name in ("coordinates", "rates", "outputs", "parameters", "inputs"):
+        plain[name] = [asdict(item) for item in plain[name]]
+    plain["tapes"] = {name: _pack(tape) for name, tape in scene.tapes.items()}
+    return json.dumps(plain, separators=(",", ":"))
+
+
+def from_json(text: str) -> Scene:
+    """Raises ValueError, KeyError or TypeError when the text is no scene."""
+    plain = json.loads(text)
+    kinds = {"coordinates": Column, "rates": Column, "outputs": Column, "parameters": Parameter, "inputs": Parameter}
+    for name, kind in kinds.items():
+        plain[name] = tuple(kind(**item) for item in plain[name])
+    for name in ("coordinate_kind", "fixed", "event_kind", "initial_places", "warnings"):
+        plain[name] = tuple(plain[name])
+    plain["tapes"] = {name: _unpack(tape) for name, tape in plain["tapes"].items()}
+    return Scene(**plain)
+
+
+def _pack(tape: Tape) -> dict[str, Any]:
+    return {"in": list(tape.in_sizes), "out": list(tape.out_sizes), "work": tape.n_work,
+            "code": base64.b64encode(bytes(memoryview(tape.code).cast("B"))).decode(),
+            "constants": base64.b64encode(bytes(memoryview(tape.constants).cast("B"))).decode()}  # fmt: skip
+
+
+def _unpack(plain: dict[str, Any]) -> Tape:
+    code: array[int] = array("i")
+    constants: array[float] = array("d")
+    code.frombytes(base64.b64decode(plain["code"]))
+    constants.frombytes(base64.b64decode(plain["constants"]))
+    return Tape(plain["in"], plain["out"], plain["work"], code, constants)

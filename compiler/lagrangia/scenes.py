@@ -1,0 +1,95 @@
+"""Functions -> Scene: names, units, defaults and tapes, as plain data."""
+
+from collections.abc import Sequence
+from math import prod
+
+from lagrangia.diagnostics import fail
+from lagrangia.dimensions import unit_of
+from lagrangia.flat import FlatModel, Variable
+from lagrangia.functions import Functions
+from lagrangia.graph import rate_of
+from lagrangia.initial import InitialConditions
+from lagrangia.instructions import count_operations, tape_of
+from lagrangia.kinematics import Kinematics
+from lagrangia.motion import Motion
+from lagrangia.names import Flat, fold
+from lagrangia.observables import observe
+from lagrangia.runtime import Tape
+from lagrangia.scene import Column, Parameter, Scene
+from lagrangia.tree import Array
+
+
+def build_scene(kinematics: Kinematics, motion: Motion, initial: InitialConditions, functions: Functions) -> Scene:
+    model, graph = kinematics.graph.model, kinematics.graph
+    tapes = {name: tape_of(function) for name, function in functions.table.items()}
+    coordinates = tuple(Column(c.name, c.unit, c.display_unit, c.description) for c in graph.coordinates)
+    rates = tuple(Column(c.rate_name, _per_second(c.unit), _per_second(c.display_unit), "") for c in graph.coordinates)
+    outputs = tuple(Column(name, *_units(model, name)) for name in functions.outputs)
+    kinds = {unit: k + 1 for k, unit in enumerate(sorted({c.unit for c in graph.coordinates} - {"rad"}))} | {"rad": 0}
+    slots = {c.name: k for k, c in enumerate(graph.coordinates)}
+    aliases = {v.name: len(slots) + slots[of] for v in model.variables.values() if (of := rate_of(v)) in slots and of is not None}
+    experiment = model.experiment
+    parameters = _parameters(model, "parameter")
+    inputs = _parameters(model, "input")
+    sizes = {
+        "n": len(coordinates), "n_parameters": len(parameters), "n_hoisted": functions.table["hoist"].numel_out(0), "n_inputs": len(inputs),
+        "n_modes": len(functions.event_kinds), "n_events": len(functions.event_kinds), "n_outputs": len(outputs),
+        "n_initial": initial.residuals.numel(), "n_power": functions.n_power,
+        "outputs_need_acceleration": int(functions.outputs_need_acceleration),
+    }  # fmt: skip
+    return Scene(
+        model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
+        experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
+        tuple(kinds[c.unit] for c in graph.coordinates), tuple(map(int, initial.fixed)), functions.event_kinds,
+        tuple(map(str, initial.residual_spans)), _notes(motion, tapes), (), tapes,
+    )  # fmt: skip
+
+
+def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
+    n = motion.q.numel()
+    rhs = count_operations(tapes["rhs"])
+    return {"rhs_operations": rhs, "acceleration_nodes": motion.nodes[motion.way], "ways": motion.nodes, "way": motion.way,
+            "nodes_per_coordinate": round(motion.nodes[motion.way] / n, 1)}  # fmt: skip
+
+
+def _per_second(unit: str) -> str:
+    return f"{unit}/s" if unit and unit != "1" else "1/s"
+
+
+def _units(model: FlatModel, name: str) -> tuple[str, str, str]:
+    """Unit, display unit and description of an output."""
+    base = name if name in model.variables else name.partition("[")[0]
+    variable = model.variables.get(base)
+    if variable is not None:
+        return variable.unit, variable.display_unit, variable.description
+    return unit_of(model, observe(model, name)), "", ""
+
+
+def _parameters(model: FlatModel, kind: str) -> tuple[Parameter, ...]:
+    """The scalars of all parameters or inputs, in the order of the flat model."""
+    found = []
+    for variable in (v for v in model.variables.values() if v.kind == kind):
+        source = variable.binding if kind == "parameter" else variable.start or variable.binding
+        values = _numbers(source, variable) if source is not None else [0.0] * prod(variable.shape)
+        for (name, _), value in zip(variable.elements(), values, strict=True):
+            if kind == "input" and value is None:
+                fail("L0605", f"the start of the input '{name}' must be a number", variable.span)
+            found.append(Parameter(name, variable.unit, value, variable.minimum, variable.maximum, variable.description, str(variable.span)))
+    return tuple(found)
+
+
+def _numbers(binding: Flat, variable: Variable) -> Sequence[float | None]:
+    """Values where the binding says numbers; None where it depends on other parameters."""
+    if variable.shape and not isinstance(binding, Array):
+        return [None] * prod(variable.shape)
+    if isinstance(binding, Array):
+        inner: list[float | None] = []
+        for item in binding.items:
+            inner += [*_numbers(item, variable)] if isinstance(item, Array) else [_number(item)]  # type: ignore[arg-type]
+        return inner
+    return [_number(binding)]
+
+
+def _number(node: Flat) -> float | None:
+    value = fold(node)
+    return None if value is None else float(value)
