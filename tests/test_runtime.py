@@ -1,5 +1,6 @@
 """The C run time: the method, its accuracy on motions known to 18 digits, events, assembly, accounts and failures."""
 
+import ctypes
 import math
 import re
 import subprocess
@@ -328,6 +329,34 @@ def test_units_do_not_matter(runtime: Runtime, length: float, second: float) -> 
     assert abs(steps(length, second) - steps(1, 1)) <= 2
 
 
+UNIT = """
+#include "scale.c"
+LAG_API double unit(int kind, double q, double other);
+double unit(int kind, double q, double other) /* of q, beside a coordinate `other` of kind 1, at tolerance 1e-6 */
+{
+    const int kinds[] = {kind, 1};
+    const double y[] = {q, other, 0, 0};
+    double memory[64] = {0};
+    LagArena arena = {memory, 0};
+    LagScale scale;
+    lag_scale_init(&scale, 2, kinds, 1e-6);
+    lag_scale_layout(&scale, &arena);
+    lag_scale_reset(&scale);
+    lag_scale_note(&scale, y);
+    return lag_scale_unit(&scale, 0, y, y);
+}
+"""
+
+
+def test_units_of_error() -> None:
+    unit = ctypes.CDLL(str(build("unit", UNIT, include=[FOLDER]))).unit
+    unit.restype, unit.argtypes = ctypes.c_double, (ctypes.c_int, ctypes.c_double, ctypes.c_double)
+    assert unit(1, 1e-30, 0) == pytest.approx(1e-6 * unit(1, 1e-24, 0)) == pytest.approx(5e-38)
+    assert unit(0, 1e6, 0) == unit(0, 10, 0) == pytest.approx(math.pi * unit(0, 1, 0))
+    assert unit(1, 1e-9, 1) > 1e5 * unit(2, 1e-9, 1)
+    assert unit(1, 0, 0) == 0
+
+
 def test_many_turns_do_not_loosen_an_angle(runtime: Runtime) -> None:
     model = compiled(1, kinds=[0], rhs="a[0] = -sin(q[0]);")
     far = 2 * math.pi * 2**17
@@ -359,6 +388,13 @@ def test_rows_do_not_depend_on_how_they_are_asked_for(runtime: Runtime) -> None:
         for t in times:
             one_by_one.extend(run.advance([t]).values)
     assert at_once.values == one_by_one
+
+
+def test_a_second_start_is_like_the_first(runtime: Runtime) -> None:
+    with started(runtime, compiled(2, rhs=KEPLER), [0.4, 0], [0, 2], t_stop=50) as run:
+        first = run.advance([10, 50]), run.statistics
+        run.start([0.4, 0], [0, 2])
+        assert (run.advance([10, 50]), run.statistics) == first
 
 
 def test_runs_in_threads_are_independent(runtime: Runtime) -> None:
@@ -420,6 +456,45 @@ def test_event_at_the_start_has_already_happened(runtime: Runtime) -> None:
     with started(runtime, model, [0], [0], t_start=0.3, t_stop=1.3) as run:
         assert run.advance([1.3])[0][2] == pytest.approx(2, rel=1e-15)
         assert run.statistics.events == 0
+
+
+def test_event_times_that_differ_by_rounding_are_one(runtime: Runtime) -> None:
+    model = compiled(
+        1,
+        event_kind="0, 0",
+        numbers=", .n_events = 2",
+        events="a[0] = -0.3; b[0] = 1; a[1] = -0.1; b[1] = 1/3.0;",  # 0.1 / (1/3.0) is 0.3 and a bit
+        rhs=OSCILLATOR,
+    )
+    with started(runtime, model, [1], [0], t_stop=1) as run:
+        assert run.advance([1])[0][1] == pytest.approx(math.cos(1), rel=1e-9)
+        assert run.statistics.events == 1
+
+
+def test_values_lost_at_an_event_are_reported_as_often_as_asked(runtime: Runtime) -> None:
+    model = compiled(
+        1,
+        numbers=", .n_modes = 1, .n_events = 1",
+        events="a[0] = -0.5; b[0] = 1;",
+        modes="d[0] = t > 0.5 ? NAN : 1;",
+        rhs="a[0] = d[0];",
+    )
+    with started(runtime, model, [0], [0], t_stop=1) as run:
+        for _ in range(2):
+            rows = run.advance([0.5, 1])
+            assert (rows.status, rows.count, run.failure.time) == (Status.NOT_FINITE, 1, 0.5)
+
+
+def test_a_short_step_to_the_stop_is_not_remembered(runtime: Runtime) -> None:
+    model = compiled(1, rhs=OSCILLATOR)
+    with started(runtime, model, [1], [0], t_stop=20) as run:
+        run.advance([20])
+        whole = run.statistics.steps
+    with started(runtime, model, [1], [0], t_stop=10) as run:
+        for stop in (10, 10 + 1e-9, 20):
+            run.set_stop(stop)
+            run.advance([stop])
+        assert run.statistics.steps <= whole + 4
 
 
 def test_inputs_are_integrated_over_ramps_and_jumps(runtime: Runtime) -> None:
