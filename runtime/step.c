@@ -11,12 +11,15 @@
 static const double SAFETY = 0.8, EXPONENT = 1.0 / 8, SHRINK = 1.0 / 3, GROW = 6, NOT_FINITE_SHRINK = 0.25;
 static const double SMALLEST_ERROR = 1e-10, CUT = 0.9;
 
+/* Shorter steps do not move t. */
+static double smallest_step(double t) { return fmax(4 * DBL_EPSILON * fabs(t), DBL_MIN); }
+
 /* Where a step of length h ends: the one place where steps are cut short. Two steps of equal length rather than a long
  * one and a tiny one lead up to a limit. */
 static double end_of_step(const LagRun *run, double h)
 {
     const double t = run->solver.t, limit = fmin(run->segment_end, run->settings.t_stop), left = limit - t;
-    if (h >= left)
+    if (h >= left || left <= 2 * smallest_step(t))
         return limit;
     return t + (2 * h > left ? left / 2 : h);
 }
@@ -62,6 +65,7 @@ LagStatus lag_step(LagRun *run)
     }
     if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)
         return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
+    run->step = fmax(run->step, smallest_step(solver->t));
     for (int rejected = 0;; rejected = 1) {
         const double t = solver->t, t_new = end_of_step(run, run->step), h = t_new - t;
         const double error = lag_dop853_try(solver, t_new, &run->scale, &worst);
@@ -73,7 +77,7 @@ LagStatus lag_step(LagRun *run)
         }
         ++run->statistics.rejected;
         run->step = shrunk(h, error <= 1 ? INFINITY : error);
-        if (run->step < fmax(4 * DBL_EPSILON * fabs(t), DBL_MIN))
+        if (run->step < smallest_step(t))
             return lag_fail(run, LAG_STEP_TOO_SMALL, worst < n ? worst : worst - n, worst >= n, 0);
     }
 }

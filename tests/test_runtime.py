@@ -330,7 +330,6 @@ def test_units_do_not_matter(runtime: Runtime, length: float, second: float) -> 
 
 
 UNIT = """
-#include "scale.c"
 LAG_API double unit(int kind, double q, double other);
 double unit(int kind, double q, double other) /* of q, beside a coordinate `other` of kind 1, at tolerance 1e-6 */
 {
@@ -349,7 +348,7 @@ double unit(int kind, double q, double other) /* of q, beside a coordinate `othe
 
 
 def test_units_of_error() -> None:
-    unit = ctypes.CDLL(str(build("unit", UNIT, include=[FOLDER]))).unit
+    unit = ctypes.CDLL(str(build("unit", (FOLDER / "scale.c").read_text() + UNIT, include=[FOLDER]))).unit
     unit.restype, unit.argtypes = ctypes.c_double, (ctypes.c_int, ctypes.c_double, ctypes.c_double)
     assert unit(1, 1e-30, 0) == pytest.approx(1e-6 * unit(1, 1e-24, 0)) == pytest.approx(5e-38)
     assert unit(0, 1e6, 0) == unit(0, 10, 0) == pytest.approx(math.pi * unit(0, 1, 0))
@@ -469,6 +468,15 @@ def test_event_times_that_differ_by_rounding_are_one(runtime: Runtime) -> None:
     with started(runtime, model, [1], [0], t_stop=1) as run:
         assert run.advance([1])[0][1] == pytest.approx(math.cos(1), rel=1e-9)
         assert run.statistics.events == 1
+
+
+def test_the_shortest_times_pass(runtime: Runtime) -> None:
+    """One unit in the last place between an event and the stop."""
+    model = compiled(1, numbers=", .n_events = 1", events="a[0] = -0.5; b[0] = 1;", rhs="a[0] = -1e9*q[0];")
+    stop = math.nextafter(0.5, 1)
+    with started(runtime, model, [1], [0], t_stop=stop, max_steps=100_000) as run:
+        assert run.advance([0.5, stop]).status is Status.OK
+        assert run.time == stop
 
 
 def test_values_lost_at_an_event_are_reported_as_often_as_asked(runtime: Runtime) -> None:
