@@ -19,7 +19,7 @@ static double smallest_step(double t) { return fmax(4 * DBL_EPSILON * fabs(t), D
 static double end_of_step(const LagRun *run, double h)
 {
     const double t = run->solver.t, limit = fmin(run->segment_end, run->settings.t_stop), left = limit - t;
-    if (h >= left || left <= 2 * smallest_step(t))
+    if (h >= left)
         return limit;
     return t + (2 * h > left ? left / 2 : h);
 }
