@@ -1,1 +1,14 @@
-"""Lagrangia: a Modelica-style language for mechanics, with a compiler."""
+"""Lagrangia: a Modelica-style language for mechanics, with a compiler.
+
+    import lagrangia as lag
+    model = lag.load("chain.lag", n=20)
+    run = model.simulate(stop=5, tolerance=1e-10, parameters={"link[1].m": 2.0})
+    run.time, run["hinge[1].phi"], run.energy.total
+"""
+
+from lagrangia.diagnostics import Diagnostic, LagError, RunError
+from lagrangia.model import Model, load
+from lagrangia.trajectory import EnergyAccount, Trajectory
+
+__version__ = "0.1.0"
+__all__ = ["Diagnostic", "EnergyAccount", "LagError", "Model", "RunError", "Trajectory", "load"]

@@ -11,7 +11,7 @@ Code ranges, one a phase:
 import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Literal, NoReturn
+from typing import Any, Literal, NoReturn
 
 Severity = Literal["error", "warning", "note"]
 _LONGEST_LINE = 160
@@ -80,7 +80,12 @@ class LagError(Exception):
 
 
 class RunError(Exception):
-    """The run failed although the input is well formed; the command line exits with 1."""
+    """The run failed although the input is well formed; the command line exits with 1.
+
+    `trajectory` holds what was computed before, when the run was asked for through Model.simulate.
+    """
+
+    trajectory: Any = None
 
 
 @dataclass

@@ -65,7 +65,7 @@ def people_functions(kinematics: Kinematics, motion: Motion, outputs: tuple[str,
     """
     t, q, v, u, p = motion.t, motion.q, motion.v, motion.u, motion.p
     names, y = _outputs(kinematics, outputs)
-    y = ca.graph_substitute(y, [motion.a], [motion.acceleration]) if y.numel() else y
+    y = ca.substitute(y, motion.a, motion.acceleration) if y.numel() else y
     expressions = {
         "M": [mass_matrix(motion)], "h": [motion.h], "rhs": [motion.acceleration], "energies": [motion.T, motion.V, motion.D],
         "outputs": [y], "jacobian": [ca.jacobian(motion.acceleration, ca.vertcat(q, v))],

@@ -1,0 +1,168 @@
+"""Runs with CasADi's own integrators: an independent check, and the way without a C compiler.
+
+Between two time events the equations are smooth; each such segment is one integrator with the grid of rows that fall into it.
+Source: the integrators of CasADi (CVODES and IDAS of SUNDIALS, Hindmarsh et al., 2005).
+"""
+
+import bisect
+import math
+import time
+from array import array
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from lagrangia.diagnostics import RunError, fail
+from lagrangia.pipeline import Compilation
+from lagrangia.runtime import Statistics
+from lagrangia.simulate import Experiment, Progress, Values, check_parameters
+
+_INTEGRATORS = ("cvodes", "idas", "rk", "collocation")
+_MOST_STEPS = 10_000_000
+
+
+def simulate_casadi(
+    compilation: Compilation, experiment: Experiment, values: Values, solver: str, watch: Callable[[Progress], None] | None = None
+) -> tuple[Progress, Iterator[Sequence[float]]]:
+    """Like simulate.simulate, with an integrator of CasADi: `casadi:cvodes`, `casadi:idas`, ...; others mean cvodes."""
+    name = solver.partition(":")[2] or "cvodes"
+    if name not in _INTEGRATORS:
+        fail("L0704", f"CasADi has no integrator '{name}' that fits", None, f"known here: {', '.join(_INTEGRATORS)}")
+    run = _Run(compilation, experiment, values, name)
+    check_parameters(compilation.scene, run.p.ravel().tolist())
+    progress = Progress(experiment, parameters=run.p.ravel().tolist())
+    return progress, run.rows(progress, watch)
+
+
+@dataclass
+class _Run:
+    compilation: Compilation
+    experiment: Experiment
+    values: Values
+    integrator: str
+
+    def __post_init__(self) -> None:
+        table = self.compilation.functions.table
+        self.n = self.compilation.scene.n
+        self.p = np.array(table["parameters"](self.values.parameters, self.values.mask))
+        self.c = table["hoist"](self.p)
+        self.y = self._start(table)
+
+    def _start(self, table: Any) -> np.ndarray:
+        if "initial" in table:
+            fail("L0909", "not supported yet: initial equations to be solved, with CasADi's integrators", None,
+                 "give the start values of coordinates and rates, or install a C compiler (pip install ziglang)")  # fmt: skip
+        q, v = (np.array(x).ravel() for x in table["start"](self.p))
+        given = np.array([*self.values.q, *self.values.v])
+        start = np.where(np.isnan(given), np.concatenate([q, v]), given)
+        return np.concatenate([start, np.zeros(2 * bool(self.compilation.functions.n_power))])
+
+    def rows(self, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
+        begin = time.perf_counter()
+        corners = self._corners()
+        now = self.experiment.start
+        for times in self.experiment.times():
+            for target, wanted in _segments(now, times, corners):
+                try:
+                    found = self._advance(now, target, wanted)
+                except RuntimeError as error:
+                    raise RunError(f"CasADi's {self.integrator} gave up between t = {now:.6g} and {target:.6g}: {str(error).splitlines()[-1]}") from None
+                except KeyboardInterrupt:
+                    progress.interrupted = True
+                    return
+                finally:
+                    progress.seconds, progress.time = time.perf_counter() - begin, now
+                now = target
+                progress.rows, progress.time = progress.rows + len(wanted), now
+                progress.statistics = Statistics(0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0, False)
+                if wanted:
+                    yield array("d", self._full_rows(wanted, found).ravel())
+                if watch is not None:
+                    watch(progress)
+
+    # ------------------------------------------------------------ segments
+
+    def _corners(self) -> list[float]:
+        """Times at which the equations jump or bend, inside the experiment."""
+        begin, end = self.experiment.start, self.experiment.stop
+        found = set(self.values.input_times) if len(self.values.input_times) > 1 else set()
+        table = self.compilation.functions.table
+        if "events" in table:
+            a, b = (np.array(x).ravel() for x in table["events"](self.p))
+            for offset, slope, kind in zip(a, b, self.compilation.functions.event_kinds, strict=True):
+                if slope == 0:
+                    continue
+                if kind == 0:
+                    found.add(-offset / slope)
+                else:
+                    ends = sorted((offset + slope * begin, offset + slope * end))
+                    found |= {(k - offset) / slope for k in range(math.ceil(ends[0]), math.floor(ends[1]) + 1)}
+        return sorted(t for t in found if begin < t < end)
+
+    def _inputs(self, t: Any, now: float, target: float) -> Any:
+        """u(t) on a segment: linear between the table's rows, held outside."""
+        count = len(self.compilation.scene.inputs)
+        if not count:
+            return ca.DM(0, 1)
+        table = np.asarray(self.values.input_values, dtype=float).reshape(-1, count)
+        times = np.asarray(self.values.input_times, dtype=float)
+        middle = 0.5 * (now + target)
+        k = bisect.bisect_right(list(times), middle)
+        if k in (0, len(times)):
+            return ca.DM(table[min(k, len(times) - 1)])
+        slope = (table[k] - table[k - 1]) / (times[k] - times[k - 1])
+        return ca.DM(table[k - 1]) + ca.DM(slope) * (t - times[k - 1])
+
+    def _modes(self, now: float, target: float) -> Any:
+        table = self.compilation.functions.table
+        return table["modes"](0.5 * (now + target), self.p) if "modes" in table else ca.DM(0, 1)
+
+    def _advance(self, now: float, target: float, wanted: list[float]) -> np.ndarray:
+        """States at the wanted times (columns); the state goes on to the target."""
+        if target <= now:
+            return np.tile(self.y[:, None], (1, len(wanted)))
+        self.segment = now, target
+        rhs = self.compilation.functions.table["rhs"]
+        t, y = ca.SX.sym("t"), ca.SX.sym("y", self.y.size)
+        q, v = y[: self.n], y[self.n : 2 * self.n]
+        a, power = rhs(t, q, v, self._inputs(t, now, target), self._modes(now, target), self.c)
+        grid = sorted({*[w for w in wanted if w > now], target})
+        options: dict[str, Any] = {}
+        if self.integrator in ("cvodes", "idas"):
+            tolerance = max(self.experiment.tolerance, 1e-13)
+            options = {"reltol": tolerance, "abstol": tolerance * 1e-2, "max_num_steps": _MOST_STEPS}
+        elif self.integrator == "collocation":
+            options = {"number_of_finite_elements": 20}
+        solver = ca.integrator("run", self.integrator, {"t": t, "x": y, "ode": ca.vertcat(v, a, power)}, now, grid, options)
+        states = np.array(solver(x0=self.y)["xf"])
+        before, self.y = self.y, states[:, -1]
+        place = {when: states[:, k] for k, when in enumerate(grid)} | {now: before}
+        return np.array([place[w] for w in wanted]).T if wanted else np.empty((self.y.size, 0))
+
+    def _full_rows(self, times: list[float], states: np.ndarray) -> np.ndarray:
+        table, n = self.compilation.functions.table, self.n
+        now, target = getattr(self, "segment", (times[0], times[0]))
+        d = self._modes(now, target)
+        rows = []
+        for t, y in zip(times, states.T, strict=True):
+            q, v, e = y[:n], y[n : 2 * n], y[2 * n :]
+            u = self._inputs(t, now, target)
+            a, _ = table["rhs"](t, q, v, u, d, self.c)
+            outputs = table["outputs"](t, q, v, a, u, d, self.c)
+            energies = table["energies"](t, q, v, u, d, self.c)
+            rows.append(np.concatenate([[t], q, v, np.array(outputs).ravel(), np.array(energies).ravel(), e if e.size else [0.0, 0.0]]))
+        return np.array(rows)
+
+
+def _segments(now: float, times: list[float], corners: list[float]) -> Iterator[tuple[float, list[float]]]:
+    """(end of the segment, wanted times in it), cut at the corners; a time on a corner belongs before it."""
+    left = list(times)
+    for corner in [c for c in corners if now < c < times[-1]]:
+        inside = [t for t in left if t <= corner]
+        yield corner, inside
+        left = left[len(inside) :]
+    if left:
+        yield left[-1], left

@@ -1,0 +1,136 @@
+"""The command `lag`. Heavy imports happen in the commands that need them: a scene compiled before starts at once."""
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from lagrangia.diagnostics import LagError, RunError, render_all
+
+DONE, FAILED, WRONG = 0, 1, 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Exit codes: 0 done, 1 the run failed, 2 the input is wrong."""
+    parsed = _parser().parse_args(arguments)
+    try:
+        return int(parsed.command(parsed))
+    except LagError as error:
+        print(render_all(error.diagnostics, _is_colored()), file=sys.stderr)
+        return WRONG
+    except RunError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return FAILED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return FAILED
+    except MemoryError:
+        print("error: not enough memory", file=sys.stderr)
+        return FAILED
+    except Exception as error:
+        return _confess(error)
+
+
+def _confess(error: Exception) -> int:
+    """What arrives here is a fault of the compiler, not of the model."""
+    if os.environ.get("LAGRANGIA_TRACEBACK"):
+        raise error
+    print(f"bug: {type(error).__name__}: {error}", file=sys.stderr)
+    print("This is a fault of lagrangia, not of your model. Please report it with the model;\n"
+          "LAGRANGIA_TRACEBACK=1 shows where it happened.", file=sys.stderr)  # fmt: skip
+    return FAILED
+
+
+def _is_colored() -> bool:
+    return sys.stderr.isatty() and "NO_COLOR" not in os.environ
+
+
+def _simulate(options: argparse.Namespace) -> int:
+    from lagrangia.commands import simulate_command
+
+    return simulate_command(options)
+
+
+def _check(options: argparse.Namespace) -> int:
+    from lagrangia.commands import check_command
+
+    return check_command(options)
+
+
+def _help(options: argparse.Namespace) -> int:
+    from lagrangia.topics import TOPICS, topic_text
+
+    if options.topic is None:
+        print("Topics, each shown by `lag help TOPIC`:\n")
+        for name, (summary, _) in TOPICS.items():
+            print(f"  {name:12} {summary}")
+        return DONE
+    print(topic_text(options.topic))
+    return DONE
+
+
+class _Parser(argparse.ArgumentParser):
+    """Errors in the form of all other diagnostics."""
+
+    def error(self, message: str) -> None:  # type: ignore[override]
+        print(f"error[L0700]: {message}\n   = {self.format_usage().strip()}", file=sys.stderr)
+        raise SystemExit(WRONG)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="lag", description="Lagrangia: a language for mechanics, with a compiler. `lag help` lists the topics.")
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
+    commands = parser.add_subparsers(dest="name", required=True, metavar="COMMAND", parser_class=_Parser)
+    _add_simulate(commands.add_parser("simulate", help="compute the motion of a scene", description="Compute the motion of a scene."))
+    check = _add(commands, "check", _check, "look for errors without running")
+    check.add_argument("files", nargs="+", type=Path, metavar="FILE")
+    topics = _add(commands, "help", _help, "longer texts: the language, the library, the solver")
+    topics.add_argument("topic", nargs="?")
+    return parser
+
+
+class _Version(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *rest: object) -> None:
+        from lagrangia import __version__
+
+        print(f"lagrangia {__version__}")
+        parser.exit()
+
+
+def _add(commands: "argparse._SubParsersAction[_Parser]", name: str, command: Callable[[argparse.Namespace], int], text: str) -> argparse.ArgumentParser:
+    parser = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+    parser.set_defaults(command=command)
+    return parser
+
+
+def _add_simulate(parser: argparse.ArgumentParser) -> None:
+    parser.set_defaults(command=_simulate)
+    add = parser.add_argument
+    add("file", type=Path, metavar="FILE")
+    add("--model", metavar="NAME", help="the model to run; the last of the file by default")
+    add("--start", type=float, metavar="T", help="start time in s")
+    add("--stop", type=float, metavar="T", help="stop time in s")
+    add("--tolerance", type=float, metavar="TOL", help="error allowed, relative to the size of each coordinate (1e-8)")
+    add("--interval", type=float, metavar="DT", help="time between two rows of the result")
+    add("--at", metavar="T,T,...", help="the times of the rows, instead of an interval")
+    add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter: -p L=2 -p 'k=1[kN/m]' -p n=20")
+    add("--initial", action="append", default=[], metavar="NAME=VALUE", help="a start value of a coordinate or rate: --initial hinge.phi=1.2")
+    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv", help="an input: a constant, or a table with a column time")
+    add("--outputs", metavar="NAME,NAME,...", help="quantities to report besides coordinates, rates and outputs")
+    add("-o", "--output", metavar="FILE", help="the result (FILE.csv; - for standard output); by default NAME.csv in this folder")
+    add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
+    add("--plot-quantities", metavar="NAME,NAME,...", help="what the picture shows; all coordinates by default")
+    add("--solver", default="auto", metavar="NAME", help="auto, erk, or an integrator of CasADi: casadi:cvodes, casadi:idas")
+    add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")
+    add("--max-steps", type=int, default=0, metavar="N", help="give up after so many steps")
+    add("--stats", action="store_true", help="say what was done, and in what time")
+    add("--quiet", action="store_true", help="say nothing but errors")
+    add("--dump", metavar="PHASE", help="print what a phase makes, and stop: syntax, flat, graph, kinematics, energies, motion, needs, c")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,302 @@
+"""What the subcommands of `lag` do."""
+
+import csv
+
+import sys
+import time
+from argparse import Namespace
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from lagrangia.diagnostics import LagError, RunError, fail, render_all
+from lagrangia.model import Model
+from lagrangia.simulate import Experiment, Progress, check_values, plan
+from lagrangia.trajectory import CsvWriter, columns
+from lagrangia.values import read_value
+
+_BAR_AFTER = 2.0  # seconds
+_SOLVERS = ("auto", "erk")
+
+
+def check_command(options: Namespace) -> int:
+    """Compiles every file; the exit code is 2 when one is wrong."""
+    wrong = 0
+    for file in options.files:
+        try:
+            scene = Model(file).scene
+        except LagError as error:
+            wrong += 1
+            print(render_all(error.diagnostics, sys.stderr.isatty()), file=sys.stderr)
+            continue
+        names = [c.name for c in scene.coordinates]
+        shown = ", ".join(names[:6]) + (f", ... ({len(names)})" if len(names) > 6 else "")
+        print(f"{file}: {scene.name}: {scene.n} degree{'s' if scene.n != 1 else ''} of freedom: {shown}")
+    return 2 if wrong else 0
+
+
+def simulate_command(options: Namespace) -> int:
+    if options.solver not in _SOLVERS and not options.solver.startswith("casadi"):
+        fail("L0704", f"there is no solver '{options.solver}'", None, f"the solvers are {', '.join(_SOLVERS)}, casadi:cvodes, casadi:idas")
+    begin = time.perf_counter()
+    outputs = _names(options.outputs)
+    given = [_assignment(text, "-p") for text in options.parameter]
+    model = _load(options, given, outputs)
+    scene = model.scene
+    if options.dump is not None:
+        from lagrangia.dumps import dump
+
+        print(dump(model.compilation, options.dump))
+        return 0
+    at = None if options.at is None else [_number(text, "--at") for text in options.at.split(",")]
+    experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval, at=at,
+                      max_step=options.max_step, max_steps=options.max_steps)  # fmt: skip
+    parameters = _values([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural], {p.name: p.unit for p in scene.parameters})
+    units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)} | {a: scene.rates[k - scene.n].unit for a, k in scene.aliases.items()}
+    initial = _values([_assignment(text, "--initial") for text in options.initial], units)
+    values = check_values(scene, parameters, initial, _inputs(options.input, scene))
+    compiled = time.perf_counter() - begin
+    return _run(options, model, experiment, values, compiled)
+
+
+def _load(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
+    """The model; parameters that turn out to be structural are compiled in."""
+    names = {name for name, _ in given}
+    structural = {}
+    if names:
+        known = _structural_names(options)
+        structural = {name: _structural(value) for name, value in given if name in known}
+    return Model(options.file, options.model, structural, outputs)
+
+
+def _structural_names(options: Namespace) -> set[str]:
+    from lagrangia.cache import find_scene
+
+    found = find_scene(options.file, options.model, {}, _names(options.outputs))
+    if found is not None:
+        return set(found.structural)
+    from lagrangia.pipeline import flatten_file
+
+    return set(flatten_file(options.file, options.model)[1].structural)
+
+
+def _structural(text: str) -> Any:
+    if text in ("true", "false"):
+        return text == "true"
+    try:
+        return read_value(text, "")
+    except ValueError:
+        return text
+
+
+def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, compiled: float) -> int:
+    scene = model.scene
+    begin = time.perf_counter()
+    if not options.solver.startswith("casadi") and model.engine is None and not options.quiet:
+        print("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate (pip install ziglang brings a compiler)",
+              file=sys.stderr)  # fmt: skip
+    bar = _Bar(experiment, sys.stderr)
+    progress, portions = model.start(experiment, values, options.solver, bar)
+    loaded = time.perf_counter() - begin
+    keep: list[Sequence[float]] = []
+    failure: RunError | None = None
+    target = options.output or f"{options.file.stem}.csv"
+    with _writer(target, scene) as writer:
+        try:
+            for portion in portions:
+                writer(portion)
+                if options.plot is not None:
+                    keep.append(portion)
+        except RunError as error:
+            failure = error
+    bar.close()
+    if options.plot is not None:
+        _plot(options, model, progress, keep, values)
+    if not options.quiet:
+        _summarise(options, model, progress, target, compiled, loaded)
+    if progress.interrupted:
+        print(f"interrupted at t = {progress.time:.6g}; the {progress.rows} rows before are kept", file=sys.stderr)
+        return 1
+    if failure is not None:
+        raise RunError(f"{failure}\n{progress.rows} rows before it are kept in {target}")
+    return 0
+
+
+class _writer:
+    """Rows to a file, or to standard output for "-"."""
+
+    def __init__(self, target: str, scene: Any) -> None:
+        self.file = CsvWriter(Path(target), scene) if target != "-" else None
+        self.scene = scene
+
+    def __enter__(self) -> Callable[[Sequence[float]], None]:
+        if self.file is not None:
+            self.file.__enter__()
+            return self.file.write
+        shown = columns(self.scene)
+        print(",".join(c.name for c in shown))
+        width = len(shown) + 5
+        return lambda rows: print("\n".join(",".join(map(repr, rows[k : k + len(shown)])) for k in range(0, len(rows), width)))
+
+    def __exit__(self, *exception: Any) -> None:
+        if self.file is not None:
+            self.file.__exit__(*exception)
+
+
+def _plot(options: Namespace, model: Model, progress: Progress, rows: list[Sequence[float]], values: Any) -> None:
+    import numpy as np
+
+    from lagrangia.trajectory import Trajectory, collect
+
+    observer = model._observer(np.array(progress.parameters), values)
+    Trajectory(model.scene, collect(model.scene, rows), progress, observer).plot(*_names(options.plot_quantities), path=options.plot)
+
+
+# -------------------------------------------------------------------- what is said
+
+
+def _summarise(options: Namespace, model: Model, progress: Progress, target: str, compiled: float, loaded: float) -> None:
+    scene, experiment, statistics = model.scene, progress.experiment, progress.statistics
+    out = sys.stdout if target != "-" else sys.stderr
+
+    def say(text: str) -> None:
+        print(text, file=out)
+
+    say(f"{scene.name}: {scene.description}" if scene.description else scene.name)
+    names = ", ".join(c.name for c in scene.coordinates[:6]) + (", ..." if scene.n > 6 else "")
+    say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''} ({names}), {experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
+    engine = model.engine if not options.solver.startswith("casadi") else None
+    solver = "erk 8(5,3)" if engine else f"casadi:{options.solver.partition(':')[2] or 'cvodes'}"
+    if statistics is not None and engine is not None:
+        say(f"  {solver}, {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations in {_time(progress.seconds)}")
+        scale = statistics.energy_scale
+        relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if scale > 0 else ""
+        say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
+        if statistics.tolerance_raised:
+            say("  the tolerance was raised to 1e-14, the smallest that double precision can keep")
+    else:
+        say(f"  {solver} in {_time(progress.seconds)}")
+    say(f"  {progress.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""))
+    if options.stats:
+        _tell(model, progress, compiled, loaded, say)
+
+
+def _tell(model: Model, progress: Progress, compiled: float, loaded: float, say: Callable[[str], None]) -> None:
+    scene, statistics = model.scene, progress.statistics
+    notes = scene.notes
+    ways = ", ".join(f"{way} {count}" for way, count in notes["ways"].items())
+    say(f"  accelerations: {notes['way']}, {notes['acceleration_nodes']} nodes, {notes['nodes_per_coordinate']} a coordinate (tried: {ways})")
+    say(f"  right-hand side: {notes['rhs_operations']} operations; {scene.sizes['n_hoisted']} values hoisted out of it")
+    how = "found in the cache" if model.is_cached else "; ".join(f"{k} {_time(v)}" for k, v in model.compilation.seconds.items())
+    say(f"  compiled in {_time(compiled)} ({how}); native code in {_time(loaded)}")
+    if statistics is not None and statistics.steps:
+        say(f"  steps {statistics.smallest_step:.3g} to {statistics.largest_step:.3g} s, {statistics.rejected} rejected, "
+            f"{statistics.dense_outputs} dense outputs, {statistics.events} events; {_time(progress.seconds / statistics.rhs_evaluations)} an evaluation")  # fmt: skip
+        worst = (*scene.coordinates, *scene.rates)[statistics.worst].name if 0 <= statistics.worst < 2 * scene.n else "none"
+        say(f"  the steps were limited last by {worst}")
+
+
+def _time(seconds: float) -> str:
+    for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
+        if seconds >= factor:
+            return f"{seconds / factor:.3g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
+class _Bar:
+    """A progress bar with the time left, on runs over two seconds, where somebody watches."""
+
+    def __init__(self, experiment: Experiment, stream: Any) -> None:
+        self.experiment, self.stream = experiment, stream
+        self.begin = time.perf_counter()
+        self.is_shown = False
+
+    def __call__(self, progress: Progress) -> None:
+        elapsed = time.perf_counter() - self.begin
+        if elapsed < _BAR_AFTER or not self.stream.isatty():
+            return
+        whole = self.experiment.stop - self.experiment.start
+        done = min(1.0, max(0.0, (progress.time - self.experiment.start) / whole)) if whole > 0 else 1.0
+        left = f"{elapsed / done - elapsed:.0f} s left" if done > 0 else "..."
+        filled = int(30 * done)
+        self.stream.write(f"\r[{'#' * filled}{'.' * (30 - filled)}] {100 * done:5.1f} %  t = {progress.time:.4g} s  {left}   ")
+        self.stream.flush()
+        self.is_shown = True
+
+    def close(self) -> None:
+        if self.is_shown:
+            self.stream.write("\r" + " " * 78 + "\r")
+
+
+# -------------------------------------------------------------------- what is given
+
+
+def _names(text: str | None) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip()) if text else ()
+
+
+def _assignment(text: str, option: str) -> tuple[str, str]:
+    name, equals, value = text.partition("=")
+    if not equals or not name.strip() or not value.strip():
+        fail("L0706", f"'{text}' after {option} is not of the form NAME=VALUE")
+    return name.strip(), value.strip()
+
+
+def _number(text: str, option: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        fail("L0706", f"'{text}' after {option} is no number")
+
+
+def _values(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, float]:
+    """Values in SI units; `world.gravity={0,0}` sets the elements of an array."""
+    found: dict[str, float] = {}
+    for name, text in given:
+        try:
+            value = read_value(text, units.get(name, ""))
+        except ValueError as error:
+            fail("L0706", f"{name} = {text}: {error}")
+        if isinstance(value, list):
+            for k, item in enumerate(value, 1):
+                found[f"{name}[{k}]"] = item
+        else:
+            found[name] = value
+    return found
+
+
+def _inputs(given: list[str], scene: Any) -> Any:
+    """Constants by name, or one table from a CSV file with a column `time`."""
+    files = [text for text in given if "=" not in text or Path(text).suffix == ".csv"]
+    constants = _values([_assignment(text, "-u") for text in given if text not in files], {p.name: p.unit for p in scene.inputs})
+    if not files:
+        return constants
+    if len(files) > 1:
+        fail("L0703", "one table of inputs can be given", None, "put its columns into one file")
+    times, columns = read_table(Path(files[0]))
+    return times, columns | {name: [value] * len(times) for name, value in constants.items()}
+
+
+def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
+    """A CSV file with a line of names, one of them time. Raises LagError L0703."""
+    try:
+        with path.open(newline="", encoding="utf-8") as stream:
+            rows = [row for row in csv.reader(stream) if row]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        fail("L0703", f"the table '{path}' cannot be read: {error}")
+    if len(rows) < 2 or "time" not in [cell.strip() for cell in rows[0]]:
+        fail("L0703", f"the table '{path}' needs a line of names, one of them time, and at least one row")
+    names = [cell.strip() for cell in rows[0]]
+    columns: dict[str, list[float]] = {name: [] for name in names}
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(names):
+            fail("L0703", f"{path}:{number} has {len(row)} cells, not {len(names)}")
+        for name, cell in zip(names, row, strict=True):
+            try:
+                columns[name].append(float(cell))
+            except ValueError:
+                fail("L0703", f"{path}:{number}: '{cell}' is no number")
+    return columns.pop("time"), columns
+
+
+__all__ = ["check_command", "read_table", "simulate_command"]

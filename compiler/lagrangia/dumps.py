@@ -1,0 +1,146 @@
+"""Each phase's product as text, for --dump and for the golden files of the tests."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from lagrangia.diagnostics import fail
+from lagrangia.pipeline import PHASES, Compilation
+
+_LONGEST = 400
+
+
+def dump(compilation: Compilation, phase: str) -> str:
+    """Raises LagError L0705 for an unknown phase."""
+    if phase not in _DUMPS:
+        fail("L0705", f"there is no phase '{phase}'", None, f"the phases are {', '.join(PHASES)}")
+    return _DUMPS[phase](compilation)
+
+
+def _syntax(compilation: Compilation) -> str:
+    return "\n".join(_tree(definition, 0) for definition in compilation.syntax.classes)
+
+
+def _tree(node: Any, depth: int) -> str:
+    """A node a line, its fields indented; spans are left out."""
+    indent = "  " * depth
+    if isinstance(node, tuple):
+        return "\n".join(_tree(item, depth) for item in node)
+    if not hasattr(node, "__dataclass_fields__"):
+        return f"{indent}{node!r}"
+    lines, plain = [], []
+    for name in node.__dataclass_fields__:
+        value = getattr(node, name)
+        if name.endswith("span") or value in ((), None, "", frozenset(), False):
+            continue
+        if isinstance(value, tuple) or hasattr(value, "__dataclass_fields__"):
+            lines.append(f"{indent}  {name}:\n{_tree(value, depth + 2)}")
+        else:
+            plain.append(f"{name}={sorted(value) if isinstance(value, frozenset) else value!r}")
+    head = f"{indent}{type(node).__name__}({', '.join(plain)})"
+    return "\n".join([head, *lines])
+
+
+def _flat(compilation: Compilation) -> str:
+    model = compilation.flat
+    lines = [f"model {model.name}"]
+    lines += [f"structural {name} = {value}" for name, value in model.structural.items()]
+    for variable in model.variables.values():
+        size = f"[{', '.join(map(str, variable.shape))}]" if variable.shape else ""
+        unit = f" [{variable.unit}]" if variable.unit else ""
+        bound = f" = {_text(variable.binding)}" if variable.binding is not None else ""
+        start = f", start {_text(variable.start)}" if variable.start is not None else ""
+        lines.append(f"{'output ' if variable.is_output else ''}{variable.kind} {variable.name}{size}{unit}{bound}{start}")
+    lines += [f"frame {name}" + (" (ground)" if frame.is_ground else "") for name, frame in model.frames.items()]
+    lines += [f"{_text(e.left)} = {_text(e.right)}" for e in (*model.frame_equations, *model.constraints)]
+    lines += [f"{e.kind} {e.component}: {_text(e.value)}" for e in model.energies]
+    lines += [f"work {w.component}: {_text(w.force)} on {_text(w.position)}" for w in model.works]
+    lines += [f"initially {_text(e.left)} = {_text(e.right)}" for e in model.initial_equations]
+    return "\n".join(lines)
+
+
+def _text(node: Any) -> str:
+    """A flat expression with resolved names."""
+    kind = type(node).__name__
+    if kind in ("Ref", "FrameRef"):
+        return str(node)
+    if kind in ("Number", "Boolean", "String"):
+        return f"{node.value:g}" if kind == "Number" else repr(node.value)
+    if kind == "Time":
+        return "time"
+    if kind == "Local":
+        return str(node.name)
+    if kind == "Unary":
+        return f"{node.operator} {_text(node.operand)}" if node.operator == "not" else f"-{_text(node.operand)}"
+    if kind == "Binary":
+        return f"({_text(node.left)} {node.operator} {_text(node.right)})"
+    if kind == "IfExpression":
+        return f"(if {_text(node.condition)} then {_text(node.then)} else {_text(node.otherwise)})"
+    if kind == "Array":
+        return "{" + ", ".join(map(_text, node.items)) + "}"
+    return f"{node.function}({', '.join(map(_text, node.arguments))})"
+
+
+def _graph(compilation: Compilation) -> str:
+    return compilation.graph.summary()
+
+
+def _kinematics(compilation: Compilation) -> str:
+    kinematics = compilation.kinematics
+    lines = []
+    for name in compilation.flat.frames:
+        if name in compilation.graph.unused_frames:
+            continue
+        pose = kinematics.pose(name, 0)
+        vx, vy = kinematics.frame(name, "v", 0)
+        lines.append(f"{name}: r = ({_short(pose.x)}, {_short(pose.y)}), phi = {_short(pose.phi)}, "
+                     f"v = ({_short(vx)}, {_short(vy)}), w = {_short(kinematics.frame(name, 'w', 0))}")  # fmt: skip
+    return "\n".join(lines)
+
+
+def _energies(compilation: Compilation) -> str:
+    energies = compilation.energies
+    lines = []
+    for symbol, terms in (("T", energies.kinetic), ("V", energies.potential), ("D", energies.dissipation)):
+        lines += [f"{symbol} {term.component}: {_short(term.value)}" for term in terms]
+    for load in energies.loads:
+        force, position = (", ".join(map(_short, x)) for x in (load.force, load.position))
+        lines.append(f"f {load.statement.component}: ({force}) on ({position})")
+    return "\n".join(lines)
+
+
+def _motion(compilation: Compilation) -> str:
+    from lagrangia.motion import mass_matrix
+
+    motion = compilation.motion
+    n = motion.q.numel()
+    lines = [f"{n} coordinates; accelerations: {motion.way}, " + ", ".join(f"{w} {c} operations" for w, c in motion.nodes.items())]
+    if n <= 12:
+        M = mass_matrix(motion)
+        lines += [f"M[{i + 1},{j + 1}] = {_short(M[i, j])}" for i in range(n) for j in range(i + 1) if M.sparsity().has_nz(i, j)]
+    lines += [f"h[{k + 1}] = {_short(motion.h[k])}" for k in range(min(n, 50))]
+    return "\n".join(lines)
+
+
+def _needs(compilation: Compilation) -> str:
+    from lagrangia.needs import find_needs
+
+    needs = find_needs(compilation.kinematics, compilation.energies, compilation.motion, compilation.initial)
+    return "\n".join(f"{need.what:22} {'yes' if need.is_needed else 'no ':3}  {need.why}" for need in needs)
+
+
+def _c(compilation: Compilation) -> str:
+    from lagrangia.ccode import write_c
+
+    scene = compilation.scene
+    return write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind)
+
+
+def _short(value: Any) -> str:
+    text = str(value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}... ({len(text)} characters)"
+
+
+_DUMPS: Mapping[str, Callable[[Compilation], str]] = {
+    "syntax": _syntax, "flat": _flat, "graph": _graph, "kinematics": _kinematics, "energies": _energies, "motion": _motion,
+    "needs": _needs, "c": _c,
+}  # fmt: skip

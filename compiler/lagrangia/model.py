@@ -1,0 +1,159 @@
+"""The Python interface: lag.load(...) -> Model, model.simulate(...) -> Trajectory."""
+
+import os
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangia.cache import find_scene, keep_scene
+from lagrangia.diagnostics import RunError
+from lagrangia.scene import Scene
+from lagrangia.simulate import Engine, check_values, load_engine, plan, simulate
+from lagrangia.trajectory import Trajectory, collect
+
+if TYPE_CHECKING:
+    import casadi
+    import numpy as np
+
+    from lagrangia.pipeline import Compilation
+
+
+def load(path: str | os.PathLike[str], *, model: str | None = None, **structural: Any) -> "Model":
+    """Compile the last model of a `.lag` file, or the one named `model`.
+
+    Keyword arguments give structural parameters (Integer, Boolean, constants): lag.load("chain.lag", n=20); a dotted name goes in a
+    dictionary, lag.load("x.lag", **{"left.n": 3}). Raises LagError when the file is wrong.
+    """
+    return Model(Path(path), model, structural)
+
+
+class Model:
+    """A compiled scene. Parameters are numbers of each run: changing one compiles nothing."""
+
+    def __init__(self, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None, outputs: Sequence[str] = ()) -> None:
+        self.path, self.model, self.structural, self.outputs = path, model, dict(structural or {}), tuple(outputs)
+        self._compilation: Compilation | None = None
+        self._engine: Engine | None = None
+        self._has_engine = False
+        found = find_scene(path, model, self.structural, self.outputs)
+        self.is_cached = found is not None
+        self.scene: Scene = found if found is not None else self._compile_and_keep()
+
+    def _compile_and_keep(self) -> Scene:
+        scene = self.compilation.scene
+        imports = [(self.path.parent / item.path) for item in self.compilation.syntax.imports]
+        keep_scene(scene, self.path, self.model, self.structural, self.outputs, imports)
+        return scene
+
+    @property
+    def compilation(self) -> "Compilation":
+        """What each phase of the compiler made; compiled when first asked for."""
+        if self._compilation is None:
+            from lagrangia.pipeline import compile_file
+
+            self._compilation = compile_file(self.path, self.model, self.structural, self.outputs)
+        return self._compilation
+
+    @property
+    def engine(self) -> Engine | None:
+        """The native code, or None when there is no C compiler."""
+        if not self._has_engine:
+            self._engine, self._has_engine = load_engine(self.scene), True
+        return self._engine
+
+    @property
+    def name(self) -> str:
+        return self.scene.name
+
+    def simulate(
+        self, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None, interval: float | None = None,
+        at: Sequence[float] | None = None, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
+        inputs: Any = None, solver: str = "auto", max_step: float = 0.0, max_steps: int = 0,
+    ) -> Trajectory:  # fmt: skip
+        """Integrate from `start` to `stop` (s); rows every `interval`, or at the times `at`.
+
+        `tolerance` is relative to the size of each coordinate and rate. `parameters` and `initial` map names to values in SI units;
+        `inputs` maps names to constants, or is a pair (times, {name: values}) of tables that are linear in between. `solver` is
+        "auto", "erk" (the run time's Dormand-Prince 8(5,3)), or an integrator of CasADi as "casadi:cvodes".
+        Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on.
+        """
+        import numpy as np
+
+        experiment = plan(self.scene, stop=stop, start=start, tolerance=tolerance, interval=interval,
+                          at=None if at is None else [float(t) for t in at], max_step=max_step, max_steps=max_steps)  # fmt: skip
+        values = check_values(self.scene, parameters, initial, inputs)
+        progress, portions = self.start(experiment, values, solver)
+        kept: list[Sequence[float]] = []
+        failure: RunError | None = None
+        try:
+            kept.extend(portions)
+        except RunError as error:
+            failure = error
+        trajectory = Trajectory(self.scene, collect(self.scene, kept), progress, self._observer(np.array(progress.parameters), values))
+        if failure is not None:
+            failure.trajectory = trajectory
+            raise failure
+        return trajectory
+
+    def start(self, experiment: Any, values: Any, solver: str = "auto", watch: Any = None) -> Any:
+        """A run's progress and the iterator over its rows; see simulate.simulate."""
+        engine = self.engine if not solver.startswith("casadi") else None
+        if engine is None:
+            from lagrangia.casadi_solvers import simulate_casadi
+
+            return simulate_casadi(self.compilation, experiment, values, solver, watch)
+        return simulate(self.scene, engine, experiment, values, watch)
+
+    def _observer(self, parameters: "np.ndarray", values: Any) -> Any:
+        """Computes any quantity from rows of results."""
+
+        def observe(name: str, rows: "np.ndarray") -> "np.ndarray":
+            import numpy as np
+
+            from lagrangia.functions import observer, people_functions
+
+            compilation = self.compilation
+            labels, function = observer(compilation.kinematics, compilation.motion, (name,))
+            n = self.scene.n
+            t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
+            u = np.array([_interpolated(t[0], values, k) for k in range(len(self.scene.inputs))]).reshape(-1, t.size)
+            p = parameters.reshape(-1, 1)
+            a = people_functions(compilation.kinematics, compilation.motion, ())["rhs"](t, q, v, u, p)
+            found = np.array(function(t, q, v, a, u, p))
+            return found[0] if len(labels) == 1 else found.T
+
+        return observe
+
+    def functions(self) -> "dict[str, casadi.Function]":
+        """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian; p in the order of `parameter_names`."""
+        from lagrangia.functions import people_functions
+
+        outputs = tuple(column.name for column in self.scene.outputs)
+        return people_functions(self.compilation.kinematics, self.compilation.motion, outputs)
+
+    @cached_property
+    def coordinate_names(self) -> tuple[str, ...]:
+        return tuple(column.name for column in self.scene.coordinates)
+
+    @cached_property
+    def parameter_names(self) -> tuple[str, ...]:
+        return tuple(parameter.name for parameter in self.scene.parameters)
+
+    def parameter_values(self, parameters: Mapping[str, float] | None = None) -> "np.ndarray":
+        """All parameters, (n_parameters,), in SI units, with those given changed and the dependent ones following."""
+        import numpy as np
+
+        values = check_values(self.scene, parameters)
+        function = self.compilation.functions.table["parameters"]
+        return np.array(function(values.parameters, values.mask)).ravel()
+
+    def __repr__(self) -> str:
+        return f"<{self.name}: {', '.join(self.coordinate_names[:6])}{', ...' if self.scene.n > 6 else ''}>"
+
+
+def _interpolated(t: "np.ndarray", values: Any, k: int) -> "np.ndarray":
+    import numpy as np
+
+    count = len(values.input_values) // len(values.input_times)
+    return np.interp(t, values.input_times, np.asarray(values.input_values).reshape(-1, count)[:, k])

@@ -1,0 +1,61 @@
+"""Curves over time as a picture; matplotlib is imported here and nowhere else."""
+
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangia.diagnostics import fail
+from lagrangia.scene import Column, Scene
+
+if TYPE_CHECKING:
+    import numpy as np
+
+_DEGREE = 180.0 / math.pi
+_FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".webp")
+_MOST_IN_LEGEND = 12
+
+
+def draw(scene: Scene, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndarray]]", path: str | os.PathLike[str] | None = None) -> Any:
+    """One panel a unit, angles in degrees when the quantity is shown so; returns the matplotlib Figure.
+
+    Raises LagError L0004 when the picture cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    if path is not None and Path(path).suffix.lower() not in _FORMATS:
+        fail("L0004", f"'{path}' is no picture that can be drawn", None, f"its name should end in {', '.join(_FORMATS)}")
+    panels: dict[str, list[tuple[Column, Any]]] = {}
+    for column, values in curves:
+        panels.setdefault(column.display_unit or column.unit, []).append((column, values))
+    figure = Figure(figsize=(8, 1.2 + 2.4 * max(1, len(panels))), layout="constrained")
+    axes = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, (unit, members) in zip(axes, panels.items(), strict=False):
+        for column, values in members:
+            axis.plot(time, values * (_DEGREE if unit.startswith("deg") else 1.0), label=column.name, linewidth=1.2)
+        axis.set_ylabel(f"{_what(members)} [{unit}]" if unit else _what(members))
+        axis.grid(True, alpha=0.3)
+        axis.margins(x=0)
+        if 1 < len(members) <= _MOST_IN_LEGEND:
+            axis.legend(loc="upper right", frameon=False, ncols=min(4, len(members)))
+    axes[-1].set_xlabel("time [s]")
+    axes[0].set_title(scene.description or scene.name, fontsize=11)
+    if path is not None:
+        _save(figure, Path(path))
+    return figure
+
+
+def _what(members: list[tuple[Column, Any]]) -> str:
+    return members[0][0].name if len(members) == 1 else ""
+
+
+def _save(figure: Any, path: Path) -> None:
+    temporary = path.with_name(f".{path.stem[:100]}.part{path.suffix}")
+    try:
+        figure.savefig(temporary, dpi=120)
+        os.replace(temporary, path)
+    except OSError as error:
+        fail("L0004", f"'{path}' cannot be written: {error.strerror}")
+    finally:
+        temporary.unlink(missing_ok=True)

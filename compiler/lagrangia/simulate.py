@@ -1,0 +1,310 @@
+"""Scene -> rows of results: checks the values given, builds or finds the native code, and drives the run time.
+
+The run time itself is C (runtime/); rows come in portions, so that memory stays bounded and a run can be watched and stopped.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from lagrangia.ccode import write_c
+from lagrangia.diagnostics import LagError, Report, RunError, suggest
+from lagrangia.native import Compiler, CompilerError, find_compiler, start_build, start_runtime_build
+from lagrangia.folders import data_folder
+from lagrangia.runtime import Failure, Model, Run, Runtime, Settings, Statistics, Status
+from lagrangia.scene import Scene
+
+_PORTION = 4096  # rows
+_PAUSE = 0.1  # seconds between two looks at the clock and the keyboard
+# Above so many operations a run on the tape is over before a C compiler is: gcc -O2 takes some 60 us an operation here, a tape
+# costs 2-3 ns an operation more than native code in every evaluation.
+_LARGEST_NATIVE = 12_000
+_LARGEST_O2 = 4_000
+_MOST_ROWS = 100_000_000
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What to compute. `at` holds the ascending times of the rows; without it they are `interval` apart."""
+
+    start: float
+    stop: float
+    tolerance: float
+    interval: float
+    at: tuple[float, ...] | None = None
+    max_step: float = 0.0
+    max_steps: int = 0
+
+    def count(self) -> int:
+        return len(self.at) if self.at is not None else math.floor((self.stop - self.start) / self.interval * (1 + 1e-12)) + 1 + self._last()
+
+    def _last(self) -> int:
+        """1 when the stop time does not fall on the grid and gets a row of its own."""
+        intervals = (self.stop - self.start) / self.interval
+        return int(intervals * (1 + 1e-12) - math.floor(intervals * (1 + 1e-12)) > 1e-9)
+
+    def times(self) -> Iterator[list[float]]:
+        """The times of the rows, in portions."""
+        if self.at is not None:
+            for k in range(0, len(self.at), _PORTION):
+                yield list(self.at[k : k + _PORTION])
+            return
+        count = self.count()
+        for k in range(0, count, _PORTION):
+            portion = [self.start + i * self.interval for i in range(k, min(count, k + _PORTION))]
+            if k + len(portion) == count:
+                portion[-1] = self.stop
+            yield portion
+
+
+@dataclass(frozen=True)
+class Values:
+    """Values given for a run: parameters with a mask, start values with NaN where nothing is given, and a table of inputs."""
+
+    parameters: tuple[float, ...]
+    mask: tuple[float, ...]
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+    input_times: Sequence[float] = (0.0,)
+    input_values: Sequence[float] = ()
+
+
+@dataclass(frozen=True)
+class Engine:
+    """A loaded run time and the scene's model in it."""
+
+    runtime: Runtime
+    model: Model
+    how: str  # "native" or "tape"
+    seconds: float  # spent on compiling and loading
+
+
+@dataclass
+class Progress:
+    """What is known of a run while it goes on and when it has ended."""
+
+    experiment: Experiment
+    rows: int = 0
+    time: float = math.nan
+    seconds: float = 0.0
+    statistics: Statistics | None = None
+    parameters: list[float] = field(default_factory=list)
+    interrupted: bool = False
+
+
+# -------------------------------------------------------------------- checking what is given
+
+
+def plan(scene: Scene, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None, interval: float | None = None,
+         at: Sequence[float] | None = None, max_step: float = 0.0, max_steps: int = 0) -> Experiment:  # fmt: skip
+    """The experiment of the annotation with what is given instead. Raises LagError L0702."""
+    report = Report()
+    begin = scene.start if start is None else start
+    end = (at[-1] if at and stop is None else scene.stop if stop is None else stop) if at is None or len(at) else scene.stop
+    accuracy = scene.tolerance if tolerance is None else tolerance
+    for name, value in (("start", begin), ("stop", end), ("tolerance", accuracy)):
+        if not math.isfinite(value):
+            report.error("L0702", f"the {name} must be a finite number, not {value}")
+    if not end > begin and not (at and end == begin):
+        report.error("L0702", f"the stop time {end:g} must be later than the start time {begin:g}")
+    if not 0 < accuracy < 1:
+        report.error("L0702", f"the tolerance must lie between 0 and 1, not {accuracy:g}", None, "1e-6 is loose, 1e-12 is tight")
+    step = interval if interval is not None else scene.interval if scene.interval is not None and stop is None else (end - begin) / 500
+    if interval is not None and not (math.isfinite(interval) and interval > 0):
+        report.error("L0702", f"the interval must be a positive number, not {interval}")
+    _check_times(at, begin, end, report)
+    if max_step < 0 or not math.isfinite(max_step):
+        report.error("L0702", f"the largest step must be a positive number, not {max_step}")
+    report.raise_errors()
+    experiment = Experiment(begin, end, accuracy, step or 1.0, tuple(at) if at is not None else None, max_step, max_steps)
+    if experiment.count() > _MOST_ROWS:
+        report.error("L0702", f"{experiment.count()} rows are more than {_MOST_ROWS}", None, "choose a longer interval")
+        report.raise_errors()
+    return experiment
+
+
+def _check_times(at: Sequence[float] | None, begin: float, end: float, report: Report) -> None:
+    if at is None:
+        return
+    if not at:
+        report.error("L0702", "no output time is given")
+    elif any(not math.isfinite(t) for t in at) or any(b <= a for a, b in zip(at, at[1:], strict=False)):
+        report.error("L0702", "the output times must be finite and rising")
+    elif at[0] < begin or at[-1] > end:
+        report.error("L0702", f"the output times must lie between {begin:g} and {end:g}")
+
+
+def check_values(
+    scene: Scene, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
+    inputs: "Mapping[str, float] | tuple[Sequence[float], Mapping[str, Sequence[float]]] | None" = None,
+) -> Values:  # fmt: skip
+    """Names to places. `inputs`: constants by name, or (times, values by name). Raises LagError (L06xx, L07xx)."""
+    report = Report()
+    place = {p.name: k for k, p in enumerate(scene.parameters)}
+    values = [0.0 if p.value is None else p.value for p in scene.parameters]
+    mask = [0.0 if p.value is None else 1.0 for p in scene.parameters]
+    for name, value in (parameters or {}).items():
+        if name not in place:
+            _unknown("parameter", name, [*place, *scene.structural], report)
+        elif not math.isfinite(value):
+            report.error("L0605", f"the parameter '{name}' must be a finite number, not {value}")
+        else:
+            values[place[name]], mask[place[name]] = float(value), 1.0
+    start = [math.nan] * (2 * scene.n)
+    for name, value in (initial or {}).items():
+        slot = scene.slot(name)
+        if slot is None:
+            _unknown("coordinate or rate", name, [c.name for c in (*scene.coordinates, *scene.rates)] + list(scene.aliases), report)
+        elif not math.isfinite(value):
+            report.error("L0605", f"the initial value of '{name}' must be a finite number, not {value}")
+        else:
+            start[slot] = float(value)
+    times, table = _input_table(scene, inputs, report)
+    report.raise_errors()
+    return Values(tuple(values), tuple(mask), tuple(start[: scene.n]), tuple(start[scene.n :]), times, table)
+
+
+def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[float], Sequence[float]]:
+    names = [p.name for p in scene.inputs]
+    times: Sequence[float] = [scene.start]
+    columns: dict[str, Sequence[float]] = {}
+    if isinstance(inputs, tuple):
+        times, columns = list(inputs[0]), {name: list(column) for name, column in inputs[1].items()}
+    else:
+        columns = {name: [value] for name, value in (inputs or {}).items()}
+    for name, column in columns.items():
+        if name not in names:
+            _unknown("input", name, names, report)
+        if len(column) != len(times):
+            report.error("L0703", f"the input '{name}' has {len(column)} values for {len(times)} times")
+        if not all(map(math.isfinite, (*column, *times))):
+            report.error("L0703", f"the input '{name}' must be finite everywhere")
+    if any(b < a for a, b in zip(times, times[1:], strict=False)):
+        report.error("L0703", "the times of the inputs must not fall")
+    full = [columns.get(p.name, [p.value or 0.0] * len(times)) for p in scene.inputs]
+    return times, [column[row] for row in range(len(times)) for column in full if row < len(column)]
+
+
+def _unknown(what: str, name: str, known: Sequence[str], report: Report) -> None:
+    report.error("L0701", f"the scene has no {what} '{name}'", None, *filter(None, [suggest(name, known)]))
+
+
+def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
+    """All parameters, dependent ones too, must be finite and within the limits of their types. Raises LagError L0605."""
+    report = Report()
+    for known, value in zip(scene.parameters, parameters, strict=True):
+        unit = f" {known.unit}" if known.unit else ""
+        where = f"declared at {known.place}"
+        if not math.isfinite(value):
+            report.error("L0605", f"the parameter '{known.name}' has no finite value: {value}", None, where)
+        elif known.minimum is not None and value < known.minimum:
+            report.error("L0605", f"the parameter '{known.name}' is {value:g}{unit}, less than its minimum {known.minimum:g}{unit}", None, where)
+        elif known.maximum is not None and value > known.maximum:
+            report.error("L0605", f"the parameter '{known.name}' is {value:g}{unit}, more than its maximum {known.maximum:g}{unit}", None, where)
+    report.raise_errors()
+
+
+# -------------------------------------------------------------------- native code
+
+
+def load_engine(scene: Scene, compiler: Compiler | None = None, native: bool | None = None) -> Engine | None:
+    """The run time with the scene in it: compiled, or as a tape when compiling cannot pay for itself.
+
+    None when there is no C compiler. `native` decides instead of the number of operations.
+    """
+    begin = time.perf_counter()
+    compiler = compiler or find_compiler()
+    if compiler is None:
+        return None
+    operations = scene.notes["rhs_operations"]
+    is_native = operations <= _LARGEST_NATIVE if native is None else native
+    runtime_build = start_runtime_build(compiler)
+    if not is_native:
+        model = Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind)
+        return Engine(Runtime(runtime_build.finish()), model, "tape", time.perf_counter() - begin)
+    source = write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind)
+    level = "-O2" if operations <= _LARGEST_O2 else "-O1"
+    scene_build = start_build("scene", source, include=[data_folder("runtime")], level=level, compiler=compiler)
+    runtime = Runtime(runtime_build.finish())
+    return Engine(runtime, Model.from_library(scene_build.finish()), "native", time.perf_counter() - begin)
+
+
+# -------------------------------------------------------------------- the run
+
+
+def simulate(
+    scene: Scene, engine: Engine, experiment: Experiment, values: Values, watch: Callable[[Progress], None] | None = None
+) -> "tuple[Progress, Iterator[Sequence[float]]]":
+    """The progress, and an iterator over portions of rows (flat; t, q, v, y, T, V, H, dissipated, work).
+
+    Raises LagError for values the scene cannot have, at once; the iterator raises RunError when the run cannot go on, after the
+    rows computed so far. KeyboardInterrupt ends the rows and marks the progress.
+    """
+    settings = Settings(experiment.start, experiment.stop, experiment.tolerance, experiment.max_step, 0.0, experiment.max_steps)
+    run = engine.runtime.run(engine.model, settings)
+    try:
+        run.set_parameters(values.parameters, values.mask)
+        check_parameters(scene, run.parameters)
+        if scene.inputs:
+            run.set_inputs(values.input_times, values.input_values)
+        status = run.start(values.q, values.v)
+        if status is not Status.OK:
+            _fail_start(scene, run.failure)
+    except BaseException:
+        run.close()
+        raise
+    progress = Progress(experiment, parameters=run.parameters)
+    return progress, _rows(scene, run, progress, watch)
+
+
+def _rows(scene: Scene, run: Run, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
+    begin = time.perf_counter()
+    with run:
+        for times in progress.experiment.times():
+            done = 0
+            while done < len(times):
+                try:
+                    rows = run.advance(times[done:], _PAUSE)
+                except KeyboardInterrupt:
+                    progress.interrupted = True
+                    return
+                finally:
+                    progress.seconds, progress.statistics, progress.time = time.perf_counter() - begin, run.statistics, run.time
+                done += rows.count
+                progress.rows += rows.count
+                if rows.count:
+                    yield rows.values
+                if watch is not None:
+                    watch(progress)
+                if rows.status not in (Status.OK, Status.PAUSED):
+                    raise RunError(_explain(scene, run.failure))
+
+
+def _fail_start(scene: Scene, failure: Failure) -> None:
+    if failure.status is Status.INITIAL_FAILED:
+        where = scene.initial_places[failure.index] if 0 <= failure.index < len(scene.initial_places) else ""
+        report = Report()
+        report.error("L0606", f"the initial equations cannot all hold: one misses by {failure.value:.3g}", None,
+                     f"written at {where}", "change it, or the start values it is solved from")  # fmt: skip
+        raise LagError(report.errors)
+    raise RunError(_explain(scene, failure))
+
+
+def _explain(scene: Scene, failure: Failure) -> str:
+    """When, where and what to try."""
+    column = (scene.rates if failure.rate else scene.coordinates)[failure.index] if 0 <= failure.index < scene.n else None
+    where = f" ({column.name})" if column else ""
+    if failure.status is Status.NOT_FINITE:
+        return (f"at t = {failure.time:.6g} the accelerations are not finite{where}: a coordinate that moves no mass, "
+                "points that coincide, or a function outside its domain; look at the parameters and start values")  # fmt: skip
+    if failure.status is Status.STEP_TOO_SMALL:
+        return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; a singularity "
+                "(a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")  # fmt: skip
+    if failure.status is Status.TOO_MANY_STEPS:
+        return f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance"
+    return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
+
+
+__all__ = ["CompilerError", "Engine", "Experiment", "Progress", "Values", "check_values", "load_engine", "plan", "simulate"]

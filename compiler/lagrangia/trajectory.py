@@ -1,0 +1,164 @@
+"""Rows of results -> Trajectory: NumPy columns by name, tables and pictures."""
+
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangia.diagnostics import fail, suggest
+from lagrangia.scene import Column, Scene
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas
+
+    from lagrangia.simulate import Progress
+
+_ENERGIES = ("kinetic", "potential", "total", "dissipated", "work")
+
+
+@dataclass(frozen=True)
+class EnergyAccount:
+    """Energies over time in J: arrays of the length of `time`. residual = H - H(0) + dissipated - work, which is 0 but for errors.
+
+    H is kinetic + potential, except when supports move with time.
+    """
+
+    kinetic: "np.ndarray"
+    potential: "np.ndarray"
+    dissipated: "np.ndarray"
+    work: "np.ndarray"
+    residual: "np.ndarray"
+
+    @property
+    def total(self) -> "np.ndarray":
+        return self.kinetic + self.potential
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """The result of a run. `run["hinge.phi"]`: a coordinate, its rate `der(hinge.phi)`, an output, or any other quantity of the
+    scene, which is then computed from the states. Arrays are float64 of shape (rows,), in SI units."""
+
+    scene: Scene
+    rows: "np.ndarray"  # (rows, width)
+    progress: "Progress"
+    observe: Callable[[str, "np.ndarray"], "np.ndarray"] | None = None
+
+    @property
+    def time(self) -> "np.ndarray":
+        return self.rows[:, 0]
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        return columns(self.scene)
+
+    @property
+    def statistics(self) -> Any:
+        return self.progress.statistics
+
+    @property
+    def names(self) -> list[str]:
+        return [column.name for column in self.columns]
+
+    def __getitem__(self, name: str) -> "np.ndarray":
+        """Raises LagError L0701 for a name the scene does not know."""
+        if name in self.names:
+            return self.rows[:, self.names.index(name)]
+        slot = self.scene.slot(name)
+        if slot is not None:
+            return self.rows[:, 1 + slot]
+        if self.observe is None:
+            fail("L0701", f"the results have no column '{name}'", None, *filter(None, [suggest(name, self.names)]))
+        return self.observe(name, self.rows)
+
+    @property
+    def energy(self) -> EnergyAccount:
+        T, V, H, dissipated, work = self.rows[:, -5:].T
+        return EnergyAccount(T, V, dissipated, work, H - H[:1] + dissipated - work)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """A table with time as its index; pandas must be installed."""
+        import pandas
+
+        names = self.names
+        return pandas.DataFrame(self.rows[:, 1 : len(names)], columns=names[1:], index=pandas.Index(self.time, name="time"))
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Comma-separated columns with a line of names; all 17 digits that matter."""
+        with CsvWriter(Path(path), self.scene) as writer:
+            writer.write(self.rows.ravel().tolist())
+
+    def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Any:
+        """A picture of the quantities over time (all coordinates by default); saved when a path is given. Returns the figure."""
+        from lagrangia.plot import draw
+
+        chosen = names or tuple(c.name for c in self.scene.coordinates)
+        by_name = {column.name: column for column in self.columns}
+        curves = [(by_name.get(name, Column(name, "", "", "")), self[name]) for name in chosen]
+        return draw(self.scene, self.time, curves, path)
+
+
+def columns(scene: Scene) -> tuple[Column, ...]:
+    """Names and units of the first columns of a row; five energies follow them."""
+    return (Column("time", "s", "", ""), *scene.coordinates, *scene.rates, *scene.outputs)
+
+
+class CsvWriter:
+    """Writes rows as they come, to a file beside the target that takes its name when all is well.
+
+    So a run that is killed leaves an older result as it was. Raises LagError L0004 when the place cannot be written.
+    """
+
+    def __init__(self, path: Path, scene: Scene) -> None:
+        self.path, self.scene = path, scene
+        self.shown = len(columns(scene))
+        self.width = self.shown + len(_ENERGIES)
+        try:
+            handle, name = tempfile.mkstemp(prefix=f".{path.name[:100]}.", suffix=".part", dir=path.parent)
+        except OSError as error:
+            fail("L0004", f"'{path}' cannot be written: {error.strerror}")
+        self.temporary = Path(name)
+        self.stream = os.fdopen(handle, "w", encoding="utf-8", newline="")
+        self.stream.write(",".join(_quoted(column.name) for column in columns(scene)) + "\n")
+
+    def write(self, values: Sequence[float]) -> None:
+        width, shown = self.width, self.shown
+        lines = [",".join(map(repr, values[k : k + shown])) for k in range(0, len(values), width)]
+        self.stream.write("\n".join(lines) + "\n")
+
+    def __enter__(self) -> "CsvWriter":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
+        try:
+            self.stream.close()
+            if kind is None:
+                _keep_mode(self.path, self.temporary)
+                os.replace(self.temporary, self.path)
+        except OSError as error:
+            fail("L0004", f"'{self.path}' cannot be written: {error.strerror}")
+        finally:
+            self.temporary.unlink(missing_ok=True)
+
+
+def _keep_mode(path: Path, temporary: Path) -> None:
+    """The permissions a newly made file would have, or those of the file that is replaced."""
+    mask = os.umask(0)
+    os.umask(mask)
+    temporary.chmod(path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~mask)
+
+
+def _quoted(name: str) -> str:
+    return f'"{name}"' if "," in name or '"' in name else name
+
+
+def collect(scene: Scene, portions: Iterable[Sequence[float]]) -> "np.ndarray":
+    """All rows as one array of shape (rows, width)."""
+    import numpy as np
+
+    width = len(columns(scene)) + len(_ENERGIES)
+    parts = [np.frombuffer(portion, dtype=np.float64).reshape(-1, width) for portion in portions]
+    return np.concatenate(parts) if parts else np.empty((0, width))
