@@ -105,16 +105,16 @@ _SX_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     **{name: getattr(ca, name) for name in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh",
                                             "atanh", "exp", "log", "log10", "sqrt", "floor", "ceil", "sign", "fmin", "fmax")},
     "abs": ca.fabs, "atan2": _sx_atan2, "mod": _floor_mod, "pow": lambda a, b: a**b,
-}  # fmt: skip
+}
 _COMPARE: Mapping[str, Callable[[Any, Any], Any]] = {
     "<": lambda a, b: a < b, "<=": lambda a, b: a <= b, ">": lambda a, b: a > b, ">=": lambda a, b: a >= b,
     "==": lambda a, b: a == b, "<>": lambda a, b: a != b,
-}  # fmt: skip
+}
 _FLOAT_FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "abs": abs, "fmin": min, "fmax": max, "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
     "floor": lambda x: float(math.floor(x)), "ceil": lambda x: float(math.ceil(x)),
     "mod": lambda a, b: a - b * math.floor(a / b), "pow": lambda a, b: float(a**b),
-}  # fmt: skip
+}
 
 
 def _call_float(function: str, *arguments: float) -> float:
@@ -251,4 +251,4 @@ _PARTIALS: Mapping[str, Callable[..., list[Callable[[], Scalar]]]] = {
     "atan2": lambda g, f, y, x: [lambda: x / (x * x + y * y), lambda: -y / (x * x + y * y)],
     "mod": lambda g, f, a, b: [lambda: 1.0, lambda: -g.call("floor", a / b)],
     "pow": lambda g, f, a, b: [lambda: b * g.call("pow", a, b - 1.0), lambda: f * g.call("log", a)],
-}  # fmt: skip
+}

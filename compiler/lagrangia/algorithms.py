@@ -110,7 +110,7 @@ class _Builder:
                 fail("L0222", "this is no assignment", clause.span, "write: name := expression;")
 
     def _branch(self, condition: Flat, then: tuple[Clause, ...], otherwise: tuple[Clause, ...], iterators: Mapping[str, int],
-                steps: list[tuple[str, Flat]], span: Span) -> None:  # fmt: skip
+                steps: list[tuple[str, Flat]], span: Span) -> None:
         """Both branches with fresh names, then one if expression for each variable that either assigns."""
         taken: list[dict[str, Flat]] = []
         for clauses in (then, otherwise):

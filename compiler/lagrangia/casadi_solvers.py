@@ -54,7 +54,7 @@ class _Run:
     def _start(self, table: Any) -> np.ndarray:
         if "initial" in table:
             fail("L0909", "not supported yet: initial equations to be solved, with CasADi's integrators", None,
-                 "give the start values of coordinates and rates, or install a C compiler (pip install ziglang)")  # fmt: skip
+                 "give the start values of coordinates and rates, or install a C compiler (pip install ziglang)")
         q, v = (np.array(x).ravel() for x in table["start"](self.p))
         given = np.array([*self.values.q, *self.values.v])
         start = np.where(np.isnan(given), np.concatenate([q, v]), given)

@@ -21,7 +21,7 @@ _TEMPLATES: Mapping[int, str] = {
     Op.AND: "(double)({a} != 0.0 && {b} != 0.0)", Op.OR: "(double)({a} != 0.0 || {b} != 0.0)",
     Op.IF_ELSE_ZERO: "({a} != 0.0 ? {b} : 0.0)", Op.SINH: "sinh({a})", Op.COSH: "cosh({a})", Op.TANH: "tanh({a})",
     Op.ASINH: "asinh({a})", Op.ACOSH: "acosh({a})", Op.ATANH: "atanh({a})", Op.ERF: "erf({a})",
-}  # fmt: skip
+}
 
 
 def write_c(

@@ -89,5 +89,5 @@ def _check_members(definition: ClassDefinition, report: Report) -> None:
         if isinstance(element, Declaration):
             if element.name in seen:
                 report.error("L0202", f"'{element.name}' is declared twice in {definition.name}", element.name_span,
-                             f"the first is at {seen[element.name].name_span}")  # fmt: skip
+                             f"the first is at {seen[element.name].name_span}")
             seen.setdefault(element.name, element)

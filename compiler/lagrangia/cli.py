@@ -41,7 +41,7 @@ def _confess(error: Exception) -> int:
         raise error
     print(f"bug: {type(error).__name__}: {error}", file=sys.stderr)
     print("This is a fault of lagrangia, not of your model. Please report it with the model;\n"
-          "LAGRANGIA_TRACEBACK=1 shows where it happened.", file=sys.stderr)  # fmt: skip
+          "LAGRANGIA_TRACEBACK=1 shows where it happened.", file=sys.stderr)
     return FAILED
 
 

@@ -50,7 +50,7 @@ def simulate_command(options: Namespace) -> int:
         return 0
     at = None if options.at is None else [_number(text, "--at") for text in options.at.split(",")]
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval, at=at,
-                      max_step=options.max_step, max_steps=options.max_steps)  # fmt: skip
+                      max_step=options.max_step, max_steps=options.max_steps)
     parameters = _values([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural], {p.name: p.unit for p in scene.parameters})
     units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)} | {a: scene.rates[k - scene.n].unit for a, k in scene.aliases.items()}
     initial = _values([_assignment(text, "--initial") for text in options.initial], units)
@@ -94,7 +94,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     begin = time.perf_counter()
     if not options.solver.startswith("casadi") and model.engine is None and not options.quiet:
         print("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate (pip install ziglang brings a compiler)",
-              file=sys.stderr)  # fmt: skip
+              file=sys.stderr)
     bar = _Bar(experiment, sys.stderr)
     progress, portions = model.start(experiment, values, options.solver, bar)
     loaded = time.perf_counter() - begin
@@ -191,7 +191,7 @@ def _tell(model: Model, progress: Progress, compiled: float, loaded: float, say:
     say(f"  compiled in {_time(compiled)} ({how}); native code in {_time(loaded)}")
     if statistics is not None and statistics.steps:
         say(f"  steps {statistics.smallest_step:.3g} to {statistics.largest_step:.3g} s, {statistics.rejected} rejected, "
-            f"{statistics.dense_outputs} dense outputs, {statistics.events} events; {_time(progress.seconds / statistics.rhs_evaluations)} an evaluation")  # fmt: skip
+            f"{statistics.dense_outputs} dense outputs, {statistics.events} events; {_time(progress.seconds / statistics.rhs_evaluations)} an evaluation")
         worst = (*scene.coordinates, *scene.rates)[statistics.worst].name if 0 <= statistics.worst < 2 * scene.n else "none"
         say(f"  the steps were limited last by {worst}")
 

@@ -114,7 +114,7 @@ class _Checker:
         product = self._times(self.quantity(force), self.quantity(position))
         if not _fits(product, _JOULE):
             self.report.error("L0304", f"force times position is in {product.spell()}, not in J", span,
-                              "a force in N works on a length, a torque in N.m on an angle")  # fmt: skip
+                              "a force in N works on a length, a torque in N.m on an angle")
 
     def expect(self, node: Flat, wanted: Dimension, what: str, unit: str = "") -> None:
         found = self.quantity(node)

@@ -93,7 +93,7 @@ def _kinematics(compilation: Compilation) -> str:
         pose = kinematics.pose(name, 0)
         vx, vy = kinematics.frame(name, "v", 0)
         lines.append(f"{name}: r = ({_short(pose.x)}, {_short(pose.y)}), phi = {_short(pose.phi)}, "
-                     f"v = ({_short(vx)}, {_short(vy)}), w = {_short(kinematics.frame(name, 'w', 0))}")  # fmt: skip
+                     f"v = ({_short(vx)}, {_short(vy)}), w = {_short(kinematics.frame(name, 'w', 0))}")
     return "\n".join(lines)
 
 
@@ -143,4 +143,4 @@ def _short(value: Any) -> str:
 _DUMPS: Mapping[str, Callable[[Compilation], str]] = {
     "syntax": _syntax, "flat": _flat, "graph": _graph, "kinematics": _kinematics, "energies": _energies, "motion": _motion,
     "needs": _needs, "c": _c,
-}  # fmt: skip
+}

@@ -67,7 +67,7 @@ def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:
     force, position = value(work.force), value(work.position)
     if isinstance(force, tuple) != isinstance(position, tuple) or (isinstance(force, tuple) and len(force) != len(position)):
         report.error("L0303", "a force works on a position of the same size", work.span,
-                     "a vector on a point (at.r), a number on a length or an angle")  # fmt: skip
+                     "a vector on a point (at.r), a number on a length or an angle")
         return Load((), (), work)
     if isinstance(force, tuple):
         return Load(force, position, work)
@@ -85,7 +85,7 @@ def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report
     accelerations = ca.vertcat(*symbols.accelerations.values())
     rates = ca.vertcat(*symbols.rates.values())
     inputs = ca.vertcat(*[x for name, v in kinematics.graph.model.variables.items() if v.kind == "input"
-                          for x in _scalars(symbols.values[name])])  # fmt: skip
+                          for x in _scalars(symbols.values[name])])
     groups = {"kinetic": energies.kinetic, "potential": energies.potential, "dissipation": energies.dissipation}
     for kind, terms in groups.items():
         whole = energies.total(terms)

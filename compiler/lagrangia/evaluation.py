@@ -300,4 +300,4 @@ def _item(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) 
 _VECTOR_FUNCTIONS: Mapping[str, Callable[[Evaluator, list[Value], int, Span], Value]] = {
     "dot": _dot, "cross": _cross, "norm": _norm, "rotate": _rotate, "min": _extreme("fmin"), "max": _extreme("fmax"),
     "sum": _total, "product": _product_of, "table": _table, "element": _item,
-}  # fmt: skip
+}

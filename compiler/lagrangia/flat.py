@@ -166,7 +166,7 @@ class _Flattening:
             definition.name, definition.description, self.variables, self.frames, tuple(self.frame_equations), bound,
             tuple(self.energies), tuple(self.works), tuple(self.initial), self.functions, self.structural,
             self._experiment(definition.annotation, Scope(root)), definition.name_span,
-        )  # fmt: skip
+        )
 
     def _require_model(self) -> None:
         if self.definition.kind != "model" or self.definition.is_partial:
@@ -226,20 +226,20 @@ class _Flattening:
             self._missing_value(slot, owner)
         if slot.binding is not None and kind == "coordinate":
             fail("L0218", f"the coordinate '{declaration.name}' cannot be bound", slot.binding.expression.span,
-                 f"give it a start, {declaration.name}(start = ...), or state an equation")  # fmt: skip
+                 f"give it a start, {declaration.name}(start = ...), or state an equation")
         binding = self.names.flatten_bound(slot.binding) if slot.binding is not None else None
         start = self.names.flatten_bound(slot.attributes["start"]) if "start" in slot.attributes else None
         self.variables[slot.path] = Variable(
             slot.path, kind, slot.dimensions, self._text(slot, "unit"), self._text(slot, "displayUnit"), binding, start,
             self._flag(slot, "fixed"), self._limit(slot, "min"), self._limit(slot, "max"),
             "output" in declaration.prefixes and owner.parent is None, declaration.description, declaration.name_span,
-        )  # fmt: skip
+        )
 
     def _kind(self, slot: Slot) -> Kind:
         prefixes = slot.declaration.prefixes
         if slot.base in ("Integer", "Boolean", "String") and "parameter" not in prefixes:
             fail("L0219", f"not supported yet: the {slot.base} variable '{slot.declaration.name}'", slot.declaration.name_span,
-                 "Integer and Boolean parameters are supported")  # fmt: skip
+                 "Integer and Boolean parameters are supported")
         for kind in ("parameter", "coordinate", "input"):
             if kind in prefixes:
                 return kind  # type: ignore[return-value]
@@ -250,7 +250,7 @@ class _Flattening:
         if owner.parent is None:
             fail("L0211", f"parameter '{name}' has no value", slot.declaration.name_span, f"write: {name} = ...")
         fail("L0211", f"{owner.definition.name} '{owner.path}' needs a value for its parameter '{name}'", owner.span,
-             f"{slot.declaration.description or name}: write {owner.span.text}({name} = ...)")  # fmt: skip
+             f"{slot.declaration.description or name}: write {owner.span.text}({name} = ...)")
 
     def _text(self, slot: Slot, attribute: str) -> str:
         bound = slot.attributes.get(attribute)
@@ -360,7 +360,7 @@ class _Flattening:
         for variable in self.variables.values():
             if variable.kind == "variable" and variable.binding is None:
                 self.report.error("L0211", f"the variable '{variable.name}' has no value", variable.span,
-                                  "bind it, or state an equation for it; a coordinate is declared with `coordinate`")  # fmt: skip
+                                  "bind it, or state an equation for it; a coordinate is declared with `coordinate`")
         return tuple(constraints)
 
     # ------------------------------------------------------------ experiment

@@ -69,7 +69,7 @@ def people_functions(kinematics: Kinematics, motion: Motion, outputs: tuple[str,
     expressions = {
         "M": [mass_matrix(motion)], "h": [motion.h], "rhs": [motion.acceleration], "energies": [motion.T, motion.V, motion.D],
         "outputs": [y], "jacobian": [ca.jacobian(motion.acceleration, ca.vertcat(q, v))],
-    }  # fmt: skip
+    }
     labels = {"energies": ["T", "V", "D"], "outputs": ["y"], "rhs": ["a"]}
     modes = kinematics.algebra.modes
     symbols, values = [mode.symbol for mode in modes], [mode.value for mode in modes]
@@ -77,7 +77,7 @@ def people_functions(kinematics: Kinematics, motion: Motion, outputs: tuple[str,
         name: ca.Function(name, [t, q, v, u, p], ca.substitute(results, symbols, values) if modes else results,
                           ["t", "q", "v", "u", "p"], labels.get(name, [name]))
         for name, results in expressions.items()
-    }  # fmt: skip
+    }
 
 
 def observer(kinematics: Kinematics, motion: Motion, names: tuple[str, ...]) -> tuple[tuple[str, ...], ca.Function]:

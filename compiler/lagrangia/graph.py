@@ -139,7 +139,7 @@ class _Building:
     def _refuse_constraints(self) -> None:
         for equation in self.model.constraints:
             self.report.error("L0903", "not supported yet: a scalar equation as a constraint", equation.span,
-                              "an equation may give a value to a variable without a binding, or join frames")  # fmt: skip
+                              "an equation may give a value to a variable without a binding, or join frames")
 
     # ------------------------------------------------------------ edges
 
@@ -191,7 +191,7 @@ class _Building:
                 if not edge.steps and same.find(edge.parent) == same.find(edge.child):
                     continue
                 self.report.error("L0905", f"not supported yet: a closed loop, through '{edge.parent}' and '{edge.child}'", edge.span,
-                                  "this joins two frames that are already joined another way")  # fmt: skip
+                                  "this joins two frames that are already joined another way")
 
     # ------------------------------------------------------------ islands
 
@@ -250,7 +250,7 @@ class _Building:
         port, _, component = named.name.rpartition(".")[::-1]
         component_text = f" of {named.owner} '{component}'" if component else ""
         self.report.error("L0401", f"the port '{port}'{component_text} is joined to nothing", self._place(named),
-                          f"bind it, {port} = world or {port} = bar.a, or connect({named.name}, ...)")  # fmt: skip
+                          f"bind it, {port} = world or {port} = bar.a, or connect({named.name}, ...)")
 
     def _place(self, frame: Frame) -> Span:
         """Where the user declared the component: the declaration of an equation of its island in the user's file, else the port."""
@@ -266,10 +266,10 @@ class _Building:
                 continue
             if variable.shape:
                 self.report.error("L0906", f"not supported yet: the array of coordinates '{variable.name}'", variable.span,
-                                  "declare an array of components with one coordinate each")  # fmt: skip
+                                  "declare an array of components with one coordinate each")
                 continue
             found.append(Coordinate(variable.name, variable.unit, variable.display_unit, variable.start, rates.get(variable.name),
-                                    variable.is_fixed, variable.description, variable.span))  # fmt: skip
+                                    variable.is_fixed, variable.description, variable.span))
         for root in floating:
             found += self._floating_coordinates(root)
         self._refuse_other_starts({root.frame for root in floating})
@@ -285,7 +285,7 @@ class _Building:
             if name is None or name not in self.bindings or self.model.variables[name].kind != "coordinate":
                 if variable.kind == "variable":
                     self.report.error("L0907", f"not supported yet: a start for '{variable.name}', which is no coordinate", variable.span,
-                                      f"write it as an initial equation: {variable.name} = ...;")  # fmt: skip
+                                      f"write it as an initial equation: {variable.name} = ...;")
                 continue
             starts[name] = variable.start
         return starts
@@ -296,20 +296,20 @@ class _Building:
         for vector, names in (("r", ("x", "y")), ("v", ("vx", "vy"))):
             if vector in starts:
                 starts |= {name: Call("element", (starts[vector], _index(k, frame.span)), (), frame.span)
-                           for k, name in enumerate(names)}  # fmt: skip
+                           for k, name in enumerate(names)}
         rate = {"x": "vx", "y": "vy", "phi": "w"}
         what = {"x": "horizontal position", "y": "height", "phi": "angle"}
         return [
             Coordinate(f"{root.frame}.{a}", "rad" if a == "phi" else "m", "deg" if a == "phi" else "", starts.get(a), starts.get(rate[a]),
                        bool(frame.fixed & {a, "r" if a != "phi" else a}), f"{what[a]} of the floating {frame.owner}", frame.span)
             for a in root.attributes
-        ]  # fmt: skip
+        ]
 
     def _refuse_other_starts(self, roots: set[str]) -> None:
         for frame in self.model.frames.values():
             if frame.starts and frame.name not in roots:
                 self.report.error("L0907", f"not supported yet: a start for the frame '{frame.name}', which joints already place",
-                                  frame.span, "start the coordinates of the joints, or write an initial equation")  # fmt: skip
+                                  frame.span, "start the coordinates of the joints, or write an initial equation")
 
 
 class _Same:

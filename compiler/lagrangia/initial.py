@@ -60,7 +60,7 @@ class _Starts:
         return InitialConditions(
             ca.vertcat(*self.values[:n]), ca.vertcat(*self.values[n:]), tuple(k in self.fixed for k in range(2 * n)),
             ca.vertcat(*[g for g, _ in self.residuals]), tuple(span for _, span in self.residuals),
-        )  # fmt: skip
+        )
 
     def _start(self, slot: int, start: Flat) -> None:
         value = self.kinematics.evaluator.value(start)

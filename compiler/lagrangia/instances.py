@@ -123,7 +123,7 @@ class Instantiation:
         instance = Instance(path, definition, span, parent=parent)
         if definition.name in self.stack:
             self.report.error("L0207", f"{definition.name} contains itself", span,
-                              f"{' > '.join([*self.stack, definition.name])}")  # fmt: skip
+                              f"{' > '.join([*self.stack, definition.name])}")
             return instance
         self.stack.append(definition.name)
         members = list(self._members(definition, modification, Scope(instance), []))
@@ -143,7 +143,7 @@ class Instantiation:
         """Declarations of the class and of all it extends, each with what modifies it, bases first."""
         if definition.name in bases:
             self.report.error("L0206", f"{definition.name} extends itself", definition.name_span,
-                              " > ".join([*bases, definition.name]))  # fmt: skip
+                              " > ".join([*bases, definition.name]))
             return
         for element in definition.elements:
             if isinstance(element, Declaration):
@@ -186,12 +186,12 @@ class Instantiation:
         for declaration, _ in members:
             if declaration.name in seen:
                 self.report.error("L0202", f"'{declaration.name}' is inherited twice in {instance.definition.name}",
-                                  declaration.name_span)  # fmt: skip
+                                  declaration.name_span)
             seen.add(declaration.name)
 
     def _unknown_member(self, definition: ClassDefinition, name: str, span: Span | None, known: set[str]) -> None:
         elsewhere = [other for other in self.table.library.values()
-                     if other.kind == "model" and not other.is_partial and name in {e.name for e in other.elements if isinstance(e, Declaration)}]  # fmt: skip
+                     if other.kind == "model" and not other.is_partial and name in {e.name for e in other.elements if isinstance(e, Declaration)}]
         hints = [suggest(name, known)]
         if not hints[0].startswith("did you mean") and 0 < len(elsewhere) <= 4:
             hints.append(f"'{name}' is a parameter or port of {', '.join(sorted(o.name for o in elsewhere))}")
@@ -215,10 +215,10 @@ class Instantiation:
             for name, inner in change.children.items():
                 if name not in ATTRIBUTES:
                     self.report.error("L0208", f"{declaration.type_name} has no attribute '{name}'", inner.span,
-                                      *filter(None, [suggest(name, ATTRIBUTES)]))  # fmt: skip
+                                      *filter(None, [suggest(name, ATTRIBUTES)]))
             attributes = {name: inner.value for name, inner in change.children.items() if inner.value is not None}
             slot = Slot(instance.child_path(declaration.name), declaration, base[0], attributes, change.value, scope,
-                        is_final=change.is_final)  # fmt: skip
+                        is_final=change.is_final)
             instance.members[declaration.name] = slot
             slots.append(slot)
         for slot in slots:
@@ -236,7 +236,7 @@ class Instantiation:
             total *= extent
         if total > _MOST_ELEMENTS:
             self.report.error("L0209", f"'{declaration.name}' has {total} elements; at most {_MOST_ELEMENTS} are possible",
-                              declaration.name_span)  # fmt: skip
+                              declaration.name_span)
             return tuple(0 for _ in sizes)
         return tuple(sizes)
 
@@ -253,7 +253,7 @@ class Instantiation:
                         fixed.add(name)
                 else:
                     self.report.error("L0208", f"a frame's {name} has no attribute '{attribute}'", what.span,
-                                      "it has start and fixed")  # fmt: skip
+                                      "it has start and fixed")
             if inner.value is not None:
                 self.report.error("L0208", f"'{name}' of a frame cannot be set", inner.span, f"write {name}(start = ...)")
         return starts, frozenset(fixed)
@@ -286,7 +286,7 @@ class Instantiation:
             for name, inner in change.children.items():
                 if name not in FRAME_ATTRIBUTES:
                     self.report.error("L0208", f"Frame has no attribute '{name}'", inner.span,
-                                      *filter(None, [suggest(name, FRAME_ATTRIBUTES)]))  # fmt: skip
+                                      *filter(None, [suggest(name, FRAME_ATTRIBUTES)]))
             starts, fixed = self._frame_starts(change, declaration.name_span)
             return FrameSlot(path, declaration.name_span, starts, fixed, change.value, instance)
         definition = self.table.lookup(declaration.type_name, declaration.type_span)
@@ -295,7 +295,7 @@ class Instantiation:
             self.report.error("L0205", f"'{definition.name}' cannot be a component, it is {what}", declaration.type_span)
         if change.value is not None and not self._is_frame_class(definition):
             self.report.error("L0205", f"the component '{declaration.name}' cannot be given a value",
-                              change.value.expression.span, "modify its parameters and ports: (name = value)")  # fmt: skip
+                              change.value.expression.span, "modify its parameters and ports: (name = value)")
         self.count += 1
         return self.instantiate(definition, path, change, declaration.name_span, instance)
 
@@ -312,7 +312,7 @@ def modification_of(arguments: tuple[Argument, ...], scope: Scope, value: Expres
     for argument in arguments:
         inner = modification_of(argument.arguments, scope, argument.value, argument.name_span)
         child = Modification(inner.value, inner.children, "each" in argument.prefixes, "final" in argument.prefixes,
-                             argument.name_span)  # fmt: skip
+                             argument.name_span)
         children[argument.name] = merge(children[argument.name], child) if argument.name in children else child
     return Modification(Bound(value, scope) if value is not None else None, children, span=span)
 
@@ -325,7 +325,7 @@ def merge(outer: Modification, inner: Modification) -> Modification:
     for name, change in outer.children.items():
         children[name] = merge(change, children[name]) if name in children else change
     return Modification(outer.value or inner.value, children, outer.is_each if outer.value else inner.is_each,
-                        outer.is_final or inner.is_final, outer.span or inner.span)  # fmt: skip
+                        outer.is_final or inner.is_final, outer.span or inner.span)
 
 
 def deal_out(change: Modification, index: int, size: int, is_each: bool = False) -> Modification:

@@ -14,7 +14,7 @@ _NAMES = {
     "FLOOR": "FLOOR", "CEIL": "CEIL", "FMOD": "FMOD", "COPYSIGN": "COPYSIGN", "LT": "LT", "LE": "LE", "EQ": "EQ", "NE": "NE",
     "NOT": "NOT", "AND": "AND", "OR": "OR", "IF_ELSE_ZERO": "IF_ELSE_ZERO", "SINH": "SINH", "COSH": "COSH", "TANH": "TANH",
     "ASINH": "ASINH", "ACOSH": "ACOSH", "ATANH": "ATANH", "ERF": "ERF",
-}  # fmt: skip
+}
 _OPS: Mapping[int, Op] = {getattr(ca, f"OP_{casadi}"): Op[ours] for casadi, ours in _NAMES.items()}
 
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.cache import find_scene, keep_scene
 from lagrangia.diagnostics import RunError
 from lagrangia.scene import Scene
-from lagrangia.simulate import Engine, check_values, load_engine, plan, simulate
+from lagrangia.native import Build
+from lagrangia.simulate import Engine, check_values, load_engine, plan, simulate, start_building
 from lagrangia.trajectory import Trajectory, collect
 
 if TYPE_CHECKING:
@@ -35,12 +36,14 @@ class Model:
         self.path, self.model, self.structural, self.outputs = path, model, dict(structural or {}), tuple(outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
+        self._runtime_build: Build | None = None
         self._has_engine = False
         found = find_scene(path, model, self.structural, self.outputs)
         self.is_cached = found is not None
         self.scene: Scene = found if found is not None else self._compile_and_keep()
 
     def _compile_and_keep(self) -> Scene:
+        self._runtime_build = start_building()  # goes on beside the compilation
         scene = self.compilation.scene
         imports = [(self.path.parent / item.path) for item in self.compilation.syntax.imports]
         keep_scene(scene, self.path, self.model, self.structural, self.outputs, imports)
@@ -59,7 +62,7 @@ class Model:
     def engine(self) -> Engine | None:
         """The native code, or None when there is no C compiler."""
         if not self._has_engine:
-            self._engine, self._has_engine = load_engine(self.scene), True
+            self._engine, self._has_engine = load_engine(self.scene, self._runtime_build), True
         return self._engine
 
     @property
@@ -70,7 +73,7 @@ class Model:
         self, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None, interval: float | None = None,
         at: Sequence[float] | None = None, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
         inputs: Any = None, solver: str = "auto", max_step: float = 0.0, max_steps: int = 0,
-    ) -> Trajectory:  # fmt: skip
+    ) -> Trajectory:
         """Integrate from `start` to `stop` (s); rows every `interval`, or at the times `at`.
 
         `tolerance` is relative to the size of each coordinate and rate. `parameters` and `initial` map names to values in SI units;
@@ -81,7 +84,7 @@ class Model:
         import numpy as np
 
         experiment = plan(self.scene, stop=stop, start=start, tolerance=tolerance, interval=interval,
-                          at=None if at is None else [float(t) for t in at], max_step=max_step, max_steps=max_steps)  # fmt: skip
+                          at=None if at is None else [float(t) for t in at], max_step=max_step, max_steps=max_steps)
         values = check_values(self.scene, parameters, initial, inputs)
         progress, portions = self.start(experiment, values, solver)
         kept: list[Sequence[float]] = []

@@ -51,7 +51,7 @@ def build_motion(kinematics: Kinematics, energies: Energies) -> Motion:
     t, tau = symbols.time, symbols.tau
     if q.numel() == 0:
         fail("L0505", "nothing can move: the scene has no coordinate", kinematics.graph.model.span,
-             "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")  # fmt: skip
+             "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
     bodies = find_bodies(kinematics, energies)
     T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
     n = q.numel()

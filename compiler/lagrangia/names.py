@@ -78,7 +78,7 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
                      "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der"), (1,)),
     **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "turn"), (2,)),
     "table": (3,), "min": None, "max": None, "sum": None, "product": None,
-}  # fmt: skip
+}
 FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
 _ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
@@ -118,7 +118,7 @@ class Names:
         value = fold(self.flatten(expression, scope))
         if value is None:
             fail("L0210", f"{what} must be known when the scene is compiled", expression.span,
-                 "use numbers, constants and Integer or Boolean parameters")  # fmt: skip
+                 "use numbers, constants and Integer or Boolean parameters")
         return value
 
     def structural_value(self, slot: Slot, span: Span) -> Flat:
@@ -135,7 +135,7 @@ class Names:
         value = _folded(flat)
         if value is None:
             fail("L0210", f"'{slot.path}' must be known when the scene is compiled", slot.binding.expression.span,
-                 "it is structural (Integer, Boolean or constant): use numbers and structural values")  # fmt: skip
+                 "it is structural (Integer, Boolean or constant): use numbers and structural values")
         self._check_kind(slot, value)
         self._structural[slot.path] = value
         return value
@@ -145,7 +145,7 @@ class Names:
         wanted = {"Integer": "an integer", "Boolean": "true or false", "String": "a text"}.get(slot.base, "a number")
         for item in items:
             good = {"Integer": isinstance(item, Number) and item.value.is_integer(), "Boolean": isinstance(item, Boolean),
-                    "String": isinstance(item, String)}.get(slot.base, isinstance(item, Number | Array))  # fmt: skip
+                    "String": isinstance(item, String)}.get(slot.base, isinstance(item, Number | Array))
             if not good:
                 fail("L0210", f"'{slot.path}' must be {wanted}", value.span)
 
@@ -165,7 +165,7 @@ class Names:
         if isinstance(flat, Ref) and self._is_array(flat):
             return Ref(flat.name, (*flat.index, index), flat.span)
         fail("L0213", "one value for an array of components", flat.span,
-             "write `each` before it to give it to every element, or give an array")  # fmt: skip
+             "write `each` before it to give it to every element, or give an array")
 
     def _is_array(self, ref: Ref) -> bool:
         member = self._find(ref.name)
@@ -237,7 +237,7 @@ class Names:
         if node.function not in FUNCTIONS:
             user = [name for name, c in {**self.table.library, **self.table.user}.items() if c.kind == "function"]
             hint = f"it is called '{_ALIASES[node.function]}' here" if node.function in _ALIASES else suggest(
-                node.function, [*FUNCTIONS, *user])  # fmt: skip
+                node.function, [*FUNCTIONS, *user])
             fail("L0204", f"there is no function '{node.function}'", node.span, *filter(None, [hint]))
         if node.named:
             fail("L0215", f"{node.function} takes no named arguments", node.span)
@@ -320,7 +320,7 @@ class Names:
             if member.frame is not None:
                 return FrameRef(member.path, "", (), node.span)
             fail("L0216", f"'{node}' is a component ({member.definition.name}), not a value", node.span,
-                 _ports(member))  # fmt: skip
+                 _ports(member))
         inner = member.members.get(rest[0].name)
         if inner is None:
             if member.frame is not None and rest[0].name in FRAME_ATTRIBUTES:
@@ -414,11 +414,11 @@ _FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b, "^": lambda a, b: a**b,
     "==": lambda a, b: a == b, "<>": lambda a, b: a != b, "<": lambda a, b: a < b, "<=": lambda a, b: a <= b,
     ">": lambda a, b: a > b, ">=": lambda a, b: a >= b, "and": lambda a, b: a and b, "or": lambda a, b: a or b,
-}  # fmt: skip
+}
 _FOLD_CALLS: Mapping[str, Callable[..., Any]] = {
     "floor": math.floor, "ceil": math.ceil, "abs": abs, "mod": lambda a, b: a - b * math.floor(a / b), "sqrt": math.sqrt, "sin": math.sin,
     "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log, "min": min, "max": max,
-}  # fmt: skip
+}
 
 
 def fold(node: Flat) -> float | bool | None:

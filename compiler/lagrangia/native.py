@@ -130,6 +130,7 @@ class Build:
     """A library in the making. `finish` waits for it; builds that were started together run at the same time."""
 
     def __init__(self, name: str, sources: str | Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler) -> None:
+        self.compiler = compiler
         options = (*_FLAGS, *_PLATFORM_FLAGS, level)
         self._folder = cache_folder() / f"{name}-{_key(sources, include, options, compiler)}"
         self._library = self._folder / f"{name}{_SUFFIX}"

@@ -40,7 +40,7 @@ def find_needs(kinematics: Kinematics, energies: Energies, motion: Motion, initi
         Need("assembly", bool(initial.residual_spans), _list([str(s) for s in initial.residual_spans], "start values are given or zero")),
         Need("floating coordinates", bool(floating), _list(floating, "every body is joined to the ground")),
         Need("static forces", not at_rest.is_zero(), "h at rest is not zero" if not at_rest.is_zero() else "no force at rest"),
-    )  # fmt: skip
+    )
 
 
 def _list(names: list[str], otherwise: str) -> str:

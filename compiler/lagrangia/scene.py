@@ -92,7 +92,7 @@ def from_json(text: str) -> Scene:
 def _pack(tape: Tape) -> dict[str, Any]:
     return {"in": list(tape.in_sizes), "out": list(tape.out_sizes), "work": tape.n_work,
             "code": base64.b64encode(bytes(memoryview(tape.code).cast("B"))).decode(),
-            "constants": base64.b64encode(bytes(memoryview(tape.constants).cast("B"))).decode()}  # fmt: skip
+            "constants": base64.b64encode(bytes(memoryview(tape.constants).cast("B"))).decode()}
 
 
 def _unpack(plain: dict[str, Any]) -> Tape:

@@ -36,20 +36,20 @@ def build_scene(kinematics: Kinematics, motion: Motion, initial: InitialConditio
         "n_modes": len(functions.event_kinds), "n_events": len(functions.event_kinds), "n_outputs": len(outputs),
         "n_initial": initial.residuals.numel(), "n_power": functions.n_power,
         "outputs_need_acceleration": int(functions.outputs_need_acceleration),
-    }  # fmt: skip
+    }
     return Scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
         tuple(kinds[c.unit] for c in graph.coordinates), tuple(map(int, initial.fixed)), functions.event_kinds,
         tuple(map(str, initial.residual_spans)), _notes(motion, tapes), (), tapes,
-    )  # fmt: skip
+    )
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
     n = motion.q.numel()
     rhs = count_operations(tapes["rhs"])
     return {"rhs_operations": rhs, "acceleration_nodes": motion.nodes[motion.way], "ways": motion.nodes, "way": motion.way,
-            "nodes_per_coordinate": round(motion.nodes[motion.way] / n, 1)}  # fmt: skip
+            "nodes_per_coordinate": round(motion.nodes[motion.way] / n, 1)}
 
 
 def _per_second(unit: str) -> str:

@@ -11,17 +11,16 @@ from typing import Any
 
 from lagrangia.ccode import write_c
 from lagrangia.diagnostics import LagError, Report, RunError, suggest
-from lagrangia.native import Compiler, CompilerError, find_compiler, start_build, start_runtime_build
+from lagrangia.native import Build, CompilerError, find_compiler, start_build, start_runtime_build
 from lagrangia.folders import data_folder
 from lagrangia.runtime import Failure, Model, Run, Runtime, Settings, Statistics, Status
 from lagrangia.scene import Scene
 
 _PORTION = 4096  # rows
 _PAUSE = 0.1  # seconds between two looks at the clock and the keyboard
-# Above so many operations a run on the tape is over before a C compiler is: gcc -O2 takes some 60 us an operation here, a tape
-# costs 2-3 ns an operation more than native code in every evaluation.
-_LARGEST_NATIVE = 12_000
-_LARGEST_O2 = 4_000
+# Compiling costs some 0.2 ms an operation, once; a tape costs 1.5 ns an operation more than native code in every evaluation. So
+# compiling pays after 100 000 evaluations. Small scenes are compiled at once, for they are run again and again.
+_LARGEST_NATIVE = 3_000
 _MOST_ROWS = 100_000_000
 
 
@@ -98,7 +97,7 @@ class Progress:
 
 
 def plan(scene: Scene, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None, interval: float | None = None,
-         at: Sequence[float] | None = None, max_step: float = 0.0, max_steps: int = 0) -> Experiment:  # fmt: skip
+         at: Sequence[float] | None = None, max_step: float = 0.0, max_steps: int = 0) -> Experiment:
     """The experiment of the annotation with what is given instead. Raises LagError L0702."""
     report = Report()
     begin = scene.start if start is None else start
@@ -139,7 +138,7 @@ def _check_times(at: Sequence[float] | None, begin: float, end: float, report: R
 def check_values(
     scene: Scene, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
     inputs: "Mapping[str, float] | tuple[Sequence[float], Mapping[str, Sequence[float]]] | None" = None,
-) -> Values:  # fmt: skip
+) -> Values:
     """Names to places. `inputs`: constants by name, or (times, values by name). Raises LagError (L06xx, L07xx)."""
     report = Report()
     place = {p.name: k for k, p in enumerate(scene.parameters)}
@@ -209,24 +208,28 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
 # -------------------------------------------------------------------- native code
 
 
-def load_engine(scene: Scene, compiler: Compiler | None = None, native: bool | None = None) -> Engine | None:
+def start_building() -> Build | None:
+    """The run time in the making, so that it is ready when the scene is; None when there is no C compiler."""
+    compiler = find_compiler()
+    return start_runtime_build(compiler) if compiler is not None else None
+
+
+def load_engine(scene: Scene, runtime_build: Build | None = None, native: bool | None = None) -> Engine | None:
     """The run time with the scene in it: compiled, or as a tape when compiling cannot pay for itself.
 
     None when there is no C compiler. `native` decides instead of the number of operations.
     """
     begin = time.perf_counter()
-    compiler = compiler or find_compiler()
-    if compiler is None:
+    runtime_build = runtime_build or start_building()
+    if runtime_build is None:
         return None
     operations = scene.notes["rhs_operations"]
     is_native = operations <= _LARGEST_NATIVE if native is None else native
-    runtime_build = start_runtime_build(compiler)
     if not is_native:
         model = Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind)
         return Engine(Runtime(runtime_build.finish()), model, "tape", time.perf_counter() - begin)
     source = write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind)
-    level = "-O2" if operations <= _LARGEST_O2 else "-O1"
-    scene_build = start_build("scene", source, include=[data_folder("runtime")], level=level, compiler=compiler)
+    scene_build = start_build("scene", source, include=[data_folder("runtime")], compiler=runtime_build.compiler)
     runtime = Runtime(runtime_build.finish())
     return Engine(runtime, Model.from_library(scene_build.finish()), "native", time.perf_counter() - begin)
 
@@ -287,7 +290,7 @@ def _fail_start(scene: Scene, failure: Failure) -> None:
         where = scene.initial_places[failure.index] if 0 <= failure.index < len(scene.initial_places) else ""
         report = Report()
         report.error("L0606", f"the initial equations cannot all hold: one misses by {failure.value:.3g}", None,
-                     f"written at {where}", "change it, or the start values it is solved from")  # fmt: skip
+                     f"written at {where}", "change it, or the start values it is solved from")
         raise LagError(report.errors)
     raise RunError(_explain(scene, failure))
 
@@ -298,10 +301,10 @@ def _explain(scene: Scene, failure: Failure) -> str:
     where = f" ({column.name})" if column else ""
     if failure.status is Status.NOT_FINITE:
         return (f"at t = {failure.time:.6g} the accelerations are not finite{where}: a coordinate that moves no mass, "
-                "points that coincide, or a function outside its domain; look at the parameters and start values")  # fmt: skip
+                "points that coincide, or a function outside its domain; look at the parameters and start values")
     if failure.status is Status.STEP_TOO_SMALL:
         return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; a singularity "
-                "(a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")  # fmt: skip
+                "(a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")
     if failure.status is Status.TOO_MANY_STEPS:
         return f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance"
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"

@@ -80,7 +80,7 @@ def _check_text(source: Source) -> None:
             depth += 1
             if depth > _DEEPEST:
                 fail("L0102", f"brackets nested deeper than {_DEEPEST}", Span(source, offset, offset + 1),
-                     "name a part of the expression with a variable of its own")  # fmt: skip
+                     "name a part of the expression with a variable of its own")
         elif character in ")]}":
             depth = max(0, depth - 1)
 
@@ -113,7 +113,7 @@ _SPOKEN = {
     "LBRACE": "'{'", "RBRACE": "'}'", "LSQB": "'['", "RSQB": "']'", "SEMICOLON": "';'", "COMMA": "','", "EQUAL": "'='",
     "COLON": "':'", "DOT": "'.'", "CIRCUMFLEX": "'^'", "ADD": "'+' or '-'", "MULTIPLY": "'*' or '/'", "$END": "the end of the file",
     "__ANON_0": "':='", "CLASS_KIND": "'model'",
-}  # fmt: skip
+}
 _EXPRESSION = {"NUMBER", "NAME", "LPAR", "LBRACE"}
 
 
@@ -197,7 +197,7 @@ class _Nodes(Transformer[Token, Any]):
         end_name = rest[-1]
         if str(end_name) != str(name):
             fail("L0106", f"'{name}' ends as '{end_name}'", self._token_span(end_name), f"write: end {name};",
-                 label=f"expected {name}")  # fmt: skip
+                 label=f"expected {name}")
         description = rest[0] if len(rest) > 1 else None
         elements: list[Declaration | Extends] = []
         annotation: tuple[Argument, ...] = ()
@@ -213,7 +213,7 @@ class _Nodes(Transformer[Token, Any]):
                 elements.append(item)
         sections = tuple(c for c in children if isinstance(c, Section))
         return ClassDefinition(str(kind), is_partial, _name(name), _text(description), tuple(elements), sections,
-                               annotation, self._span(meta), self._token_span(name))  # fmt: skip
+                               annotation, self._span(meta), self._token_span(name))
 
     @staticmethod
     def _protect(declaration: Declaration, is_protected: bool) -> Declaration:
@@ -227,7 +227,7 @@ class _Nodes(Transformer[Token, Any]):
         kind, name, base, arguments, description = children
         extends = Extends(base[0], arguments or (), self._span(meta))
         return ClassDefinition(str(kind), False, _name(name), _text(description), (extends,), (), (), self._span(meta),
-                               self._token_span(name))  # fmt: skip
+                               self._token_span(name))
 
     def visibility(self, meta: Any, children: list[Any]) -> tuple[str, str]:
         return "visibility", str(children[0])
@@ -253,12 +253,12 @@ class _Nodes(Transformer[Token, Any]):
             Declaration(prefixes, type_name, type_span, name, own or dimensions or (), arguments or (), binding, condition,
                         description, False, span, name_span)
             for name, own, arguments, binding, condition, description, span, name_span in declarators
-        ]  # fmt: skip
+        ]
 
     def declarator(self, meta: Any, children: list[Any]) -> tuple[Any, ...]:
         name, dimensions, arguments, binding, condition, description, _ = children
         return (_name(name), dimensions, arguments, binding, condition, _text(description), self._span(meta),
-                self._token_span(name))  # fmt: skip
+                self._token_span(name))
 
     def modification(self, meta: Any, children: list[Any]) -> tuple[Argument, ...]:
         return tuple(c for c in children if c is not None)
@@ -266,7 +266,7 @@ class _Nodes(Transformer[Token, Any]):
     def argument(self, meta: Any, children: list[Any]) -> Argument:
         *prefixes, name, arguments, value = children
         return Argument(frozenset(map(str, prefixes)), _name(name), arguments or (), value, self._span(meta),
-                        self._token_span(name))  # fmt: skip
+                        self._token_span(name))
 
     # ---------------------------------------------------------------- sections
 
@@ -345,7 +345,7 @@ class _Nodes(Transformer[Token, Any]):
     def chain(self, meta: Any, children: list[Any]) -> Expression:
         if len(children) > 2 * _LONGEST_CHAIN:
             fail("L0102", f"more than {_LONGEST_CHAIN} operands in a row", self._span(meta),
-                 "use sum(... for i in 1:n), or name parts of it with variables")  # fmt: skip
+                 "use sum(... for i in 1:n), or name parts of it with variables")
         return self._fold(children[0], iter(children[1:]))
 
     def signed_chain(self, meta: Any, children: list[Any]) -> Expression:
