@@ -1,7 +1,133 @@
 """Longer texts, shown by `lag help TOPIC`."""
 
-TOPICS = {"language": ("the language on one page", "")}
+import re
+from collections.abc import Callable, Mapping
+
+from lagrangia.diagnostics import fail, suggest
+from lagrangia.folders import data_folder
+
+_LANGUAGE = """\
+A file holds models. A model declares parameters, components and coordinates, joins frames by equations, and states energies:
+
+    model Swing "Pendulum with a damper in its hinge"
+      parameter Mass m = 2;
+      parameter Length L = 1.5[m];
+      Revolute hinge(a = world, phi(start = 30[deg]));
+      Bar bar(m = m, L = L, a = hinge.b);
+      TorsionDamper friction(a = world, b = bar.center, c = 0.1);
+      output Length height = bar.b.y;
+      annotation(experiment(StopTime = 10, Tolerance = 1e-8));
+    end Swing;
+
+Frame f                    a place with an angle: f.r (position), f.x, f.y, f.phi, f.v (velocity), f.w (rate), in world axes
+coordinate Angle phi       a generalised coordinate; phi(start = 1, fixed = true); its rate is der(phi)
+b = turn(a, phi)           frame equations: b is a turned about its origin, b = shift(a, {x, y}) moved in a's axes, a = b the same;
+                           connect(a, b) is a = b. Each may be used in both directions: nobody chooses loop cuts.
+kinetic, potential         terms of T and V in J;  dissipation: of D in W (the integral of force over rate: c*v^2/2);
+work F on r                a term of the virtual work: F in N on a position, N.m on an angle
+initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3
+parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
+                           are structural: they decide what the scene consists of
+input, output              given from outside (-u), and reported
+model M extends B(k = 2)   inheritance with modifications; M m[n](each k = 1, c = {1, 2, 3}) arrays; if conditions on components
+equation for i in 1:n-1 loop connect(link[i].b, link[i+1].a); end for;
+
+A literal may carry a unit: 30[deg], 1.5[kN/m]. A bare number takes the unit of its place. Dimensions are checked.
+Gravity is {0, -9.81} unless the scene declares World world(gravity = {0, 0}). A body that is joined to nothing floats with
+coordinates of its own, named after its frame: bar.center.x, bar.center.y, bar.center.phi. Ground is always written: a = world.
+See also: lag help library, functions, units.
+"""
+
+_FUNCTIONS = """\
+sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp log log10 sqrt abs sign floor ceil mod min max
+der(x)              the rate of anything along the motion; der(der(x)) in outputs is its acceleration
+dot(a, b) cross(a, b) norm(a) rotate(vector, angle)      of vectors of two components
+distance(a, b)      between two frames or points
+sum(e for i in 1:n), product(...), {e for i in 1:n}      over a range
+table(x, {x1, x2, ...}, {y1, y2, ...})                   straight lines between points, held beyond the ends
+step(x) pulse(t, start, width) pulse_train(t, start, width, period) ramp(t, start, duration)
+if c then a else b  in a formula; a condition on time alone is met exactly: the integrator stops there
+time, pi
+
+Functions of your own:
+
+    function soft "force of a softening spring"
+      input Length s; input Stiffness k;
+      output Force F;
+    algorithm
+      F := k*s/(1 + (s/0.1[m])^2);
+    end soft;
+"""
+
+_UNITS = """\
+SI units inside. A literal may carry a unit in brackets: 30[deg], 1.5[kN/m], 20[mm], 3[rpm], 2[kg.m2], 5[N.m/rad], 90[km/h].
+Products with '.', one '/', powers as digits: kg.m2/s2, N.s/(m.rad). The SI prefixes from q (1e-30) to Y (1e24) go before
+m g s A K mol cd N J W Pa Hz rad t L bar eV C V Ohm F H Wb T. Besides them: deg rev % rpm min h d lb lbf inch ft degC.
+
+Quantity types (Mass, Length, Angle, Stiffness, ...) are in the library; Real x(unit = "N/m3") makes one on the spot.
+A bare number takes the unit of its place: in sin(3*time) the 3 is in 1/s; an integer divisor, as in m*L^2/12, is a pure number.
+Adding metres to seconds is an error. The radian counts as 1.
+"""
+
+_SOLVER = """\
+erk     explicit Runge-Kutta of order 8(5,3) by Dormand and Prince with dense output of order 7 (Hairer, Norsett, Wanner, Solving
+        Ordinary Differential Equations I, II.10), in C. The error of each step is held below the tolerance times the size of each
+        coordinate and of each rate; angles count as at most pi. Steps, pulses and corners of tables in time are met exactly.
+casadi:cvodes, casadi:idas    integrators of SUNDIALS through CasADi: an independent check, and the way without a C compiler.
+
+Every run keeps the energy account: T + V + dissipated - work of sources - what it began with is zero, but for errors; the
+largest residual is printed. A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says
+which, and what it took. Compiled scenes are kept in a cache folder ($LAGRANGIA_CACHE, or the system's place for caches).
+
+Environment: LAGRANGIA_CACHE, LAGRANGIA_CC (a C compiler's command, or none), CC, NO_COLOR, LAGRANGIA_TRACEBACK=1.
+"""
+
+_ERRORS = """\
+error[L0203]: Spring has no parameter 'd', with file, line and caret, what was expected and what to do. Codes by phase:
+L00xx files and command line   L01xx syntax   L02xx names, modifications, arrays   L03xx units and dimensions
+L04xx component graph          L05xx energies, equations of motion                 L06xx values, initial conditions
+L07xx command line             L09xx not supported yet
+Exit codes: 0 done, 1 the run failed (what was computed is kept), 2 the input is wrong.
+"""
+
+_PYTHON = """\
+import lagrangia as lag
+model = lag.load("chain.lag", n=20)                    # structural parameters at load
+run = model.simulate(stop=5, tolerance=1e-10, parameters={"link[1].m": 2.0}, initial={"hinge[1].phi": 1.2})
+run.time, run["hinge[1].phi"], run["link[3].b.y"]      # NumPy arrays: coordinates, rates, or any quantity of the scene
+run.energy.total, run.energy.residual, run.statistics
+run.plot("hinge[1].phi", path="chain.png"); run.to_pandas(); run.to_csv("x.csv")
+model.functions()                                      # CasADi: M, h, rhs, energies, outputs, jacobian of t, q, v, u, p
+model.parameter_names, model.parameter_values()
+"""
+
+_DECLARATION = re.compile(r'^(?:partial )?model (\w+)(?: "([^"]*)")?', re.MULTILINE)
+
+
+def _library() -> str:
+    """Names and descriptions, read off the library itself."""
+    lines = []
+    for file in sorted((data_folder("models") / "library").glob("*.lag")):
+        found = [m for m in _DECLARATION.finditer(file.read_text(encoding="utf-8")) if not m[0].startswith("partial")]
+        if found:
+            lines.append(f"{file.stem}:")
+            lines += [f"  {name:20} {description or ''}" for name, description in (m.groups() for m in found)]
+    return "\n".join([*lines, "", f"The sources are worth reading: {data_folder('models') / 'library'}"])
+
+
+TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
+    "language": ("models, frames, energies: the language on one page", lambda: _LANGUAGE),
+    "library": ("the components and what they state", _library),
+    "functions": ("mathematical functions, sources in time, your own functions", lambda: _FUNCTIONS),
+    "units": ("units and dimensions", lambda: _UNITS),
+    "solver": ("how a scene is run, tolerance, cache, environment", lambda: _SOLVER),
+    "python": ("the Python interface", lambda: _PYTHON),
+    "errors": ("diagnostics and exit codes", lambda: _ERRORS),
+}
 
 
 def topic_text(topic: str) -> str:
-    return TOPICS[topic][1]
+    """Raises LagError L0707 for an unknown topic."""
+    if topic not in TOPICS:
+        fail("L0707", f"there is no help on '{topic}'", None, *filter(None, [suggest(topic, TOPICS)]))
+    return TOPICS[topic][1]().rstrip("\n")
