@@ -706,7 +706,7 @@ def test_bad_inputs(runtime: Runtime) -> None:
 
 def tape_of(function: "object") -> Tape:
     """A CasADi SX function as a tape."""
-    import casadi as ca  # noqa: PLC0415
+    import casadi as ca
 
     assert isinstance(function, ca.Function)
     names = {getattr(ca, f"OP_{op.name}"): op for op in Op}
@@ -728,7 +728,7 @@ def tape_of(function: "object") -> Tape:
 
 def state_function(n: int, n_u: int, result: "object", *, outputs: bool = False) -> Tape:
     """A tape with the inputs of rhs (or of outputs); `result` maps the symbols (q, v, u) to a list of expressions."""
-    import casadi as ca  # noqa: PLC0415
+    import casadi as ca
 
     t, q, v, a, u, d, c = (ca.SX.sym(name, size) for name, size in zip("tqvaudc", (1, n, n, n, n_u, 0, 0), strict=True))
     symbols = [t, q, v, a, u, d, c] if outputs else [t, q, v, u, d, c]

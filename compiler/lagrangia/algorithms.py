@@ -64,7 +64,8 @@ class _Builder:
             base = names.table.base_type(declaration.type_name, declaration.type_span)
             if base is None or base[0] not in ("Real", "Integer") or declaration.dimensions:
                 fail("L0902", "not supported yet: a function variable that is no scalar number", declaration.name_span)
-            unit = [a.value.value for a in (*base[1], *declaration.arguments) if a.name == "unit" and a.value is not None]  # type: ignore[union-attr]
+            unit = [a.value.value for a in (*base[1],
+                                            *declaration.arguments) if a.name == "unit" and a.value is not None]  # type: ignore[union-attr]
             self.units[declaration.name] = unit[-1] if unit else ""
 
     def build(self) -> FlatFunction:
@@ -72,7 +73,8 @@ class _Builder:
         inputs = tuple(d.name for d in self.declarations if "input" in d.prefixes)
         outputs = [d for d in self.declarations if "output" in d.prefixes]
         if len(outputs) != 1:
-            fail("L0902", f"not supported yet: the function '{definition.name}' with {len(outputs)} outputs", definition.name_span)
+            fail("L0902", f"not supported yet: the function '{definition.name}' with {len(outputs)} outputs",
+                 definition.name_span)
         steps: list[tuple[str, Flat]] = []
         for declaration in self.declarations:
             if declaration.binding is not None and "input" not in declaration.prefixes:
@@ -91,7 +93,8 @@ class _Builder:
 
     def _flatten(self, expression: Any, iterators: Mapping[str, int]) -> Flat:
         """Local names first: they are members of a stand-in instance whose variables flatten to Local."""
-        return _LocalNames(self.names, set(self.units)).flatten(expression, Scope(Instance("", self.definition, expression.span), iterators))
+        scope = Scope(Instance("", self.definition, expression.span), iterators)
+        return _LocalNames(self.names, set(self.units)).flatten(expression, scope)
 
     def _statement(self, clause: Clause, iterators: Mapping[str, int], steps: list[tuple[str, Flat]]) -> None:
         match clause:
@@ -122,7 +125,8 @@ class _Builder:
             taken.append(dict(inner))
         for name in {**taken[0], **taken[1]}:
             old: Flat = Local(name, span)
-            steps.append((name, IfExpression(condition, taken[0].get(name, old), taken[1].get(name, old), span)))  # type: ignore[arg-type]
+            steps.append((name, IfExpression(condition, taken[0].get(name, old), taken[1].get(name, old),
+                                             span)))  # type: ignore[arg-type]
 
 
 class _LocalNames(Names):

@@ -98,7 +98,7 @@ def _velocities_read(model: FlatModel, term: Term) -> set[str] | None:
     pending = [term.statement.value]
     while pending:
         for node in nodes(pending.pop()):
-            if isinstance(node, Call) and node.function in ("der", "distance") or isinstance(node, Time):
+            if (isinstance(node, Call) and node.function in ("der", "distance")) or isinstance(node, Time):
                 return None
             if isinstance(node, FrameRef):
                 if node.attribute not in ("v", "w"):
@@ -127,7 +127,8 @@ def _hessian(kinematics: Kinematics, term: Term, local: Mapping[str, Pose], fram
 class _Probe:
     """Leaves of an evaluator in which the velocities of one body's frames come from a free twist in its own axes."""
 
-    def __init__(self, kinematics: Kinematics, local: Mapping[str, Pose], frame: str, twist: ca.SX, cosine: Scalar, sine: Scalar) -> None:
+    def __init__(self, kinematics: Kinematics, local: Mapping[str, Pose], frame: str, twist: ca.SX, cosine: Scalar,
+                 sine: Scalar) -> None:
         self.kinematics, self.local, self.origin = kinematics, local, local[frame]
         self.twist, self.cosine, self.sine = twist, cosine, sine
 
@@ -154,7 +155,8 @@ def _are_rigid(candidates: list[_Candidate], angle: tuple[ca.SX, ca.SX], kinemat
     """
     if not candidates:
         return iter(())
-    gaps = [ca.norm_inf(ca.vertcat(ca.vec(c.straight - c.turned), c.straight[0, 0] - c.straight[1, 1], c.straight[0, 1])) for c in candidates]
+    gaps = [ca.norm_inf(ca.vertcat(ca.vec(c.straight - c.turned), c.straight[0, 0] - c.straight[1, 1], c.straight[0, 1]))
+            for c in candidates]
     sizes = [ca.norm_inf(ca.vec(c.straight)) for c in candidates]
     table = ca.horzcat(ca.vertcat(*gaps), ca.vertcat(*sizes))
     moving = ca.vertcat(kinematics.algebra.state, kinematics.symbols.time)

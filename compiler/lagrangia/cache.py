@@ -31,7 +31,8 @@ def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], out
     return None
 
 
-def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...], imports: list[Path]) -> None:
+def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
+               imports: list[Path]) -> None:
     """Store a scene; a full or unwritable disk is no error, the next run compiles again."""
     text = json.dumps({"imports": {str(p.resolve()): _digest(p) for p in imports}, "scene": to_json(scene)})
     with contextlib.suppress(OSError):
@@ -55,6 +56,7 @@ def _digest(path: Path) -> str:
 @cache
 def _installation() -> str:
     """Changes with every file of the compiler, its grammar and its library."""
-    files = [*Path(__file__).parent.glob("*.py"), *data_folder("grammar").glob("*.lark"), *(data_folder("models") / "library").glob("*.lag")]
+    files = [*Path(__file__).parent.glob("*.py"), *data_folder("grammar").glob("*.lark"),
+             *(data_folder("models") / "library").glob("*.lag")]
     stats = [(file.name, (stat := file.stat()).st_size, stat.st_mtime_ns) for file in sorted(files)]
     return hashlib.sha256(repr(stats).encode()).hexdigest()

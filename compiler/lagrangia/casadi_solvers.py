@@ -69,7 +69,9 @@ class _Run:
                 try:
                     found = self._advance(now, target, wanted)
                 except RuntimeError as error:
-                    raise RunError(f"CasADi's {self.integrator} gave up between t = {now:.6g} and {target:.6g}: {str(error).splitlines()[-1]}") from None
+                    reason = str(error).splitlines()[-1]
+                    between = f"between t = {now:.6g} and {target:.6g}"
+                    raise RunError(f"CasADi's {self.integrator} gave up {between}: {reason}") from None
                 except KeyboardInterrupt:
                     progress.interrupted = True
                     return
@@ -153,7 +155,8 @@ class _Run:
             a, _ = table["rhs"](t, q, v, u, d, self.c)
             outputs = table["outputs"](t, q, v, a, u, d, self.c)
             energies = table["energies"](t, q, v, u, d, self.c)
-            rows.append(np.concatenate([[t], q, v, np.array(outputs).ravel(), np.array(energies).ravel(), e if e.size else [0.0, 0.0]]))
+            rows.append(np.concatenate([[t], q, v, np.array(outputs).ravel(), np.array(energies).ravel(),
+                                        e if e.size else [0.0, 0.0]]))
         return np.array(rows)
 
 

@@ -25,7 +25,8 @@ _TEMPLATES: Mapping[int, str] = {
 
 
 def write_c(
-    name: str, sizes: Mapping[str, int], tapes: Mapping[str, Tape], coordinate_kind: Sequence[int], fixed: Sequence[int], event_kind: Sequence[int]
+    name: str, sizes: Mapping[str, int], tapes: Mapping[str, Tape],
+    coordinate_kind: Sequence[int], fixed: Sequence[int], event_kind: Sequence[int],
 ) -> str:
     """The C source of a scene. Equal input gives equal text."""
     lines = [f"/* {_comment(name)}: generated, do not edit. */", "#include <math.h>", '#include "model.h"', ""]
@@ -66,7 +67,8 @@ def _function(label: str, tape: Tape) -> list[str]:
         names = sorted({tape.code[k + 1] for k in range(0, len(tape.code), 4) if tape.code[k] != Op.OUTPUT})
         local = [f"    double {', '.join(f'w{n}' for n in names[i : i + 20])};" for i in range(0, len(names), 20)]
         body = [f"    {line}" for line in _statements(tape, 0, len(tape.code) // 4, "w{}")]
-        return [*head, f"static int {label}{signature}", "{", "    (void)in; (void)out; (void)w;", *local, *body, "    return 0;", "}", ""]
+        return [*head, f"static int {label}{signature}", "{", "    (void)in; (void)out; (void)w;", *local, *body, "    return 0;",
+                "}", ""]
     count = len(tape.code) // 4
     pieces, calls = [], []
     for number, start in enumerate(range(0, count, _PIECE)):

@@ -85,7 +85,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="lag", description="Lagrangia: a language for mechanics, with a compiler. `lag help` lists the topics.")
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
     commands = parser.add_subparsers(dest="name", required=True, metavar="COMMAND", parser_class=_Parser)
-    _add_simulate(commands.add_parser("simulate", help="compute the motion of a scene", description="Compute the motion of a scene."))
+    _add_simulate(_add(commands, "simulate", _simulate, "compute the motion of a scene"))
     check = _add(commands, "check", _check, "look for errors without running")
     check.add_argument("files", nargs="+", type=Path, metavar="FILE")
     topics = _add(commands, "help", _help, "longer texts: the language, the library, the solver")
@@ -101,14 +101,14 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def _add(commands: "argparse._SubParsersAction[_Parser]", name: str, command: Callable[[argparse.Namespace], int], text: str) -> argparse.ArgumentParser:
+def _add(commands: "argparse._SubParsersAction[_Parser]", name: str, command: Callable[[argparse.Namespace], int],
+         text: str) -> argparse.ArgumentParser:
     parser = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
     parser.set_defaults(command=command)
     return parser
 
 
 def _add_simulate(parser: argparse.ArgumentParser) -> None:
-    parser.set_defaults(command=_simulate)
     add = parser.add_argument
     add("file", type=Path, metavar="FILE")
     add("--model", metavar="NAME", help="the model to run; the last of the file by default")
@@ -118,8 +118,10 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("--interval", type=float, metavar="DT", help="time between two rows of the result")
     add("--at", metavar="T,T,...", help="the times of the rows, instead of an interval")
     add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter: -p L=2 -p 'k=1[kN/m]' -p n=20")
-    add("--initial", action="append", default=[], metavar="NAME=VALUE", help="a start value of a coordinate or rate: --initial hinge.phi=1.2")
-    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv", help="an input: a constant, or a table with a column time")
+    add("--initial", action="append", default=[], metavar="NAME=VALUE",
+        help="a start value of a coordinate or rate: --initial hinge.phi=1.2")
+    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv",
+        help="an input: a constant, or a table with a column time")
     add("--outputs", metavar="NAME,NAME,...", help="quantities to report besides coordinates, rates and outputs")
     add("-o", "--output", metavar="FILE", help="the result (FILE.csv; - for standard output); by default NAME.csv in this folder")
     add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
@@ -129,7 +131,8 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("--max-steps", type=int, default=0, metavar="N", help="give up after so many steps")
     add("--stats", action="store_true", help="say what was done, and in what time")
     add("--quiet", action="store_true", help="say nothing but errors")
-    add("--dump", metavar="PHASE", help="print what a phase makes, and stop: syntax, flat, graph, kinematics, energies, motion, needs, c")
+    add("--dump", metavar="PHASE",
+        help="print what a phase makes, and stop: syntax, flat, graph, kinematics, energies, motion, needs, c")
 
 
 if __name__ == "__main__":

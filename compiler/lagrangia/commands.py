@@ -1,7 +1,6 @@
 """What the subcommands of `lag` do."""
 
 import csv
-
 import sys
 import time
 from argparse import Namespace
@@ -37,7 +36,8 @@ def check_command(options: Namespace) -> int:
 
 def simulate_command(options: Namespace) -> int:
     if options.solver not in _SOLVERS and not options.solver.startswith("casadi"):
-        fail("L0704", f"there is no solver '{options.solver}'", None, f"the solvers are {', '.join(_SOLVERS)}, casadi:cvodes, casadi:idas")
+        fail("L0704", f"there is no solver '{options.solver}'", None,
+             f"the solvers are {', '.join(_SOLVERS)}, casadi:cvodes, casadi:idas")
     begin = time.perf_counter()
     outputs = _names(options.outputs)
     given = [_assignment(text, "-p") for text in options.parameter]
@@ -49,10 +49,12 @@ def simulate_command(options: Namespace) -> int:
         print(dump(model.compilation, options.dump))
         return 0
     at = None if options.at is None else [_number(text, "--at") for text in options.at.split(",")]
-    experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval, at=at,
-                      max_step=options.max_step, max_steps=options.max_steps)
-    parameters = _values([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural], {p.name: p.unit for p in scene.parameters})
-    units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)} | {a: scene.rates[k - scene.n].unit for a, k in scene.aliases.items()}
+    experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
+                      at=at, max_step=options.max_step, max_steps=options.max_steps)
+    parameters = _values([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural],
+                         {p.name: p.unit for p in scene.parameters})
+    units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
+    units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
     initial = _values([_assignment(text, "--initial") for text in options.initial], units)
     values = check_values(scene, parameters, initial, _inputs(options.input, scene))
     compiled = time.perf_counter() - begin
@@ -93,7 +95,8 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     scene = model.scene
     begin = time.perf_counter()
     if not options.solver.startswith("casadi") and model.engine is None and not options.quiet:
-        print("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate (pip install ziglang brings a compiler)",
+        print("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
+              "(pip install ziglang brings a compiler)",
               file=sys.stderr)
     bar = _Bar(experiment, sys.stderr)
     progress, portions = model.start(experiment, values, options.solver, bar)
@@ -138,7 +141,7 @@ class _writer:
         width = len(shown) + 5
         return lambda rows: print("\n".join(",".join(map(repr, rows[k : k + len(shown)])) for k in range(0, len(rows), width)))
 
-    def __exit__(self, *exception: Any) -> None:
+    def __exit__(self, *exception: object) -> None:
         if self.file is not None:
             self.file.__exit__(*exception)
 
@@ -149,7 +152,8 @@ def _plot(options: Namespace, model: Model, progress: Progress, rows: list[Seque
     from lagrangia.trajectory import Trajectory, collect
 
     observer = model._observer(np.array(progress.parameters), values)
-    Trajectory(model.scene, collect(model.scene, rows), progress, observer).plot(*_names(options.plot_quantities), path=options.plot)
+    trajectory = Trajectory(model.scene, collect(model.scene, rows), progress, observer)
+    trajectory.plot(*_names(options.plot_quantities), path=options.plot)
 
 
 # -------------------------------------------------------------------- what is said
@@ -164,11 +168,13 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
 
     say(f"{scene.name}: {scene.description}" if scene.description else scene.name)
     names = ", ".join(c.name for c in scene.coordinates[:6]) + (", ..." if scene.n > 6 else "")
-    say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''} ({names}), {experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
+    say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''} ({names}), "
+        f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
     engine = model.engine if not options.solver.startswith("casadi") else None
     solver = "erk 8(5,3)" if engine else f"casadi:{options.solver.partition(':')[2] or 'cvodes'}"
     if statistics is not None and engine is not None:
-        say(f"  {solver}, {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations in {_time(progress.seconds)}")
+        say(f"  {solver}, {engine.how}: {statistics.steps} steps, "
+            f"{statistics.rhs_evaluations} evaluations in {_time(progress.seconds)}")
         scale = statistics.energy_scale
         relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if scale > 0 else ""
         say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
@@ -185,13 +191,15 @@ def _tell(model: Model, progress: Progress, compiled: float, loaded: float, say:
     scene, statistics = model.scene, progress.statistics
     notes = scene.notes
     ways = ", ".join(f"{way} {count}" for way, count in notes["ways"].items())
-    say(f"  accelerations: {notes['way']}, {notes['acceleration_nodes']} nodes, {notes['nodes_per_coordinate']} a coordinate (tried: {ways})")
+    say(f"  accelerations: {notes['way']}, {notes['acceleration_nodes']} nodes, "
+        f"{notes['nodes_per_coordinate']} a coordinate (tried: {ways})")
     say(f"  right-hand side: {notes['rhs_operations']} operations; {scene.sizes['n_hoisted']} values hoisted out of it")
     how = "found in the cache" if model.is_cached else "; ".join(f"{k} {_time(v)}" for k, v in model.compilation.seconds.items())
     say(f"  compiled in {_time(compiled)} ({how}); native code in {_time(loaded)}")
     if statistics is not None and statistics.steps:
         say(f"  steps {statistics.smallest_step:.3g} to {statistics.largest_step:.3g} s, {statistics.rejected} rejected, "
-            f"{statistics.dense_outputs} dense outputs, {statistics.events} events; {_time(progress.seconds / statistics.rhs_evaluations)} an evaluation")
+            f"{statistics.dense_outputs} dense outputs, {statistics.events} events; "
+            f"{_time(progress.seconds / statistics.rhs_evaluations)} an evaluation")
         worst = (*scene.coordinates, *scene.rates)[statistics.worst].name if 0 <= statistics.worst < 2 * scene.n else "none"
         say(f"  the steps were limited last by {worst}")
 

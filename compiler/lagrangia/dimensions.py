@@ -154,9 +154,11 @@ class _Checker:
                 return self._binary(node, local)
             case IfExpression(condition, then, otherwise, span):
                 self.quantity(condition, local)  # type: ignore[arg-type]
-                return self.same(self.quantity(then, local), self.quantity(otherwise, local), span, "stand for one value")  # type: ignore[arg-type]
+                return self.same(self.quantity(then, local), self.quantity(otherwise, local), span,
+                                 "stand for one value")  # type: ignore[arg-type]
             case Array(items, span):
-                return self._common([self.quantity(item, local) for item in items], span, "stand in one array")  # type: ignore[arg-type]
+                return self._common([self.quantity(item, local) for item in items], span,
+                                    "stand in one array")  # type: ignore[arg-type]
             case Call():
                 return self._call(node, local)
 
@@ -164,7 +166,8 @@ class _Checker:
         if name not in self.known:
             variable = self.model.variables[name]
             found = self.declared(variable)
-            if found.dimension is None and variable.binding is not None and variable.kind == "variable" and name not in self.pending:
+            is_bound = variable.binding is not None and variable.kind == "variable"
+            if found.dimension is None and is_bound and name not in self.pending:
                 self.pending.add(name)
                 found = self.quantity(variable.binding)
                 self.pending.discard(name)
@@ -233,10 +236,12 @@ class _Checker:
                 return self._over(found[0], Quantity(_SECOND), node)
             case "shift" | "turn":
                 wanted = _METRE if node.function == "shift" else ONE
-                self.expect(node.arguments[1], wanted, "a shift" if node.function == "shift" else "an angle")  # type: ignore[arg-type]
+                self.expect(node.arguments[1], wanted,
+                            "a shift" if node.function == "shift" else "an angle")  # type: ignore[arg-type]
                 return ANY
             case "sqrt":
-                return Quantity(power(found[0].dimension, Fraction(1, 2)), found[0].is_soft) if found[0].dimension is not None else ANY
+                base = found[0].dimension
+                return ANY if base is None else Quantity(power(base, Fraction(1, 2)), found[0].is_soft)
             case "abs" | "norm" | "floor" | "ceil" | "rotate" | "element":
                 return found[0]
             case "sign":

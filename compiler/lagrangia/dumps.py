@@ -113,7 +113,8 @@ def _motion(compilation: Compilation) -> str:
 
     motion = compilation.motion
     n = motion.q.numel()
-    lines = [f"{n} coordinates; accelerations: {motion.way}, " + ", ".join(f"{w} {c} operations" for w, c in motion.nodes.items())]
+    ways = ", ".join(f"{way} {count} operations" for way, count in motion.nodes.items())
+    lines = [f"{n} coordinates; accelerations: {motion.way}, {ways}"]
     if n <= 12:
         M = mass_matrix(motion)
         lines += [f"M[{i + 1},{j + 1}] = {_short(M[i, j])}" for i in range(n) for j in range(i + 1) if M.sparsity().has_nz(i, j)]

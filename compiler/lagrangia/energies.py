@@ -76,7 +76,8 @@ def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:
 
 def _check_scalar(value: Value, kind: str, span: Span, report: Report) -> None:
     if isinstance(value, tuple):
-        report.error("L0303", f"a {kind} energy is one number, this is an array of {len(value)}", span, "dot(v, v) squares a vector")
+        report.error("L0303", f"a {kind} energy is one number, this is an array of {len(value)}", span,
+                     "dot(v, v) squares a vector")
 
 
 def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report) -> None:
@@ -93,7 +94,8 @@ def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report
         if kind == "potential":
             checks.append((rates, "L0502", "a potential cannot depend on velocities", "what resists motion is a dissipation"))
         if kind != "dissipation":
-            checks.append((inputs, "L0908", f"not supported yet: an input in a {kind} energy", "let it act as a force: work ... on ..."))
+            checks.append((inputs, "L0908", f"not supported yet: an input in a {kind} energy",
+                           "let it act as a force: work ... on ..."))
         for wrong, code, message, hint in checks:
             if wrong.numel() and ca.depends_on(whole, wrong):
                 for term in terms:

@@ -5,6 +5,7 @@ level 2 Duals of Duals with the acceleration as well. `der(e)` at level k is the
 """
 
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
 
 from lagrangia.algebra import TINY, Algebra, DualAlgebra, Scalar, rate_of
@@ -174,7 +175,8 @@ class Evaluator:
         ends = []
         for argument in node.arguments:
             is_frame = isinstance(argument, FrameRef) and not argument.attribute
-            ends.append(self.leaves.frame(argument.name, "r", level) if is_frame else self.value(argument, level))  # type: ignore[union-attr, arg-type]
+            ends.append(self.leaves.frame(argument.name, "r", level) if is_frame else self.value(argument,
+                                                                                                 level))  # type: ignore[union-attr, arg-type]
         return self.norm(_zip(lambda x, y: x - y, ends[1], ends[0], node.span), level)
 
     def norm(self, vector: Value, level: int) -> Scalar:
@@ -279,7 +281,7 @@ def _table(evaluator: Evaluator, arguments: list[Value], level: int, span: Span)
     x, xs, ys = arguments
     if not isinstance(xs, tuple) or not isinstance(ys, tuple) or len(xs) != len(ys) or len(xs) < 2:
         fail("L0303", "table(x, {x1, x2, ...}, {y1, y2, ...}) needs two arrays of equal size, at least 2", span)
-    if all(isinstance(v, float | int) for v in xs) and any(b <= a for a, b in zip(xs, xs[1:], strict=False)):
+    if all(isinstance(v, float | int) for v in xs) and any(b <= a for a, b in pairwise(xs)):
         fail("L0303", "the x of a table must rise", span)
     algebra = evaluator.algebras[level]
     value: Scalar = ys[-1]

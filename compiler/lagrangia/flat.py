@@ -6,12 +6,13 @@ from typing import Any, Literal
 
 from lagrangia.algorithms import FlatFunction, flatten_function
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import Diagnostic, LagError, Report, Span, fail, suggest
+from lagrangia.diagnostics import LagError, Report, Span, fail, suggest
 from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
 from lagrangia.names import FRAME_FUNCTIONS, Flat, FrameRef, Names, Ref, fold
 from lagrangia.tree import (
     Argument,
     Array,
+    Boolean,
     Call,
     CallEquation,
     ClassDefinition,
@@ -216,10 +217,8 @@ class _Flattening:
         declaration = slot.declaration
         if slot.is_structural:
             value = self.names.structural_value(slot, declaration.name_span)
-            if not isinstance(value, Array) and isinstance(value, Number) | isinstance(value, String):
-                self.structural[slot.path] = value.value  # type: ignore[union-attr]
-            elif not isinstance(value, Array):
-                self.structural[slot.path] = value.value  # type: ignore[union-attr]
+            if isinstance(value, Number | Boolean | String):
+                self.structural[slot.path] = value.value
             return
         kind = self._kind(slot)
         if slot.binding is None and kind == "parameter":
@@ -288,7 +287,8 @@ class _Flattening:
         value = self.names.flatten_bound(slot.binding)
         span = slot.binding.expression.span
         if not is_frame(value):
-            fail("L0221", f"the port '{slot.path}' needs a frame", span, "bind it to a port, as bar.a, or to shift(...), turn(...)")
+            fail("L0221", f"the port '{slot.path}' needs a frame", span,
+                 "bind it to a port, as bar.a, or to shift(...), turn(...)")
         self.frame_equations.append(FrameEquation(FrameRef(slot.path, "", (), span), value, span))
 
     # ------------------------------------------------------------ clauses
@@ -313,7 +313,8 @@ class _Flattening:
             case CallEquation(call, span):
                 self._add_call(call, scope, span)
             case EnergyTerm(what, value, _, span):
-                self.energies.append(Energy(what, self.names.flatten(value, scope), scope.instance.path, span))  # type: ignore[arg-type]
+                self.energies.append(Energy(what, self.names.flatten(value, scope), scope.instance.path,
+                                            span))  # type: ignore[arg-type]
             case WorkTerm(force, position, _, span):
                 flat = self.names.flatten(force, scope), self.names.flatten(position, scope)
                 self.works.append(Work(*flat, scope.instance.path, span))
@@ -370,7 +371,8 @@ class _Flattening:
         values: dict[str, float] = {}
         for argument in (a for top in annotation if top.name == "experiment" for a in top.arguments):
             if argument.name not in fields:
-                fail("L0208", f"experiment has no '{argument.name}'", argument.span, *filter(None, [suggest(argument.name, fields)]))
+                fail("L0208", f"experiment has no '{argument.name}'", argument.span,
+                     *filter(None, [suggest(argument.name, fields)]))
             value = fold(self.names.flatten(argument.value, scope)) if argument.value is not None else None
             if value is None or isinstance(value, bool):
                 fail("L0208", f"'{argument.name}' must be a number", argument.span)
@@ -408,8 +410,6 @@ def _override_tree(overrides: Mapping[str, Any], root: Instance) -> Modification
 
 
 def _literal(value: Any, span: Span) -> Expression:
-    from lagrangia.tree import Boolean
-
     if isinstance(value, bool):
         return Boolean(value, span)
     if isinstance(value, str):
@@ -417,6 +417,3 @@ def _literal(value: Any, span: Span) -> Expression:
     if isinstance(value, Sequence):
         return Array(tuple(_literal(item, span) for item in value), span)
     return Number(float(value), None, span, float(value).is_integer())
-
-
-__all__ = ["Diagnostic", "Energy", "Equation", "Experiment", "FlatModel", "Frame", "FrameEquation", "Variable", "Work", "flatten", "is_frame"]

@@ -64,7 +64,7 @@ def people_functions(kinematics: Kinematics, motion: Motion, outputs: tuple[str,
     M(q, p) (n, n): M dv/dt + h = 0;  rhs: dv/dt (n,);  energies: T, V, D;  jacobian: d(dv/dt)/d(q, v) (n, 2 n).
     """
     t, q, v, u, p = motion.t, motion.q, motion.v, motion.u, motion.p
-    names, y = _outputs(kinematics, outputs)
+    _names, y = _outputs(kinematics, outputs)
     y = ca.substitute(y, motion.a, motion.acceleration) if y.numel() else y
     expressions = {
         "M": [mass_matrix(motion)], "h": [motion.h], "rhs": [motion.acceleration], "energies": [motion.T, motion.V, motion.D],
@@ -154,7 +154,8 @@ def _parameters(model: FlatModel, kinematics: Kinematics, p: ca.SX) -> tuple[ca.
     if n == 0:
         return given, mask, ca.SX(0, 1)
     leaves = _ParameterLeaves(model, kinematics, given, mask)
-    values = [x for v in model.variables.values() if v.kind == "parameter" for _, x in _scalars(v.name, leaves.parameter(v.name, v.span))]
+    parameters = [v for v in model.variables.values() if v.kind == "parameter"]
+    values = [x for v in parameters for _, x in _scalars(v.name, leaves.parameter(v.name, v.span))]
     return given, mask, ca.cse(ca.vertcat(*values))
 
 

@@ -190,8 +190,8 @@ class _Building:
                 seen.add(id(edge))
                 if not edge.steps and same.find(edge.parent) == same.find(edge.child):
                     continue
-                self.report.error("L0905", f"not supported yet: a closed loop, through '{edge.parent}' and '{edge.child}'", edge.span,
-                                  "this joins two frames that are already joined another way")
+                self.report.error("L0905", f"not supported yet: a closed loop, through '{edge.parent}' and '{edge.child}'",
+                                  edge.span, "this joins two frames that are already joined another way")
 
     # ------------------------------------------------------------ islands
 
@@ -253,7 +253,7 @@ class _Building:
                           f"bind it, {port} = world or {port} = bar.a, or connect({named.name}, ...)")
 
     def _place(self, frame: Frame) -> Span:
-        """Where the user declared the component: the declaration of an equation of its island in the user's file, else the port."""
+        """Where the user declared the component: an equation of its island in the user's file, else the port."""
         return frame.span
 
     # ------------------------------------------------------------ coordinates
@@ -284,8 +284,8 @@ class _Building:
             name = rate_of(variable)
             if name is None or name not in self.bindings or self.model.variables[name].kind != "coordinate":
                 if variable.kind == "variable":
-                    self.report.error("L0907", f"not supported yet: a start for '{variable.name}', which is no coordinate", variable.span,
-                                      f"write it as an initial equation: {variable.name} = ...;")
+                    self.report.error("L0907", f"not supported yet: a start for '{variable.name}', which is no coordinate",
+                                      variable.span, f"write it as an initial equation: {variable.name} = ...;")
                 continue
             starts[name] = variable.start
         return starts
@@ -300,7 +300,8 @@ class _Building:
         rate = {"x": "vx", "y": "vy", "phi": "w"}
         what = {"x": "horizontal position", "y": "height", "phi": "angle"}
         return [
-            Coordinate(f"{root.frame}.{a}", "rad" if a == "phi" else "m", "deg" if a == "phi" else "", starts.get(a), starts.get(rate[a]),
+            Coordinate(f"{root.frame}.{a}", "rad" if a == "phi" else "m", "deg" if a == "phi" else "",
+                       starts.get(a), starts.get(rate[a]),
                        bool(frame.fixed & {a, "r" if a != "phi" else a}), f"{what[a]} of the floating {frame.owner}", frame.span)
             for a in root.attributes
         ]

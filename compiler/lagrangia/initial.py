@@ -67,7 +67,8 @@ class _Starts:
         if isinstance(value, tuple):
             self.report.error("L0303", "a start value is one number here", start.span)
         elif self._moves(value):
-            self.report.error("L0602", "a start value depends on parameters only", start.span, "write an initial equation instead")
+            self.report.error("L0602", "a start value depends on parameters only", start.span,
+                              "write an initial equation instead")
         else:
             self.values[slot] = value
 
@@ -115,7 +116,7 @@ class _Starts:
     # ------------------------------------------------------------ what an expression names
 
     def _slots(self, node: Flat) -> list[int] | None:
-        """Slots of q and v that a side of an equation names: phi, der(phi), w bound to der(phi), bar.center.r of a floating bar."""
+        """Slots of q and v that a side of an equation names: phi, der(phi), w bound to der(phi), bar.center.r when it floats."""
         if isinstance(node, Ref) and not node.index:
             return self._named(node.name)
         if isinstance(node, Call) and node.function == "der" and isinstance(node.arguments[0], Ref):
@@ -141,4 +142,5 @@ class _Starts:
         return ca.vertcat(*symbols.positions.values(), *symbols.rates.values())
 
     def _moves(self, value: Value) -> bool:
-        return isinstance(value, ca.SX) and ca.depends_on(value, ca.vertcat(self.kinematics.algebra.state, self.kinematics.symbols.time))
+        moving = ca.vertcat(self.kinematics.algebra.state, self.kinematics.symbols.time)
+        return isinstance(value, ca.SX) and ca.depends_on(value, moving)

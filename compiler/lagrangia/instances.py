@@ -190,8 +190,8 @@ class Instantiation:
             seen.add(declaration.name)
 
     def _unknown_member(self, definition: ClassDefinition, name: str, span: Span | None, known: set[str]) -> None:
-        elsewhere = [other for other in self.table.library.values()
-                     if other.kind == "model" and not other.is_partial and name in {e.name for e in other.elements if isinstance(e, Declaration)}]
+        elsewhere = [other for other in self.table.library.values() if other.kind == "model" and not other.is_partial
+                     and any(isinstance(e, Declaration) and e.name == name for e in other.elements)]
         hints = [suggest(name, known)]
         if not hints[0].startswith("did you mean") and 0 < len(elsewhere) <= 4:
             hints.append(f"'{name}' is a parameter or port of {', '.join(sorted(o.name for o in elsewhere))}")
@@ -207,11 +207,11 @@ class Instantiation:
         """All variables first, then their sizes: a size may use a parameter declared further down."""
         scope = Scope(instance)
         slots: list[Slot] = []
-        for declaration, change in members:
+        for declaration, written in members:
             base = self.table.base_type(declaration.type_name, declaration.type_span)
             assert base is not None
             inherited = modification_of(base[1], scope, None, declaration.name_span)
-            change = merge(change, inherited)
+            change = merge(written, inherited)
             for name, inner in change.children.items():
                 if name not in ATTRIBUTES:
                     self.report.error("L0208", f"{declaration.type_name} has no attribute '{name}'", inner.span,

@@ -7,19 +7,16 @@ import casadi as ca
 
 from lagrangia.runtime import Op, Tape
 
-_NAMES = {
-    "ASSIGN": "ASSIGN", "ADD": "ADD", "SUB": "SUB", "MUL": "MUL", "DIV": "DIV", "NEG": "NEG", "SQ": "SQ", "TWICE": "TWICE", "INV": "INV",
-    "SQRT": "SQRT", "SIN": "SIN", "COS": "COS", "TAN": "TAN", "ASIN": "ASIN", "ACOS": "ACOS", "ATAN": "ATAN", "ATAN2": "ATAN2",
-    "EXP": "EXP", "LOG": "LOG", "POW": "POW", "CONSTPOW": "CONSTPOW", "FABS": "FABS", "SIGN": "SIGN", "FMIN": "FMIN", "FMAX": "FMAX",
-    "FLOOR": "FLOOR", "CEIL": "CEIL", "FMOD": "FMOD", "COPYSIGN": "COPYSIGN", "LT": "LT", "LE": "LE", "EQ": "EQ", "NE": "NE",
-    "NOT": "NOT", "AND": "AND", "OR": "OR", "IF_ELSE_ZERO": "IF_ELSE_ZERO", "SINH": "SINH", "COSH": "COSH", "TANH": "TANH",
-    "ASINH": "ASINH", "ACOSH": "ACOSH", "ATANH": "ATANH", "ERF": "ERF",
-}
-_OPS: Mapping[int, Op] = {getattr(ca, f"OP_{casadi}"): Op[ours] for casadi, ours in _NAMES.items()}
+# An operation has the same name in CasADi and in runtime/tape.h.
+_MOVES = (Op.INPUT, Op.OUTPUT, Op.CONST)
+_OPS: Mapping[int, Op] = {getattr(ca, f"OP_{op.name}"): op for op in Op if op not in _MOVES}
 
 
 def tape_of(function: ca.Function) -> Tape:
-    """The instructions of an SX Function with dense inputs and outputs. Raises NotImplementedError for an op the run time lacks."""
+    """The instructions of an SX Function with dense inputs and outputs.
+
+    Raises NotImplementedError for an operation that the run time lacks.
+    """
     code: array[int] = array("i")
     constants: array[float] = array("d")
     for k in range(function.n_instructions()):
@@ -42,4 +39,4 @@ def tape_of(function: ca.Function) -> Tape:
 
 def count_operations(tape: Tape) -> int:
     """Instructions that compute something."""
-    return sum(1 for k in range(0, len(tape.code), 4) if tape.code[k] not in (Op.INPUT, Op.OUTPUT, Op.CONST))
+    return sum(1 for k in range(0, len(tape.code), 4) if tape.code[k] not in _MOVES)

@@ -1,7 +1,8 @@
 """ComponentGraph -> position, angle, velocity and rate of every frame as functions of q, v and t.
 
-Along a tree: shift(a, d): r_b = r_a + R(phi_a) d;  turn(a, alpha): phi_b = phi_a + alpha. The poses are evaluated with Duals,
-so the velocities come with the positions. Only this module, the frame functions and the library know that there are two dimensions.
+Along a tree: shift(a, d): r_b = r_a + R(phi_a) d;  turn(a, alpha): phi_b = phi_a + alpha. The poses are evaluated with
+Duals, so the velocities come with the positions. Only this module, the frame functions and the library know that there are two
+dimensions.
 """
 
 from dataclasses import dataclass, field

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.cache import find_scene, keep_scene
 from lagrangia.diagnostics import RunError
-from lagrangia.scene import Scene
 from lagrangia.native import Build
+from lagrangia.scene import Scene
 from lagrangia.simulate import Engine, check_values, load_engine, plan, simulate, start_building
 from lagrangia.trajectory import Trajectory, collect
 
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 def load(path: str | os.PathLike[str], *, model: str | None = None, **structural: Any) -> "Model":
     """Compile the last model of a `.lag` file, or the one named `model`.
 
-    Keyword arguments give structural parameters (Integer, Boolean, constants): lag.load("chain.lag", n=20); a dotted name goes in a
-    dictionary, lag.load("x.lag", **{"left.n": 3}). Raises LagError when the file is wrong.
+    Keyword arguments give structural parameters (Integer, Boolean, constants): lag.load("chain.lag", n=20); a dotted name goes in
+    a dictionary, lag.load("x.lag", **{"left.n": 3}). Raises LagError when the file is wrong.
     """
     return Model(Path(path), model, structural)
 
@@ -32,7 +32,8 @@ def load(path: str | os.PathLike[str], *, model: str | None = None, **structural
 class Model:
     """A compiled scene. Parameters are numbers of each run: changing one compiles nothing."""
 
-    def __init__(self, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None, outputs: Sequence[str] = ()) -> None:
+    def __init__(self, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
+                 outputs: Sequence[str] = ()) -> None:
         self.path, self.model, self.structural, self.outputs = path, model, dict(structural or {}), tuple(outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
@@ -70,15 +71,16 @@ class Model:
         return self.scene.name
 
     def simulate(
-        self, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None, interval: float | None = None,
-        at: Sequence[float] | None = None, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
-        inputs: Any = None, solver: str = "auto", max_step: float = 0.0, max_steps: int = 0,
+        self, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None,
+        interval: float | None = None, at: Sequence[float] | None = None, parameters: Mapping[str, float] | None = None,
+        initial: Mapping[str, float] | None = None, inputs: Any = None, solver: str = "auto", max_step: float = 0.0,
+        max_steps: int = 0,
     ) -> Trajectory:
         """Integrate from `start` to `stop` (s); rows every `interval`, or at the times `at`.
 
-        `tolerance` is relative to the size of each coordinate and rate. `parameters` and `initial` map names to values in SI units;
-        `inputs` maps names to constants, or is a pair (times, {name: values}) of tables that are linear in between. `solver` is
-        "auto", "erk" (the run time's Dormand-Prince 8(5,3)), or an integrator of CasADi as "casadi:cvodes".
+        `tolerance` is relative to the size of each coordinate and rate. `parameters` and `initial` map names to values in SI
+        units; `inputs` maps names to constants, or is a pair (times, {name: values}) of tables that are linear in between.
+        `solver` is "auto", "erk" (the run time's Dormand-Prince 8(5,3)), or an integrator of CasADi as "casadi:cvodes".
         Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on.
         """
         import numpy as np
@@ -93,7 +95,8 @@ class Model:
             kept.extend(portions)
         except RunError as error:
             failure = error
-        trajectory = Trajectory(self.scene, collect(self.scene, kept), progress, self._observer(np.array(progress.parameters), values))
+        trajectory = Trajectory(self.scene, collect(self.scene, kept), progress,
+                                self._observer(np.array(progress.parameters), values))
         if failure is not None:
             failure.trajectory = trajectory
             raise failure

@@ -81,7 +81,7 @@ def _inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, 
     For a rigid body's T the first two are sum_i (dr_i/dq)^T m a_i with the acceleration a_i that remains when dv/dt = 0: of
     the two halves of d/dt(dT/dv) and dT/dq nothing that cancels is ever built. All reverse sweeps are one.
     """
-    at_rest = {name: 0.0 for name in kinematics.symbols.accelerations}
+    at_rest = dict.fromkeys(kinematics.symbols.accelerations, 0.0)
     remaining = Kinematics(kinematics.graph, replace(kinematics.symbols, accelerations=at_rest), kinematics.algebra)
     positions: list[Scalar] = [energies.total(energies.potential)]
     forces: list[Scalar] = [1.0]
@@ -144,7 +144,8 @@ def _require_mass(kinematics: Kinematics, momentum: ca.SX, v: ca.SX) -> None:
     if massless:
         coordinate = kinematics.graph.coordinates[massless[0]]
         others = f" (nor do {', '.join(kinematics.graph.coordinates[k].name for k in massless[1:4])})" if massless[1:] else ""
-        fail("L0504", f"the coordinate '{coordinate.name}' moves no mass{others}", coordinate.span, _missing_port(kinematics, coordinate.name))
+        fail("L0504", f"the coordinate '{coordinate.name}' moves no mass{others}", coordinate.span,
+             _missing_port(kinematics, coordinate.name))
 
 
 def _missing_port(kinematics: Kinematics, coordinate: str) -> str:

@@ -416,8 +416,8 @@ _FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
     ">": lambda a, b: a > b, ">=": lambda a, b: a >= b, "and": lambda a, b: a and b, "or": lambda a, b: a or b,
 }
 _FOLD_CALLS: Mapping[str, Callable[..., Any]] = {
-    "floor": math.floor, "ceil": math.ceil, "abs": abs, "mod": lambda a, b: a - b * math.floor(a / b), "sqrt": math.sqrt, "sin": math.sin,
-    "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log, "min": min, "max": max,
+    "floor": math.floor, "ceil": math.ceil, "abs": abs, "mod": lambda a, b: a - b * math.floor(a / b), "sqrt": math.sqrt,
+    "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log, "min": min, "max": max,
 }
 
 

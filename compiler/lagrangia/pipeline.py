@@ -46,7 +46,8 @@ class Compilation:
     seconds: Mapping[str, float]
 
 
-def compile_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None, outputs: tuple[str, ...] = ()) -> Compilation:
+def compile_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
+                 outputs: tuple[str, ...] = ()) -> Compilation:
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
     from lagrangia.dimensions import check_dimensions
     from lagrangia.energies import build_energies
@@ -141,7 +142,8 @@ def _choose(syntax: "Syntax", name: str | None) -> Any:
     if name is not None:
         chosen = [c for c in models if c.name == name]
         if not chosen:
-            fail("L0003", f"'{syntax.source.name}' has no model '{name}'", None, *filter(None, [suggest(name, [c.name for c in models])]))
+            fail("L0003", f"'{syntax.source.name}' has no model '{name}'", None,
+                 *filter(None, [suggest(name, [c.name for c in models])]))
         return chosen[0]
     complete = [c for c in models if not c.is_partial]
     if not complete:

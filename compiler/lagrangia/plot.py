@@ -17,7 +17,8 @@ _FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".webp")
 _MOST_IN_LEGEND = 12
 
 
-def draw(scene: Scene, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndarray]]", path: str | os.PathLike[str] | None = None) -> Any:
+def draw(scene: Scene, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndarray]]",
+         path: str | os.PathLike[str] | None = None) -> Any:
     """One panel a unit, angles in degrees when the quantity is shown so; returns the matplotlib Figure.
 
     Raises LagError L0004 when the picture cannot be written.

@@ -32,8 +32,9 @@ def build_scene(kinematics: Kinematics, motion: Motion, initial: InitialConditio
     parameters = _parameters(model, "parameter")
     inputs = _parameters(model, "input")
     sizes = {
-        "n": len(coordinates), "n_parameters": len(parameters), "n_hoisted": functions.table["hoist"].numel_out(0), "n_inputs": len(inputs),
-        "n_modes": len(functions.event_kinds), "n_events": len(functions.event_kinds), "n_outputs": len(outputs),
+        "n": len(coordinates), "n_parameters": len(parameters), "n_hoisted": functions.table["hoist"].numel_out(0),
+        "n_inputs": len(inputs), "n_modes": len(functions.event_kinds),
+        "n_events": len(functions.event_kinds), "n_outputs": len(outputs),
         "n_initial": initial.residuals.numel(), "n_power": functions.n_power,
         "outputs_need_acceleration": int(functions.outputs_need_acceleration),
     }
@@ -74,7 +75,8 @@ def _parameters(model: FlatModel, kind: str) -> tuple[Parameter, ...]:
         for (name, _), value in zip(variable.elements(), values, strict=True):
             if kind == "input" and value is None:
                 fail("L0605", f"the start of the input '{name}' must be a number", variable.span)
-            found.append(Parameter(name, variable.unit, value, variable.minimum, variable.maximum, variable.description, str(variable.span)))
+            found.append(Parameter(name, variable.unit, value, variable.minimum, variable.maximum, variable.description,
+                                   str(variable.span)))
     return tuple(found)
 
 

@@ -7,12 +7,13 @@ import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 from lagrangia.ccode import write_c
 from lagrangia.diagnostics import LagError, Report, RunError, suggest
-from lagrangia.native import Build, CompilerError, find_compiler, start_build, start_runtime_build
 from lagrangia.folders import data_folder
+from lagrangia.native import Build, CompilerError, find_compiler, start_build, start_runtime_build
 from lagrangia.runtime import Failure, Model, Run, Runtime, Settings, Statistics, Status
 from lagrangia.scene import Scene
 
@@ -37,7 +38,9 @@ class Experiment:
     max_steps: int = 0
 
     def count(self) -> int:
-        return len(self.at) if self.at is not None else math.floor((self.stop - self.start) / self.interval * (1 + 1e-12)) + 1 + self._last()
+        if self.at is not None:
+            return len(self.at)
+        return math.floor((self.stop - self.start) / self.interval * (1 + 1e-12)) + 1 + self._last()
 
     def _last(self) -> int:
         """1 when the stop time does not fall on the grid and gets a row of its own."""
@@ -96,8 +99,9 @@ class Progress:
 # -------------------------------------------------------------------- checking what is given
 
 
-def plan(scene: Scene, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None, interval: float | None = None,
-         at: Sequence[float] | None = None, max_step: float = 0.0, max_steps: int = 0) -> Experiment:
+def plan(scene: Scene, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None,
+         interval: float | None = None, at: Sequence[float] | None = None, max_step: float = 0.0,
+         max_steps: int = 0) -> Experiment:
     """The experiment of the annotation with what is given instead. Raises LagError L0702."""
     report = Report()
     begin = scene.start if start is None else start
@@ -110,7 +114,8 @@ def plan(scene: Scene, *, stop: float | None = None, start: float | None = None,
         report.error("L0702", f"the stop time {end:g} must be later than the start time {begin:g}")
     if not 0 < accuracy < 1:
         report.error("L0702", f"the tolerance must lie between 0 and 1, not {accuracy:g}", None, "1e-6 is loose, 1e-12 is tight")
-    step = interval if interval is not None else scene.interval if scene.interval is not None and stop is None else (end - begin) / 500
+    usual = scene.interval if scene.interval is not None and stop is None else (end - begin) / 500
+    step = usual if interval is None else interval
     if interval is not None and not (math.isfinite(interval) and interval > 0):
         report.error("L0702", f"the interval must be a positive number, not {interval}")
     _check_times(at, begin, end, report)
@@ -129,7 +134,7 @@ def _check_times(at: Sequence[float] | None, begin: float, end: float, report: R
         return
     if not at:
         report.error("L0702", "no output time is given")
-    elif any(not math.isfinite(t) for t in at) or any(b <= a for a, b in zip(at, at[1:], strict=False)):
+    elif any(not math.isfinite(t) for t in at) or any(b <= a for a, b in pairwise(at)):
         report.error("L0702", "the output times must be finite and rising")
     elif at[0] < begin or at[-1] > end:
         report.error("L0702", f"the output times must lie between {begin:g} and {end:g}")
@@ -155,7 +160,8 @@ def check_values(
     for name, value in (initial or {}).items():
         slot = scene.slot(name)
         if slot is None:
-            _unknown("coordinate or rate", name, [c.name for c in (*scene.coordinates, *scene.rates)] + list(scene.aliases), report)
+            known = [*(c.name for c in (*scene.coordinates, *scene.rates)), *scene.aliases]
+            _unknown("coordinate or rate", name, known, report)
         elif not math.isfinite(value):
             report.error("L0605", f"the initial value of '{name}' must be a finite number, not {value}")
         else:
@@ -180,7 +186,7 @@ def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[fl
             report.error("L0703", f"the input '{name}' has {len(column)} values for {len(times)} times")
         if not all(map(math.isfinite, (*column, *times))):
             report.error("L0703", f"the input '{name}' must be finite everywhere")
-    if any(b < a for a, b in zip(times, times[1:], strict=False)):
+    if any(b < a for a, b in pairwise(times)):
         report.error("L0703", "the times of the inputs must not fall")
     full = [columns.get(p.name, [p.value or 0.0] * len(times)) for p in scene.inputs]
     return times, [column[row] for row in range(len(times)) for column in full if row < len(column)]
@@ -195,13 +201,13 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
     report = Report()
     for known, value in zip(scene.parameters, parameters, strict=True):
         unit = f" {known.unit}" if known.unit else ""
-        where = f"declared at {known.place}"
+        what, where = f"the parameter '{known.name}'", f"declared at {known.place}"
         if not math.isfinite(value):
-            report.error("L0605", f"the parameter '{known.name}' has no finite value: {value}", None, where)
+            report.error("L0605", f"{what} has no finite value: {value}", None, where)
         elif known.minimum is not None and value < known.minimum:
-            report.error("L0605", f"the parameter '{known.name}' is {value:g}{unit}, less than its minimum {known.minimum:g}{unit}", None, where)
+            report.error("L0605", f"{what} is {value:g}{unit}, less than its minimum {known.minimum:g}{unit}", None, where)
         elif known.maximum is not None and value > known.maximum:
-            report.error("L0605", f"the parameter '{known.name}' is {value:g}{unit}, more than its maximum {known.maximum:g}{unit}", None, where)
+            report.error("L0605", f"{what} is {value:g}{unit}, more than its maximum {known.maximum:g}{unit}", None, where)
     report.raise_errors()
 
 

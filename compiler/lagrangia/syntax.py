@@ -111,8 +111,8 @@ def _fail_unexpected(source: Source, error: UnexpectedInput) -> None:
 _SPOKEN = {
     "NAME": "a name", "NUMBER": "a number", "QUANTITY": "a number", "STRING": "a text in quotes", "LPAR": "'('", "RPAR": "')'",
     "LBRACE": "'{'", "RBRACE": "'}'", "LSQB": "'['", "RSQB": "']'", "SEMICOLON": "';'", "COMMA": "','", "EQUAL": "'='",
-    "COLON": "':'", "DOT": "'.'", "CIRCUMFLEX": "'^'", "ADD": "'+' or '-'", "MULTIPLY": "'*' or '/'", "$END": "the end of the file",
-    "__ANON_0": "':='", "CLASS_KIND": "'model'",
+    "COLON": "':'", "DOT": "'.'", "CIRCUMFLEX": "'^'", "ADD": "'+' or '-'", "MULTIPLY": "'*' or '/'",
+    "$END": "the end of the file", "__ANON_0": "':='", "CLASS_KIND": "'model'",
 }
 _EXPRESSION = {"NUMBER", "NAME", "LPAR", "LBRACE"}
 

@@ -21,7 +21,9 @@ _ENERGIES = ("kinetic", "potential", "total", "dissipated", "work")
 
 @dataclass(frozen=True)
 class EnergyAccount:
-    """Energies over time in J: arrays of the length of `time`. residual = H - H(0) + dissipated - work, which is 0 but for errors.
+    """Energies over time in J: arrays of the length of `time`.
+
+    residual = H - H(0) + dissipated - work, which is 0 but for errors.
 
     H is kinetic + potential, except when supports move with time.
     """

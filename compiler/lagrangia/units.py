@@ -44,8 +44,8 @@ _UNITS = {
     "lbf": Unit(4.4482216152605, _NEWTON), "eV": Unit(1.602176634e-19, _JOULE),
     "C": Unit(1, dimension(A=1, s=1)), "V": Unit(1, dimension(kg=1, m=2, s=-3, A=-1)),
     "Ohm": Unit(1, dimension(kg=1, m=2, s=-3, A=-2)), "F": Unit(1, dimension(kg=-1, m=-2, s=4, A=2)),
-    "H": Unit(1, dimension(kg=1, m=2, s=-2, A=-2)), "Wb": Unit(1, dimension(kg=1, m=2, s=-2, A=-1)), "T": Unit(1, dimension(kg=1, s=-2, A=-1)),
-    "degC": Unit(1, _K, 273.15),
+    "H": Unit(1, dimension(kg=1, m=2, s=-2, A=-2)), "Wb": Unit(1, dimension(kg=1, m=2, s=-2, A=-1)),
+    "T": Unit(1, dimension(kg=1, s=-2, A=-1)), "degC": Unit(1, _K, 273.15),
 }
 _PREFIXES = {"q": -30, "r": -27, "y": -24, "z": -21, "a": -18, "f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3,
              "c": -2, "d": -1, "da": 1, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12, "P": 15, "E": 18, "Z": 21, "Y": 24}
@@ -100,7 +100,7 @@ def _prefixed(name: str) -> Unit:
 
 
 def known_units() -> list[str]:
-    return sorted(set(_UNITS) - {"1"}) + ["kg", "mm", "kN"]
+    return [*sorted(set(_UNITS) - {"1"}), "kg", "mm", "kN"]
 
 
 def multiply(a: Dimension, b: Dimension) -> Dimension:
@@ -115,8 +115,8 @@ def power(a: Dimension, exponent: Fraction) -> Dimension:
     return tuple(x * exponent for x in a)
 
 
-_NAMED = {_NEWTON: "N", _JOULE: "J (or N.m)", _WATT: "W", dimension(s=-1): "1/s", dimension(kg=1, s=-2): "N/m", dimension(kg=1, s=-1): "N.s/m",
-          _M: "m", _KG: "kg", _S: "s", ONE: "1 (no unit, or an angle)"}
+_NAMED = {_NEWTON: "N", _JOULE: "J (or N.m)", _WATT: "W", dimension(s=-1): "1/s", dimension(kg=1, s=-2): "N/m",
+          dimension(kg=1, s=-1): "N.s/m", _M: "m", _KG: "kg", _S: "s", ONE: "1 (no unit, or an angle)"}
 
 
 def spell(d: Dimension) -> str:
