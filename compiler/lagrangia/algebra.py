@@ -145,10 +145,10 @@ class Dual:
         return Dual(-self.value, 0.0 if _is_zero(self.rate) else -self.rate)
 
     def __sub__(self, other: Scalar) -> "Dual":
-        return self + (-other)
+        return self.__add__(-other)
 
     def __rsub__(self, other: Scalar) -> "Dual":
-        return (-self) + other
+        return (-self).__add__(other)
 
     def __mul__(self, other: Scalar) -> "Dual":
         if isinstance(other, Dual):

@@ -6,18 +6,21 @@ from typing import Any
 
 from lagrangia.diagnostics import Span, fail, suggest
 from lagrangia.instances import Instance, Scope
-from lagrangia.names import Flat, Local, Names
+from lagrangia.names import Names
 from lagrangia.tree import (
     Assignment,
     Call,
     ClassDefinition,
     Clause,
     Declaration,
+    Flat,
     ForBlock,
     IfBlock,
     IfExpression,
+    Local,
     Reference,
     Section,
+    String,
 )
 
 
@@ -32,7 +35,7 @@ class FlatFunction:
     output: str
     span: Span
 
-    def arrange(self, call: Call) -> tuple[Any, ...]:
+    def arrange(self, call: Call[Flat]) -> tuple[Any, ...]:
         """The arguments of a call in the order of the inputs. Raises LagError L0215."""
         given = dict(zip(self.inputs, call.arguments, strict=False))
         if len(call.arguments) > len(self.inputs):
@@ -64,9 +67,9 @@ class _Builder:
             base = names.table.base_type(declaration.type_name, declaration.type_span)
             if base is None or base[0] not in ("Real", "Integer") or declaration.dimensions:
                 fail("L0902", "not supported yet: a function variable that is no scalar number", declaration.name_span)
-            unit = [a.value.value for a in (*base[1],
-                                            *declaration.arguments) if a.name == "unit" and a.value is not None]  # type: ignore[union-attr]
-            self.units[declaration.name] = unit[-1] if unit else ""
+            units = [a.value.value for a in (*base[1], *declaration.arguments)
+                     if a.name == "unit" and isinstance(a.value, String)]
+            self.units[declaration.name] = units[-1] if units else ""
 
     def build(self) -> FlatFunction:
         definition = self.definition
@@ -125,8 +128,7 @@ class _Builder:
             taken.append(dict(inner))
         for name in {**taken[0], **taken[1]}:
             old: Flat = Local(name, span)
-            steps.append((name, IfExpression(condition, taken[0].get(name, old), taken[1].get(name, old),
-                                             span)))  # type: ignore[arg-type]
+            steps.append((name, IfExpression(condition, taken[0].get(name, old), taken[1].get(name, old), span)))
 
 
 class _LocalNames(Names):

@@ -4,7 +4,7 @@ A kinetic term that reads only the velocities of frames of one rigid body, is qu
 the body is moved and turned, is that body's inertia: mass, first moment and second moment about one of its frames.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -15,8 +15,7 @@ from lagrangia.evaluation import Evaluator, Value
 from lagrangia.flat import FlatModel
 from lagrangia.graph import ComponentGraph
 from lagrangia.kinematics import Kinematics, Pose
-from lagrangia.names import FrameRef, Ref, Time
-from lagrangia.tree import Call
+from lagrangia.tree import Call, FrameRef, Ref, Time
 from lagrangia.walk import nodes
 
 
@@ -148,7 +147,7 @@ class _Probe:
         return (self.cosine * vx - self.sine * vy, self.sine * vx + self.cosine * vy)
 
 
-def _are_rigid(candidates: list[_Candidate], angle: tuple[ca.SX, ca.SX], kinematics: Kinematics):  # type: ignore[no-untyped-def]
+def _are_rigid(candidates: list[_Candidate], angle: tuple[ca.SX, ca.SX], kinematics: Kinematics) -> Iterator[bool]:
     """For each candidate: is its Hessian constant, isotropic in the mass, and the same at every angle?
 
     The last is an identity between expressions (c c + s s = 1 among others); it is tested with numbers at a general angle.

@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NoReturn
 
 from lagrangia.diagnostics import LagError, RunError, render_all
 
@@ -76,7 +77,7 @@ def _help(options: argparse.Namespace) -> int:
 class _Parser(argparse.ArgumentParser):
     """Errors in the form of all other diagnostics."""
 
-    def error(self, message: str) -> None:  # type: ignore[override]
+    def error(self, message: str) -> NoReturn:
         print(f"error[L0700]: {message}\n   = {self.format_usage().strip()}", file=sys.stderr)
         raise SystemExit(WRONG)
 

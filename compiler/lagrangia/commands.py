@@ -141,7 +141,7 @@ class _writer:
         width = len(shown) + 5
         return lambda rows: print("\n".join(",".join(map(repr, rows[k : k + len(shown)])) for k in range(0, len(rows), width)))
 
-    def __exit__(self, *exception: object) -> None:
+    def __exit__(self, *exception: Any) -> None:
         if self.file is not None:
             self.file.__exit__(*exception)
 

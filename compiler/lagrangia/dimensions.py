@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from lagrangia.diagnostics import LagError, Report, Span
-from lagrangia.flat import FlatModel, Variable
-from lagrangia.names import Flat, FrameRef, Local, Ref, Time, fold
-from lagrangia.tree import Array, Binary, Boolean, Call, IfExpression, Number, String, Unary
+from lagrangia.flat import Equation, FlatModel, Variable
+from lagrangia.folding import fold
+from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpression, Local, Number, Ref, String, Time, Unary
 from lagrangia.units import ONE, Dimension, dimension, divide, multiply, parse_unit, power, spell
 
 _METRE, _SECOND = dimension(m=1), dimension(s=1)
@@ -40,20 +40,21 @@ def check_dimensions(model: FlatModel) -> None:
     """Raises LagError L03xx with all mismatches found."""
     checker = _Checker(model)
     for variable in model.variables.values():
-        checker.guard(lambda v=variable: checker.check_variable(v))
+        checker.guard(checker.check_variable, variable)
     for frame in model.frames.values():
         for name, start in frame.starts.items():
-            checker.guard(lambda n=name, s=start: checker.expect(s, _FRAME_DIMENSIONS[n], f"the start of {n}"))
-    for equation in model.frame_equations:
-        checker.guard(lambda e=equation: (checker.quantity(e.left), checker.quantity(e.right)))
+            checker.guard(checker.expect, start, _FRAME_DIMENSIONS[name], f"the start of {name}")
+    for frames in model.frame_equations:
+        checker.guard(checker.quantity, frames.left)
+        checker.guard(checker.quantity, frames.right)
     for equation in (*model.constraints, *model.initial_equations):
-        checker.guard(lambda e=equation: checker.same(checker.quantity(e.left), checker.quantity(e.right), e.span, "be equal"))
+        checker.guard(checker.check_equation, equation)
     for energy in model.energies:
         wanted = _WATT if energy.kind == "dissipation" else _JOULE
         what = "a dissipation function" if energy.kind == "dissipation" else f"a {energy.kind} energy"
-        checker.guard(lambda e=energy, w=wanted, t=what: checker.expect(e.value, w, t))
+        checker.guard(checker.expect, energy.value, wanted, what)
     for work in model.works:
-        checker.guard(lambda w=work: checker.check_work(w.force, w.position, w.span))
+        checker.guard(checker.check_work, work.force, work.position, work.span)
     checker.report.raise_errors()
 
 
@@ -65,7 +66,7 @@ def unit_of(model: FlatModel, node: Flat) -> str:
         case FrameRef(_, attribute, _, _):
             return _FRAME_UNITS.get(attribute, "")
         case Call("der", (inner,), _, _):
-            unit = unit_of(model, inner)  # type: ignore[arg-type]
+            unit = unit_of(model, inner)
             return _rate_unit(unit)
     return ""
 
@@ -83,9 +84,10 @@ class _Checker:
         self.known: dict[str, Quantity] = {}
         self.pending: set[str] = set()
 
-    def guard(self, action: Callable[[], object]) -> None:
+    def guard(self, check: Callable[..., object], *arguments: object) -> None:
+        """Collects what a check raises, so that the next one is made all the same."""
         try:
-            action()
+            check(*arguments)
         except LagError as error:
             self.report.diagnostics += [d for d in error.diagnostics if d not in self.report.diagnostics]
 
@@ -100,6 +102,9 @@ class _Checker:
                 self.expect(value, declared.dimension, what, variable.unit)
             else:
                 self.quantity(value)
+
+    def check_equation(self, equation: Equation) -> None:
+        self.same(self.quantity(equation.left), self.quantity(equation.right), equation.span, "be equal")
 
     def declared(self, variable: Variable) -> Quantity:
         if not variable.unit:
@@ -149,16 +154,14 @@ class _Checker:
             case Time():
                 return Quantity(_SECOND)
             case Unary(_, operand, _):
-                return self.quantity(operand, local)  # type: ignore[arg-type]
+                return self.quantity(operand, local)
             case Binary():
                 return self._binary(node, local)
             case IfExpression(condition, then, otherwise, span):
-                self.quantity(condition, local)  # type: ignore[arg-type]
-                return self.same(self.quantity(then, local), self.quantity(otherwise, local), span,
-                                 "stand for one value")  # type: ignore[arg-type]
+                self.quantity(condition, local)
+                return self.same(self.quantity(then, local), self.quantity(otherwise, local), span, "stand for one value")
             case Array(items, span):
-                return self._common([self.quantity(item, local) for item in items], span,
-                                    "stand in one array")  # type: ignore[arg-type]
+                return self._common([self.quantity(item, local) for item in items], span, "stand in one array")
             case Call():
                 return self._call(node, local)
 
@@ -166,10 +169,10 @@ class _Checker:
         if name not in self.known:
             variable = self.model.variables[name]
             found = self.declared(variable)
-            is_bound = variable.binding is not None and variable.kind == "variable"
-            if found.dimension is None and is_bound and name not in self.pending:
+            binding = variable.binding if variable.kind == "variable" else None
+            if found.dimension is None and binding is not None and name not in self.pending:
                 self.pending.add(name)
-                found = self.quantity(variable.binding)
+                found = self.quantity(binding)
                 self.pending.discard(name)
             self.known[name] = found
         return self.known[name]
@@ -180,15 +183,15 @@ class _Checker:
             total = self.same(total, quantity, span, how)
         return total
 
-    def _binary(self, node: Binary, local: Mapping[str, Quantity] | None) -> Quantity:
-        a, b = self.quantity(node.left, local), self.quantity(node.right, local)  # type: ignore[arg-type]
+    def _binary(self, node: Binary[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
+        a, b = self.quantity(node.left, local), self.quantity(node.right, local)
         match node.operator:
             case "+" | "-":
                 return self.same(a, b, node.span, "be added" if node.operator == "+" else "be subtracted")
             case "*":
                 return self._times(a, b)
             case "/":
-                return self._over(a, b, node.right)  # type: ignore[arg-type]
+                return self._over(a, b, node.right)
             case "^":
                 return self._power(a, b, node)
             case "and" | "or":
@@ -210,11 +213,11 @@ class _Checker:
             return ANY if a.dimension is None else Quantity(a.dimension, True)
         return self._times(a, Quantity(divide(ONE, b.dimension), b.is_soft))
 
-    def _power(self, base: Quantity, exponent: Quantity, node: Binary) -> Quantity:
-        self._pure(exponent, node.right, "an exponent")  # type: ignore[arg-type]
+    def _power(self, base: Quantity, exponent: Quantity, node: Binary[Flat]) -> Quantity:
+        self._pure(exponent, node.right, "an exponent")
         if base.dimension is None or base.dimension == ONE:
             return base
-        value = fold(node.right)  # type: ignore[arg-type]
+        value = fold(node.right)
         if value is None or isinstance(value, bool):
             if not base.is_soft:
                 self.report.error("L0304", f"{base.spell()} to a power that is not a fixed number", node.span)
@@ -227,17 +230,16 @@ class _Checker:
 
     # ------------------------------------------------------------ functions
 
-    def _call(self, node: Call, local: Mapping[str, Quantity] | None) -> Quantity:
+    def _call(self, node: Call[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
         if node.function in self.model.functions:
             return self._user_function(node, local)
-        found = [self.quantity(argument, local) for argument in node.arguments]  # type: ignore[arg-type]
+        found = [self.quantity(argument, local) for argument in node.arguments]
         match node.function:
             case "der":
                 return self._over(found[0], Quantity(_SECOND), node)
             case "shift" | "turn":
                 wanted = _METRE if node.function == "shift" else ONE
-                self.expect(node.arguments[1], wanted,
-                            "a shift" if node.function == "shift" else "an angle")  # type: ignore[arg-type]
+                self.expect(node.arguments[1], wanted, "a shift" if node.function == "shift" else "an angle")
                 return ANY
             case "sqrt":
                 base = found[0].dimension
@@ -262,14 +264,14 @@ class _Checker:
             case "product":
                 return ANY
         for quantity, argument in zip(found, node.arguments, strict=True):
-            self._pure(quantity, argument, f"the argument of {node.function}")  # type: ignore[arg-type]
+            self._pure(quantity, argument, f"the argument of {node.function}")
         return PURE
 
-    def _user_function(self, node: Call, local: Mapping[str, Quantity] | None) -> Quantity:
+    def _user_function(self, node: Call[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
         function = self.model.functions[node.function]
         known: dict[str, Quantity] = {}
         for name, argument in zip(function.inputs, node.arguments, strict=True):
-            found = self.quantity(argument, local)  # type: ignore[arg-type]
+            found = self.quantity(argument, local)
             unit = function.units[name]
             if unit and not _fits(found, parse_unit(unit).dimension):
                 self.report.error("L0304", f"{node.function} wants '{name}' in {unit}, this is in {found.spell()}", argument.span)

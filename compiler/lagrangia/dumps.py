@@ -5,6 +5,21 @@ from typing import Any
 
 from lagrangia.diagnostics import fail
 from lagrangia.pipeline import PHASES, Compilation
+from lagrangia.tree import (
+    Array,
+    Binary,
+    Boolean,
+    Call,
+    Flat,
+    FrameRef,
+    IfExpression,
+    Local,
+    Number,
+    Ref,
+    String,
+    Time,
+    Unary,
+)
 
 _LONGEST = 400
 
@@ -51,33 +66,37 @@ def _flat(compilation: Compilation) -> str:
         start = f", start {_text(variable.start)}" if variable.start is not None else ""
         lines.append(f"{'output ' if variable.is_output else ''}{variable.kind} {variable.name}{size}{unit}{bound}{start}")
     lines += [f"frame {name}" + (" (ground)" if frame.is_ground else "") for name, frame in model.frames.items()]
-    lines += [f"{_text(e.left)} = {_text(e.right)}" for e in (*model.frame_equations, *model.constraints)]
+    lines += [f"{_text(e.left)} = {_text(e.right)}" for e in model.frame_equations]
+    lines += [f"{_text(e.left)} = {_text(e.right)}" for e in model.constraints]
     lines += [f"{e.kind} {e.component}: {_text(e.value)}" for e in model.energies]
     lines += [f"work {w.component}: {_text(w.force)} on {_text(w.position)}" for w in model.works]
     lines += [f"initially {_text(e.left)} = {_text(e.right)}" for e in model.initial_equations]
     return "\n".join(lines)
 
 
-def _text(node: Any) -> str:
+def _text(node: Flat) -> str:
     """A flat expression with resolved names."""
-    kind = type(node).__name__
-    if kind in ("Ref", "FrameRef"):
-        return str(node)
-    if kind in ("Number", "Boolean", "String"):
-        return f"{node.value:g}" if kind == "Number" else repr(node.value)
-    if kind == "Time":
-        return "time"
-    if kind == "Local":
-        return str(node.name)
-    if kind == "Unary":
-        return f"{node.operator} {_text(node.operand)}" if node.operator == "not" else f"-{_text(node.operand)}"
-    if kind == "Binary":
-        return f"({_text(node.left)} {node.operator} {_text(node.right)})"
-    if kind == "IfExpression":
-        return f"(if {_text(node.condition)} then {_text(node.then)} else {_text(node.otherwise)})"
-    if kind == "Array":
-        return "{" + ", ".join(map(_text, node.items)) + "}"
-    return f"{node.function}({', '.join(map(_text, node.arguments))})"
+    match node:
+        case Ref() | FrameRef():
+            return str(node)
+        case Number(value):
+            return f"{value:g}"
+        case Boolean(value) | String(value):
+            return repr(value)
+        case Time():
+            return "time"
+        case Local(name):
+            return name
+        case Unary(operator, operand):
+            return f"not {_text(operand)}" if operator == "not" else f"-{_text(operand)}"
+        case Binary(operator, left, right):
+            return f"({_text(left)} {operator} {_text(right)})"
+        case IfExpression(condition, then, otherwise):
+            return f"(if {_text(condition)} then {_text(then)} else {_text(otherwise)})"
+        case Array(items):
+            return "{" + ", ".join(map(_text, items)) + "}"
+        case Call(function, arguments):
+            return f"{function}({', '.join(map(_text, arguments))})"
 
 
 def _graph(compilation: Compilation) -> str:

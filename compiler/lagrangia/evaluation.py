@@ -12,8 +12,7 @@ from lagrangia.algebra import TINY, Algebra, DualAlgebra, Scalar, rate_of
 from lagrangia.algorithms import FlatFunction
 from lagrangia.diagnostics import Span, fail
 from lagrangia.flat import FlatModel
-from lagrangia.names import Flat, FrameRef, Local, Ref, Time
-from lagrangia.tree import Array, Binary, Boolean, Call, IfExpression, Number, String, Unary
+from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpression, Local, Number, Ref, String, Time, Unary
 
 Value: TypeAlias = Any  # Scalar | tuple[Value, ...]
 _HIGHEST_LEVEL = 2
@@ -58,17 +57,17 @@ class Evaluator:
                     fail("L0211", f"'{name}' is used before it is given a value", span)
                 return local[name]
             case Unary("not", operand, _):
-                return self.algebras[level].logic("not", self.value(operand, level, local))  # type: ignore[arg-type]
+                return self.algebras[level].logic("not", self.value(operand, level, local))
             case Unary(_, operand, _):
-                return _map(lambda x: -x, self.value(operand, level, local))  # type: ignore[arg-type]
+                return _map(lambda x: -x, self.value(operand, level, local))
             case Binary():
                 return self._binary(node, level, local)
             case IfExpression(condition, then, otherwise, _):
-                chosen = self.value(condition, level, local)  # type: ignore[arg-type]
-                a, b = self.value(then, level, local), self.value(otherwise, level, local)  # type: ignore[arg-type]
+                chosen = self.value(condition, level, local)
+                a, b = self.value(then, level, local), self.value(otherwise, level, local)
                 return _zip(lambda x, y: self.algebras[level].choose(chosen, x, y), a, b, node.span)
             case Array(items, _):
-                return tuple(self.value(item, level, local) for item in items)  # type: ignore[arg-type]
+                return tuple(self.value(item, level, local) for item in items)
             case Call():
                 return self._call(node, level, local)
             case String(_, span):
@@ -96,9 +95,9 @@ class Evaluator:
 
     # ------------------------------------------------------------ operators
 
-    def _binary(self, node: Binary, level: int, local: Mapping[str, Value] | None) -> Value:
+    def _binary(self, node: Binary[Flat], level: int, local: Mapping[str, Value] | None) -> Value:
         algebra = self.algebras[level]
-        a, b = self.value(node.left, level, local), self.value(node.right, level, local)  # type: ignore[arg-type]
+        a, b = self.value(node.left, level, local), self.value(node.right, level, local)
         match node.operator:
             case "+":
                 return _zip(lambda x, y: x + y, a, b, node.span)
@@ -147,12 +146,12 @@ class Evaluator:
 
     # ------------------------------------------------------------ functions
 
-    def _call(self, node: Call, level: int, local: Mapping[str, Value] | None) -> Value:
+    def _call(self, node: Call[Flat], level: int, local: Mapping[str, Value] | None) -> Value:
         if node.function == "der":
             return self._rate(node, level, local)
         if node.function == "distance":
             return self._distance(node, level)
-        arguments = [self.value(argument, level, local) for argument in node.arguments]  # type: ignore[arg-type]
+        arguments = [self.value(argument, level, local) for argument in node.arguments]
         if node.function in self.model.functions:
             return self._user_function(self.model.functions[node.function], arguments, level)
         vector = _VECTOR_FUNCTIONS.get(node.function)
@@ -163,21 +162,17 @@ class Evaluator:
         except (ValueError, ArithmeticError):
             fail("L0217", "this cannot be computed", node.span, "a value outside the function's domain")
 
-    def _rate(self, node: Call, level: int, local: Mapping[str, Value] | None) -> Value:
+    def _rate(self, node: Call[Flat], level: int, local: Mapping[str, Value] | None) -> Value:
         if local is not None:
             fail("L0302", "der(...) cannot stand in a function", node.span)
         if level >= _HIGHEST_LEVEL:
             fail("L0503", "der of der of der: only positions, velocities and accelerations are known", node.span)
-        return _map(rate_of, self.value(node.arguments[0], level + 1))  # type: ignore[arg-type]
+        return _map(rate_of, self.value(node.arguments[0], level + 1))
 
-    def _distance(self, node: Call, level: int) -> Scalar:
+    def _distance(self, node: Call[Flat], level: int) -> Scalar:
         """Between two frames or two points."""
-        ends = []
-        for argument in node.arguments:
-            is_frame = isinstance(argument, FrameRef) and not argument.attribute
-            ends.append(self.leaves.frame(argument.name, "r", level) if is_frame else self.value(argument,
-                                                                                                 level))  # type: ignore[union-attr, arg-type]
-        return self.norm(_zip(lambda x, y: x - y, ends[1], ends[0], node.span), level)
+        start, end = (self.value(_origin(argument), level) for argument in node.arguments)
+        return self.norm(_zip(lambda x, y: x - y, end, start, node.span), level)
 
     def norm(self, vector: Value, level: int) -> Scalar:
         squares = _sum(_map(lambda x: x * x, vector))
@@ -190,6 +185,13 @@ class Evaluator:
         for name, expression in function.steps:
             known[name] = self.value(expression, level, known)
         return known[function.output]
+
+
+def _origin(node: Flat) -> Flat:
+    """The origin of a frame; a point is its own."""
+    if isinstance(node, FrameRef) and not node.attribute:
+        return FrameRef(node.name, "r", (), node.span)
+    return node
 
 
 # -------------------------------------------------------------------- vectors
@@ -234,7 +236,8 @@ def _need_vectors(arguments: list[Value], count: int, span: Span) -> None:
 
 def _dot(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
     _need_vectors(arguments, 2, span)
-    return _sum(_zip(lambda x, y: x * y, *arguments, span))
+    a, b = arguments
+    return _sum(_zip(lambda x, y: x * y, a, b, span))
 
 
 def _cross(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:

@@ -7,8 +7,9 @@ from typing import Any, Literal
 from lagrangia.algorithms import FlatFunction, flatten_function
 from lagrangia.classes import ClassTable
 from lagrangia.diagnostics import LagError, Report, Span, fail, suggest
+from lagrangia.folding import fold
 from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
-from lagrangia.names import FRAME_FUNCTIONS, Flat, FrameRef, Names, Ref, fold
+from lagrangia.names import FRAME_FUNCTIONS, Names
 from lagrangia.tree import (
     Argument,
     Array,
@@ -17,12 +18,16 @@ from lagrangia.tree import (
     CallEquation,
     ClassDefinition,
     Clause,
+    EnergyKind,
     EnergyTerm,
     Equality,
     Expression,
+    Flat,
     ForBlock,
+    FrameRef,
     IfBlock,
     Number,
+    Ref,
     String,
     WhenBlock,
     WorkTerm,
@@ -87,7 +92,7 @@ class Equation:
 class Energy:
     """A term of T, V or D."""
 
-    kind: Literal["kinetic", "potential", "dissipation"]
+    kind: EnergyKind
     value: Flat
     component: str
     span: Span
@@ -239,10 +244,8 @@ class _Flattening:
         if slot.base in ("Integer", "Boolean", "String") and "parameter" not in prefixes:
             fail("L0219", f"not supported yet: the {slot.base} variable '{slot.declaration.name}'", slot.declaration.name_span,
                  "Integer and Boolean parameters are supported")
-        for kind in ("parameter", "coordinate", "input"):
-            if kind in prefixes:
-                return kind  # type: ignore[return-value]
-        return "variable"
+        kinds: tuple[Kind, ...] = ("parameter", "coordinate", "input")
+        return next((kind for kind in kinds if kind in prefixes), "variable")
 
     def _missing_value(self, slot: Slot, owner: Instance) -> None:
         name = slot.declaration.name
@@ -313,8 +316,7 @@ class _Flattening:
             case CallEquation(call, span):
                 self._add_call(call, scope, span)
             case EnergyTerm(what, value, _, span):
-                self.energies.append(Energy(what, self.names.flatten(value, scope), scope.instance.path,
-                                            span))  # type: ignore[arg-type]
+                self.energies.append(Energy(what, self.names.flatten(value, scope), scope.instance.path, span))
             case WorkTerm(force, position, _, span):
                 flat = self.names.flatten(force, scope), self.names.flatten(position, scope)
                 self.works.append(Work(*flat, scope.instance.path, span))
@@ -377,7 +379,7 @@ class _Flattening:
             if value is None or isinstance(value, bool):
                 fail("L0208", f"'{argument.name}' must be a number", argument.span)
             values[fields[argument.name]] = float(value)
-        experiment = Experiment(**values)  # type: ignore[arg-type]
+        experiment = Experiment(**values)
         if not experiment.stop > experiment.start:
             fail("L0208", "StopTime must be later than StartTime", annotation[0].span)
         if not 0 < experiment.tolerance < 1:

@@ -4,7 +4,7 @@ For the run time, in the order that runtime/model.h states, with everything that
 (`hoist`: p -> c); for people the same equations as functions of t, q, v, u, p.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -213,7 +213,7 @@ def _reshape(value: Value, shape: tuple[int, ...], span: Span) -> list[Scalar]:
     return [x for item in value for x in _reshape(item, shape[1:], span)]
 
 
-def _nest(values: object, shape: tuple[int, ...]) -> Value:
+def _nest(values: Iterator[Scalar], shape: tuple[int, ...]) -> Value:
     if not shape:
-        return next(values)  # type: ignore[call-overload]
+        return next(values)
     return tuple(_nest(values, shape[1:]) for _ in range(shape[0]))

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 from lagrangia.diagnostics import Report, Span, fail
 from lagrangia.flat import FlatModel, Frame, FrameEquation, Variable
-from lagrangia.names import Flat, FrameRef, Ref, Time
-from lagrangia.tree import Call
+from lagrangia.tree import Call, Flat, FrameRef, Ref, Time
 from lagrangia.walk import leaves
 
 
@@ -347,8 +346,8 @@ def _unfold(node: Flat) -> tuple[str, tuple[Step, ...]]:
     if isinstance(node, FrameRef) and not node.attribute:
         return node.name, ()
     if isinstance(node, Call) and node.function in ("shift", "turn"):
-        base, steps = _unfold(node.arguments[0])  # type: ignore[arg-type]
-        return base, (*steps, Step(node.function, node.arguments[1]))  # type: ignore[arg-type]
+        base, steps = _unfold(node.arguments[0])
+        return base, (*steps, Step(node.function, node.arguments[1]))
     fail("L0221", "this is no frame", node.span, "a frame is a port, as bar.a, or shift(...) or turn(...) of one")
 
 

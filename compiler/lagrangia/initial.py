@@ -14,8 +14,7 @@ from lagrangia.evaluation import Value
 from lagrangia.flat import Equation
 from lagrangia.graph import rate_of
 from lagrangia.kinematics import Kinematics
-from lagrangia.names import Flat, FrameRef, Ref
-from lagrangia.tree import Call
+from lagrangia.tree import Call, Flat, FrameRef, Ref
 
 
 @dataclass(frozen=True)

@@ -162,4 +162,5 @@ def _interpolated(t: "np.ndarray", values: Any, k: int) -> "np.ndarray":
     import numpy as np
 
     count = len(values.input_values) // len(values.input_times)
-    return np.interp(t, values.input_times, np.asarray(values.input_values).reshape(-1, count)[:, k])
+    column: np.ndarray = np.interp(t, values.input_times, np.asarray(values.input_values).reshape(-1, count)[:, k])
+    return column

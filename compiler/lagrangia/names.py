@@ -1,16 +1,14 @@
-"""Expressions in a scope -> flat expressions: names resolved, loops unrolled, structural values put in.
-
-A flat expression is a tree of the nodes Number, Boolean, String, Unary, Binary, IfExpression, Call, Array of tree.py and
-the leaves Ref, FrameRef, Local and Time below.
-"""
+"""Expressions in a scope -> flat expressions: names resolved, loops unrolled, structural values put in."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from dataclasses import dataclass, field
+from functools import reduce
+from typing import Any, NoReturn, cast
 
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import LagError, Report, Span, fail, suggest
+from lagrangia.diagnostics import Report, Span, fail, suggest
+from lagrangia.folding import fold, folded
 from lagrangia.instances import FRAME_ATTRIBUTES, Bound, FrameSlot, Instance, Member, Scope, Slot
 from lagrangia.tree import (
     Array,
@@ -19,58 +17,20 @@ from lagrangia.tree import (
     Call,
     Comprehension,
     Expression,
+    Flat,
+    FrameRef,
     IfExpression,
     Iterator,
     Number,
     Range,
+    Ref,
     Reference,
     String,
+    Time,
     Unary,
     Whole,
 )
 from lagrangia.units import known_units, parse_unit
-
-
-@dataclass(frozen=True, slots=True)
-class Ref:
-    """A variable, or with `index` an element of an array variable."""
-
-    name: str
-    index: tuple[int, ...]
-    span: Span
-
-    def __str__(self) -> str:
-        return self.name + (f"[{','.join(map(str, self.index))}]" if self.index else "")
-
-
-@dataclass(frozen=True, slots=True)
-class FrameRef:
-    """A frame (attribute "") or one of its attributes r, phi, v, w, x, y; `index` picks a component of r or v."""
-
-    name: str
-    attribute: str
-    index: tuple[int, ...]
-    span: Span
-
-    def __str__(self) -> str:
-        text = f"{self.name}.{self.attribute}" if self.attribute else self.name
-        return text + (f"[{self.index[0]}]" if self.index else "")
-
-
-@dataclass(frozen=True, slots=True)
-class Local:
-    """An input, output or local variable of a function."""
-
-    name: str
-    span: Span
-
-
-@dataclass(frozen=True, slots=True)
-class Time:
-    span: Span
-
-
-Flat: TypeAlias = Number | Boolean | String | Unary | Binary | IfExpression | Call | Array | Ref | FrameRef | Local | Time
 
 # Number of arguments of each function of the kernel; None: any number, at least one.
 FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
@@ -94,11 +54,8 @@ class Names:
     functions: dict[str, Any]
     define_function: Callable[[str, Span], None] = lambda name, span: None
     root: Instance | None = None
-    _structural: dict[str, Flat] = None  # type: ignore[assignment]
-
-    def __post_init__(self) -> None:
-        self._structural = {}
-        self._pending: list[str] = []
+    _structural: dict[str, Flat] = field(default_factory=dict)
+    _pending: list[str] = field(default_factory=list)
 
     # ------------------------------------------------------------ structural values
 
@@ -132,7 +89,7 @@ class Names:
         self._pending.append(slot.path)
         flat = self.flatten_bound(slot.binding)
         self._pending.pop()
-        value = _folded(flat)
+        value = folded(flat)
         if value is None:
             fail("L0210", f"'{slot.path}' must be known when the scene is compiled", slot.binding.expression.span,
                  "it is structural (Integer, Boolean or constant): use numbers and structural values")
@@ -161,7 +118,7 @@ class Names:
         if isinstance(flat, Array):
             if len(flat.items) != size:
                 fail("L0213", f"{len(flat.items)} values for an array of {size}", flat.span)
-            return flat.items[index - 1]  # type: ignore[return-value]
+            return flat.items[index - 1]
         if isinstance(flat, Ref) and self._is_array(flat):
             return Ref(flat.name, (*flat.index, index), flat.span)
         fail("L0213", "one value for an array of components", flat.span,
@@ -172,14 +129,13 @@ class Names:
         return isinstance(member, Slot) and len(member.dimensions) > len(ref.index)
 
     def _find(self, path: str) -> Member | None:
-        member: Any = self.root
+        member: Member | None = self.root
         for step in path.replace("[", ".[").split("."):
-            if step.startswith("["):
-                for i in step[1:-1].split(","):
-                    member = member[int(i) - 1]
+            if isinstance(member, list):
+                member = reduce(lambda inner, i: inner[int(i) - 1], step[1:-1].split(","), cast(Any, member))
             else:
                 member = member.members.get(step) if isinstance(member, Instance) else None
-        return member  # type: ignore[no-any-return]
+        return member
 
     def flatten(self, node: Expression, scope: Scope) -> Flat:
         match node:
@@ -195,18 +151,17 @@ class Names:
                     return inner
                 if isinstance(inner, Number):
                     return Number(-inner.value, inner.unit, span, inner.is_integer)
-                return Unary(operator, inner, span)  # type: ignore[arg-type]
+                return Unary(operator, inner, span)
             case Binary(operator, left, right, span):
-                return Binary(operator, self.flatten(left, scope), self.flatten(right, scope), span)  # type: ignore[arg-type]
+                return Binary(operator, self.flatten(left, scope), self.flatten(right, scope), span)
             case IfExpression():
                 return self._choose(node, scope)
             case Call():
                 return self._call(node, scope)
             case Array(items, span):
-                return Array(tuple(self.flatten(item, scope) for item in items), span)  # type: ignore[misc]
+                return Array(tuple(self.flatten(item, scope) for item in items), span)
             case Comprehension(function, body, iterators, span):
-                items = tuple(self.flatten(body, inner) for inner in self.loop(iterators, scope))
-                array = Array(items, span)  # type: ignore[arg-type]
+                array = Array(tuple(self.flatten(body, inner) for inner in self.loop(iterators, scope)), span)
                 return self._checked_call(Call(function, (array,), (), span)) if function else array
             case Range():
                 values = self._range(node, scope)
@@ -214,22 +169,22 @@ class Names:
             case Whole(span):
                 fail("L0214", "':' stands only in subscripts", span)
 
-    def _choose(self, node: IfExpression, scope: Scope) -> Flat:
+    def _choose(self, node: IfExpression[Expression], scope: Scope) -> Flat:
         condition = self.flatten(node.condition, scope)
         known = fold(condition)
         if isinstance(known, bool):
             return self.flatten(node.then if known else node.otherwise, scope)
         then, otherwise = self.flatten(node.then, scope), self.flatten(node.otherwise, scope)
-        return IfExpression(condition, then, otherwise, node.span)  # type: ignore[arg-type]
+        return IfExpression(condition, then, otherwise, node.span)
 
-    def _call(self, node: Call, scope: Scope) -> Flat:
+    def _call(self, node: Call[Expression], scope: Scope) -> Flat:
         if node.function in ("connect", "assert", "reinit"):
             fail("L0215", f"{node.function}(...) is an equation, not a value", node.span)
         arguments = tuple(self.flatten(a, scope) for a in node.arguments)
         named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
-        return self._checked_call(Call(node.function, arguments, named, node.span))  # type: ignore[arg-type]
+        return self._checked_call(Call(node.function, arguments, named, node.span))
 
-    def _checked_call(self, node: Call) -> Call:
+    def _checked_call(self, node: Call[Flat]) -> Call[Flat]:
         if self.table.function(node.function, node.span) is not None:
             self.define_function(node.function, node.span)
             function = self.functions[node.function]
@@ -307,7 +262,7 @@ class Names:
                 if not 1 <= pick <= len(member):
                     fail("L0214", f"'{part.name}' has {len(member)} elements, not {pick}", part.span)
             items = [self._index(node, at, member[pick - 1], tail, scope) for pick in picks]
-            return items[0] if isinstance(head, int) else Array(tuple(items), node.span)  # type: ignore[arg-type]
+            return items[0] if isinstance(head, int) else Array(tuple(items), node.span)
         if isinstance(member, Slot):
             if rest:
                 fail("L0216", f"'{part.name}' is a variable and has no member '{rest[0].name}'", rest[0].span)
@@ -343,7 +298,7 @@ class Names:
                 return Ref(slot.path, index, span)
             if isinstance(left[0], int):
                 return build((*index, left[0]), left[1:])
-            return Array(tuple(build((*index, i), left[1:]) for i in left[0]), span)  # type: ignore[misc]
+            return Array(tuple(build((*index, i), left[1:]) for i in left[0]), span)
 
         return build((), subscripts)
 
@@ -367,7 +322,7 @@ class Names:
             return self._values(node, scope)
         return self.integer(node, scope, "a subscript")
 
-    def _unknown(self, node: Reference, scope: Scope) -> None:
+    def _unknown(self, node: Reference, scope: Scope) -> NoReturn:
         first = node.parts[0]
         known = {*scope.instance.members, *scope.iterators, "time", "world"}
         hints = [suggest(first.name, known)]
@@ -378,7 +333,7 @@ class Names:
         where = scope.instance.definition.name
         fail("L0204", f"'{first.name}' is not known in {where}", first.span, *filter(None, hints))
 
-    def _no_member(self, instance: Instance, name: str, span: Span) -> None:
+    def _no_member(self, instance: Instance, name: str, span: Span) -> NoReturn:
         what = f"{instance.definition.name} '{instance.path}'"
         fail("L0216", f"{what} has no member '{name}'", span, *filter(None, [suggest(name, instance.members)]))
 
@@ -392,7 +347,7 @@ def _pick(value: Flat, subscripts: list[int | list[int]]) -> Flat:
     for subscript in subscripts:
         assert isinstance(value, Array)
         if isinstance(subscript, int):
-            value = value.items[subscript - 1]  # type: ignore[assignment]
+            value = value.items[subscript - 1]
         else:
             value = Array(tuple(value.items[i - 1] for i in subscript), value.span)
     return value
@@ -406,53 +361,3 @@ def _in_si(node: Number) -> Number:
     except ValueError as error:
         fail("L0301", str(error), node.span, *filter(None, [suggest(node.unit, known_units())]))
     return Number(node.value * unit.factor + unit.offset, node.unit, node.span, False)
-
-
-# -------------------------------------------------------------------- folding
-
-_FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
-    "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b, "^": lambda a, b: a**b,
-    "==": lambda a, b: a == b, "<>": lambda a, b: a != b, "<": lambda a, b: a < b, "<=": lambda a, b: a <= b,
-    ">": lambda a, b: a > b, ">=": lambda a, b: a >= b, "and": lambda a, b: a and b, "or": lambda a, b: a or b,
-}
-_FOLD_CALLS: Mapping[str, Callable[..., Any]] = {
-    "floor": math.floor, "ceil": math.ceil, "abs": abs, "mod": lambda a, b: a - b * math.floor(a / b), "sqrt": math.sqrt,
-    "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log, "min": min, "max": max,
-}
-
-
-def fold(node: Flat) -> float | bool | None:
-    """The value of a scalar expression of numbers alone, else None."""
-    try:
-        match node:
-            case Number(value) | Boolean(value):
-                return value
-            case Unary(operator, operand):
-                inner = fold(operand)  # type: ignore[arg-type]
-                return None if inner is None else (not inner) if operator == "not" else -inner
-            case Binary(operator, left, right):
-                a, b = fold(left), fold(right)  # type: ignore[arg-type]
-                return None if a is None or b is None else _FOLD[operator](a, b)  # type: ignore[no-any-return]
-            case Call(function, arguments, (), _) if function in _FOLD_CALLS:
-                values = [fold(a) for a in arguments]  # type: ignore[arg-type]
-                return None if None in values else _FOLD_CALLS[function](*values)  # type: ignore[no-any-return]
-    except (ArithmeticError, ValueError):
-        fail("L0217", "this cannot be computed", node.span, "a division by zero or a function outside its domain")
-    return None
-
-
-def _folded(node: Flat) -> Flat | None:
-    if isinstance(node, String):
-        return node
-    if isinstance(node, Array):
-        items = [_folded(item) for item in node.items]  # type: ignore[arg-type]
-        return None if None in items else Array(tuple(items), node.span)  # type: ignore[arg-type]
-    value = fold(node)
-    if value is None:
-        return None
-    if isinstance(value, bool):
-        return Boolean(value, node.span)
-    return Number(float(value), node.unit if isinstance(node, Number) else None, node.span, float(value).is_integer())
-
-
-__all__ = ["FUNCTIONS", "Flat", "FrameRef", "LagError", "Local", "Names", "Ref", "Time", "fold"]

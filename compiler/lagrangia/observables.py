@@ -5,8 +5,7 @@ import re
 from lagrangia.diagnostics import Span, fail, suggest
 from lagrangia.flat import FlatModel
 from lagrangia.instances import FRAME_ATTRIBUTES
-from lagrangia.names import Flat, FrameRef, Ref
-from lagrangia.tree import Call
+from lagrangia.tree import Call, Flat, FrameRef, Ref
 
 _INDEXED = re.compile(r"(.*)\[([\d,]+)\]")
 
@@ -15,7 +14,7 @@ def observe(model: FlatModel, name: str) -> Flat:
     """The expression that a name stands for. Raises LagError L0701 for an unknown one, with the nearest known."""
     text = name.strip()
     if text.startswith("der(") and text.endswith(")"):
-        return Call("der", (observe(model, text[4:-1]),), (), model.span)  # type: ignore[arg-type]
+        return Call("der", (observe(model, text[4:-1]),), (), model.span)
     found = _variable(model, text, model.span) or _frame(model, text, model.span)
     if found is None:
         known = [*model.variables, *(f"{frame}.x" for frame in model.frames)]

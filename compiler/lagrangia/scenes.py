@@ -6,17 +6,17 @@ from math import prod
 from lagrangia.diagnostics import fail
 from lagrangia.dimensions import unit_of
 from lagrangia.flat import FlatModel, Variable
+from lagrangia.folding import fold
 from lagrangia.functions import Functions
 from lagrangia.graph import rate_of
 from lagrangia.initial import InitialConditions
 from lagrangia.instructions import count_operations, tape_of
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
-from lagrangia.names import Flat, fold
 from lagrangia.observables import observe
 from lagrangia.runtime import Tape
 from lagrangia.scene import Column, Parameter, Scene
-from lagrangia.tree import Array
+from lagrangia.tree import Array, Flat
 
 
 def build_scene(kinematics: Kinematics, motion: Motion, initial: InitialConditions, functions: Functions) -> Scene:
@@ -87,7 +87,7 @@ def _numbers(binding: Flat, variable: Variable) -> Sequence[float | None]:
     if isinstance(binding, Array):
         inner: list[float | None] = []
         for item in binding.items:
-            inner += [*_numbers(item, variable)] if isinstance(item, Array) else [_number(item)]  # type: ignore[arg-type]
+            inner += [*_numbers(item, variable)] if isinstance(item, Array) else [_number(item)]
         return inner
     return [_number(binding)]
 

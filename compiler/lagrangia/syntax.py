@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator as IteratorType
 from functools import cache
-from typing import Any
+from typing import Any, cast
 
 from lark import Lark, Token, Transformer, UnexpectedInput, v_args
 from lark.exceptions import UnexpectedCharacters, UnexpectedToken, VisitError
@@ -20,6 +20,7 @@ from lagrangia.tree import (
     ClassDefinition,
     Comprehension,
     Declaration,
+    EnergyKind,
     EnergyTerm,
     Equality,
     Expression,
@@ -93,7 +94,7 @@ def _fail_unexpected(source: Source, error: UnexpectedInput) -> None:
         hints = _hints(word, error.accepts or error.expected)
         fail("L0103", f"unexpected '{_short(word)}'", span, *hints, label=f"expected {expected}")
     if isinstance(error, UnexpectedCharacters):
-        at = error.pos_in_stream
+        at = error.pos_in_stream or 0
         character = source.text[at]
         if character == '"':
             fail("L0104", "this string has no closing quote", Span(source, at, at + 1))
@@ -291,14 +292,15 @@ class _Nodes(Transformer[Token, Any]):
 
     def energy_term(self, meta: Any, children: list[Any]) -> EnergyTerm:
         kind, value, description = children
-        return EnergyTerm(str(kind), value, _text(description), self._span(meta))
+        return EnergyTerm(cast(EnergyKind, str(kind)), value, _text(description), self._span(meta))
 
     def work_term(self, meta: Any, children: list[Any]) -> WorkTerm:
         force, position, description = children
         return WorkTerm(force, position, _text(description), self._span(meta))
 
     def assignment(self, meta: Any, children: list[Any]) -> Assignment:
-        return Assignment(*children, self._span(meta))
+        target, value = children
+        return Assignment(target, value, self._span(meta))
 
     def for_block(self, meta: Any, children: list[Any]) -> ForBlock:
         return ForBlock(children[0], tuple(children[1:]), self._span(meta))
@@ -330,11 +332,12 @@ class _Nodes(Transformer[Token, Any]):
     # ---------------------------------------------------------------- expressions
 
     def if_expression(self, meta: Any, children: list[Any]) -> Expression:
-        *pairs, result = children
+        *pairs, otherwise = children
+        result: Expression = otherwise
         span = self._span(meta)
         for condition, value in zip(pairs[-2::-2], pairs[-1::-2], strict=True):
             result = IfExpression(condition, value, result, span)
-        return result  # type: ignore[no-any-return]
+        return result
 
     def range(self, meta: Any, children: list[Any]) -> Range:
         return Range(children[0], None, children[1], self._span(meta))
@@ -358,13 +361,13 @@ class _Nodes(Transformer[Token, Any]):
             left = Binary(str(operator), left, right, left.span.to(right.span))
         return left
 
-    def logical_not(self, meta: Any, children: list[Any]) -> Unary:
+    def logical_not(self, meta: Any, children: list[Any]) -> Unary[Expression]:
         return Unary("not", children[0], self._span(meta))
 
-    def power(self, meta: Any, children: list[Any]) -> Binary:
+    def power(self, meta: Any, children: list[Any]) -> Binary[Expression]:
         return Binary("^", children[0], children[1], self._span(meta))
 
-    def signed_power(self, meta: Any, children: list[Any]) -> Binary:
+    def signed_power(self, meta: Any, children: list[Any]) -> Binary[Expression]:
         base, sign, exponent = children
         return Binary("^", base, Unary(str(sign), exponent, exponent.span), self._span(meta))
 
@@ -392,9 +395,10 @@ class _Nodes(Transformer[Token, Any]):
         return Boolean(False, self._span(meta))
 
     def parenthesis(self, meta: Any, children: list[Any]) -> Expression:
-        return children[0]  # type: ignore[no-any-return]
+        (inner,) = children
+        return cast(Expression, inner)
 
-    def array(self, meta: Any, children: list[Any]) -> Array:
+    def array(self, meta: Any, children: list[Any]) -> Array[Expression]:
         return Array(tuple(c for c in children if c is not None), self._span(meta))
 
     def array_comprehension(self, meta: Any, children: list[Any]) -> Comprehension:
@@ -403,7 +407,7 @@ class _Nodes(Transformer[Token, Any]):
     def reduction(self, meta: Any, children: list[Any]) -> Comprehension:
         return Comprehension(str(children[0]), children[1], children[2], self._span(meta))
 
-    def call(self, meta: Any, children: list[Any]) -> Call:
+    def call(self, meta: Any, children: list[Any]) -> Call[Expression]:
         function, *arguments = children
         named = tuple(a for a in arguments if isinstance(a, tuple))
         positional = tuple(a for a in arguments if a is not None and not isinstance(a, tuple))

@@ -36,7 +36,8 @@ class EnergyAccount:
 
     @property
     def total(self) -> "np.ndarray":
-        return self.kinetic + self.potential
+        total: np.ndarray = self.kinetic + self.potential
+        return total
 
 
 @dataclass(frozen=True)
@@ -162,5 +163,5 @@ def collect(scene: Scene, portions: Iterable[Sequence[float]]) -> "np.ndarray":
     import numpy as np
 
     width = len(columns(scene)) + len(_ENERGIES)
-    parts = [np.frombuffer(portion, dtype=np.float64).reshape(-1, width) for portion in portions]
+    parts = [np.asarray(portion, dtype=np.float64).reshape(-1, width) for portion in portions]
     return np.concatenate(parts) if parts else np.empty((0, width))

@@ -1,9 +1,15 @@
-"""The nodes of the syntax tree: what a `.lag` file says, nothing of what it means."""
+"""The nodes of the syntax tree: what a `.lag` file says, nothing of what it means.
+
+Operators, calls, conditions and arrays are generic in their children: an `Expression` as written, or a `Flat` one, whose names
+are resolved, whose loops are unrolled and whose structural values are put in (names.py).
+"""
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Generic, Literal, TypeAlias, TypeVar
 
 from lagrangia.diagnostics import Source, Span
+
+E = TypeVar("E", covariant=True)
 
 # ------------------------------------------------------------------ expressions
 
@@ -47,41 +53,41 @@ class Reference:
 
 
 @dataclass(frozen=True, slots=True)
-class Unary:
+class Unary(Generic[E]):
     operator: str  # "-", "+", "not"
-    operand: "Expression"
+    operand: E
     span: Span
 
 
 @dataclass(frozen=True, slots=True)
-class Binary:
+class Binary(Generic[E]):
     operator: str  # + - * / ^ == <> < <= > >= and or
-    left: "Expression"
-    right: "Expression"
+    left: E
+    right: E
     span: Span
 
 
 @dataclass(frozen=True, slots=True)
-class IfExpression:
+class IfExpression(Generic[E]):
     """`if c then a else b`; elseif branches are nested."""
 
-    condition: "Expression"
-    then: "Expression"
-    otherwise: "Expression"
+    condition: E
+    then: E
+    otherwise: E
     span: Span
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class Call(Generic[E]):
     function: str
-    arguments: tuple["Expression", ...]
-    named: tuple[tuple[str, "Expression"], ...]
+    arguments: tuple[E, ...]
+    named: tuple[tuple[str, E], ...]
     span: Span
 
 
 @dataclass(frozen=True, slots=True)
-class Array:
-    items: tuple["Expression", ...]
+class Array(Generic[E]):
+    items: tuple[E, ...]
     span: Span
 
 
@@ -117,11 +123,55 @@ class Whole:
     span: Span
 
 
-Expression: TypeAlias = (
-    Number | String | Boolean | Reference | Unary | Binary | IfExpression | Call | Array | Comprehension | Range | Whole
-)
+# ------------------------------------------------------------------ leaves of flat expressions
+
+
+@dataclass(frozen=True, slots=True)
+class Ref:
+    """A variable, or with `index` an element of an array variable."""
+
+    name: str
+    index: tuple[int, ...]
+    span: Span
+
+    def __str__(self) -> str:
+        return self.name + (f"[{','.join(map(str, self.index))}]" if self.index else "")
+
+
+@dataclass(frozen=True, slots=True)
+class FrameRef:
+    """A frame (attribute "") or one of its attributes r, phi, v, w, x, y; `index` picks a component of r or v."""
+
+    name: str
+    attribute: str
+    index: tuple[int, ...]
+    span: Span
+
+    def __str__(self) -> str:
+        text = f"{self.name}.{self.attribute}" if self.attribute else self.name
+        return text + (f"[{self.index[0]}]" if self.index else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Local:
+    """An input, output or local variable of a function."""
+
+    name: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Time:
+    span: Span
+
+
+Node: TypeAlias = Number | String | Boolean | Unary[E] | Binary[E] | IfExpression[E] | Call[E] | Array[E]
+Expression: TypeAlias = Node["Expression"] | Reference | Comprehension | Range | Whole
+Flat: TypeAlias = Node["Flat"] | Ref | FrameRef | Local | Time
 
 # ------------------------------------------------------------------ declarations
+
+EnergyKind: TypeAlias = Literal["kinetic", "potential", "dissipation"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +227,7 @@ class CallEquation:
 
 @dataclass(frozen=True, slots=True)
 class EnergyTerm:
-    kind: str  # "kinetic", "potential", "dissipation"
+    kind: EnergyKind
     value: Expression
     description: str
     span: Span

@@ -2,22 +2,21 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from lagrangia.names import Flat, FrameRef, Ref, Time
-from lagrangia.tree import Array, Binary, Call, IfExpression, Unary
+from lagrangia.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Ref, Time, Unary
 
 
 def children(node: Flat) -> tuple[Flat, ...]:
     match node:
         case Unary(_, operand, _):
-            return (operand,)  # type: ignore[return-value]
+            return (operand,)
         case Binary(_, left, right, _):
-            return (left, right)  # type: ignore[return-value]
+            return (left, right)
         case IfExpression(condition, then, otherwise, _):
-            return (condition, then, otherwise)  # type: ignore[return-value]
+            return (condition, then, otherwise)
         case Call(_, arguments, _, _):
-            return arguments  # type: ignore[return-value]
+            return arguments
         case Array(items, _):
-            return items  # type: ignore[return-value]
+            return items
     return ()
 
 

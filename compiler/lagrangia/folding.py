@@ -1,0 +1,53 @@
+"""The values of flat expressions that are made of numbers alone."""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from lagrangia.diagnostics import fail
+from lagrangia.tree import Array, Binary, Boolean, Call, Flat, Number, String, Unary
+
+_FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
+    "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b, "^": lambda a, b: a**b,
+    "==": lambda a, b: a == b, "<>": lambda a, b: a != b, "<": lambda a, b: a < b, "<=": lambda a, b: a <= b,
+    ">": lambda a, b: a > b, ">=": lambda a, b: a >= b, "and": lambda a, b: a and b, "or": lambda a, b: a or b,
+}
+_FOLD_CALLS: Mapping[str, Callable[..., Any]] = {
+    "floor": math.floor, "ceil": math.ceil, "abs": abs, "mod": lambda a, b: a - b * math.floor(a / b), "sqrt": math.sqrt,
+    "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log, "min": min, "max": max,
+}
+
+
+def fold(node: Flat) -> float | bool | None:
+    """The value of a scalar expression of numbers alone, else None."""
+    try:
+        match node:
+            case Number(value) | Boolean(value):
+                return value
+            case Unary(operator, operand):
+                inner = fold(operand)
+                return None if inner is None else (not inner) if operator == "not" else -inner
+            case Binary(operator, left, right):
+                a, b = fold(left), fold(right)
+                return None if a is None or b is None else _FOLD[operator](a, b)
+            case Call(function, arguments, (), _) if function in _FOLD_CALLS:
+                values = [fold(a) for a in arguments]
+                return None if None in values else _FOLD_CALLS[function](*values)
+    except (ArithmeticError, ValueError):
+        fail("L0217", "this cannot be computed", node.span, "a division by zero or a function outside its domain")
+    return None
+
+
+def folded(node: Flat) -> Flat | None:
+    """The literal, or array of literals, that an expression of numbers alone stands for, else None."""
+    if isinstance(node, String):
+        return node
+    if isinstance(node, Array):
+        items = [known for item in node.items if (known := folded(item)) is not None]
+        return Array(tuple(items), node.span) if len(items) == len(node.items) else None
+    value = fold(node)
+    if value is None:
+        return None
+    if isinstance(value, bool):
+        return Boolean(value, node.span)
+    return Number(float(value), node.unit if isinstance(node, Number) else None, node.span, float(value).is_integer())
