@@ -5,9 +5,10 @@ from functools import cache
 from typing import Any, cast
 
 from lark import Lark, Token, Transformer, UnexpectedInput, v_args
-from lark.exceptions import UnexpectedCharacters, UnexpectedToken, VisitError
+from lark.exceptions import VisitError
 
-from lagrangia.diagnostics import LagError, Source, Span, fail, suggest
+from lagrangia.diagnostics import LagError, Source, Span, fail
+from lagrangia.expectations import refuse, shortened
 from lagrangia.folders import data_folder
 from lagrangia.tree import (
     Argument,
@@ -44,6 +45,10 @@ from lagrangia.tree import (
 )
 
 _DEEPEST = 100  # brackets in brackets
+_RESERVED = frozenset(
+    "algorithm and annotation coordinate connect constant der each else elseif end energy equation extends false final for function "
+    "if import initial input loop model not or output package parameter partial protected public record then time true type when".split()
+)
 _LONGEST_CHAIN = 2000  # operands in one unbracketed sum or product
 
 
@@ -57,8 +62,8 @@ def parse(source: Source) -> Syntax:
         if isinstance(error.orig_exc, LagError):
             raise error.orig_exc from None
         raise
-    except UnexpectedInput as error:
-        _fail_unexpected(source, error)
+    except UnexpectedInput:
+        refuse(source, _parser())
     imports = tuple(item for item in items if isinstance(item, ImportFile))
     classes = tuple(item for item in items if isinstance(item, ClassDefinition))
     return Syntax(source, imports, classes)
@@ -84,72 +89,6 @@ def _check_text(source: Source) -> None:
                      "name a part of the expression with a variable of its own")
         elif character in ")]}":
             depth = max(0, depth - 1)
-
-
-def _fail_unexpected(source: Source, error: UnexpectedInput) -> None:
-    if isinstance(error, UnexpectedToken) and error.token.type != "$END":
-        word = str(error.token)
-        span = Span(source, error.token.start_pos or 0, error.token.end_pos or 0)
-        expected = _spoken(error.accepts or error.expected)
-        hints = _hints(word, error.accepts or error.expected)
-        fail("L0103", f"unexpected '{_short(word)}'", span, *hints, label=f"expected {expected}")
-    if isinstance(error, UnexpectedCharacters):
-        at = error.pos_in_stream or 0
-        character = source.text[at]
-        if character == '"':
-            fail("L0104", "this string has no closing quote", Span(source, at, at + 1))
-        if source.text.startswith("/*", at):
-            fail("L0104", "this comment has no closing */", Span(source, at, at + 2))
-        expected = _spoken(error.allowed or set())
-        span = Span(source, at, at + 1)
-        fail("L0103", f"unexpected character {character!r}", span, label=f"expected {expected}")
-    end = len(source.text.rstrip())
-    expected = _spoken(getattr(error, "expected", ()))
-    span = Span(source, max(0, end - 1), max(1, end))
-    fail("L0105", "the file ends too early", span, label=f"after this, expected {expected}")
-
-
-_SPOKEN = {
-    "NAME": "a name", "NUMBER": "a number", "QUANTITY": "a number", "STRING": "a text in quotes", "LPAR": "'('", "RPAR": "')'",
-    "LBRACE": "'{'", "RBRACE": "'}'", "LSQB": "'['", "RSQB": "']'", "SEMICOLON": "';'", "COMMA": "','", "EQUAL": "'='",
-    "COLON": "':'", "DOT": "'.'", "CIRCUMFLEX": "'^'", "ADD": "'+' or '-'", "MULTIPLY": "'*' or '/'",
-    "$END": "the end of the file", "__ANON_0": "':='", "CLASS_KIND": "'model'",
-}
-_EXPRESSION = {"NUMBER", "NAME", "LPAR", "LBRACE"}
-
-
-def _spoken(terminals: Any) -> str:
-    """The expected terminals in words, an expression's beginnings taken together."""
-    names = set(terminals)
-    said: list[str] = []
-    if names >= _EXPRESSION:
-        said.append("an expression")
-        names -= _EXPRESSION | {"QUANTITY", "STRING", "TRUE", "FALSE", "ADD", "IF", "NOT", "NAME"}
-    operators = {"ADD", "MULTIPLY", "COMPARE", "CIRCUMFLEX", "AND", "OR"}
-    if len(names & operators) > 2:
-        said.append("an operator")
-        names -= operators
-    said += sorted({_SPOKEN.get(name, f"'{name.lower()}'") for name in names})
-    if len(said) > 8:
-        said = [*said[:8], "..."]
-    return ", ".join(said[:-1]) + " or " + said[-1] if len(said) > 1 else (said[0] if said else "something else")
-
-
-def _hints(word: str, expected: Any) -> list[str]:
-    """What people mean who write C or Python in a Modelica-like language."""
-    if word == "==" and "EQUAL" in expected:
-        return ["an equation and a modification have one '='"]
-    if "SEMICOLON" in expected and (word.isidentifier() or word in "})"):
-        return ["is a ';' missing before it?"]
-    if word.isidentifier() and "CLASS_KIND" in expected:
-        hint = suggest(word, ["model", "function", "type", "import", "partial"])
-        return [hint] if hint else ["a file holds models: model Name ... end Name;"]
-    return []
-
-
-def _short(word: str) -> str:
-    word = word.replace("\n", " ")
-    return word if len(word) <= 40 else word[:37] + "..."
 
 
 _UNESCAPES = {'\\"': '"', "\\\\": "\\", "\\n": "\n", "\\t": "\t"}
@@ -258,6 +197,8 @@ class _Nodes(Transformer[Token, Any]):
 
     def declarator(self, meta: Any, children: list[Any]) -> tuple[Any, ...]:
         name, dimensions, arguments, binding, condition, description, _ = children
+        if str(name) in _RESERVED:
+            fail("L0108", f"'{name}' is a word of the language and cannot be a name", self._token_span(name))
         return (_name(name), dimensions, arguments, binding, condition, _text(description), self._span(meta),
                 self._token_span(name))
 
@@ -382,7 +323,7 @@ class _Nodes(Transformer[Token, Any]):
     def _number(text: str, unit: str | None, span: Span) -> Number:
         value = float(text)
         if value == float("inf"):
-            fail("L0107", f"{_short(text)} is too large for a number", span, "the largest is 1.8e308")
+            fail("L0107", f"{shortened(text)} is too large for a number", span, "the largest is 1.8e308")
         return Number(value, unit, span, text.isdigit())
 
     def string(self, meta: Any, children: list[Any]) -> String:

@@ -1,0 +1,201 @@
+"""Text that does not parse -> what was expected there, in words, and what is likely to be meant."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NoReturn
+
+from lark import Lark, Token
+from lark.exceptions import UnexpectedCharacters, UnexpectedToken
+
+from lagrangia.diagnostics import Source, Span, fail, suggest
+
+# Terminals that are patterns; the others are said as they are written.
+SPOKEN = {
+    "$END": "the end of the file", "NAME": "a name", "NUMBER": "a number", "QUANTITY": "a number", "STRING": "a text in quotes",
+    "CLASS_KIND": "'model'", "PARTIAL": "'partial'", "PREFIX": "'parameter'", "VISIBILITY": "'protected'",
+    "ARGUMENT_PREFIX": "'each'", "ENERGY": "an energy", "TRUE": "'true'", "FALSE": "'false'", "OR": "'or'", "AND": "'and'",
+    "ADD": "'+'", "MULTIPLY": "'*'", "COMPARE": "'<'",
+}
+# Many terminals that are one thing to people: said when all of the first are possible, and then for all of the second.
+_GROUPS = (
+    ("an expression", {"NUMBER", "NAME", "LPAR", "LBRACE"}, {"QUANTITY", "STRING", "TRUE", "FALSE", "ADD", "IF", "NOT"}),
+    ("a declaration", {"PREFIX", "NAME"}, {"VISIBILITY", "EXTENDS", "ANNOTATION"}),
+    ("a section", {"EQUATION", "INITIAL", "ALGORITHM"}, {"__ANON_0"}),
+    ("an operator", {"ADD", "MULTIPLY", "COMPARE"}, {"CIRCUMFLEX", "AND", "OR", "COLON"}),
+    ("the rest of a declaration", {"SEMICOLON", "ANNOTATION", "STRING"}, {"COMMA", "EQUAL", "IF", "LPAR", "LSQB"}),
+)
+# What people mean who write C, Python or typeset text.
+_FOREIGN = {
+    "==": "an equation and a value given have one '='; '==' compares", "**": "a power is written a^b", "&&": "write: and",
+    "||": "write: or", "!=": "write: <>", "!": "write: not", "#": "a comment begins with //",
+    ":=": "an equation has '='; ':=' assigns, in the algorithm of a function",
+    "−": "write the minus sign of the keyboard: -", "–": "write the minus sign of the keyboard: -", "×": "write: *", "·": "write: *",
+    "“": "a text stands in straight quotes: \"...\"", "”": "a text stands in straight quotes: \"...\"", "²": "a power is written a^2",
+}
+_KINDS = {"class": "model", "block": "model", "struct": "record", "def": "function", "include": "import", "from": "import"}
+_CLOSES = {")": "(", "]": "[", "}": "{"}
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Where parsing stopped: the text that did not fit, the tokens before it, and the terminals that would have fitted."""
+
+    source: Source
+    span: Span
+    before: tuple[Token, ...]
+    accepted: frozenset[str]
+
+    @property
+    def word(self) -> str:
+        return self.span.text
+
+    @property
+    def is_first_of_line(self) -> bool:
+        begin = self.source.text.rfind("\n", 0, self.span.start) + 1
+        return bool(self.before) and self.before[-1].end_pos <= begin
+
+    def last(self, count: int) -> tuple[str, ...]:
+        """Types of the tokens just before."""
+        return tuple(token.type for token in self.before[-count:])
+
+
+def refuse(source: Source, parser: Lark) -> NoReturn:
+    """Raise the LagError (L0103 to L0105) for a text that the parser refuses. It is parsed once more, token by token."""
+    stop = _find_stop(source, parser)
+    if source.text.startswith("/*", stop.span.start):
+        begin = Span(source, stop.span.start, stop.span.start + 2)
+        fail("L0104", "this comment has no end", begin, "a comment that begins with /* ends with */")
+    if stop.word == '"':
+        fail("L0104", "this text has no closing quote", stop.span)
+    if not stop.word:
+        label = _label(stop, parser, "after this, expected")
+        fail("L0105", "the file ends too early", _end_of(source, stop), *_end_hints(stop), label=label)
+    if "SEMICOLON" in stop.accepted and stop.is_first_of_line and stop.word not in _CLOSES:
+        fail("L0103", "a ';' is missing", _end_of(source, stop), label="after this")
+    fail("L0103", f"unexpected '{shortened(stop.word)}'", stop.span, *_hints(stop), label=_label(stop, parser, "expected"))
+
+
+def _find_stop(source: Source, parser: Lark) -> Stop:
+    interactive = parser.parse_interactive(source.text)
+    before: list[Token] = []
+    start = end = len(source.text)
+    try:
+        for token in interactive.iter_parse():
+            before.append(token)
+    except UnexpectedToken as error:
+        start, end = error.token.start_pos or 0, error.token.end_pos or 0
+    except UnexpectedCharacters as error:
+        start, end = error.pos_in_stream or 0, (error.pos_in_stream or 0) + 1
+    for first, last in ((start - 1, start + 1), (start, start + 2)):
+        if source.text[max(0, first) : last] in _FOREIGN:
+            start, end = max(0, first), last
+            break
+    earlier = tuple(token for token in before if token.end_pos is not None and token.end_pos <= start)
+    return Stop(source, Span(source, start, end), earlier, frozenset(interactive.accepts()))
+
+
+def _end_of(source: Source, stop: Stop) -> Span:
+    """The last character before the stop that is no space."""
+    end = stop.before[-1].end_pos if stop.before else 1
+    return Span(source, max(0, (end or 1) - 1), end or 1)
+
+
+# -------------------------------------------------------------------- what was expected
+
+
+def _label(stop: Stop, parser: Lark, before: str) -> str:
+    names, said = set(stop.accepted), []
+    for phrase, needed, taken in _GROUPS:
+        if names >= needed:
+            said.append(phrase)
+            names -= needed | taken
+    said += sorted({_spoken(name, parser) for name in names})
+    return f"{before} {_either(said)}" if said else ""
+
+
+def _spoken(name: str, parser: Lark) -> str:
+    if name in SPOKEN:
+        return SPOKEN[name]
+    return f"'{parser.get_terminal(name).pattern.value}'"
+
+
+def _either(said: list[str]) -> str:
+    return " or ".join([", ".join(said[:-1]), said[-1]] if len(said) > 1 else said)
+
+
+def shortened(word: str) -> str:
+    """A word of the text in one line of 40 characters."""
+    word = word.replace("\n", " ")
+    return word if len(word) <= 40 else word[:37] + "..."
+
+
+# -------------------------------------------------------------------- what is meant
+
+
+def _hints(stop: Stop) -> Iterator[str]:
+    """At most one guess: the first that fits."""
+    return (hint for hint in [next(_guesses(stop), "")] if hint)
+
+
+def _guesses(stop: Stop) -> Iterator[str]:
+    word, accepted = stop.word, stop.accepted
+    if word in _FOREIGN:
+        yield _FOREIGN[word]
+    if stop.before and stop.before[-1].type == "STRING" and "\n" in stop.before[-1]:
+        line, column = stop.source.line_and_column(stop.before[-1].start_pos or 0)
+        yield f"the text that ends before it begins at {line}:{column}: is a quote missing?"
+    if word in _CLOSES and not _open_brackets(stop):
+        yield f"no '{_CLOSES[word]}' is open that it could close"
+    if stop.last(2) == ("CLASS_KIND", "NAME") and word == "{":
+        yield "a model has no braces: model Name ... end Name;"
+    if "CLASS_KIND" in accepted:
+        near = suggest(word, ["model", "function", "type", "import", "partial"])
+        yield f"did you mean '{_KINDS[word]}'?" if word in _KINDS else near or "a file holds models: model Name ... end Name;"
+    if stop.last(1) == ("END",) and accepted <= {"FOR", "IF", "WHEN"}:
+        yield f"an inner block is still open: end {min(accepted).lower()};"
+    if stop.last(1) == ("END",):
+        yield "say what ends: end Name;"
+    yield from _guesses_from_neighbours(stop)
+    if (opened := _open_brackets(stop)) and (word == ";" or word in _CLOSES):
+        line, column = stop.source.line_and_column(opened[-1].start_pos or 0)
+        yield f"the '{opened[-1]}' at {line}:{column} is still open"
+    if "SEMICOLON" in accepted and word.isidentifier():
+        yield "is an operator or a ';' missing before it?"
+
+
+def _guesses_from_neighbours(stop: Stop) -> Iterator[str]:
+    last, word = stop.last(2), stop.word
+    if last[-1:] == ("NUMBER",) and (word == "[" or word.isidentifier()) and not stop.is_first_of_line:
+        yield "a unit stands in brackets behind its number: 2[mm], 1.5[kN/m]"
+    if word in ("<", ">", "<=", ">=") and "AND" in stop.accepted:
+        yield "comparisons are joined by `and`: a < b and b < c"
+    if last == ("NUMBER", "COMMA") and word.isdigit():
+        yield f"decimals have a point: {stop.before[-2]}.{word}"
+    if last == ("NAME", "NAME") and stop.accepted >= {"SEMICOLON", "ANNOTATION"}:
+        kind, name = stop.before[-2:]
+        yield f"this is read as the declaration of '{name}', of type '{kind}'"
+    if last[-1:] == ("NAME",) and word == "(" and "SEMICOLON" not in stop.accepted:
+        yield "an equation stands in a section: write `equation` before it"
+    if last[-1:] == ("NAME",) and word.isidentifier() and stop.accepted >= {"SEMICOLON", "EQUAL", "DOT"}:
+        yield "a declaration stands before the sections equation, initial equation, energy and algorithm"
+
+
+def _end_hints(stop: Stop) -> Iterator[str]:
+    if opened := _open_brackets(stop):
+        line, column = stop.source.line_and_column(opened[-1].start_pos or 0)
+        yield f"the '{opened[-1]}' at {line}:{column} is still open"
+        return
+    names = [name for kind, name in zip(stop.before, stop.before[1:], strict=False) if kind.type == "CLASS_KIND"]
+    if names and "END" in stop.accepted:
+        yield f"is 'end {names[-1]};' missing?"
+
+
+def _open_brackets(stop: Stop) -> list[Token]:
+    """Brackets before the stop that are not closed there."""
+    opened: list[Token] = []
+    for token in stop.before:
+        if token in ("(", "[", "{"):
+            opened.append(token)
+        elif token in _CLOSES and opened:
+            opened.pop()
+    return opened
