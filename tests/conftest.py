@@ -1,0 +1,26 @@
+"""Expected texts kept in files: `pytest --update` writes them anew, to be read in the diff."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Compare = Callable[[str, Path], None]
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--update", action="store_true", help="write the expected texts anew")
+
+
+@pytest.fixture
+def compare(request: pytest.FixtureRequest) -> Compare:
+    """Asserts that a text is the one kept in a file."""
+
+    def check(text: str, file: Path) -> None:
+        if request.config.getoption("--update"):
+            file.parent.mkdir(exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+        assert file.exists(), f"{file.name} is not there yet: pytest --update writes it"
+        assert text == file.read_text(encoding="utf-8")
+
+    return check
