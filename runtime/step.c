@@ -10,6 +10,9 @@
  * the last error (PI control: K. Gustafsson, 1991) gains nothing. */
 static const double SAFETY = 0.8, EXPONENT = 1.0 / 8, SHRINK = 1.0 / 3, GROW = 6, NOT_FINITE_SHRINK = 0.25;
 static const double SMALLEST_ERROR = 1e-10, CUT = 0.9;
+/* The end of a rejected step, wrong by less than this, still tells how large the motion will be. Without it, a motion that
+ * sets in smoothly from rest (a road that begins to rise) is resolved against its own first picometres, below rounding. */
+static const double FORESEEN = 1e-3;
 
 /* Shorter steps do not move t. */
 static double smallest_step(double t) { return fmax(4 * DBL_EPSILON * fabs(t), DBL_MIN); }
@@ -76,6 +79,8 @@ LagStatus lag_step(LagRun *run)
             return LAG_OK;
         }
         ++run->statistics.rejected;
+        if (error * run->scale.tolerance < FORESEEN)
+            lag_scale_note(&run->scale, solver->other);
         run->step = shrunk(h, error <= 1 ? INFINITY : error);
         if (run->step < smallest_step(t))
             return lag_fail(run, LAG_STEP_TOO_SMALL, worst < n ? worst : worst - n, worst >= n, 0);
