@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from lagrangia.native import start_runtime_build
+from lagrangia.runtime import Runtime
+
 Compare = Callable[[str, Path], None]
 
 
@@ -24,3 +27,9 @@ def compare(request: pytest.FixtureRequest) -> Compare:
         assert text == file.read_text(encoding="utf-8")
 
     return check
+
+
+@pytest.fixture(scope="session")
+def runtime() -> Runtime:
+    """The C run time, compiled; for tests that are skipped where there is no C compiler."""
+    return Runtime(start_runtime_build().finish())
