@@ -21,7 +21,7 @@ def compare(request: pytest.FixtureRequest) -> Compare:
 
     def check(text: str, file: Path) -> None:
         if request.config.getoption("--update"):
-            file.parent.mkdir(exist_ok=True)
+            file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, encoding="utf-8")
         assert file.exists(), f"{file.name} is not there yet: pytest --update writes it"
         assert text == file.read_text(encoding="utf-8")
