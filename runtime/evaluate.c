@@ -8,7 +8,7 @@ int lag_accelerations(void *context, double t, const double *q, const double *v,
     LagRun *run = context;
     const LagModel *model = run->model;
     const double *in[] = {&t, q, v, run->u, run->d, run->c};
-    double *out[] = {a, power}, probe = 0;
+    double *out[] = {a, power, run->multipliers}, probe = 0;
     lag_inputs_at(&run->inputs, t, run->u);
     if (lag_call(&model->rhs, in, out, run->work) != 0)
         return 0;
@@ -23,7 +23,7 @@ void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
 {
     const LagModel *model = run->model;
     const double *q = y, *v = y + model->n;
-    const double *in[] = {&t, q, v, run->acceleration, run->u, run->d, run->c};
+    const double *in[] = {&t, q, v, run->acceleration, run->multipliers, run->u, run->d, run->c};
     if (model->n_outputs == 0)
         return;
     lag_inputs_at(&run->inputs, t, run->u);

@@ -4,7 +4,8 @@
  * `LAG_API const LagModel lag_model`; a caller without a C compiler fills one with tapes (tape.h).
  *
  * Notation: q coordinates, v = dq/dt, a = dv/dt, t time, p parameters, c what depends on parameters alone ("hoisted"),
- * u inputs, d modes (values that change only at events), y outputs.
+ * u inputs, d modes (values that change only at events), y outputs, lambda multipliers.
+ * Corrections of constrained states are those of least kinetic energy: nearest in the mass metric.
  */
 #ifndef LAG_MODEL_H
 #define LAG_MODEL_H
@@ -45,10 +46,12 @@ typedef struct {
     int n; /* coordinates */
     int n_parameters, n_hoisted, n_inputs, n_modes, n_events, n_outputs, n_initial;
     int n_power; /* 0: energy needs no quadrature; 2: {dissipated, work} */
+    int n_holonomic;   /* constraints Phi(q, t) = 0 */
+    int n_multipliers; /* constraints J v + dPhi/dt = 0: those of Phi first, then nonholonomic ones */
     const int *coordinate_kind; /* n: group of like coordinates */
     const int *fixed;           /* 2 n: q then v; 1: assembly must not move this start value */
     const int *event_kind;      /* n_events */
-    int outputs_need_acceleration;
+    int outputs_need_acceleration; /* a or lambda */
 
     LagFunction parameters; /* given, mask          -> p               given values kept, dependent ones computed */
     LagFunction hoist;      /* p                    -> c */
@@ -56,9 +59,11 @@ typedef struct {
     LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   column-major, n_initial x 2 n */
     LagFunction events;     /* p                    -> a, b            event arguments a + b t */
     LagFunction modes;      /* t, p                 -> d */
-    LagFunction rhs;        /* t, q, v, u, d, c     -> a, power */
-    LagFunction outputs;    /* t, q, v, a, u, d, c  -> y */
+    LagFunction rhs;        /* t, q, v, u, d, c     -> a, power, lambda */
+    LagFunction outputs;    /* t, q, v, a, lambda, u, d, c -> y */
     LagFunction energies;   /* t, q, v, u, d, c     -> {T, V, H}       H - H(0) + dissipated - work = 0 */
+    LagFunction place;      /* t, q, u, d, c        -> dq, phi         one Newton correction of q, and Phi(q, t) */
+    LagFunction steer;      /* t, q, v, u, d, c     -> dv, rate        the same for v, and J v + dPhi/dt */
 } LagModel;
 
 #endif

@@ -11,7 +11,8 @@
 static size_t work_size(const LagModel *model)
 {
     const LagFunction *functions[] = {&model->parameters, &model->hoist, &model->start, &model->initial, &model->events,
-                                      &model->modes, &model->rhs, &model->outputs, &model->energies};
+                                      &model->modes, &model->rhs, &model->outputs, &model->energies, &model->place,
+                                      &model->steer};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -31,6 +32,7 @@ static void layout(LagRun *run, LagArena *arena)
     run->event_b = lag_take(arena, events);
     run->acceleration = lag_take(arena, n);
     run->power = lag_take(arena, (size_t)model->n_power);
+    run->multipliers = lag_take(arena, (size_t)model->n_multipliers);
     run->start = lag_take(arena, 2 * n);
     run->inside = lag_take(arena, 2 * n + (size_t)model->n_power);
     run->fixed = (int *)lag_take(arena, 2 * n);

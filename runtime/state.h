@@ -18,6 +18,7 @@ struct LagRun {
     double *nothing_given;        /* n_parameters zeros */
     double *event_a, *event_b;
     double *acceleration, *power; /* for outputs */
+    double *multipliers;          /* of the latest accelerations */
     double *start;                /* (q, v) */
     double *inside;               /* a state within a step */
     double *work;                 /* scratch of the model's functions */

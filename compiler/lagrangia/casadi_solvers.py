@@ -130,7 +130,7 @@ class _Run:
         rhs = self.compilation.functions.table["rhs"]
         t, y = ca.SX.sym("t"), ca.SX.sym("y", self.y.size)
         q, v = y[: self.n], y[self.n : 2 * self.n]
-        a, power = rhs(t, q, v, self._inputs(t, now, target), self._modes(now, target), self.c)
+        a, power, _ = rhs(t, q, v, self._inputs(t, now, target), self._modes(now, target), self.c)
         grid = sorted({*[w for w in wanted if w > now], target})
         options: dict[str, Any] = {}
         if self.integrator in ("cvodes", "idas"):
@@ -152,8 +152,8 @@ class _Run:
         for t, y in zip(times, states.T, strict=True):
             q, v, e = y[:n], y[n : 2 * n], y[2 * n :]
             u = self._inputs(t, now, target)
-            a, _ = table["rhs"](t, q, v, u, d, self.c)
-            outputs = table["outputs"](t, q, v, a, u, d, self.c)
+            a, _, multipliers = table["rhs"](t, q, v, u, d, self.c)
+            outputs = table["outputs"](t, q, v, a, multipliers, u, d, self.c)
             energies = table["energies"](t, q, v, u, d, self.c)
             rows.append(np.concatenate([[t], q, v, np.array(outputs).ravel(), np.array(energies).ravel(),
                                         e if e.size else [0.0, 0.0]]))

@@ -42,13 +42,16 @@ def build_functions(kinematics: Kinematics, motion: Motion, initial: InitialCond
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = ca.vertcat(*[mode.symbol for mode in modes])
     given, mask, p = _parameters(kinematics.graph.model, kinematics, motion.p)
+    multipliers = ca.SX.sym("lambda", 0)
     arguments = [t, q, v, u, d, c]
     table = {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
         "start": ca.Function("start", [motion.p], [initial.q, initial.v], ["p"], ["q", "v"]),
-        "rhs": ca.Function("rhs", arguments, [acceleration, power], ["t", "q", "v", "u", "d", "c"], ["a", "power"]),
-        "outputs": ca.Function("outputs", [t, q, v, a, u, d, c], [y], ["t", "q", "v", "a", "u", "d", "c"], ["y"]),
+        "rhs": ca.Function("rhs", arguments, [acceleration, power, multipliers], ["t", "q", "v", "u", "d", "c"],
+                           ["a", "power", "lambda"]),
+        "outputs": ca.Function("outputs", [t, q, v, a, multipliers, u, d, c], [y],
+                               ["t", "q", "v", "a", "lambda", "u", "d", "c"], ["y"]),
         "energies": ca.Function("energies", arguments, [energy], ["t", "q", "v", "u", "d", "c"], ["energies"]),
     }
     if initial.residual_spans:

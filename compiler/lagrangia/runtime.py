@@ -175,8 +175,13 @@ class _Function(c.Structure):
     )
 
 
-_SIZES = ("n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power")
-_FUNCTIONS = ("parameters", "hoist", "start", "initial", "events", "modes", "rhs", "outputs", "energies")
+_SIZES = (
+    "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
+    "n_holonomic", "n_multipliers",
+)
+_FUNCTIONS = (
+    "parameters", "hoist", "start", "initial", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
+)
 
 
 class _Model(c.Structure):
