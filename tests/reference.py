@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
+from scipy.special import ellipj, ellipk
 
 Array = NDArray[np.float64]
 Acceleration = Callable[[float, Array, Array], ArrayLike]
@@ -52,3 +53,10 @@ def linear_response(
     A[2 * n, 2 * n + 1], A[2 * n + 1, 2 * n] = Omega, -Omega
     start = np.concatenate([q0, np.zeros(n), [0, 1]])
     return (expm(np.multiply.outer(times, A)) @ start)[:, :n].T
+
+
+def pendulum_angle(times: Array, *, L: float, phi0: float, g: float = 9.81) -> Array:
+    """phi of L phi'' = -g sin phi from rest at phi0: sin(phi/2) = k sn(K(k) - sqrt(g/L) t, k) with k = sin(phi0/2)."""
+    k = np.sin(phi0 / 2)
+    sn = ellipj(ellipk(k**2) - np.sqrt(g / L) * times, k**2)[0]
+    return 2 * np.arcsin(k * sn)

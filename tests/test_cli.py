@@ -1,0 +1,278 @@
+"""The command `lag` as a person uses it: in a folder of their own, by what it prints, writes and returns."""
+
+import csv
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from lagrangia import __version__
+from lagrangia.cli import main
+from lagrangia.pipeline import PHASES
+from reference import pendulum_angle
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
+PUSHED = """
+model Pushed "A block pushed by two inputs"
+  parameter Mass m = 2;
+  input Force F;
+  input Force G(start = 3);
+  Block block(m = m, base = world, along = {1, 0});
+  AppliedForce push(at = block.center, force = {F + G, 0});
+end Pushed;
+"""
+
+
+class Outcome(NamedTuple):
+    code: int
+    out: str
+    err: str
+
+
+Lag = Callable[..., Outcome]
+
+
+@pytest.fixture
+def lag(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Lag:
+    """Runs `lag` in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: object) -> Outcome:
+        try:
+            code = main([str(argument) for argument in arguments])
+        except SystemExit as stop:
+            code = int(stop.code or 0)
+        return Outcome(code, *capsys.readouterr())
+
+    return run
+
+
+def simulate(lag: Lag, example: str, *arguments: object) -> Outcome:
+    """A run that must succeed."""
+    outcome = lag("simulate", EXAMPLES / f"{example}.lag", *arguments)
+    assert outcome.code == 0, outcome.err
+    return outcome
+
+
+def table(path: str | Path) -> dict[str, np.ndarray]:
+    with Path(path).open(newline="", encoding="utf-8") as stream:
+        names, *rows = csv.reader(stream)
+    return dict(zip(names, np.array(rows, float).T, strict=True))
+
+
+# ---------------------------------------------------------------- results
+
+
+def test_a_run_prints_a_summary_and_writes_its_rows_here(lag: Lag) -> None:
+    said = simulate(lag, "suspended_bar").out
+    rows = table("suspended_bar.csv")
+    assert list(rows) == ["time", "guide.s", "tilt.phi", "der(guide.s)", "der(tilt.phi)", "y"]
+    np.testing.assert_allclose(rows["time"], np.linspace(0, 10, 501), rtol=1e-14)
+    assert rows["tilt.phi"][0] == np.radians(5)
+    assert "SuspendedBar: Bar hung on two vertical springs" in said
+    assert "2 coordinates (guide.s, tilt.phi), 0 to 10 s, tolerance 1e-08" in said
+    assert "energy account closes to" in said
+    assert "501 rows in suspended_bar.csv" in said
+
+
+def test_stop_tolerance_interval_output_and_plot(lag: Lag) -> None:
+    simulate(lag, "chain", "--stop", 5, "--tolerance", 1e-10, "--interval", 0.01, "-o", "result.csv", "--plot", "chain.png")
+    assert table("result.csv")["time"].tolist() == pytest.approx(np.linspace(0, 5, 501))
+    assert not Path("chain.csv").exists()
+    picture = imread("chain.png")
+    height, width = picture.shape[:2]
+    assert width > 500
+    assert height > 200
+    assert len(np.unique(picture.reshape(-1, picture.shape[2]), axis=0)) > 50, "five curves in five colours, smoothed"
+
+
+@pytest.mark.parametrize("suffix", ["svg", "pdf"])
+def test_plot_of_chosen_quantities(lag: Lag, suffix: str) -> None:
+    simulate(lag, "pendulum", "--plot", f"p.{suffix}", "--plot-quantities", "hinge.phi,bob.center.y")
+    assert Path(f"p.{suffix}").stat().st_size > 5000
+
+
+def test_times_parameters_start_values_and_statistics(lag: Lag) -> None:
+    options = ["--at", "0,0.5,1.25", "-p", "L=2", "-p", "m=0.3", "--initial", "hinge.phi=1.2", "--stats", "--tolerance", 1e-12]
+    said = simulate(lag, "pendulum", *options).out
+    rows = table("pendulum.csv")
+    assert rows["time"].tolist() == [0, 0.5, 1.25]
+    np.testing.assert_allclose(rows["hinge.phi"], pendulum_angle(rows["time"], L=2, phi0=1.2), atol=1e-10)
+    for word in ("steps", "rejected", "dense outputs", "nodes", "native code in"):
+        assert word in said
+
+
+def test_values_may_carry_units(lag: Lag) -> None:
+    simulate(lag, "pendulum", "-p", "L=200[cm]", "--initial", "hinge.phi=70[deg]", "--at", "0,1", "-o", "a.csv")
+    simulate(lag, "pendulum", "-p", "L=2", "--initial", f"hinge.phi={math.radians(70)!r}", "--at", "0,1", "-o", "b.csv")
+    assert Path("a.csv").read_text() == Path("b.csv").read_text()
+
+
+def test_start_value_of_a_rate_under_both_its_names(lag: Lag) -> None:
+    for name in ("hinge.w", "der(hinge.phi)"):
+        simulate(lag, "pendulum", "--initial", f"{name}=2.5", "--at", "0", "-o", "a.csv")
+        assert table("a.csv")["der(hinge.phi)"].tolist() == [2.5]
+
+
+def test_an_array_parameter_is_set_as_a_whole(lag: Lag) -> None:
+    simulate(lag, "free_bar", "-p", "world.gravity={0,-1.62}", "--at", "0,2")
+    assert table("free_bar.csv")["bar.center.y"][-1] == pytest.approx(4 * 2 - 1.62 * 2**2 / 2)
+
+
+def test_start_time(lag: Lag) -> None:
+    simulate(lag, "torsion_rotor", "--start", 0.5, "--stop", 1.5, "--interval", 0.25)
+    rows = table("torsion_rotor.csv")
+    assert rows["time"].tolist() == [0.5, 0.75, 1, 1.25, 1.5]
+    assert rows["twist"][1] != 0, "the motor runs from 0.5 s on"
+
+
+def test_rows_on_standard_output(lag: Lag) -> None:
+    outcome = simulate(lag, "pendulum", "-o", "-", "--at", "0,1")
+    assert [len(line.split(",")) for line in outcome.out.splitlines()] == [3, 3, 3]
+    assert "Pendulum" in outcome.err
+    assert not list(Path().iterdir())
+
+
+def test_quiet_says_nothing(lag: Lag) -> None:
+    assert simulate(lag, "pendulum", "--quiet") == (0, "", "")
+    assert Path("pendulum.csv").exists()
+
+
+def test_outputs_adds_columns(lag: Lag) -> None:
+    simulate(lag, "double_pendulum", "--outputs", "elbow.b.r,der(elbow.w)", "--at", "0,1")
+    rows = table("double_pendulum.csv")
+    assert list(rows)[-3:] == ["elbow.b.r[1]", "elbow.b.r[2]", "der(elbow.w)"]
+    assert np.hypot(rows["elbow.b.r[1]"], rows["elbow.b.r[2]"]).tolist() == pytest.approx([1, 1]), "the first link is 1 m long"
+
+
+def test_the_last_model_runs_unless_another_is_named(lag: Lag) -> None:
+    Path("two.lag").write_text("model A Block s(m = 1, base = world); end A; model B Block t(m = 1, base = world); end B;")
+    lag("simulate", "two.lag", "-o", "b.csv")
+    lag("simulate", "two.lag", "--model", "A", "-o", "a.csv")
+    assert "t.s" in table("b.csv")
+    assert "s.s" in table("a.csv")
+
+
+def test_a_run_that_reaches_its_limit_of_steps_keeps_its_rows(lag: Lag) -> None:
+    outcome = lag("simulate", EXAMPLES / "pendulum.lag", "--max-steps", 10)
+    assert outcome.code == 1
+    assert "limit of steps" in outcome.err
+    assert 1 < len(table("pendulum.csv")["time"]) < 501
+
+
+def test_max_step_bounds_the_steps(lag: Lag) -> None:
+    said = simulate(lag, "free_bar", "--max-step", 0.01, "--stats").out
+    steps = int(said.partition(" steps,")[0].split()[-1])
+    assert 200 <= steps < 250
+
+
+# ---------------------------------------------------------------- inputs, structure, solvers
+
+
+@pytest.fixture
+def pushed(lag: Lag) -> Path:
+    """A scene with the inputs F and G in the present folder."""
+    scene = Path("pushed.lag")
+    scene.write_text(PUSHED)
+    return scene
+
+
+def test_constant_inputs(lag: Lag, pushed: Path) -> None:
+    assert lag("simulate", pushed, "-u", "F=1[kN]", "--at", "0,2").code == 0
+    assert table("pushed.csv")["block.s"].tolist() == pytest.approx([0, (1000 + 3) / 2 * 2**2 / 2])
+
+
+def test_input_table(lag: Lag, pushed: Path) -> None:
+    """F rises to 6 N in 1 s, jumps to -3 N and stays: v is the area under F/m."""
+    Path("push.csv").write_text("time,F\n0,0\n1,6\n1,-3\n2,-3\n")
+    assert lag("simulate", pushed, "-u", "push.csv", "-u", "G=0", "--at", "0,1,2,3", "--tolerance", 1e-12).code == 0
+    rows = table("pushed.csv")
+    np.testing.assert_allclose(rows["der(block.s)"], [0, 1.5, 0, -1.5], atol=1e-12)
+
+
+def test_a_structural_parameter_is_compiled_in(lag: Lag) -> None:
+    simulate(lag, "chain", "-p", "n=20", "-p", "link[20].m=2", "--stop", 0.1)
+    assert [name for name in table("chain.csv") if name.endswith("].phi")] == [f"hinge[{k}].phi" for k in range(1, 21)]
+
+
+@pytest.mark.parametrize("example", ["pendulum", "cart_pole", "torsion_rotor"])
+@pytest.mark.parametrize("integrator", ["cvodes", "idas"])
+def test_integrators_of_casadi_agree(lag: Lag, example: str, integrator: str) -> None:
+    options = ["--stop", 2, "--interval", 0.1, "--tolerance", 1e-9]
+    simulate(lag, example, *options, "-o", "ours.csv")
+    said = simulate(lag, example, *options, "-o", "casadi.csv", "--solver", f"casadi:{integrator}").out
+    assert f"casadi:{integrator}" in said
+    ours, theirs = table("ours.csv"), table("casadi.csv")
+    assert list(ours) == list(theirs)
+    for name, values in ours.items():
+        np.testing.assert_allclose(theirs[name], values, rtol=0, atol=1e-6 * np.abs(values).max(), err_msg=name)
+
+
+def test_changing_numbers_compiles_nothing(lag: Lag, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cache = tmp_path / "cache"
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(cache))
+
+    def kept() -> dict[Path, int]:
+        return {path: path.stat().st_mtime_ns for path in cache.rglob("*") if path.is_file()}
+
+    simulate(lag, "disc_and_block")
+    first = kept()
+    simulate(lag, "disc_and_block", "-p", "m=3", "--initial", "block.s=0.1", "--stop", 1, "--tolerance", 1e-6)
+    assert first
+    assert kept() == first
+    simulate(lag, "chain", "-p", "n=2")
+    assert len(kept()) > len(first)
+
+
+# ---------------------------------------------------------------- looking without running
+
+
+@pytest.mark.parametrize("phase", PHASES)
+def test_every_phase_can_be_printed(lag: Lag, phase: str) -> None:
+    outcome = simulate(lag, "disc_and_block", "--dump", phase)
+    assert len(outcome.out.splitlines()) >= 4
+    assert not list(Path().iterdir()), "nothing is run"
+
+
+def test_check_accepts_every_example(lag: Lag) -> None:
+    files = sorted(EXAMPLES.glob("*.lag"))
+    outcome = lag("check", *files)
+    assert outcome.code == 0
+    assert [line.partition(": ")[0] for line in outcome.out.splitlines()] == list(map(str, files))
+    assert "chain.lag: Chain: 5 degrees of freedom: hinge[1].phi, hinge[2].phi" in outcome.out
+
+
+def test_check_goes_on_after_a_wrong_file(lag: Lag) -> None:
+    Path("wrong.lag").write_text("model Wrong Bar bar(m = 1, l = 2); end Wrong;")
+    outcome = lag("check", "wrong.lag", EXAMPLES / "pendulum.lag")
+    assert outcome.code == 2
+    assert "error[L0203]" in outcome.err
+    assert "wrong.lag:1:" in outcome.err
+    assert "1 degree of freedom: hinge.phi" in outcome.out
+
+
+def test_help_lists_topics_and_each_has_a_text(lag: Lag) -> None:
+    topics = [line.split()[0] for line in lag("help").out.splitlines() if line.startswith("  ")]
+    assert len(topics) >= 3
+    for topic in topics:
+        assert len(lag("help", topic).out) > 200, topic
+
+
+@pytest.mark.parametrize("arguments", [[], ["fly"], ["simulate"], ["simulate", "x.lag", "--stop", "soon"]])
+def test_a_wrong_command_line_is_an_error_like_others(lag: Lag, arguments: list[str]) -> None:
+    outcome = lag(*arguments)
+    assert outcome.code == 2
+    assert outcome.err.startswith("error[L0700]: ")
+
+
+def test_the_installed_command_says_its_version() -> None:
+    command = Path(sys.executable).with_name("lag.exe" if os.name == "nt" else "lag")
+    said = subprocess.run([command, "--version"], capture_output=True, text=True, check=True).stdout
+    assert said == f"lagrangia {__version__}\n"
