@@ -1,0 +1,226 @@
+"""The Python interface: lag.load, simulate, the trajectory, and the CasADi functions of every example."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+import lagrangia as lag
+
+EXAMPLES = sorted((Path(__file__).resolve().parent.parent / "models" / "examples").glob("*.lag"))
+FOLDER = EXAMPLES[0].parent
+STATES = 20
+
+Scene = Callable[[str], lag.Model]
+
+
+def load(example: str, **structural: object) -> lag.Model:
+    return lag.load(FOLDER / f"{example}.lag", **structural)
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Scene:
+    """A scene from its text."""
+
+    def write(text: str) -> lag.Model:
+        path = tmp_path / "scene.lag"
+        path.write_text(text, encoding="utf-8")
+        return lag.load(path)
+
+    return write
+
+
+# ---------------------------------------------------------------- runs
+
+
+def test_the_example_of_the_issue() -> None:
+    model = load("chain", n=20)
+    run = model.simulate(stop=1, tolerance=1e-10, parameters={"link[1].m": 2.0})
+    assert model.coordinate_names == tuple(f"hinge[{k}].phi" for k in range(1, 21))
+    for values in (run.time, run["hinge[1].phi"], run.energy.total):
+        assert values.dtype == np.float64
+        assert values.shape == (501,)
+    assert run["hinge[1].phi"][0] == 1
+    assert np.ptp(run.energy.total) < 1e-8 * np.abs(run.energy.total).max()
+
+
+def test_names_of_a_trajectory() -> None:
+    run = load("disc_and_block").simulate(stop=1)
+    assert run.names[:3] == ["time", "block.s", "axle.phi"]
+    np.testing.assert_array_equal(run["time"], run.time)
+    np.testing.assert_array_equal(run["der(block.s)"], run["block.v"])
+    np.testing.assert_allclose(run["s2.stretch"], 0.2 * run["axle.phi"] - run["block.s"], atol=1e-15)
+    with pytest.raises(lag.LagError, match=r"axle.phi|axel"):
+        run["axel.phi"]
+
+
+def test_a_quantity_that_was_not_asked_for_is_what_it_would_have_been() -> None:
+    """Accelerations too, and vectors as arrays of shape (rows, 2)."""
+    late = load("double_pendulum").simulate(stop=1)
+    early = lag.Model(FOLDER / "double_pendulum.lag", outputs=("der(elbow.w)", "elbow.b.r")).simulate(stop=1)
+    np.testing.assert_allclose(late["der(elbow.w)"], early["der(elbow.w)"], rtol=1e-11)
+    assert late["elbow.b.r"].shape == (501, 2)
+    np.testing.assert_allclose(late["elbow.b.r"][:, 1], early["elbow.b.r[2]"], rtol=1e-11)
+
+
+def test_tables_have_all_digits(tmp_path: Path) -> None:
+    run = load("pendulum").simulate(stop=1, interval=0.25)
+    run.to_csv(tmp_path / "run.csv")
+    kept = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True, deletechars="")
+    np.testing.assert_array_equal(kept["hinge.phi"], run["hinge.phi"])
+    frame = pytest.importorskip("pandas") and run.to_pandas()
+    assert list(frame.columns) == run.names[1:]
+    assert frame.index.name == "time"
+    np.testing.assert_array_equal(frame["hinge.phi"], run["hinge.phi"])
+    np.testing.assert_array_equal(frame.index, [0, 0.25, 0.5, 0.75, 1])
+
+
+def test_a_picture_shows_the_curve(tmp_path: Path) -> None:
+    run = load("pendulum").simulate(stop=3)
+    figure = run.plot("hinge.phi", path=tmp_path / "phi.png")
+    assert imread(tmp_path / "phi.png").std() > 0.05
+    (line,) = figure.axes[0].lines
+    np.testing.assert_allclose(line.get_ydata(), np.degrees(run["hinge.phi"]))
+    assert "deg" in figure.axes[0].get_ylabel()
+    assert len(run.plot().axes) == 1
+    assert len(run.plot("hinge.phi", "bob.center.x").axes) == 2, "a panel a unit"
+
+
+def test_the_energy_account_of_a_driven_and_damped_scene() -> None:
+    run = load("suspended_bar").simulate(tolerance=1e-10)
+    energy = run.energy
+    assert energy.dissipated[-1] > 1
+    assert np.all(np.diff(energy.dissipated) >= 0)
+    np.testing.assert_allclose(energy.total - energy.total[0], energy.work - energy.dissipated, atol=1e-8)
+    assert np.abs(energy.residual).max() < 1e-8
+
+
+def test_inputs_by_constant_and_by_table(scene: Scene) -> None:
+    """s'' = F/2: a constant, and a ramp F = 6 t up to 1 s, then nothing."""
+    model = scene("model M input Force F; Block b(m = 2, base = world); AppliedForce p(at = b.center, force = {F, 0}); end M;")
+    assert model.simulate(at=[2], inputs={"F": 3})["b.s"][-1] == pytest.approx(3, rel=1e-12)
+    run = model.simulate(at=[0, 1, 2], inputs=([0, 1, 1, 2], {"F": [0, 6, 0, 0]}), tolerance=1e-12)
+    np.testing.assert_allclose(run["b.s"], [0, 0.5, 2], atol=1e-12)
+
+
+def test_a_run_that_fails_keeps_what_it_computed(scene: Scene) -> None:
+    """s'' = 6 s^2 from s = 1, s' = 2 is s = 1/(1 - t)^2, which ends at t = 1."""
+    model = scene("""model M Block b(m = 1, base = world, s(start = 1), v(start = 2));
+        GeneralSpring pull(stretch = b.s, V = -2*b.s^3); annotation(experiment(StopTime = 2)); end M;""")
+    with pytest.raises(lag.RunError, match="cannot be continued") as caught:
+        model.simulate(tolerance=1e-10, interval=0.03)
+    run = caught.value.trajectory
+    assert 0.9 < run.time[-1] < 1
+    early = run.time < 0.9
+    np.testing.assert_allclose(run["b.s"][early], 1 / (1 - run.time[early]) ** 2, rtol=1e-7)
+
+
+# ---------------------------------------------------------------- parameters
+
+
+def test_dependents_follow_and_given_values_stay() -> None:
+    """I = md r^2/2 follows md, unless I itself is given."""
+    model = load("disc_and_block")
+    place = model.parameter_names.index
+    names = [place("md"), place("I"), place("disc.I")]
+    assert model.parameter_values()[names].tolist() == pytest.approx([5, 0.1, 0.1])
+    assert model.parameter_values({"md": 10})[names].tolist() == pytest.approx([10, 0.2, 0.2])
+    assert model.parameter_values({"md": 10, "I": 0.7})[names].tolist() == pytest.approx([10, 0.7, 0.7])
+    assert model.parameter_values({"disc.I": 0.3})[names].tolist() == pytest.approx([5, 0.1, 0.3])
+
+
+def test_a_run_uses_the_dependents() -> None:
+    model = load("disc_and_block")
+    both = model.simulate(stop=2, tolerance=1e-12, parameters={"md": 10, "I": 0.2})["axle.phi"]
+    follows = model.simulate(stop=2, tolerance=1e-12, parameters={"md": 10})["axle.phi"]
+    stays = model.simulate(stop=2, tolerance=1e-12, parameters={"md": 10, "I": 0.1})["axle.phi"]
+    np.testing.assert_allclose(follows, both, rtol=1e-9)
+    assert np.abs(stays - both).max() > 1e-3 * np.abs(both).max()
+
+
+def test_one_model_serves_runs_with_other_numbers() -> None:
+    model = load("pendulum")
+    first = model.simulate(at=[1])["hinge.phi"][0]
+    other = model.simulate(at=[1], parameters={"L": 3}, initial={"hinge.phi": 0.2})["hinge.phi"][0]
+    assert model.simulate(at=[1])["hinge.phi"][0] == first != other
+
+
+# ---------------------------------------------------------------- functions
+
+
+class States:
+    """Random states of a scene: t, q, v, u as columns, and its parameters."""
+
+    def __init__(self, model: lag.Model) -> None:
+        random = np.random.default_rng(7)
+        n = model.scene.n
+        self.t = random.uniform(0, 3, (1, STATES))
+        self.q, self.v = random.normal(size=(2, n, STATES))
+        self.u = random.normal(size=(len(model.scene.inputs), STATES))
+        self.p = model.parameter_values().reshape(-1, 1)
+
+    def __call__(self, function: ca.Function) -> np.ndarray:
+        """Values of the first output, of shape (rows, columns, STATES)."""
+        values = [np.array(function(self.t[:, k], self.q[:, k], self.v[:, k], self.u[:, k], self.p)) for k in range(STATES)]
+        return np.stack(values, axis=-1)
+
+
+@pytest.fixture(scope="module", params=EXAMPLES, ids=lambda path: path.stem)
+def example(request: pytest.FixtureRequest) -> tuple[dict[str, ca.Function], States]:
+    model = lag.load(request.param)
+    return model.functions(), States(model)
+
+
+def test_functions_have_named_inputs_and_outputs(example: tuple[dict[str, ca.Function], States]) -> None:
+    functions, _ = example
+    assert set(functions) == {"M", "h", "rhs", "energies", "outputs", "jacobian"}
+    for function in functions.values():
+        assert function.name_in() == ["t", "q", "v", "u", "p"]
+    assert functions["energies"].name_out() == ["T", "V", "D"]
+
+
+def test_the_mass_matrix_is_symmetric_and_positive(example: tuple[dict[str, ca.Function], States]) -> None:
+    functions, states = example
+    M = states(functions["M"]).transpose(2, 0, 1)
+    np.testing.assert_allclose(M, M.transpose(0, 2, 1), rtol=0, atol=1e-14 * np.abs(M).max())
+    assert np.linalg.eigvalsh(M).min() > 0
+
+
+def test_the_accelerations_balance_the_forces(example: tuple[dict[str, ca.Function], States]) -> None:
+    """M a + h = 0."""
+    functions, states = example
+    M, h, a = (states(functions[name]) for name in ("M", "h", "rhs"))
+    size = np.abs(M).max() * np.abs(a).max() + np.abs(h).max()
+    assert size > 0
+    np.testing.assert_allclose(np.einsum("ijk,jlk->ilk", M, a) + h, 0, atol=1e-12 * size)
+
+
+def test_the_kinetic_energy_is_that_of_the_mass_matrix(example: tuple[dict[str, ca.Function], States]) -> None:
+    """T(v) + T(-v) - 2 T(0) = v . M v, also where supports move with time."""
+    functions, states = example
+    T = [states(functions["energies"].slice("T", range(5), [0]))]
+    ahead = states.v
+    for v in (-ahead, 0 * ahead):
+        states.v = v
+        T.append(states(functions["energies"].slice("T", range(5), [0])))
+    states.v = ahead
+    twice = np.einsum("ik,ijk,jk->k", ahead, states(functions["M"]), ahead)
+    np.testing.assert_allclose((T[0] + T[1] - 2 * T[2]).ravel(), twice, rtol=1e-11)
+
+
+def test_the_jacobian_is_the_slope_of_the_accelerations(example: tuple[dict[str, ca.Function], States]) -> None:
+    """Against central differences of order 4."""
+    functions, states = example
+    exact = states(functions["jacobian"])
+    y = np.vstack([states.q, states.v])
+    step = 1e-3
+    for column, at in enumerate(np.eye(len(y))[:, :, None]):
+        slope = 0
+        for weight, reach in ((8, 1), (-8, -1), (-1, 2), (1, -2)):
+            states.q, states.v = np.split(y + reach * step * at, 2)
+            slope = slope + weight * states(functions["rhs"])[:, 0] / (12 * step)
+        np.testing.assert_allclose(slope, exact[:, column], rtol=0, atol=1e-7 * np.abs(exact).max())
+    states.q, states.v = np.split(y, 2)
