@@ -6,7 +6,6 @@ in its amplitude, the largest magnitude it takes during the run.
 
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
 from math import inf
 from pathlib import Path
 
@@ -17,20 +16,23 @@ import yaml
 import lagrangia as lag
 
 FOLDER = Path(__file__).parent / "cases"
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is asked of one model of one scene."""
+    """What is asked of one model of one scene: error = constant * tolerance, and nine digits at the finest tolerance.
+
+    The constant was measured. It holds what the motion itself magnifies: close encounters, instability, periods gone by.
+    """
 
     file: str
     model: str
-    constant: float  # error <= constant * tolerance: three times what was measured, so that a lost digit is seen
+    constant: float
+    until: float = inf  # later reference times are left out
+    tolerances: tuple[float, ...] = TOLERANCES  # the errors at these are compared
     finest: float = 1e-9  # the error at tolerance 1e-12 is below this
-    until: float = inf  # reference times beyond this are left out
-    coarsest: float = 1e-4  # tolerances looser than this are left out of the comparison of errors
-    why: str = ""  # the reason for another finest, until or coarsest
+    why: str = ""  # the reason for any of the three above
     slow: bool = False
 
     def __str__(self) -> str:
@@ -38,8 +40,37 @@ class Case:
 
 
 CASES = [
-    Case("pendulum_elliptic_suite", "Swinging", constant=1),
-]
+    Case("cart_pole_barto_sutton", "CartPole", constant=0.1),
+    Case("cart_pole_barto_sutton", "PushedCartPole", constant=0.008),
+    Case("coupled_pendulums_spring", "CoupledPendulums", constant=0.2),
+    Case("double_pendulum_chaotic", "DoublePendulum", constant=0.5, until=10, why="then chaos takes over: the next is to 20 s"),
+    Case("double_pendulum_chaotic", "DoublePendulum", constant=7e3, until=20, tolerances=TOLERANCES[1:], finest=1e-7,
+         why="errors grow tenfold every 2.2 s, and that of rounding is as large as the motion soon after 30 s"),
+    Case("gni_fermi_pasta_ulam", "FermiPastaUlam", constant=3, until=50, why="then errors grow fast: the next is all of it"),
+    Case("gni_fermi_pasta_ulam", "FermiPastaUlam", constant=500, tolerances=TOLERANCES[1:-1], finest=1e-7,
+         why="errors grow a millionfold in 200 s: the loosest tolerance loses the motion, the finest is ruled by rounding"),
+    Case("ifto_a01_simple_pendulum", "SimplePendulum", constant=15, until=100, why="42 periods: the next is all 845"),
+    Case("ifto_a01_simple_pendulum", "SimplePendulum", constant=2e3, tolerances=TOLERANCES[1:], why="1e-4 loses the phase"),
+    Case("kepler_orbits", "Orbit", constant=80),
+    Case("kepler_orbits", "CometOrbit", constant=500),
+    Case("linear_2dof_vibration", "Beat", constant=0.07),
+    Case("linear_2dof_vibration", "Undamped", constant=0.17),
+    Case("linear_2dof_vibration", "Damped", constant=0.014),
+    Case("linear_chain_1000", "Mode1", constant=1e-3, tolerances=TOLERANCES[:3], slow=True, why="1e-8 is at rounding already"),
+    Case("linear_chain_1000", "Mode10", constant=1e-2, tolerances=TOLERANCES[:3], slow=True, why="1e-8 is at rounding already"),
+    Case("linear_chain_1000", "Mode500", constant=1.5, slow=True),
+    Case("msl_double_pendulum", "DoublePendulum", constant=0.2),
+    Case("msl_pendulum_spring_damper", "PendulumWithSpringDamper", constant=0.02),
+    Case("pendulum_elliptic_suite", "Swinging", constant=0.003),
+    Case("pendulum_elliptic_suite", "NearlyInverted", constant=35),
+    Case("pendulum_elliptic_suite", "Rotating", constant=2.5),
+    Case("planarmechanics_crane_crab", "CraneCrab", constant=0.02),
+    Case("planarmechanics_double_pendulum", "DoublePendulum", constant=1),
+    Case("quarter_car_bus_ctms", "RoadStep", constant=0.03),
+    Case("quarter_car_bus_ctms", "Actuated", constant=0.02),
+    Case("stiff_spring_pendulum", "StiffSpringPendulum", constant=0.5),
+    Case("testset_pleiades", "Pleiades", constant=0.8),
+]  # fmt: skip
 
 
 @cache
@@ -79,10 +110,13 @@ def test_the_finest_tolerance_gives_nine_digits(case: Case) -> None:
 
 @every_case
 def test_the_error_falls_in_step_with_the_tolerance(case: Case) -> None:
-    tolerances = [tolerance for tolerance in TOLERANCES if tolerance <= case.coarsest]
-    errors = [error(case, tolerance) for tolerance in tolerances]
-    assert all(e <= case.constant * tolerance for e, tolerance in zip(errors, tolerances, strict=True)), errors
-    assert all(finer < coarser / 10 for coarser, finer in pairwise(errors)), errors
+    """Their ratio is the constant on average; single ones may be off by luck, but each step of the tolerance pays."""
+    errors = np.array([error(case, tolerance) for tolerance in case.tolerances])
+    ratios = errors / np.array(case.tolerances)
+    average = np.exp(np.log(ratios).mean())
+    assert average < 3 * case.constant, f"a digit is lost: {ratios}"
+    assert ratios.max() < 30 * case.constant, f"a digit is lost at one tolerance: {ratios}"
+    assert (errors[1:] < errors[:-1] / 5).all(), f"a finer tolerance does not pay: {errors}"
 
 
 @pytest.mark.parametrize("file", sorted(FOLDER.glob("*.yaml")), ids=lambda file: file.stem)
@@ -92,5 +126,4 @@ def test_every_reference_is_used(file: Path) -> None:
 
 
 def test_every_exception_has_its_reason() -> None:
-    rule = Case("", "", constant=1)
-    assert all(case.why for case in CASES if (case.finest, case.until, case.coarsest) != (rule.finest, rule.until, rule.coarsest))
+    assert all(case.why for case in CASES if (case.until, case.tolerances, case.finest) != (inf, TOLERANCES, 1e-9))

@@ -14,6 +14,7 @@ from reference import Array, integrate, linear_response
 
 FOLDER = Path(__file__).parents[1] / "models" / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.lag"))
+ANNOTATION = re.compile(r"annotation\(experiment\(StopTime = ([\d.]+), Tolerance = ([\d.e-]+)\)\);")
 g = 9.81
 
 Columns = dict[str, Array]
@@ -199,6 +200,9 @@ def torsion_rotor(t: Array) -> Columns:
     return {"bearing[1].phi": A, "bearing[2].phi": A + z, "twist": z}
 
 
+# The motion magnifies all errors, those of SciPy too: compared until here only.
+CHAOTIC_AFTER = {"chain": 2.0, "double_pendulum": 6.0}
+
 REFERENCES: dict[str, Callable[[Array], Columns]] = {
     "cart_pole": cart_pole,
     "chain": chain,
@@ -222,37 +226,35 @@ def example(request: pytest.FixtureRequest) -> Path:
     return request.param
 
 
-def stop_time(example: Path) -> float:
-    return float(re.search(r"StopTime = ([\d.]+)", example.read_text(encoding="utf-8"))[1])
-
-
-def assert_follows(run: lag.Run, expected: Columns, digits: float = 1e-9) -> None:
-    """Each column agrees to this part of its amplitude."""
+def assert_follows(run: lag.Trajectory, expected: Columns) -> None:
+    """Each column agrees to 10^-11 of its amplitude."""
     for name, values in expected.items():
-        np.testing.assert_allclose(run[name], values, rtol=0, atol=digits * np.abs(values).max(), err_msg=name)
+        np.testing.assert_allclose(run[name], values, rtol=0, atol=1e-11 * np.abs(values).max(), err_msg=name)
 
 
 def test_runs_as_annotated_and_closes_its_energy_account(example: Path) -> None:
+    stop, tolerance = map(float, ANNOTATION.search(example.read_text(encoding="utf-8")).groups())
     run = lag.load(example).simulate()
     energy = run.energy
-    scale = max(np.abs(part).max() for part in (energy.kinetic, energy.potential, energy.dissipated, energy.work))
-    assert run.time[-1] == stop_time(example)
-    assert scale > 0
-    assert np.abs(energy.residual).max() < 1e-6 * scale
+    largest = max(np.abs(part).max() for part in (energy.kinetic, energy.potential, energy.dissipated, energy.work))
+    assert run.time[-1] == stop
+    assert largest > 0
+    assert np.abs(energy.residual).max() < tolerance * largest
 
 
 def test_follows_the_equations_on_paper(example: Path) -> None:
     assert example.stem in REFERENCES, "a new example needs its equations here"
-    t = np.linspace(0, stop_time(example), 61)
-    assert_follows(lag.load(example).simulate(at=t, tolerance=1e-12), REFERENCES[example.stem](t))
+    model = lag.load(example)
+    t = np.linspace(0, CHAOTIC_AFTER.get(example.stem, model.scene.stop), 61)
+    assert_follows(model.simulate(at=t, tolerance=1e-12), REFERENCES[example.stem](t))
 
 
 def test_small_motion_of_the_suspended_bar_is_linear() -> None:
-    """Mass and stiffness 10^4 times larger make the load 10^4 times smaller, and the tilt too small for its cube to count:
+    """Mass and stiffness 10^6 times larger make the load 10^6 times smaller, and the tilt too small for its cube to count:
 
     M = diag(m, I),  K = [[k1 + k2, (L/2)(k2 - k1)], [., (L^2/4)(k1 + k2)]],  f = P (1, a - L/2)
     """
-    m, L, a, k1, k2, phi = 10e4, 2, 1.5, 1e3 * 1e4, 1.5e3 * 1e4, 1e-6
+    m, L, a, k1, k2, phi = 10e6, 2, 1.5, 1e3 * 1e6, 1.5e3 * 1e6, 1e-8
     t = np.linspace(0, 10, 61)
     K = [[k1 + k2, L / 2 * (k2 - k1)], [L / 2 * (k2 - k1), L**2 / 4 * (k1 + k2)]]
     P = [50, 50 * (a - L / 2)]
