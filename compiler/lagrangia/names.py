@@ -56,6 +56,7 @@ class Names:
     root: Instance | None = None
     _structural: dict[str, Flat] = field(default_factory=dict)
     _pending: list[str] = field(default_factory=list)
+    _dealt: dict[tuple[int, int], tuple[Bound, Flat]] = field(default_factory=dict)
 
     # ------------------------------------------------------------ structural values
 
@@ -109,10 +110,17 @@ class Names:
     # ------------------------------------------------------------ expressions
 
     def flatten_bound(self, bound: Bound) -> Flat:
-        flat = self.flatten(bound.expression, bound.scope)
+        flat = self._flatten_dealt(bound) if bound.selection else self.flatten(bound.expression, bound.scope)
         for index, size in bound.selection:
             flat = self._deal(flat, index, size)
         return flat
+
+    def _flatten_dealt(self, bound: Bound) -> Flat:
+        """The whole of an array that is dealt out to many elements, flattened when the first of them asks."""
+        key = id(bound.expression), id(bound.scope)
+        if key not in self._dealt:
+            self._dealt[key] = bound, self.flatten(bound.expression, bound.scope)  # bound is kept, and so its ids stay its own
+        return self._dealt[key][1]
 
     def _deal(self, flat: Flat, index: int, size: int) -> Flat:
         if isinstance(flat, Array):
