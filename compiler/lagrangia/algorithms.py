@@ -6,7 +6,7 @@ from typing import Any
 
 from lagrangia.diagnostics import Span, fail, suggest
 from lagrangia.instances import Instance, Scope
-from lagrangia.names import Names
+from lagrangia.names import Names, read_unit
 from lagrangia.tree import (
     Assignment,
     Call,
@@ -39,7 +39,8 @@ class FlatFunction:
         """The arguments of a call in the order of the inputs. Raises LagError L0215."""
         given = dict(zip(self.inputs, call.arguments, strict=False))
         if len(call.arguments) > len(self.inputs):
-            fail("L0215", f"{self.name} takes {len(self.inputs)} arguments, not {len(call.arguments)}", call.span)
+            wanted = f"{len(self.inputs)} argument{'s' if len(self.inputs) != 1 else ''} ({', '.join(self.inputs)})"
+            fail("L0215", f"{self.name} takes {wanted}, not {len(call.arguments)}", call.span)
         for name, value in call.named:
             if name not in self.inputs or name in given:
                 fail("L0215", f"{self.name} has no other input '{name}'", call.span, *filter(None, [suggest(name, self.inputs)]))
@@ -50,12 +51,9 @@ class FlatFunction:
         return tuple(given[name] for name in self.inputs)
 
 
-def flatten_function(definition: ClassDefinition, names: Names, functions: dict[str, Any]) -> None:
-    """Adds the function to `functions`. Raises LagError for a function that calls itself or has no single output."""
-    pending = FlatFunction(definition.name, (), {}, (), "", definition.name_span)
-    functions[definition.name] = pending
-    builder = _Builder(definition, names)
-    functions[definition.name] = builder.build()
+def flatten_function(definition: ClassDefinition, names: Names) -> FlatFunction:
+    """Raises LagError for a function that has no single output, or does what no formula can say."""
+    return _Builder(definition, names).build()
 
 
 class _Builder:
@@ -69,12 +67,16 @@ class _Builder:
                 fail("L0902", "not supported yet: a function variable that is no scalar number", declaration.name_span)
             units = [a.value.value for a in (*base[1], *declaration.arguments)
                      if a.name == "unit" and isinstance(a.value, String)]
+            if units:
+                read_unit(units[-1], declaration.span)
             self.units[declaration.name] = units[-1] if units else ""
 
     def build(self) -> FlatFunction:
         definition = self.definition
         inputs = tuple(d.name for d in self.declarations if "input" in d.prefixes)
         outputs = [d for d in self.declarations if "output" in d.prefixes]
+        if not outputs:
+            fail("L0211", f"the function '{definition.name}' has no output", definition.name_span, "declare one: output Real y;")
         if len(outputs) != 1:
             fail("L0902", f"not supported yet: the function '{definition.name}' with {len(outputs)} outputs",
                  definition.name_span)
@@ -90,7 +92,9 @@ class _Builder:
 
     def _section(self, section: Section, steps: list[tuple[str, Flat]]) -> None:
         if section.kind != "algorithm":
-            fail("L0222", f"a function has an algorithm, no {section.kind} section", self.definition.name_span)
+            place = section.clauses[0].span if section.clauses else self.definition.name_span
+            fail("L0222", f"a function has an algorithm, no section of this kind ({section.kind})", place,
+                 "write: algorithm, and name := expression; below it")
         for clause in section.clauses:
             self._statement(clause, {}, steps)
 

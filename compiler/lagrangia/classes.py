@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from lagrangia.diagnostics import Report, Source, Span, fail, suggest
 from lagrangia.tree import Argument, ClassDefinition, Declaration, Extends, Syntax
 
+_FOREIGN = {"double": "Real", "float": "Real", "int": "Integer", "long": "Integer", "bool": "Boolean", "string": "String", "str": "String"}
 BUILTIN_TYPES = frozenset({"Real", "Integer", "Boolean", "String", "Frame"})
 
 
@@ -25,7 +26,8 @@ class ClassTable:
         if name in self.library:
             return self.library[name]
         known = {n for n, c in {**self.library, **self.user}.items() if c.kind != "function"} | BUILTIN_TYPES
-        fail("L0201", f"there is no model or type '{name}'", span, *filter(None, [suggest(name, known)]))
+        hint = f"a number is a {_FOREIGN[name]}, or a quantity such as Length" if name in _FOREIGN else suggest(name, known)
+        fail("L0201", f"there is no model or type '{name}'", span, hint or 'is a file to be imported? import "file.lag";')
 
     def function(self, name: str, span: Span) -> ClassDefinition | None:
         found = self.user.get(name) if span.source not in self.library_sources else None
@@ -49,15 +51,19 @@ class ClassTable:
             name, span = extends.type_name, definition.span
         return name, attributes
 
-    def ancestors(self, definition: ClassDefinition) -> set[str]:
-        """Names of the class and of all it extends."""
-        names = {definition.name}
+    def declared(self, definition: ClassDefinition) -> dict[str, Declaration]:
+        """Declarations of the class and of all it extends, by name."""
+        return {e.name: e for base in self.lineage(definition) for e in base.elements if isinstance(e, Declaration)}
+
+    def lineage(self, definition: ClassDefinition, heirs: tuple[ClassDefinition, ...] = ()) -> list[ClassDefinition]:
+        """The class and all it extends, bases last; one that extends itself is followed once."""
+        found, heirs = [definition], (*heirs, definition)
         for element in definition.elements:
             if isinstance(element, Extends) and element.type_name not in BUILTIN_TYPES:
                 base = self.lookup(element.type_name, element.span)
-                if base.name not in names:
-                    names |= self.ancestors(base)
-        return names
+                if not any(base is heir for heir in heirs):
+                    found += self.lineage(base, heirs)
+        return found
 
 
 def build_class_table(library: Iterable[Syntax], user: Iterable[Syntax]) -> ClassTable:
@@ -91,3 +97,14 @@ def _check_members(definition: ClassDefinition, report: Report) -> None:
                 report.error("L0202", f"'{element.name}' is declared twice in {definition.name}", element.name_span,
                              f"the first is at {seen[element.name].name_span}")
             seen.setdefault(element.name, element)
+        _check_arguments(element.arguments, report)
+
+
+def _check_arguments(arguments: tuple[Argument, ...], report: Report) -> None:
+    given: dict[str, Argument] = {}
+    for argument in arguments:
+        if argument.value is not None and argument.name in given:
+            report.error("L0202", f"'{argument.name}' is given twice", argument.name_span, f"the first is at {given[argument.name].name_span}")
+        if argument.value is not None:
+            given[argument.name] = argument
+        _check_arguments(argument.arguments, report)

@@ -120,13 +120,18 @@ def fail(code: str, message: str, span: Span | None = None, *hints: str, label: 
     raise LagError([Diagnostic("error", code, message, span, label, hints)])
 
 
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """The known word that differs in capitals only, else the most similar one."""
+    names = sorted(set(known))
+    near = [name for name in names if name.lower() == word.lower()] or difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    return near[0] if near else None
+
+
 def suggest(word: str, known: Iterable[str]) -> str:
     """`did you mean 'k'?` for the nearest known word, or a list of the known ones when it is short."""
     names = sorted(set(known))
-    near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
-    near = near or [name for name in names if name.lower() == word.lower()]
-    if near:
-        return f"did you mean '{near[0]}'?"
+    if near := nearest(word, names):
+        return f"did you mean '{near}'?"
     return f"known here: {', '.join(names)}" if 0 < len(names) <= 12 else ""
 
 

@@ -11,6 +11,7 @@ from fractions import Fraction
 from lagrangia.diagnostics import LagError, Report, Span
 from lagrangia.flat import Equation, FlatModel, Variable
 from lagrangia.folding import fold
+from lagrangia.names import FRAME_FUNCTIONS
 from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpression, Local, Number, Ref, String, Time, Unary
 from lagrangia.units import ONE, Dimension, dimension, divide, multiply, parse_unit, power, spell
 
@@ -45,8 +46,8 @@ def check_dimensions(model: FlatModel) -> None:
         for name, start in frame.starts.items():
             checker.guard(checker.expect, start, _FRAME_DIMENSIONS[name], f"the start of {name}")
     for frames in model.frame_equations:
-        checker.guard(checker.quantity, frames.left)
-        checker.guard(checker.quantity, frames.right)
+        checker.guard(checker.check_frame, frames.left)
+        checker.guard(checker.check_frame, frames.right)
     for equation in (*model.constraints, *model.initial_equations):
         checker.guard(checker.check_equation, equation)
     for energy in model.energies:
@@ -107,13 +108,14 @@ class _Checker:
         self.same(self.quantity(equation.left), self.quantity(equation.right), equation.span, "be equal")
 
     def declared(self, variable: Variable) -> Quantity:
-        if not variable.unit:
-            return ANY
-        try:
-            return Quantity(parse_unit(variable.unit).dimension)
-        except ValueError as error:
-            self.report.error("L0301", str(error), variable.span)
-            return ANY
+        return Quantity(parse_unit(variable.unit).dimension) if variable.unit else ANY
+
+    def check_frame(self, node: Flat) -> None:
+        """The shifts and turns of a frame expression."""
+        if isinstance(node, Call) and node.function in FRAME_FUNCTIONS:
+            base, amount = node.arguments
+            self.check_frame(base)
+            self.expect(amount, *((_METRE, "a shift") if node.function == "shift" else (ONE, "an angle")))
 
     def check_work(self, force: Flat, position: Flat, span: Span) -> None:
         product = self._times(self.quantity(force), self.quantity(position))
@@ -147,8 +149,10 @@ class _Checker:
                 return ANY
             case Ref(name, _, _):
                 return self._variable(name)
+            case FrameRef(_, "", _, span):
+                return self._refuse_frame(node, span)
             case FrameRef(_, attribute, _, _):
-                return Quantity(_FRAME_DIMENSIONS.get(attribute))
+                return Quantity(_FRAME_DIMENSIONS[attribute])
             case Local(name, _):
                 return (local or {}).get(name, ANY)
             case Time():
@@ -220,9 +224,15 @@ class _Checker:
         value = fold(node.right)
         if value is None or isinstance(value, bool):
             if not base.is_soft:
-                self.report.error("L0304", f"{base.spell()} to a power that is not a fixed number", node.span)
+                self.report.error("L0304", f"{base.spell()} to a power that is not a fixed number", node.span,
+                                  "its unit would change with the exponent: write a number, or declare the exponent as a constant")
             return ANY
         return Quantity(power(base.dimension, Fraction(value).limit_denominator(12)), base.is_soft)
+
+    def _refuse_frame(self, node: Flat, span: Span) -> Quantity:
+        self.report.error("L0221", "a frame is no number", span, f"its position is {node}.r, its angle {node}.phi"
+                          if isinstance(node, FrameRef) else "bind it to a port: Frame f = ...; and then f.r, f.phi")
+        return ANY
 
     def _pure(self, quantity: Quantity, node: Flat, what: str) -> None:
         if not _fits(quantity, ONE):
@@ -233,14 +243,16 @@ class _Checker:
     def _call(self, node: Call[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
         if node.function in self.model.functions:
             return self._user_function(node, local)
+        if node.function == "distance":
+            points = [argument for argument in node.arguments if not (isinstance(argument, FrameRef) and argument.attribute == "")]
+            self._common([Quantity(_METRE), *(self.quantity(point, local) for point in points)], node.span, "be points")
+            return Quantity(_METRE)
         found = [self.quantity(argument, local) for argument in node.arguments]
         match node.function:
             case "der":
                 return self._over(found[0], Quantity(_SECOND), node)
             case "shift" | "turn":
-                wanted = _METRE if node.function == "shift" else ONE
-                self.expect(node.arguments[1], wanted, "a shift" if node.function == "shift" else "an angle")
-                return ANY
+                return self._refuse_frame(node, node.span)
             case "sqrt":
                 base = found[0].dimension
                 return ANY if base is None else Quantity(power(base, Fraction(1, 2)), found[0].is_soft)
@@ -250,9 +262,6 @@ class _Checker:
                 return PURE
             case "dot" | "cross":
                 return self._times(found[0], found[1])
-            case "distance":
-                self._common(found, node.span, "be points")
-                return Quantity(_METRE)
             case "atan2":
                 self.same(found[0], found[1], node.span, "be compared")
                 return PURE

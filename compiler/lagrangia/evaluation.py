@@ -91,6 +91,7 @@ class Evaluator:
         self._pending.append(name)
         value = self.value(variable.binding, level)
         self._pending.pop()
+        elements(value, variable.shape, variable.binding.span)
         return value
 
     # ------------------------------------------------------------ operators
@@ -209,6 +210,18 @@ def _zip(function: Callable[[Scalar, Scalar], Scalar], a: Value, b: Value, span:
 
 def _size(value: Value) -> str:
     return f"an array of {len(value)}" if isinstance(value, tuple) else "a number"
+
+
+def elements(value: Value, shape: tuple[int, ...], span: Span) -> list[Scalar]:
+    """The scalars of a value that must have this shape, row by row. Raises LagError L0303."""
+    if not shape:
+        if isinstance(value, tuple):
+            fail("L0303", f"an array of {len(value)} for a number", span)
+        return [value]
+    if not isinstance(value, tuple) or len(value) != shape[0]:
+        what = f"{len(value)} values" if isinstance(value, tuple) else "one number"
+        fail("L0303", f"{what} for an array of {shape[0]}", span)
+    return [x for item in value for x in elements(item, shape[1:], span)]
 
 
 def _sum(values: Value) -> Scalar:

@@ -52,7 +52,7 @@ class Stop:
     @property
     def is_first_of_line(self) -> bool:
         begin = self.source.text.rfind("\n", 0, self.span.start) + 1
-        return bool(self.before) and self.before[-1].end_pos <= begin
+        return bool(self.before) and (self.before[-1].end_pos or 0) <= begin
 
     def last(self, count: int) -> tuple[str, ...]:
         """Types of the tokens just before."""
@@ -91,7 +91,7 @@ def _find_stop(source: Source, parser: Lark) -> Stop:
             start, end = max(0, first), last
             break
     earlier = tuple(token for token in before if token.end_pos is not None and token.end_pos <= start)
-    return Stop(source, Span(source, start, end), earlier, frozenset(interactive.accepts()))
+    return Stop(source, Span(source, start, end), earlier, frozenset(interactive.accepts()))  # type: ignore[no-untyped-call]
 
 
 def _end_of(source: Source, stop: Stop) -> Span:

@@ -6,10 +6,10 @@ from typing import Any, Literal
 
 from lagrangia.algorithms import FlatFunction, flatten_function
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import LagError, Report, Span, fail, suggest
+from lagrangia.diagnostics import LagError, Report, Span, fail, nearest, suggest
 from lagrangia.folding import fold
 from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
-from lagrangia.names import FRAME_FUNCTIONS, Names
+from lagrangia.names import FRAME_FUNCTIONS, Names, read_unit
 from lagrangia.tree import (
     Argument,
     Array,
@@ -146,6 +146,7 @@ class _Flattening:
     def __init__(self, table: ClassTable, definition: ClassDefinition, report: Report) -> None:
         self.table, self.definition, self.report = table, definition, report
         self.functions: dict[str, FlatFunction] = {}
+        self.unfinished_functions: list[str] = []
         self.names = Names(table, report, self.functions, self._define_function)
         self.variables: dict[str, Variable] = {}
         self.frames: dict[str, Frame] = {}
@@ -180,15 +181,34 @@ class _Flattening:
             fail("L0205", f"'{self.definition.name}' is {what}, not a model that can run", self.definition.name_span)
 
     def _add_world(self, root: Instance, instantiation: Instantiation) -> None:
-        if "world" not in root.members:
-            world = self.table.library["World"]
-            root.members["world"] = instantiation.instantiate(world, "world", Modification(), root.span, root)
+        world = root.members.get("world")
+        if world is None:
+            root.members["world"] = instantiation.instantiate(self.table.library["World"], "world", Modification(), root.span, root)
+        elif not (isinstance(world, Instance) and self._is_world(world)):
+            place = self.table.declared(root.definition)["world"].name_span
+            fail("L0220", "the name 'world' belongs to the ground", place, "declare it as World world(...), or choose another name")
+
+    def _is_world(self, instance: Instance) -> bool:
+        return any(base.name == "World" for base in self.table.lineage(instance.definition))
+
+    def _place(self, span: Span, owner: Instance | None) -> Span:
+        """Where people look for what is declared at `span`: for the inside of a library component, its declaration."""
+        while owner is not None and span.source in self.table.library_sources:
+            span, owner = owner.span, owner.parent
+        return span
 
     def _define_function(self, name: str, span: Span) -> None:
+        if name in self.unfinished_functions:
+            chain = " > ".join([*self.unfinished_functions, name])
+            fail("L0212", f"the function '{name}' calls itself", span, chain, "a loop in its algorithm does the same: for i in 1:5 loop ... end for;")
         if name not in self.functions:
             definition = self.table.function(name, span)
             assert definition is not None
-            flatten_function(definition, self.names, self.functions)
+            self.unfinished_functions.append(name)
+            try:
+                self.functions[name] = flatten_function(definition, self.names)
+            finally:
+                self.unfinished_functions.pop()
 
     # ------------------------------------------------------------ members
 
@@ -234,9 +254,9 @@ class _Flattening:
         binding = self.names.flatten_bound(slot.binding) if slot.binding is not None else None
         start = self.names.flatten_bound(slot.attributes["start"]) if "start" in slot.attributes else None
         self.variables[slot.path] = Variable(
-            slot.path, kind, slot.dimensions, self._text(slot, "unit"), self._text(slot, "displayUnit"), binding, start,
+            slot.path, kind, slot.dimensions, self._unit(slot), self._text(slot, "displayUnit"), binding, start,
             self._flag(slot, "fixed"), self._limit(slot, "min"), self._limit(slot, "max"),
-            "output" in declaration.prefixes and owner.parent is None, declaration.description, declaration.name_span,
+            "output" in declaration.prefixes and owner.parent is None, declaration.description, self._place(declaration.name_span, owner),
         )
 
     def _kind(self, slot: Slot) -> Kind:
@@ -248,11 +268,15 @@ class _Flattening:
         return next((kind for kind in kinds if kind in prefixes), "variable")
 
     def _missing_value(self, slot: Slot, owner: Instance) -> None:
-        name = slot.declaration.name
-        if owner.parent is None:
-            fail("L0211", f"parameter '{name}' has no value", slot.declaration.name_span, f"write: {name} = ...")
-        fail("L0211", f"{owner.definition.name} '{owner.path}' needs a value for its parameter '{name}'", owner.span,
-             f"{slot.declaration.description or name}: write {owner.span.text}({name} = ...)")
+        name, span = slot.declaration.name, slot.declaration.name_span
+        said = f" ({slot.declaration.description})" if slot.declaration.description else ""
+        if owner.parent is not None:
+            fail("L0211", f"{owner.definition.name} '{owner.path}' needs a value for its parameter '{name}'{said}",
+                 self._place(owner.span, owner.parent), f"write: {owner.span.text}({name} = ...)")
+        if any(slot.declaration is element for element in owner.definition.elements):
+            fail("L0211", f"the parameter '{name}'{said} has no value", span, f"write: {name} = ...")
+        fail("L0211", f"{owner.definition.name} inherits the parameter '{name}'{said} without a value", owner.span,
+             f"write: extends ...({name} = ...)")
 
     def _text(self, slot: Slot, attribute: str) -> str:
         bound = slot.attributes.get(attribute)
@@ -260,6 +284,12 @@ class _Flattening:
         if value is not None and not isinstance(value, String):
             fail("L0208", f"'{attribute}' must be a text", value.span)
         return value.value if isinstance(value, String) else ""
+
+    def _unit(self, slot: Slot) -> str:
+        unit = self._text(slot, "unit")
+        if unit:
+            read_unit(unit, slot.attributes["unit"].expression.span)
+        return unit
 
     def _limit(self, slot: Slot, attribute: str) -> float | None:
         bound = slot.attributes.get(attribute)
@@ -275,13 +305,13 @@ class _Flattening:
         return bound is not None and self.names.boolean(bound.expression, bound.scope, f"'{attribute}'")
 
     def _add_frame(self, slot: FrameSlot, owner: Instance) -> None:
-        is_ground = owner.frame is slot and "World" in self.table.ancestors(owner.definition)
+        is_ground = owner.frame is slot and self._is_world(owner)
         if is_ground and slot.path != "world":
             self.report.error("L0220", f"the World must be called world, at the top of the scene, not '{slot.path}'", slot.span)
         starts = {}
         for name, bound in slot.starts.items():
             self._guard(lambda name=name, bound=bound: starts.update({name: self.names.flatten_bound(bound)}))
-        self.frames[slot.path] = Frame(slot.path, is_ground, starts, slot.fixed, owner.definition.name, slot.span)
+        self.frames[slot.path] = Frame(slot.path, is_ground, starts, slot.fixed, owner.definition.name, self._place(slot.span, owner))
         if slot.binding is not None:
             self._guard(lambda: self._bind_frame(slot))
 
@@ -292,7 +322,8 @@ class _Flattening:
         if not is_frame(value):
             fail("L0221", f"the port '{slot.path}' needs a frame", span,
                  "bind it to a port, as bar.a, or to shift(...), turn(...)")
-        self.frame_equations.append(FrameEquation(FrameRef(slot.path, "", (), span), value, span))
+        place = self._place(span, slot.owner)
+        self.frame_equations.append(FrameEquation(FrameRef(slot.path, "", (), span), value, place))
 
     # ------------------------------------------------------------ clauses
 
@@ -300,6 +331,7 @@ class _Flattening:
         self._guard(lambda: self._add_clause(kind, clause, scope))
 
     def _add_clause(self, kind: str, clause: Clause, scope: Scope) -> None:
+        place = self._place(clause.span, scope.instance)
         match clause:
             case ForBlock(iterators, body, _):
                 for inner in self.names.loop(iterators, scope):
@@ -309,17 +341,17 @@ class _Flattening:
                 chosen = then if self.names.boolean(condition, scope, "the condition of an if block") else otherwise
                 for part in chosen:
                     self._clause(kind, part, scope)
-            case Equality(left, right, _, span) if kind == "initial":
-                self.initial.append(Equation(self.names.flatten(left, scope), self.names.flatten(right, scope), span))
-            case Equality(left, right, _, span):
-                self._add_equation(self.names.flatten(left, scope), self.names.flatten(right, scope), span)
-            case CallEquation(call, span):
-                self._add_call(call, scope, span)
-            case EnergyTerm(what, value, _, span):
-                self.energies.append(Energy(what, self.names.flatten(value, scope), scope.instance.path, span))
-            case WorkTerm(force, position, _, span):
+            case Equality(left, right, _, _) if kind == "initial":
+                self.initial.append(Equation(self.names.flatten(left, scope), self.names.flatten(right, scope), place))
+            case Equality(left, right, _, _):
+                self._add_equation(self.names.flatten(left, scope), self.names.flatten(right, scope), place)
+            case CallEquation(call, _):
+                self._add_call(call, scope, place)
+            case EnergyTerm(what, value, _, _):
+                self.energies.append(Energy(what, self.names.flatten(value, scope), scope.instance.path, place))
+            case WorkTerm(force, position, _, _):
                 flat = self.names.flatten(force, scope), self.names.flatten(position, scope)
-                self.works.append(Work(*flat, scope.instance.path, span))
+                self.works.append(Work(*flat, scope.instance.path, place))
             case WhenBlock(_, _, span):
                 fail("L0901", "not supported yet: when (state events)", span)
             case _:
@@ -340,13 +372,15 @@ class _Flattening:
         if call.function != "connect":
             if call.function in ("assert", "reinit", "terminate"):
                 fail("L0901", f"not supported yet: {call.function}", span)
-            fail("L0222", f"{call.function}(...) is no equation", span, *filter(None, [suggest(call.function, ["connect"])]))
+            near = nearest(call.function, ["connect"])
+            fail("L0222", f"{call.function}(...) is no equation", span,
+                 f"did you mean '{near}'?" if near else "an equation has a '=' between two expressions, or is connect(a, b)")
         if len(call.arguments) != 2:
-            fail("L0215", "connect takes two frames", span)
+            fail("L0215", f"connect takes two frames, not {len(call.arguments)}", span, "write: connect(a, b)")
         ends = [self.names.flatten(argument, scope) for argument in call.arguments]
         for end in ends:
             if not is_frame(end):
-                fail("L0221", "connect joins frames", end.span)
+                fail("L0221", "connect joins frames, this is none", end.span, "a frame is a port, as bar.a, or shift(...) or turn(...) of one")
         self.frame_equations.append(FrameEquation(ends[0], ends[1], span))
 
     def _bind_variables(self) -> tuple[Equation, ...]:
@@ -360,33 +394,46 @@ class _Flattening:
                     break
             else:
                 constraints.append(equation)
+        if not self.report.errors:  # an equation that is wrong may have been meant to give the value
+            self._require_bindings()
+        return tuple(constraints)
+
+    def _require_bindings(self) -> None:
         for variable in self.variables.values():
             if variable.kind == "variable" and variable.binding is None:
-                self.report.error("L0211", f"the variable '{variable.name}' has no value", variable.span,
-                                  "bind it, or state an equation for it; a coordinate is declared with `coordinate`")
-        return tuple(constraints)
+                *component, name = variable.name.split(".")
+                hint = f"write: {component[-1]}({name} = ...)" if component else f"write: {name} = ..., or an equation for it"
+                self.report.error("L0211", f"the variable '{variable.name}' has no value", variable.span, hint,
+                                  "what the motion decides is a coordinate: declare it with `coordinate`")
 
     # ------------------------------------------------------------ experiment
 
     def _experiment(self, annotation: tuple[Argument, ...], scope: Scope) -> Experiment:
         fields = {"StartTime": "start", "StopTime": "stop", "Tolerance": "tolerance", "Interval": "interval"}
         values: dict[str, float] = {}
+        places: dict[str, Span] = {}
+        for top in annotation:
+            if top.name != "experiment" and nearest(top.name, ["experiment"]):
+                fail("L0208", f"there is no annotation '{top.name}'", top.name_span, "did you mean 'experiment'?")
         for argument in (a for top in annotation if top.name == "experiment" for a in top.arguments):
             if argument.name not in fields:
-                fail("L0208", f"experiment has no '{argument.name}'", argument.span,
-                     *filter(None, [suggest(argument.name, fields)]))
+                fail("L0208", f"experiment has no '{argument.name}'", argument.name_span, suggest(argument.name, fields))
             value = fold(self.names.flatten(argument.value, scope)) if argument.value is not None else None
             if value is None or isinstance(value, bool):
-                fail("L0208", f"'{argument.name}' must be a number", argument.span)
-            values[fields[argument.name]] = float(value)
-        experiment = Experiment(**values)
-        if not experiment.stop > experiment.start:
-            fail("L0208", "StopTime must be later than StartTime", annotation[0].span)
-        if not 0 < experiment.tolerance < 1:
-            fail("L0208", "Tolerance must lie between 0 and 1", annotation[0].span)
-        if experiment.interval is not None and not experiment.interval > 0:
-            fail("L0208", "Interval must be positive", annotation[0].span)
-        return experiment
+                fail("L0208", f"{argument.name} must be a number known beforehand", argument.span)
+            values[fields[argument.name]], places[argument.name] = float(value), argument.span
+        return _checked(Experiment(**values), places)
+
+
+def _checked(experiment: Experiment, places: Mapping[str, Span]) -> Experiment:
+    start, stop, tolerance, interval = experiment.start, experiment.stop, experiment.tolerance, experiment.interval
+    if not stop > start:
+        fail("L0208", f"the StopTime {stop:g} must be later than the StartTime {start:g}", places.get("StopTime", places.get("StartTime")))
+    if not 0 < tolerance < 1:
+        fail("L0208", f"the Tolerance must lie between 0 and 1, not {tolerance:g}", places["Tolerance"], "1e-6 is loose, 1e-12 is tight")
+    if interval is not None and not interval > 0:
+        fail("L0208", f"the Interval must be positive, not {interval:g}", places["Interval"])
+    return experiment
 
 
 def is_frame(node: Flat) -> bool:

@@ -11,7 +11,7 @@ import casadi as ca
 
 from lagrangia.algebra import Mode, Scalar
 from lagrangia.diagnostics import Span, fail
-from lagrangia.evaluation import Evaluator, Value
+from lagrangia.evaluation import Evaluator, Value, elements
 from lagrangia.flat import FlatModel
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
@@ -191,7 +191,7 @@ class _ParameterLeaves:
         self.pending.append(name)
         assert variable.binding is not None
         bound = self.evaluator.value(variable.binding)
-        values = _reshape(bound, variable.shape, variable.binding.span)
+        values = elements(bound, variable.shape, variable.binding.span)
         self.pending.pop()
         start = self.place[name]
         chosen = [ca.if_else(self.mask[start + k], self.given[start + k], x) for k, x in enumerate(values)]
@@ -203,17 +203,6 @@ class _ParameterLeaves:
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
         fail("L0604", f"a parameter cannot depend on the frame '{name}'", self.model.variables[self.pending[-1]].span)
-
-
-def _reshape(value: Value, shape: tuple[int, ...], span: Span) -> list[Scalar]:
-    if not shape:
-        if isinstance(value, tuple):
-            fail("L0303", f"an array of {len(value)} for a number", span)
-        return [value]
-    if not isinstance(value, tuple) or len(value) != shape[0]:
-        what = f"{len(value)} values" if isinstance(value, tuple) else "one number"
-        fail("L0303", f"{what} for an array of {shape[0]}", span)
-    return [x for item in value for x in _reshape(item, shape[1:], span)]
 
 
 def _nest(values: Iterator[Scalar], shape: tuple[int, ...]) -> Value:

@@ -189,8 +189,21 @@ class _Building:
                 seen.add(id(edge))
                 if not edge.steps and same.find(edge.parent) == same.find(edge.child):
                     continue
-                self.report.error("L0905", f"not supported yet: a closed loop, through '{edge.parent}' and '{edge.child}'",
-                                  edge.span, "this joins two frames that are already joined another way")
+                self.report.error("L0905", f"not supported yet: a closed loop, {' - '.join(self._loop(edge))}", edge.span,
+                                  "leave out one of its joints, or put a stiff spring in the place of one")
+
+    def _loop(self, edge: Edge) -> list[str]:
+        """Components along the loop that an edge closes."""
+        ways = []
+        for end in (edge.parent, edge.child):
+            way = [end]
+            while self.parent[way[-1]]:
+                way.append(self.parent[way[-1]])
+            ways.append(way)
+        while len(ways[0]) > 1 and ways[0][-2:] == ways[1][-2:]:
+            ways = [way[:-1] for way in ways]
+        around = [name.rpartition(".")[0] or name for name in (*reversed(ways[0]), *ways[1])]
+        return [name for name, before in zip(around, ["", *around], strict=False) if name != before]
 
     # ------------------------------------------------------------ islands
 
@@ -248,12 +261,8 @@ class _Building:
         named = next((f for f in frames if f.name in used), frames[0])
         port, _, component = named.name.rpartition(".")[::-1]
         component_text = f" of {named.owner} '{component}'" if component else ""
-        self.report.error("L0401", f"the port '{port}'{component_text} is joined to nothing", self._place(named),
-                          f"bind it, {port} = world or {port} = bar.a, or connect({named.name}, ...)")
-
-    def _place(self, frame: Frame) -> Span:
-        """Where the user declared the component: an equation of its island in the user's file, else the port."""
-        return frame.span
+        self.report.error("L0401", f"the port '{port}'{component_text} is joined to nothing", named.span,
+                          f"bind it to a port, to `world` or to a place: {port} = ...; or connect({named.name}, ...)")
 
     # ------------------------------------------------------------ coordinates
 

@@ -79,7 +79,7 @@ class _Starts:
             values = self.kinematics.evaluator.value(other)
             parts = list(values) if isinstance(values, tuple) else [values]
             if len(parts) != len(slots):
-                self.report.error("L0303", f"{len(parts)} values for {len(slots)}", equation.span)
+                self.report.error("L0303", f"{_counted(len(parts))} for {_counted(len(slots))}", equation.span)
                 return
             if any(self._moves(part) for part in parts):
                 continue
@@ -93,7 +93,7 @@ class _Starts:
         if earlier is not None:
             coordinate = self.coordinates[slot % self.n]
             name = coordinate.name if slot < self.n else coordinate.rate_name
-            self.report.error("L0601", f"'{name}' is given two initial values", span, f"the other is at {earlier}")
+            self.report.error("L0601", f"'{name}' is given two initial values", span, f"the other is at {earlier}", "leave one of them out")
         self.values[slot], self.fixed[slot] = value, span
 
     def _residual(self, equation: Equation) -> None:
@@ -105,7 +105,8 @@ class _Starts:
         for a, b in pairs:
             gap = ca.SX(a - b)
             if not ca.depends_on(gap, self._state()):
-                self.report.error("L0603", "this initial equation says nothing about positions or velocities", equation.span)
+                self.report.error("L0603", "this initial equation says nothing about positions or velocities", equation.span,
+                                  "name a coordinate, its rate or a place: hinge.phi = 0.5; der(hinge.phi) = 2;")
             self.residuals.append((self._at_start(gap), equation.span))
 
     def _at_start(self, value: ca.SX) -> ca.SX:
@@ -143,3 +144,7 @@ class _Starts:
     def _moves(self, value: Value) -> bool:
         moving = ca.vertcat(self.kinematics.algebra.state, self.kinematics.symbols.time)
         return isinstance(value, ca.SX) and ca.depends_on(value, moving)
+
+
+def _counted(count: int) -> str:
+    return "one number" if count == 1 else f"a vector of {count}"

@@ -3,16 +3,18 @@
 A modification is kept with the scope it was written in (`Bound`), so that names in it mean what they mean there.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeAlias
 
-from lagrangia.classes import BUILTIN_TYPES, ClassTable
+from lagrangia.classes import ClassTable
 from lagrangia.diagnostics import Report, Span, suggest
+from lagrangia.meanings import explain
 from lagrangia.tree import Argument, ClassDefinition, Clause, Declaration, Expression, Extends
 
 ATTRIBUTES = frozenset({"unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "quantity", "stateSelect"})
 FRAME_ATTRIBUTES = frozenset({"r", "phi", "v", "w", "x", "y"})
+_ROLES = frozenset({"parameter", "constant", "input", "output", "coordinate"})
 _MOST_ELEMENTS = 1_000_000
 
 
@@ -114,19 +116,19 @@ class Instantiation:
     table: ClassTable
     values: StructuralValues
     report: Report
-    stack: list[str] = field(default_factory=list)
+    stack: list[ClassDefinition] = field(default_factory=list)
     count: int = 0
 
     def instantiate(
         self, definition: ClassDefinition, path: str, modification: Modification, span: Span, parent: Instance | None
     ) -> Instance:
         instance = Instance(path, definition, span, parent=parent)
-        if definition.name in self.stack:
+        if any(definition is outer for outer in self.stack):
             self.report.error("L0207", f"{definition.name} contains itself", span,
-                              f"{' > '.join([*self.stack, definition.name])}")
+                              " > ".join(outer.name for outer in (*self.stack, definition)))
             return instance
-        self.stack.append(definition.name)
-        members = list(self._members(definition, modification, Scope(instance), []))
+        self.stack.append(definition)
+        members = list(self._members(definition, modification, Scope(instance)))
         self._check_names(instance, members, modification)
         self._add_variables(instance, [m for m in members if self._is_scalar(m[0])])
         for declaration, change in members:
@@ -138,12 +140,12 @@ class Instantiation:
     # ------------------------------------------------------------ the members of a class
 
     def _members(
-        self, definition: ClassDefinition, modification: Modification, scope: Scope, bases: list[str]
+        self, definition: ClassDefinition, modification: Modification, scope: Scope, bases: tuple[ClassDefinition, ...] = ()
     ) -> Iterator[tuple[Declaration, Modification]]:
         """Declarations of the class and of all it extends, each with what modifies it, bases first."""
-        if definition.name in bases:
+        if any(definition is base for base in bases):
             self.report.error("L0206", f"{definition.name} extends itself", definition.name_span,
-                              " > ".join([*bases, definition.name]))
+                              " > ".join(base.name for base in (*bases, definition)))
             return
         for element in definition.elements:
             if isinstance(element, Declaration):
@@ -159,43 +161,27 @@ class Instantiation:
                     continue
                 inner = modification_of(element.arguments, scope, None, element.span)
                 self._check_extends(base, inner)
-                yield from self._members(base, merge(modification, inner), scope, [*bases, definition.name])
+                yield from self._members(base, merge(modification, inner), scope, (*bases, definition))
         scope.instance.clauses += [(s.kind, clause) for s in definition.sections for clause in s.clauses]
 
     def _check_extends(self, base: ClassDefinition, inner: Modification) -> None:
-        known = self._declared(base)
-        for name, change in inner.children.items():
-            if name not in known:
-                self._unknown_member(base, name, change.span, known)
+        self._refuse_unknown(base, inner, self.table.declared(base).keys())
 
-    def _declared(self, definition: ClassDefinition) -> set[str]:
-        names: set[str] = set()
-        for element in definition.elements:
-            if isinstance(element, Declaration):
-                names.add(element.name)
-            elif isinstance(element, Extends) and element.type_name not in BUILTIN_TYPES:
-                names |= self._declared(self.table.lookup(element.type_name, element.span))
-        return names
+    def _refuse_unknown(self, definition: ClassDefinition, change: Modification, known: Collection[str]) -> None:
+        for name, inner in change.children.items():
+            if name not in known:
+                self.report.error("L0203", f"{definition.name} has no parameter or port '{name}'", inner.span,
+                                  *explain(self.table, definition, name, change.children.keys()))
 
     def _check_names(self, instance: Instance, members: list[tuple[Declaration, Modification]], change: Modification) -> None:
-        known = {declaration.name for declaration, _ in members}
-        for name, inner in change.children.items():
-            if name not in known and not (instance.frame and name in FRAME_ATTRIBUTES):
-                self._unknown_member(instance.definition, name, inner.span, known)
+        known = {declaration.name for declaration, _ in members} | (FRAME_ATTRIBUTES if instance.frame else frozenset())
+        self._refuse_unknown(instance.definition, change, known)
         seen: set[str] = set()
         for declaration, _ in members:
             if declaration.name in seen:
-                self.report.error("L0202", f"'{declaration.name}' is inherited twice in {instance.definition.name}",
-                                  declaration.name_span)
+                self.report.error("L0202", f"{instance.definition.name} inherits '{declaration.name}' already", declaration.name_span,
+                                  f"to give it another value: extends ...({declaration.name} = ...)")
             seen.add(declaration.name)
-
-    def _unknown_member(self, definition: ClassDefinition, name: str, span: Span | None, known: set[str]) -> None:
-        elsewhere = [other for other in self.table.library.values() if other.kind == "model" and not other.is_partial
-                     and any(isinstance(e, Declaration) and e.name == name for e in other.elements)]
-        hints = [suggest(name, known)]
-        if not hints[0].startswith("did you mean") and 0 < len(elsewhere) <= 4:
-            hints.append(f"'{name}' is a parameter or port of {', '.join(sorted(o.name for o in elsewhere))}")
-        self.report.error("L0203", f"{definition.name} has no parameter or port '{name}'", span, *filter(None, hints))
 
     # ------------------------------------------------------------ variables and frames
 
@@ -266,6 +252,9 @@ class Instantiation:
         if condition is not None and not self.values.boolean(condition, scope, f"the condition of '{declaration.name}'"):
             instance.absent.add(declaration.name)
             return
+        if roles := declaration.prefixes & _ROLES:
+            self.report.error("L0205", f"the component '{declaration.name}' cannot be {_with_article(min(roles))}", declaration.type_span,
+                              "numbers can, such as Real, or Length and other quantities")
         sizes = self._dimensions(declaration, scope)
         instance.members[declaration.name] = self._elements(instance, declaration, change, sizes, ())
 
@@ -301,6 +290,10 @@ class Instantiation:
 
     def _is_frame_class(self, definition: ClassDefinition) -> bool:
         return any(isinstance(e, Extends) and e.type_name == "Frame" for e in definition.elements)
+
+
+def _with_article(word: str) -> str:
+    return f"an {word}" if word[0] in "aeiou" else f"a {word}"
 
 
 # -------------------------------------------------------------------- modifications

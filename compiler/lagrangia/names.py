@@ -7,9 +7,10 @@ from functools import reduce
 from typing import Any, NoReturn, cast
 
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import Report, Span, fail, suggest
+from lagrangia.diagnostics import Report, Span, fail, nearest, suggest
 from lagrangia.folding import fold, folded
 from lagrangia.instances import FRAME_ATTRIBUTES, Bound, FrameSlot, Instance, Member, Scope, Slot
+from lagrangia.meanings import explain
 from lagrangia.tree import (
     Array,
     Binary,
@@ -30,7 +31,7 @@ from lagrangia.tree import (
     Unary,
     Whole,
 )
-from lagrangia.units import known_units, parse_unit
+from lagrangia.units import Unit, known_units, parse_unit
 
 # Number of arguments of each function of the kernel; None: any number, at least one.
 FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
@@ -63,7 +64,7 @@ class Names:
     def integer(self, expression: Expression, scope: Scope, what: str) -> int:
         value = self._constant(expression, scope, what)
         if isinstance(value, bool) or not float(value).is_integer():
-            fail("L0210", f"{what} must be an integer", expression.span, f"it is {value}")
+            fail("L0210", f"{what} must be an integer, not {value}", expression.span)
         return int(value)
 
     def boolean(self, expression: Expression, scope: Scope, what: str) -> bool:
@@ -88,9 +89,10 @@ class Names:
         if slot.path in self._pending:
             fail("L0212", f"'{slot.path}' depends on itself", slot.declaration.name_span, " > ".join([*self._pending, slot.path]))
         self._pending.append(slot.path)
-        flat = self.flatten_bound(slot.binding)
-        self._pending.pop()
-        value = folded(flat)
+        try:
+            value = folded(self.flatten_bound(slot.binding))
+        finally:
+            self._pending.pop()
         if value is None:
             fail("L0210", f"'{slot.path}' must be known when the scene is compiled", slot.binding.expression.span,
                  "it is structural (Integer, Boolean or constant): use numbers and structural values")
@@ -105,7 +107,8 @@ class Names:
             good = {"Integer": isinstance(item, Number) and item.value.is_integer(), "Boolean": isinstance(item, Boolean),
                     "String": isinstance(item, String)}.get(slot.base, isinstance(item, Number | Array))
             if not good:
-                fail("L0210", f"'{slot.path}' must be {wanted}", value.span)
+                what = f", not {item.value:g}" if isinstance(item, Number) else ""
+                fail("L0210", f"'{slot.path}' must be {wanted}{what}", value.span)
 
     # ------------------------------------------------------------ expressions
 
@@ -190,6 +193,8 @@ class Names:
             fail("L0215", f"{node.function}(...) is an equation, not a value", node.span)
         arguments = tuple(self.flatten(a, scope) for a in node.arguments)
         named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
+        if node.function in scope.instance.members and self.table.function(node.function, node.span) is None:
+            fail("L0204", f"'{node.function}' is no function", node.span, f"elements are picked with square brackets: {node.function}[1]")
         return self._checked_call(Call(node.function, arguments, named, node.span))
 
     def _checked_call(self, node: Call[Flat]) -> Call[Flat]:
@@ -218,9 +223,12 @@ class Names:
         for iterator in iterators:
             if iterator.range is None:
                 fail("L0214", f"the range of '{iterator.name}' is missing", iterator.span, "write: for i in 1:n")
-            scopes = [s.bind(iterator.name, v) for s in scopes for v in self._values(iterator.range, s)]
-            if len(scopes) > _MOST_ITERATIONS:
-                fail("L0209", f"a loop of more than {_MOST_ITERATIONS} passes", iterator.span)
+            passes: list[Scope] = []
+            for outer in scopes:
+                passes += [outer.bind(iterator.name, value) for value in self._values(iterator.range, outer)]
+                if len(passes) > _MOST_ITERATIONS:
+                    fail("L0209", f"a loop of more than {_MOST_ITERATIONS} passes", iterator.span)
+            scopes = passes
         return scopes
 
     def _values(self, node: Expression, scope: Scope) -> list[int]:
@@ -273,7 +281,7 @@ class Names:
             return items[0] if isinstance(head, int) else Array(tuple(items), node.span)
         if isinstance(member, Slot):
             if rest:
-                fail("L0216", f"'{part.name}' is a variable and has no member '{rest[0].name}'", rest[0].span)
+                fail("L0216", f"'{part.name}' is a number and has no '{rest[0].name}'", rest[0].span, f"its rate is der({part.name})")
             return self._variable(member, subscripts, node.span)
         if subscripts:
             fail("L0214", f"'{part.name}' is not an array", part.span)
@@ -316,10 +324,12 @@ class Names:
         part = node.parts[at]
         if part.name not in FRAME_ATTRIBUTES or at + 1 < len(node.parts):
             wrong = part if part.name not in FRAME_ATTRIBUTES else node.parts[at + 1]
-            fail("L0216", f"a frame has no '{wrong.name}'", wrong.span, f"it has {', '.join(sorted(FRAME_ATTRIBUTES))}")
+            fail("L0216", f"a frame has no '{wrong.name}'", wrong.span,
+                 "it has the position r (also x and y), the angle phi, the velocity v and the angular velocity w")
         index = tuple(self.integer(s, scope, "a subscript") for s in part.subscripts)
         if index and (part.name not in ("r", "v") or len(index) > 1 or index[0] not in (1, 2)):
-            fail("L0214", f"'{part.name}' of a frame has no element {list(index)}", part.span)
+            fail("L0214", f"'{part.name}' of a frame has no element {list(index)}", part.span,
+                 "r and v have two elements, the others are numbers")
         return FrameRef(frame.path, part.name, index, node.span)
 
     def _subscript(self, node: Expression, scope: Scope, member: Member, dimension: int) -> int | list[int]:
@@ -342,8 +352,10 @@ class Names:
         fail("L0204", f"'{first.name}' is not known in {where}", first.span, *filter(None, hints))
 
     def _no_member(self, instance: Instance, name: str, span: Span) -> NoReturn:
+        if name in instance.absent:
+            fail("L0204", f"'{name}' is not there: its condition is false", span)
         what = f"{instance.definition.name} '{instance.path}'"
-        fail("L0216", f"{what} has no member '{name}'", span, *filter(None, [suggest(name, instance.members)]))
+        fail("L0216", f"{what} has no member '{name}'", span, *explain(self.table, instance.definition, name))
 
 
 def _ports(instance: Instance) -> str:
@@ -361,11 +373,17 @@ def _pick(value: Flat, subscripts: list[int | list[int]]) -> Flat:
     return value
 
 
+def read_unit(text: str, span: Span) -> Unit:
+    """Raises LagError L0301."""
+    try:
+        return parse_unit(text)
+    except ValueError as error:
+        near = nearest(text, known_units())
+        fail("L0301", str(error), span, f"did you mean '{near}'?" if near else "units are written as in the SI: m, mm, kg, kN/m, deg, rad/s, N.m")
+
+
 def _in_si(node: Number) -> Number:
     if node.unit is None:
         return node
-    try:
-        unit = parse_unit(node.unit)
-    except ValueError as error:
-        fail("L0301", str(error), node.span, *filter(None, [suggest(node.unit, known_units())]))
+    unit = read_unit(node.unit, node.span)
     return Number(node.value * unit.factor + unit.offset, node.unit, node.span, False)

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,7 +92,9 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
         return syntax, flatten(table, definition, structural)
 
 
+@cache
 def library() -> "tuple[Syntax, ...]":
+    """The syntax of the component library, read once in a process."""
     from lagrangia.syntax import parse
 
     files = sorted((data_folder("models") / "library").glob("*.lag"))

@@ -116,7 +116,7 @@ def power(a: Dimension, exponent: Fraction) -> Dimension:
 
 
 _NAMED = {_NEWTON: "N", _JOULE: "J (or N.m)", _WATT: "W", dimension(s=-1): "1/s", dimension(kg=1, s=-2): "N/m",
-          dimension(kg=1, s=-1): "N.s/m", _M: "m", _KG: "kg", _S: "s", ONE: "1 (no unit, or an angle)"}
+          dimension(kg=1, s=-1): "N.s/m", _M: "m", _KG: "kg", _S: "s", ONE: "rad (or no unit)"}
 
 
 def spell(d: Dimension) -> str:

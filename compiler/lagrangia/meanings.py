@@ -1,0 +1,66 @@
+"""What a wrong name is likely to mean: a parameter or port by its spelling, its quantity or its description, here or elsewhere."""
+
+import re
+from collections.abc import Collection, Mapping
+
+from lagrangia.classes import ClassTable
+from lagrangia.diagnostics import nearest
+from lagrangia.tree import ClassDefinition, Declaration
+
+_MOST_LISTED = 12
+
+
+def explain(table: ClassTable, definition: ClassDefinition, word: str, given: Collection[str] = ()) -> list[str]:
+    """Hints for a name that a model does not have; `given` are the other names that were used with it."""
+    own = table.declared(definition)
+    if near := nearest(word, own):
+        return [f"did you mean '{near}'?"]
+    if meant := _meant(own, word):
+        return [f"did you mean {_described(meant)}?"]
+    return [*_inventory(own), *_elsewhere(table, own, word, {*given} - {word})]
+
+
+def _meant(declared: Mapping[str, Declaration], word: str) -> Declaration | None:
+    """The declaration whose quantity or description says the word: Mass m for `mass`, c "damping constant" for `damping`."""
+    ranked = [(rank, declaration) for declaration in declared.values() if (rank := _rank(declaration, word.lower())) is not None]
+    return min(ranked, key=lambda pair: pair[0])[1] if ranked else None
+
+
+def _rank(declaration: Declaration, word: str) -> int | None:
+    """0 for the best reading. A single letter says too little to be looked for in descriptions."""
+    quantity, said = declaration.type_name.lower(), re.findall(r"\w+", declaration.description.lower())
+    if quantity == word:
+        return 0
+    if len(word) > 1 and word in said[:1]:
+        return 1
+    if len(word) > 2 and any(part.startswith(word) for part in said):
+        return 2
+    return 3 if quantity.startswith(word) else None
+
+
+def _elsewhere(table: ClassTable, own: Mapping[str, Declaration], word: str, given: set[str]) -> list[str]:
+    """The library's model with the same ports that has such a parameter, and as many of the others given as possible."""
+    found = []
+    for other in table.library.values():
+        declared = table.declared(other)
+        if other.kind != "model" or other.is_partial or not _ports(own) or _ports(declared) != _ports(own):
+            continue
+        if meant := declared.get(word) or _meant(declared, word):
+            found.append((len(given - declared.keys()), len(declared), other.name, meant))
+    return [f"did you mean a {name}, with {_described(meant)}?" for _, _, name, meant in sorted(found, key=lambda f: f[:3])[:1]]
+
+
+def _ports(declared: Mapping[str, Declaration]) -> set[str]:
+    return {name for name, declaration in declared.items() if declaration.type_name == "Frame"}
+
+
+def _inventory(own: Mapping[str, Declaration]) -> list[str]:
+    ports = _ports(own)
+    parameters = [_described(declaration) for name, declaration in own.items() if name not in ports]
+    if len(own) > _MOST_LISTED:
+        return []
+    return [*([f"it has {', '.join(parameters)}"] if parameters else []), *([f"its ports are {', '.join(sorted(ports))}"] if ports else [])]
+
+
+def _described(declaration: Declaration) -> str:
+    return f"'{declaration.name}'" + (f" ({declaration.description})" if declaration.description else "")
