@@ -55,6 +55,9 @@ class CasadiAlgebra:
             inner = arguments[0] if function == "floor" else -arguments[0]
             mode = self._mode(ca.floor(inner), inner, 1)
             return mode if function == "floor" else -mode
+        if function == "mod":
+            a, b = arguments
+            return a - b * self.call("floor", a / b)
         if all(isinstance(a, float | int) for a in arguments):
             return _call_float(function, *arguments)
         return _SX_FUNCTIONS[function](*arguments)
@@ -79,8 +82,13 @@ class CasadiAlgebra:
         return a * b if operator == "and" else a + b - a * b
 
     def _is_timed(self, value: Scalar) -> bool:
-        """Depends on time, and on nothing else that changes, in such a way that its crossings can be computed: a + b t."""
-        if not isinstance(value, ca.SX) or not ca.depends_on(value, self.time) or ca.depends_on(value, self.state):
+        """Depends on time, and on nothing else that changes, in such a way that its crossings can be computed: a + b t.
+
+        What depends on a mode crosses at other times in each segment: it stays a plain condition.
+        """
+        if not isinstance(value, ca.SX) or not ca.depends_on(value, self.time):
+            return False
+        if ca.depends_on(value, ca.vertcat(self.state, *[mode.symbol for mode in self.modes])) or _has_steps(value):
             return False
         return not ca.depends_on(ca.jacobian(value, self.time), self.time)
 
@@ -97,14 +105,20 @@ def _sx_atan2(y: Scalar, x: Scalar) -> ca.SX:
     return ca.atan2(y, x)
 
 
-def _floor_mod(a: Scalar, b: Scalar) -> Scalar:
-    return a - b * ca.floor(a / b)
+def _has_steps(value: ca.SX) -> bool:
+    """A slope does not tell of jumps."""
+    function = ca.Function("value", ca.symvar(value), [value])
+    return not _STEPS.isdisjoint(function.instruction_id(k) for k in range(function.n_instructions()))
+
+
+_STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN", "FMOD", "COPYSIGN", "LT", "LE", "EQ", "NE",
+                                                          "IF_ELSE_ZERO"))
 
 
 _SX_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     **{name: getattr(ca, name) for name in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh",
                                             "atanh", "exp", "log", "log10", "sqrt", "floor", "ceil", "sign", "fmin", "fmax")},
-    "abs": ca.fabs, "atan2": _sx_atan2, "mod": _floor_mod, "pow": lambda a, b: a**b,
+    "abs": ca.fabs, "atan2": _sx_atan2, "pow": lambda a, b: a**b,
 }
 _COMPARE: Mapping[str, Callable[[Any, Any], Any]] = {
     "<": lambda a, b: a < b, "<=": lambda a, b: a <= b, ">": lambda a, b: a > b, ">=": lambda a, b: a >= b,
@@ -113,7 +127,7 @@ _COMPARE: Mapping[str, Callable[[Any, Any], Any]] = {
 _FLOAT_FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "abs": abs, "fmin": min, "fmax": max, "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
     "floor": lambda x: float(math.floor(x)), "ceil": lambda x: float(math.ceil(x)),
-    "mod": lambda a, b: a - b * math.floor(a / b), "pow": lambda a, b: float(a**b),
+    "pow": math.pow,
 }
 
 
