@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from lagrangia.diagnostics import Report, Source, Span, fail, suggest
 from lagrangia.tree import Argument, ClassDefinition, Declaration, Extends, Syntax
 
-_FOREIGN = {"double": "Real", "float": "Real", "int": "Integer", "long": "Integer", "bool": "Boolean", "string": "String", "str": "String"}
+_FOREIGN = {"double": "Real", "float": "Real", "int": "Integer", "long": "Integer", "bool": "Boolean", "string": "String"}
 BUILTIN_TYPES = frozenset({"Real", "Integer", "Boolean", "String", "Frame"})
 
 
@@ -104,7 +104,8 @@ def _check_arguments(arguments: tuple[Argument, ...], report: Report) -> None:
     given: dict[str, Argument] = {}
     for argument in arguments:
         if argument.value is not None and argument.name in given:
-            report.error("L0202", f"'{argument.name}' is given twice", argument.name_span, f"the first is at {given[argument.name].name_span}")
+            first = given[argument.name].name_span
+            report.error("L0202", f"'{argument.name}' is given twice", argument.name_span, f"the first is at {first}")
         if argument.value is not None:
             given[argument.name] = argument
         _check_arguments(argument.arguments, report)

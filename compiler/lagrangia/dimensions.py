@@ -33,6 +33,7 @@ class Quantity:
         return "any unit" if self.dimension is None else spell(self.dimension)
 
 
+_CONDITIONS = {"==", "<>", "<", "<=", ">", ">=", "and", "or"}
 ANY = Quantity(None)
 PURE = Quantity(ONE)
 
@@ -162,7 +163,7 @@ class _Checker:
             case Binary():
                 return self._binary(node, local)
             case IfExpression(condition, then, otherwise, span):
-                self.quantity(condition, local)
+                self._require_condition(condition, local)
                 return self.same(self.quantity(then, local), self.quantity(otherwise, local), span, "stand for one value")
             case Array(items, span):
                 return self._common([self.quantity(item, local) for item in items], span, "stand in one array")
@@ -225,9 +226,20 @@ class _Checker:
         if value is None or isinstance(value, bool):
             if not base.is_soft:
                 self.report.error("L0304", f"{base.spell()} to a power that is not a fixed number", node.span,
-                                  "its unit would change with the exponent: write a number, or declare the exponent as a constant")
+                                  "its unit would change with the exponent: write a number, or declare it as a constant")
             return ANY
         return Quantity(power(base.dimension, Fraction(value).limit_denominator(12)), base.is_soft)
+
+    def _require_condition(self, node: Flat, local: Mapping[str, Quantity] | None) -> None:
+        """Conditions are comparisons, `true` and `false`, and what and, or and not make of them."""
+        match node:
+            case Boolean() | Unary("not", _, _):
+                pass
+            case Binary(operator, _, _, _) if operator in _CONDITIONS:
+                pass
+            case _:
+                self.report.error("L0302", "a condition is true or false", node.span, "compare it with something, as x > 0")
+        self.quantity(node, local)
 
     def _refuse_frame(self, node: Flat, span: Span) -> Quantity:
         self.report.error("L0221", "a frame is no number", span, f"its position is {node}.r, its angle {node}.phi"
@@ -243,16 +255,16 @@ class _Checker:
     def _call(self, node: Call[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
         if node.function in self.model.functions:
             return self._user_function(node, local)
+        if node.function in FRAME_FUNCTIONS:
+            return self._refuse_frame(node, node.span)
         if node.function == "distance":
-            points = [argument for argument in node.arguments if not (isinstance(argument, FrameRef) and argument.attribute == "")]
-            self._common([Quantity(_METRE), *(self.quantity(point, local) for point in points)], node.span, "be points")
+            points = [self.quantity(end, local) for end in node.arguments if not (isinstance(end, FrameRef) and end.attribute == "")]
+            self._common([Quantity(_METRE), *points], node.span, "be points")
             return Quantity(_METRE)
         found = [self.quantity(argument, local) for argument in node.arguments]
         match node.function:
             case "der":
                 return self._over(found[0], Quantity(_SECOND), node)
-            case "shift" | "turn":
-                return self._refuse_frame(node, node.span)
             case "sqrt":
                 base = found[0].dimension
                 return ANY if base is None else Quantity(power(base, Fraction(1, 2)), found[0].is_soft)

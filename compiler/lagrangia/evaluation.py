@@ -4,7 +4,8 @@ Everything is evaluated at a *level*: level 0 gives plain scalars of the base al
 level 2 Duals of Duals with the acceleration as well. `der(e)` at level k is the rate of e at level k + 1.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
 
@@ -107,11 +108,15 @@ class Evaluator:
             case "*":
                 return self._product(a, b, node.span)
             case "/":
-                if not isinstance(b, tuple) and isinstance(b, float | int) and b == 0:
+                divisor = _number(b, node.right.span)
+                if isinstance(divisor, float | int) and divisor == 0:
                     fail("L0217", "division by zero", node.span)
-                return _map(lambda x: x / b, a)
+                return _map(lambda x: x / divisor, a)
+        a, b = _number(a, node.left.span), _number(b, node.right.span)
+        match node.operator:
             case "^":
-                return self._power(a, b, level)
+                with _computable(node.span):
+                    return self._power(a, b, level)
             case "and" | "or":
                 return algebra.logic(node.operator, a, b)
             case _:
@@ -154,14 +159,14 @@ class Evaluator:
             return self._distance(node, level)
         arguments = [self.value(argument, level, local) for argument in node.arguments]
         if node.function in self.model.functions:
-            return self._user_function(self.model.functions[node.function], arguments, level)
+            numbers = [_number(value, argument.span) for value, argument in zip(arguments, node.arguments, strict=True)]
+            return self._user_function(self.model.functions[node.function], numbers, level)
         vector = _VECTOR_FUNCTIONS.get(node.function)
         if vector is not None:
             return vector(self, arguments, level, node.span)
-        try:
-            return self.algebras[level].call(node.function, *arguments)
-        except (ValueError, ArithmeticError):
-            fail("L0217", "this cannot be computed", node.span, "a value outside the function's domain")
+        numbers = [_number(value, argument.span) for value, argument in zip(arguments, node.arguments, strict=True)]
+        with _computable(node.span):
+            return self.algebras[level].call(node.function, *numbers)
 
     def _rate(self, node: Call[Flat], level: int, local: Mapping[str, Value] | None) -> Value:
         if local is not None:
@@ -173,6 +178,7 @@ class Evaluator:
     def _distance(self, node: Call[Flat], level: int) -> Scalar:
         """Between two frames or two points."""
         start, end = (self.value(_origin(argument), level) for argument in node.arguments)
+        _need_vectors([start, end], 2, node.span)
         return self.norm(_zip(lambda x, y: x - y, end, start, node.span), level)
 
     def norm(self, vector: Value, level: int) -> Scalar:
@@ -212,6 +218,21 @@ def _size(value: Value) -> str:
     return f"an array of {len(value)}" if isinstance(value, tuple) else "a number"
 
 
+@contextmanager
+def _computable(span: Span) -> Iterator[None]:
+    """Numbers alone are computed at once, which may fail."""
+    try:
+        yield
+    except (ValueError, ArithmeticError):
+        fail("L0217", "this cannot be computed", span, "a value outside the function's domain")
+
+
+def _number(value: Value, span: Span) -> Scalar:
+    if isinstance(value, tuple):
+        fail("L0303", f"a number is needed here, this is an array of {len(value)}", span)
+    return value
+
+
 def elements(value: Value, shape: tuple[int, ...], span: Span) -> list[Scalar]:
     """The scalars of a value that must have this shape, row by row. Raises LagError L0303."""
     if not shape:
@@ -241,10 +262,12 @@ def _flatten(values: Value) -> list[Scalar]:
     return [x for value in values for x in _flatten(value)] if isinstance(values, tuple | list) else [values]
 
 
-def _need_vectors(arguments: list[Value], count: int, span: Span) -> None:
+def _need_vectors(arguments: list[Value], count: int, span: Span, size: int | None = None) -> None:
+    """The first `count` arguments must be vectors of one size."""
     for value in arguments[:count]:
-        if not isinstance(value, tuple) or (count == 2 and len(value) != len(arguments[0])):
-            fail("L0303", "vectors of equal size are needed here", span)
+        if not isinstance(value, tuple) or len(value) != (size or len(arguments[0])):
+            wanted = f" of {size} components" if size else " of equal size" if count > 1 else ""
+            fail("L0303", f"{'vectors' if count > 1 else 'a vector'}{wanted} {'are' if count > 1 else 'is'} needed here", span)
 
 
 def _dot(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
@@ -254,6 +277,7 @@ def _dot(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -
 
 
 def _cross(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
+    _need_vectors(arguments, 2, span, size=2)
     (ax, ay), (bx, by) = arguments
     return ax * by - ay * bx
 
@@ -265,15 +289,17 @@ def _norm(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) 
 
 def _rotate(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:
     """rotate(vector, angle), counter-clockwise."""
-    _need_vectors(arguments, 1, span)
-    (x, y), angle = arguments
+    _need_vectors(arguments, 1, span, size=2)
+    (x, y), angle = arguments[0], _number(arguments[1], span)
     c, s = (evaluator.algebras[level].call(f, angle) for f in ("cos", "sin"))
     return (c * x - s * y, s * x + c * y)
 
 
 def _extreme(function: str) -> Callable[[Evaluator, list[Value], int, Span], Scalar]:
     def evaluate(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
-        first, *rest = _flatten(arguments)
+        if not (values := _flatten(arguments)):
+            fail("L0217", "the smallest or largest of no numbers", span)
+        first, *rest = values
         for value in rest:
             first = evaluator.algebras[level].call(function, first, value)
         return first
@@ -294,7 +320,7 @@ def _product_of(evaluator: Evaluator, arguments: list[Value], level: int, span: 
 
 def _table(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
     """table(x, xs, ys): straight lines between the points, held beyond the ends."""
-    x, xs, ys = arguments
+    x, (xs, ys) = _number(arguments[0], span), arguments[1:]
     if not isinstance(xs, tuple) or not isinstance(ys, tuple) or len(xs) != len(ys) or len(xs) < 2:
         fail("L0303", "table(x, {x1, x2, ...}, {y1, y2, ...}) needs two arrays of equal size, at least 2", span)
     if all(isinstance(v, float | int) for v in xs) and any(b <= a for a, b in pairwise(xs)):

@@ -29,8 +29,10 @@ _FOREIGN = {
     "==": "an equation and a value given have one '='; '==' compares", "**": "a power is written a^b", "&&": "write: and",
     "||": "write: or", "!=": "write: <>", "!": "write: not", "#": "a comment begins with //",
     ":=": "an equation has '='; ':=' assigns, in the algorithm of a function",
-    "−": "write the minus sign of the keyboard: -", "–": "write the minus sign of the keyboard: -", "×": "write: *", "·": "write: *",
-    "“": "a text stands in straight quotes: \"...\"", "”": "a text stands in straight quotes: \"...\"", "²": "a power is written a^2",
+    "->": "frames are joined by connect(a, b), or a = b", "+=": "write: x := x + ...", "-=": "write: x := x - ...",
+    "*/": "no comment is open here", "'": "a name in single quotes ends with one",
+    **dict.fromkeys("−–", "write the minus sign of the keyboard: -"), **dict.fromkeys("×·", "write: *"),
+    **dict.fromkeys("“”", 'a text stands in straight quotes: "..."'), "²": "a power is written a^2",
 }
 _KINDS = {"class": "model", "block": "model", "struct": "record", "def": "function", "include": "import", "from": "import"}
 _CLOSES = {")": "(", "]": "[", "}": "{"}
@@ -144,6 +146,8 @@ def _guesses(stop: Stop) -> Iterator[str]:
     if stop.before and stop.before[-1].type == "STRING" and "\n" in stop.before[-1]:
         line, column = stop.source.line_and_column(stop.before[-1].start_pos or 0)
         yield f"the text that ends before it begins at {line}:{column}: is a quote missing?"
+    if word in _CLOSES and stop.last(1) == ("COMMA",):
+        yield "is the ',' before it one too many?"
     if word in _CLOSES and not _open_brackets(stop):
         yield f"no '{_CLOSES[word]}' is open that it could close"
     if stop.last(2) == ("CLASS_KIND", "NAME") and word == "{":
@@ -165,7 +169,7 @@ def _guesses(stop: Stop) -> Iterator[str]:
 
 def _guesses_from_neighbours(stop: Stop) -> Iterator[str]:
     last, word = stop.last(2), stop.word
-    if last[-1:] == ("NUMBER",) and (word == "[" or word.isidentifier()) and not stop.is_first_of_line:
+    if last[-1:] == ("NUMBER",) and (word in ("[", "(") or word.isidentifier()) and not stop.is_first_of_line:
         yield "a unit stands in brackets behind its number: 2[mm], 1.5[kN/m]"
     if word in ("<", ">", "<=", ">=") and "AND" in stop.accepted:
         yield "comparisons are joined by `and`: a < b and b < c"

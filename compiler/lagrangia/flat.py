@@ -183,10 +183,12 @@ class _Flattening:
     def _add_world(self, root: Instance, instantiation: Instantiation) -> None:
         world = root.members.get("world")
         if world is None:
-            root.members["world"] = instantiation.instantiate(self.table.library["World"], "world", Modification(), root.span, root)
+            ground = self.table.library["World"]
+            root.members["world"] = instantiation.instantiate(ground, "world", Modification(), root.span, root)
         elif not (isinstance(world, Instance) and self._is_world(world)):
             place = self.table.declared(root.definition)["world"].name_span
-            fail("L0220", "the name 'world' belongs to the ground", place, "declare it as World world(...), or choose another name")
+            fail("L0220", "the name 'world' belongs to the ground", place,
+                 "declare it as World world(...), or choose another name")
 
     def _is_world(self, instance: Instance) -> bool:
         return any(base.name == "World" for base in self.table.lineage(instance.definition))
@@ -200,7 +202,7 @@ class _Flattening:
     def _define_function(self, name: str, span: Span) -> None:
         if name in self.unfinished_functions:
             chain = " > ".join([*self.unfinished_functions, name])
-            fail("L0212", f"the function '{name}' calls itself", span, chain, "a loop in its algorithm does the same: for i in 1:5 loop ... end for;")
+            fail("L0212", f"the function '{name}' calls itself", span, chain, "a loop in its algorithm may do the same")
         if name not in self.functions:
             definition = self.table.function(name, span)
             assert definition is not None
@@ -256,7 +258,8 @@ class _Flattening:
         self.variables[slot.path] = Variable(
             slot.path, kind, slot.dimensions, self._unit(slot), self._text(slot, "displayUnit"), binding, start,
             self._flag(slot, "fixed"), self._limit(slot, "min"), self._limit(slot, "max"),
-            "output" in declaration.prefixes and owner.parent is None, declaration.description, self._place(declaration.name_span, owner),
+            "output" in declaration.prefixes and owner.parent is None, declaration.description,
+            self._place(declaration.name_span, owner),
         )
 
     def _kind(self, slot: Slot) -> Kind:
@@ -311,7 +314,8 @@ class _Flattening:
         starts = {}
         for name, bound in slot.starts.items():
             self._guard(lambda name=name, bound=bound: starts.update({name: self.names.flatten_bound(bound)}))
-        self.frames[slot.path] = Frame(slot.path, is_ground, starts, slot.fixed, owner.definition.name, self._place(slot.span, owner))
+        place = self._place(slot.span, owner)
+        self.frames[slot.path] = Frame(slot.path, is_ground, starts, slot.fixed, owner.definition.name, place)
         if slot.binding is not None:
             self._guard(lambda: self._bind_frame(slot))
 
@@ -380,7 +384,8 @@ class _Flattening:
         ends = [self.names.flatten(argument, scope) for argument in call.arguments]
         for end in ends:
             if not is_frame(end):
-                fail("L0221", "connect joins frames, this is none", end.span, "a frame is a port, as bar.a, or shift(...) or turn(...) of one")
+                fail("L0221", "connect joins frames, this is none", end.span,
+                     "a frame is a port, as bar.a, or shift(...) or turn(...) of one")
         self.frame_equations.append(FrameEquation(ends[0], ends[1], span))
 
     def _bind_variables(self) -> tuple[Equation, ...]:
@@ -428,9 +433,11 @@ class _Flattening:
 def _checked(experiment: Experiment, places: Mapping[str, Span]) -> Experiment:
     start, stop, tolerance, interval = experiment.start, experiment.stop, experiment.tolerance, experiment.interval
     if not stop > start:
-        fail("L0208", f"the StopTime {stop:g} must be later than the StartTime {start:g}", places.get("StopTime", places.get("StartTime")))
+        place = places.get("StopTime", places.get("StartTime"))
+        fail("L0208", f"the StopTime {stop:g} must be later than the StartTime {start:g}", place)
     if not 0 < tolerance < 1:
-        fail("L0208", f"the Tolerance must lie between 0 and 1, not {tolerance:g}", places["Tolerance"], "1e-6 is loose, 1e-12 is tight")
+        fail("L0208", f"the Tolerance must lie between 0 and 1, not {tolerance:g}", places["Tolerance"],
+             "1e-6 is loose, 1e-12 is tight")
     if interval is not None and not interval > 0:
         fail("L0208", f"the Interval must be positive, not {interval:g}", places["Interval"])
     return experiment

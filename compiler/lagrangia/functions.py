@@ -6,6 +6,7 @@ For the run time, in the order that runtime/model.h states, with everything that
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import NoReturn
 
 import casadi as ca
 
@@ -179,6 +180,8 @@ class _ParameterLeaves:
 
     def symbol(self, name: str, level: int) -> Value | None:
         variable = self.model.variables[name]
+        if variable.kind in ("coordinate", "input"):
+            self._refuse(f"the {variable.kind} '{name}'")
         return self.parameter(name, variable.span) if variable.kind == "parameter" else None
 
     def parameter(self, name: str, span: Span) -> Value:
@@ -199,10 +202,16 @@ class _ParameterLeaves:
         return self.known[name]
 
     def time(self, level: int) -> Scalar:
-        fail("L0604", "a parameter cannot depend on time", self.model.variables[self.pending[-1]].span)
+        self._refuse("time")
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
-        fail("L0604", f"a parameter cannot depend on the frame '{name}'", self.model.variables[self.pending[-1]].span)
+        self._refuse(f"the frame '{name}'")
+
+    def _refuse(self, what: str) -> NoReturn:
+        parameter = self.model.variables[self.pending[-1]]
+        place = parameter.binding.span if parameter.binding is not None else parameter.span
+        fail("L0604", f"the parameter '{parameter.name}' cannot depend on {what}", place,
+             "what changes during the run is a variable: leave `parameter` away")
 
 
 def _nest(values: Iterator[Scalar], shape: tuple[int, ...]) -> Value:

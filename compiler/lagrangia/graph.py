@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from lagrangia.diagnostics import Report, Span, fail
-from lagrangia.flat import FlatModel, Frame, FrameEquation, Variable
+from lagrangia.flat import FlatModel, FrameEquation, Variable
 from lagrangia.tree import Call, Flat, FrameRef, Ref, Time
 from lagrangia.walk import leaves
 

@@ -93,7 +93,8 @@ class _Starts:
         if earlier is not None:
             coordinate = self.coordinates[slot % self.n]
             name = coordinate.name if slot < self.n else coordinate.rate_name
-            self.report.error("L0601", f"'{name}' is given two initial values", span, f"the other is at {earlier}", "leave one of them out")
+            self.report.error("L0601", f"'{name}' is given two initial values", span,
+                              f"the other is at {earlier}", "leave one of them out")
         self.values[slot], self.fixed[slot] = value, span
 
     def _residual(self, equation: Equation) -> None:

@@ -5,10 +5,11 @@ A modification is kept with the scope it was written in (`Bound`), so that names
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
+from math import prod
 from typing import Any, Protocol, TypeAlias
 
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import Report, Span, suggest
+from lagrangia.diagnostics import Report, Span, fail, suggest
 from lagrangia.meanings import explain
 from lagrangia.tree import Argument, ClassDefinition, Clause, Declaration, Expression, Extends
 
@@ -16,6 +17,7 @@ ATTRIBUTES = frozenset({"unit", "displayUnit", "min", "max", "start", "fixed", "
 FRAME_ATTRIBUTES = frozenset({"r", "phi", "v", "w", "x", "y"})
 _ROLES = frozenset({"parameter", "constant", "input", "output", "coordinate"})
 _MOST_ELEMENTS = 1_000_000
+_MOST_COMPONENTS = 100_000
 
 
 @dataclass(frozen=True)
@@ -179,8 +181,8 @@ class Instantiation:
         seen: set[str] = set()
         for declaration, _ in members:
             if declaration.name in seen:
-                self.report.error("L0202", f"{instance.definition.name} inherits '{declaration.name}' already", declaration.name_span,
-                                  f"to give it another value: extends ...({declaration.name} = ...)")
+                self.report.error("L0202", f"{instance.definition.name} inherits '{declaration.name}' already",
+                                  declaration.name_span, f"to give it another value: extends ...({declaration.name} = ...)")
             seen.add(declaration.name)
 
     # ------------------------------------------------------------ variables and frames
@@ -217,10 +219,7 @@ class Instantiation:
             if value < 0:
                 self.report.error("L0209", f"'{declaration.name}' has the negative size {value}", size.span)
             sizes.append(max(0, value))
-        total = 1
-        for extent in sizes:
-            total *= extent
-        if total > _MOST_ELEMENTS:
+        if (total := prod(sizes)) > _MOST_ELEMENTS:
             self.report.error("L0209", f"'{declaration.name}' has {total} elements; at most {_MOST_ELEMENTS} are possible",
                               declaration.name_span)
             return tuple(0 for _ in sizes)
@@ -253,9 +252,11 @@ class Instantiation:
             instance.absent.add(declaration.name)
             return
         if roles := declaration.prefixes & _ROLES:
-            self.report.error("L0205", f"the component '{declaration.name}' cannot be {_with_article(min(roles))}", declaration.type_span,
-                              "numbers can, such as Real, or Length and other quantities")
+            what = f"the component '{declaration.name}' cannot be {_with_article(min(roles))}"
+            self.report.error("L0205", what, declaration.type_span, "numbers can, such as Real, or Length and other quantities")
         sizes = self._dimensions(declaration, scope)
+        if self.count + prod(sizes) > _MOST_COMPONENTS:
+            fail("L0209", f"more than {_MOST_COMPONENTS} components", declaration.name_span)
         instance.members[declaration.name] = self._elements(instance, declaration, change, sizes, ())
 
     def _elements(
@@ -265,7 +266,7 @@ class Instantiation:
             suffix = f"[{','.join(map(str, at))}]" if at else ""
             return self._one(instance, declaration, change, instance.child_path(declaration.name) + suffix)
         return [
-            self._elements(instance, declaration, deal_out(change, index, sizes[0]), sizes[1:], (*at, index))
+            self._elements(instance, declaration, deal_out(change, index, sizes[0], len(sizes)), sizes[1:], (*at, index))
             for index in range(1, sizes[0] + 1)
         ]
 
@@ -321,11 +322,12 @@ def merge(outer: Modification, inner: Modification) -> Modification:
                         outer.is_final or inner.is_final, outer.span or inner.span)
 
 
-def deal_out(change: Modification, index: int, size: int, is_each: bool = False) -> Modification:
-    """The part of a modification of an array of components that goes to element `index`; `each` goes to all unchanged."""
+def deal_out(change: Modification, index: int, size: int, dimensions: int, is_each: bool = False) -> Modification:
+    """The part of a modification of an array of components that goes to element `index`; `each` goes to all unchanged,
+    in every one of the array's dimensions."""
     is_each = is_each or change.is_each
     value = change.value
     if value is not None and not is_each:
         value = Bound(value.expression, value.scope, (*value.selection, (index, size)))
-    children = {name: deal_out(inner, index, size, is_each) for name, inner in change.children.items()}
-    return Modification(value, children, False, change.is_final, change.span)
+    children = {name: deal_out(inner, index, size, dimensions, is_each) for name, inner in change.children.items()}
+    return Modification(value, children, change.is_each and dimensions > 1, change.is_final, change.span)

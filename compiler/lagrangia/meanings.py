@@ -1,4 +1,4 @@
-"""What a wrong name is likely to mean: a parameter or port by its spelling, its quantity or its description, here or elsewhere."""
+"""What a wrong name is likely to mean: a parameter or port by its spelling, its quantity or its description."""
 
 import re
 from collections.abc import Collection, Mapping
@@ -55,11 +55,11 @@ def _ports(declared: Mapping[str, Declaration]) -> set[str]:
 
 
 def _inventory(own: Mapping[str, Declaration]) -> list[str]:
-    ports = _ports(own)
-    parameters = [_described(declaration) for name, declaration in own.items() if name not in ports]
     if len(own) > _MOST_LISTED:
         return []
-    return [*([f"it has {', '.join(parameters)}"] if parameters else []), *([f"its ports are {', '.join(sorted(ports))}"] if ports else [])]
+    ports = sorted(_ports(own))
+    numbers = [_described(declaration) for name, declaration in own.items() if name not in ports]
+    return [f"{start} {', '.join(names)}" for start, names in (("it has", numbers), ("its ports are", ports)) if names]
 
 
 def _described(declaration: Declaration) -> str:

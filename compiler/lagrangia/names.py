@@ -194,7 +194,8 @@ class Names:
         arguments = tuple(self.flatten(a, scope) for a in node.arguments)
         named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
         if node.function in scope.instance.members and self.table.function(node.function, node.span) is None:
-            fail("L0204", f"'{node.function}' is no function", node.span, f"elements are picked with square brackets: {node.function}[1]")
+            fail("L0204", f"'{node.function}' is no function", node.span,
+                 f"elements are picked with square brackets: {node.function}[1]")
         return self._checked_call(Call(node.function, arguments, named, node.span))
 
     def _checked_call(self, node: Call[Flat]) -> Call[Flat]:
@@ -211,8 +212,8 @@ class Names:
             fail("L0215", f"{node.function} takes no named arguments", node.span)
         wanted, given = FUNCTIONS[node.function], len(node.arguments)
         if given == 0 or (wanted is not None and given not in wanted):
-            count = " or ".join(map(str, wanted)) if wanted else "at least one"
-            fail("L0215", f"{node.function} takes {count} argument{'s' if count != '1' else ''}, not {given}", node.span)
+            count = " or ".join(map(str, wanted)) if wanted else "at least 1"
+            fail("L0215", f"{node.function} takes {count} argument{'s' if count[-1] != '1' else ''}, not {given}", node.span)
         return node
 
     # ------------------------------------------------------------ loops
@@ -281,7 +282,8 @@ class Names:
             return items[0] if isinstance(head, int) else Array(tuple(items), node.span)
         if isinstance(member, Slot):
             if rest:
-                fail("L0216", f"'{part.name}' is a number and has no '{rest[0].name}'", rest[0].span, f"its rate is der({part.name})")
+                fail("L0216", f"'{part.name}' is a number and has no '{rest[0].name}'", rest[0].span,
+                     f"its rate is der({part.name})")
             return self._variable(member, subscripts, node.span)
         if subscripts:
             fail("L0214", f"'{part.name}' is not an array", part.span)
@@ -379,7 +381,8 @@ def read_unit(text: str, span: Span) -> Unit:
         return parse_unit(text)
     except ValueError as error:
         near = nearest(text, known_units())
-        fail("L0301", str(error), span, f"did you mean '{near}'?" if near else "units are written as in the SI: m, mm, kg, kN/m, deg, rad/s, N.m")
+        habit = "units are written as in the SI: m, mm, kg, kN/m, deg, rad/s, N.m"
+        fail("L0301", str(error), span, f"did you mean '{near}'?" if near else habit)
 
 
 def _in_si(node: Number) -> Number:

@@ -46,8 +46,9 @@ from lagrangia.tree import (
 
 _DEEPEST = 100  # brackets in brackets
 _RESERVED = frozenset(
-    "algorithm and annotation coordinate connect constant der each else elseif end energy equation extends false final for function "
-    "if import initial input loop model not or output package parameter partial protected public record then time true type when".split()
+    "algorithm and annotation coordinate connect constant der each else elseif end energy equation extends false final for "
+    "function if import initial input loop model not or output package parameter partial protected public record then time "
+    "true type when".split()
 )
 _LONGEST_CHAIN = 2000  # operands in one unbracketed sum or product
 
