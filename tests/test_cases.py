@@ -71,7 +71,7 @@ CASES = [
     Case("quarter_car_bus_ctms", "Actuated", constant=0.02),
     Case("stiff_spring_pendulum", "StiffSpringPendulum", constant=0.5),
     Case("testset_pleiades", "Pleiades", constant=0.8),
-]  # fmt: skip
+]
 
 
 @cache
