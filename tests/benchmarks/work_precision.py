@@ -11,6 +11,7 @@ import argparse
 import statistics
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import casadi as ca
@@ -73,8 +74,8 @@ def table(repeats: int) -> Iterator[str]:
         rivals = Rivals(model, stop)
         exact = rivals.ours(1e-14)
         for tolerance in TOLERANCES:
-            ours = measure(lambda tol=tolerance: rivals.ours(tol), repeats)
-            scipy = measure(lambda tol=tolerance: rivals.scipy_dop853(tol), max(1, repeats // 4))
+            ours = measure(partial(rivals.ours, tolerance), repeats)
+            scipy = measure(partial(rivals.scipy_dop853, tolerance), max(1, repeats // 4))
             for label, (seconds, q) in (("ours", ours), ("scipy DOP853", scipy)):
                 yield _row(name, label, tolerance, seconds, q, exact)
             if tolerance >= 1e-10:
