@@ -135,20 +135,12 @@ def _initial_function(motion: Motion, initial: InitialConditions) -> ca.Function
 def _mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:
     """Modes at a time, and the arguments a + b t whose crossings are events."""
     t, p = motion.t, motion.p
-    arguments, values = _unmoded(modes, [m.argument for m in modes]), _unmoded(modes, [m.value for m in modes])
-    slopes = [ca.jacobian(x, t) for x in arguments]
-    offsets = [ca.substitute(x, t, ca.SX(0)) for x in arguments]
+    slopes = [ca.jacobian(mode.argument, t) for mode in modes]
+    offsets = [ca.substitute(mode.argument, t, ca.SX(0)) for mode in modes]
     return {
         "events": ca.Function("events", [p], [ca.vertcat(*offsets), ca.densify(ca.vertcat(*slopes))], ["p"], ["a", "b"]),
-        "modes": ca.Function("modes", [t, p], [ca.vertcat(*values)], ["t", "p"], ["d"]),
+        "modes": ca.Function("modes", [t, p], [ca.vertcat(*[mode.value for mode in modes])], ["t", "p"], ["d"]),
     }
-
-
-def _unmoded(modes: list[Mode], expressions: list[ca.SX]) -> list[ca.SX]:
-    """A mode may be defined by earlier ones: pulse_train compares with a floor."""
-    for mode in reversed(modes):
-        expressions = ca.substitute(expressions, [mode.symbol], [mode.value])
-    return expressions
 
 
 def _parameters(model: FlatModel, kinematics: Kinematics, p: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
