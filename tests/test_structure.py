@@ -19,7 +19,7 @@ PACKAGE = ROOT / "compiler" / "lagrangia"
 # A module imports only modules that stand before it: down this list is down the pipeline, from text to the command line.
 ORDER = """
     folders diagnostics units values
-    tree expectations syntax classes instances folding names algorithms flat dimensions walk observables
+    tree expectations syntax classes meanings instances folding names algorithms flat dimensions walk observables
     algebra evaluation graph kinematics energies bodies elimination motion initial needs functions
     runtime scene instructions ccode scenes native cache
     pipeline dumps
