@@ -3,6 +3,7 @@
 import ast
 import os
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -36,9 +37,9 @@ SUFFIXES = {".py", ".c", ".h", ".lark", ".lag"}
 
 def tracked() -> list[Path]:
     """The files of the repository, as paths from its top."""
-    listing = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False)
-    if listing.returncode:
+    if shutil.which("git") is None or not (ROOT / ".git").exists():
         pytest.skip("this is no git checkout")
+    listing = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
     return [Path(line) for line in listing.stdout.splitlines() if (ROOT / line).exists()]
 
 
