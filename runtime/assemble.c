@@ -3,8 +3,11 @@
  * Unknowns are measured by their guesses (1 where the guess is 0), equations by the length of their gradient in those
  * units, so that a residual is the distance to the solution set and units do not matter. Each correction solves the
  * linearised equations by the QR factors of the transposed Jacobian: the shortest one, and dependent equations (redundant
- * constraints) drop out by pivoting; they are satisfied along with the others or reported. Corrections are halved until the
- * residual falls; the iteration ends when it falls no more.
+ * constraints) drop out by pivoting; they are satisfied along with the others or reported. Long corrections are cut, so that
+ * a mechanism near a dead centre is not thrown to a far solution, and halved until the sum of squares falls.
+ *
+ * Where that leads nowhere, steepest descent does, unless the gradient vanishes: then a small push, always the same one,
+ * leaves the critical point. The iteration ends when nothing falls any more.
  */
 #include "assemble.h"
 
@@ -14,8 +17,9 @@
 #include "function.h"
 #include "linear.h"
 
-static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4;
-enum { MOST_ITERATIONS = 100 };
+static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5;
+static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
+enum { MOST_ITERATIONS = 100, MOST_PUSHES = 3 };
 
 void lag_assembly_layout(LagAssembly *s, LagArena *arena)
 {
@@ -69,6 +73,15 @@ static double residual(const LagAssembly *s, int *worst)
     return largest;
 }
 
+/* Sum of the squares of the scaled residuals. */
+static double sum_of_squares(const LagAssembly *s)
+{
+    double sum = 0;
+    for (int i = 0; i < s->model->n_initial; ++i)
+        sum += (s->g[i] / s->length[i]) * (s->g[i] / s->length[i]);
+    return sum;
+}
+
 static void correction(LagAssembly *s)
 {
     const int equations = s->model->n_initial, unknowns = 2 * s->model->n;
@@ -76,16 +89,45 @@ static void correction(LagAssembly *s)
         s->right[i] = -s->g[i] / s->length[i];
     const int rank = lag_qr(s->transposed, unknowns, equations, s->diagonal, s->pivot, DEPENDENT);
     lag_qr_shortest(s->transposed, unknowns, rank, s->diagonal, s->pivot, s->right, s->step);
+    double longest = 0;
+    for (int j = 0; j < unknowns; ++j)
+        longest = fmax(longest, fabs(s->step[j]));
+    for (int j = 0; longest > LONGEST_STEP && j < unknowns; ++j)
+        s->step[j] *= LONGEST_STEP / longest;
 }
 
-/* Goes along the correction as far as the residual falls. Returns 0 when it does not fall at all. */
-static int descend(LagAssembly *s, const double *p, double before, double *x, double *work)
+/* The step down the gradient to the minimum of the linearised sum of squares. Returns 0 at a critical point. */
+static int steepest(LagAssembly *s)
 {
-    int worst;
+    const int equations = s->model->n_initial, unknowns = 2 * s->model->n;
+    double length2 = 0, change2 = 0;
+    memset(s->step, 0, (size_t)unknowns * sizeof *s->step);
+    for (int i = 0; i < equations; ++i)
+        for (int j = 0; j < unknowns; ++j)
+            s->step[j] -= s->transposed[i * unknowns + j] * s->g[i] / s->length[i];
+    for (int j = 0; j < unknowns; ++j)
+        length2 += s->step[j] * s->step[j];
+    for (int i = 0; i < equations; ++i) {
+        double change = 0;
+        for (int j = 0; j < unknowns; ++j)
+            change += s->transposed[i * unknowns + j] * s->step[j];
+        change2 += change * change;
+    }
+    if (!(length2 > CRITICAL * CRITICAL * sum_of_squares(s)))
+        return 0;
+    for (int j = 0; j < unknowns; ++j)
+        s->step[j] *= length2 / change2;
+    return 1;
+}
+
+/* Goes along the step as far as the sum of squares falls. Returns 0 when it does not fall at all. */
+static int descend(LagAssembly *s, const double *p, double *x, double *work)
+{
+    const double before = sum_of_squares(s);
     for (double part = 1; part > SHORTEST_STEP; part /= 2) {
         for (int j = 0; j < 2 * s->model->n; ++j)
             s->trial[j] = x[j] + part * s->scale[j] * s->step[j];
-        if (evaluate(s, p, s->trial, work) == 0 && residual(s, &worst) < before) {
+        if (evaluate(s, p, s->trial, work) == 0 && sum_of_squares(s) < before) {
             memcpy(x, s->trial, 2 * (size_t)s->model->n * sizeof *x);
             return 1;
         }
@@ -94,9 +136,27 @@ static int descend(LagAssembly *s, const double *p, double before, double *x, do
     return 0;
 }
 
+/* Moves every free value by a different amount, of either sign. */
+static void push(LagAssembly *s, const double *p, double *x, double *work)
+{
+    for (int j = 0; j < 2 * s->model->n; ++j)
+        x[j] += PUSH * s->scale[j] * (fmod((j + 1) * GOLDEN_RATIO, 1) - 0.5);
+    evaluate(s, p, x, work);
+}
+
+/* One step nearer to a solution. Returns 0 where none is found. */
+static int improve(LagAssembly *s, const double *p, double size, double *x, double *work)
+{
+    correction(s);
+    if (descend(s, p, x, work))
+        return 1;
+    scale_equations(s);
+    return size > SATISFIED && steepest(s) && descend(s, p, x, work);
+}
+
 int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
-    int worst = 0, falling = 1;
+    int worst = 0, pushes = 0;
     double size = INFINITY;
     for (int j = 0; j < 2 * s->model->n; ++j)
         s->scale[j] = fixed[j] ? 0 : x[j] != 0 ? fabs(x[j]) : 1;
@@ -104,13 +164,16 @@ int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, d
         return -1;
     if (evaluate(s, p, x, work) != 0)
         return 0;
-    for (int i = 0; i < MOST_ITERATIONS && falling; ++i) {
+    for (int i = 0; i < MOST_ITERATIONS; ++i) {
         scale_equations(s);
         size = residual(s, &worst);
         if (!(size > 0 && size < INFINITY))
             break;
-        correction(s);
-        falling = descend(s, p, size, x, work);
+        if (improve(s, p, size, x, work))
+            continue;
+        if (size <= SATISFIED || pushes++ == MOST_PUSHES)
+            break;
+        push(s, p, x, work);
     }
     return size <= SATISFIED ? -1 : worst;
 }
