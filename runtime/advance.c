@@ -20,6 +20,7 @@ static void write_row(LagRun *run, double t, const double *y, double *row)
     memcpy(row + 1, y, 2 * (size_t)n * sizeof *row);
     lag_outputs(run, t, y, outputs);
     lag_account_note(run, t, y, outputs + run->model->n_outputs);
+    lag_project_note(run, t, y);
 }
 
 static void row_at(LagRun *run, double t, double *row)
@@ -29,6 +30,7 @@ static void row_at(LagRun *run, double t, double *row)
         return;
     }
     lag_dop853_interpolate(&run->solver, t, run->inside);
+    lag_project_inside(run, t, run->inside);
     write_row(run, t, run->inside, row);
 }
 

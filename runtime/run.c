@@ -35,9 +35,11 @@ static void layout(LagRun *run, LagArena *arena)
     run->multipliers = lag_take(arena, (size_t)model->n_multipliers);
     run->start = lag_take(arena, 2 * n);
     run->inside = lag_take(arena, 2 * n + (size_t)model->n_power);
+    run->inside_carry = lag_take(arena, 2 * n);
     run->fixed = (int *)lag_take(arena, 2 * n);
     run->work = lag_take(arena, work_size(model));
     lag_assembly_layout(&run->assembly, arena);
+    lag_projection_layout(&run->projection, model, arena);
     lag_scale_layout(&run->scale, arena);
     lag_dop853_layout(&run->solver, arena);
 }

@@ -27,9 +27,12 @@ typedef struct {
 
 typedef struct {
     int64_t steps, rejected, rhs_evaluations, dense_outputs, events;
+    int64_t projections; /* Newton corrections of positions and of velocities */
     double smallest_step, largest_step; /* of the accepted steps */
     double energy_residual; /* largest |H - H(0) + dissipated - work| seen */
     double energy_scale;    /* largest of |T|, |V|, |H|, |dissipated|, |work| seen */
+    double constraint_residual;      /* largest |Phi| in rows */
+    double constraint_rate_residual; /* largest |J v + dPhi/dt| in rows */
     int32_t worst;          /* component that last limited the step: q is 0 .. n-1, v is n .. 2n-1 */
     int32_t tolerance_raised;
 } LagStatistics;

@@ -58,6 +58,7 @@ LagStatus lag_segment_next(LagRun *run)
 {
     lag_account_open(run);
     lag_segment_enter(run);
+    lag_project_present(run);
     lag_account_close(run);
     ++run->statistics.events;
     return lag_segment_evaluate(run);

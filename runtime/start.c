@@ -55,6 +55,7 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     memcpy(run->solver.y, run->start, 2 * (size_t)run->model->n * sizeof *run->start);
     lag_scale_note(&run->scale, run->solver.y);
     lag_segment_enter(run);
+    lag_project_present(run);
     double energies[3];
     lag_energies(run, run->solver.t, run->solver.y, energies);
     run->start_energy = energies[2];

@@ -5,6 +5,7 @@
 #include "assemble.h"
 #include "dop853.h"
 #include "inputs.h"
+#include "project.h"
 #include "run.h"
 
 struct LagRun {
@@ -20,12 +21,13 @@ struct LagRun {
     double *acceleration, *power; /* for outputs */
     double *multipliers;          /* of the latest accelerations */
     double *start;                /* (q, v) */
-    double *inside;               /* a state within a step */
+    double *inside, *inside_carry; /* a state within a step */
     double *work;                 /* scratch of the model's functions */
     int *fixed;                   /* 2 n */
 
     LagInputs inputs;
     LagAssembly assembly;
+    LagProjection projection;
     LagScale scale;
     LagDop853 solver;
 

@@ -73,7 +73,7 @@ LagStatus lag_step(LagRun *run)
         const double t = solver->t, t_new = end_of_step(run, run->step), h = t_new - t;
         const double error = lag_dop853_try(solver, t_new, &run->scale, &worst);
         run->statistics.worst = worst;
-        if (error <= 1 && lag_dop853_accept(solver, t_new)) {
+        if (error <= 1 && lag_project_step(run, t_new, &worst) && lag_dop853_accept(solver, t_new)) {
             run->step = proposal(run, h, error, rejected);
             record(run, h);
             return LAG_OK;

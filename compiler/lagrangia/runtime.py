@@ -115,6 +115,9 @@ class Statistics:
     energy_scale: float
     worst: int
     tolerance_raised: bool
+    projections: int = 0
+    constraint_residual: float = 0.0
+    constraint_rate_residual: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -214,10 +217,13 @@ class _Statistics(c.Structure):
         ("rhs_evaluations", c.c_int64),
         ("dense_outputs", c.c_int64),
         ("events", c.c_int64),
+        ("projections", c.c_int64),
         ("smallest_step", c.c_double),
         ("largest_step", c.c_double),
         ("energy_residual", c.c_double),
         ("energy_scale", c.c_double),
+        ("constraint_residual", c.c_double),
+        ("constraint_rate_residual", c.c_double),
         ("worst", c.c_int32),
         ("tolerance_raised", c.c_int32),
     )

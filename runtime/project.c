@@ -1,0 +1,208 @@
+/* Projection: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. (2006), IV.4; velocities as well:
+ * E. Eich, SIAM J. Numer. Anal. 30 (1993). It moves a state by no more than the step's own error, so it keeps the order.
+ *
+ * The model's functions `place` and `steer` give Newton corrections; they are repeated as long as they shrink. Corrections
+ * are compared with the coordinates they belong to, not residuals with each other: these have units of their own. One that
+ * did not make the next one smaller is noise, as it is near singular positions (parallelograms folded flat), where rounding of
+ * Phi is magnified a million times: it is taken back. One at rounding level is left undone, so that the compensated sum keeps
+ * its digits.
+ *
+ * The state is projected before the slope at its end is evaluated: that slope is the next step's first, and the dense
+ * output meets the projected states at both ends.
+ */
+#include "project.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "function.h"
+#include "state.h"
+
+/* Relative to the size of a coordinate: rounding; a correction whose square is below rounding; noise near singular
+ * positions. In units of error: what a good step may be corrected by; a unit counts as no less than FINEST of the magnitude
+ * that matters, since velocities are corrected by noise, too, near singular positions. */
+static const double ROUNDING = 4 * DBL_EPSILON, SQUARE_IS_ROUNDING = 1e-9, NOISE = 1e-6;
+static const double MOST_UNITS = 100, FINEST = 1e-11, FALL = 0.75;
+enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2 };
+
+typedef enum { POSITIONS, RATES } Level;
+
+void lag_projection_layout(LagProjection *s, const LagModel *model, LagArena *arena)
+{
+    const size_t n = model->n_multipliers > 0 ? (size_t)model->n : 0;
+    s->state = lag_take(arena, 2 * n);
+    s->carry = lag_take(arena, 2 * n);
+    s->before = lag_take(arena, n);
+    s->before_carry = lag_take(arena, n);
+    s->correction = lag_take(arena, n);
+    s->residual = lag_take(arena, (size_t)model->n_multipliers);
+}
+
+/* Correction and residual at a state. Returns 0 when there are none. */
+static int evaluate(LagRun *run, Level level, double t, const double *y)
+{
+    const LagModel *model = run->model;
+    const double *q = y, *v = y + model->n;
+    const double *place[] = {&t, q, run->u, run->d, run->c}, *steer[] = {&t, q, v, run->u, run->d, run->c};
+    double *out[] = {run->projection.correction, run->projection.residual};
+    lag_inputs_at(&run->inputs, t, run->u);
+    const int answer = level == POSITIONS ? lag_call(&model->place, place, out, run->work)
+                                          : lag_call(&model->steer, steer, out, run->work);
+    return answer == 0;
+}
+
+/* What a position or rate is measured by: the largest seen so far; angles have a natural unit. */
+static double size_of(const LagRun *run, int i)
+{
+    const double seen = fmax(fabs(run->projection.state[i]), run->scale.largest[i]);
+    const int is_angle = i < run->model->n && run->model->coordinate_kind[i] == LAG_KIND_ANGLE;
+    return is_angle ? fmax(seen, 1) : seen;
+}
+
+/* The largest correction, each compared with its coordinate; infinity when they are not finite. */
+static double relative_correction(const LagRun *run, Level level)
+{
+    const int n = run->model->n, first = level == POSITIONS ? 0 : n;
+    double largest = 0;
+    for (int i = 0; i < n; ++i) {
+        const double length = fabs(run->projection.correction[i]), size = size_of(run, first + i);
+        if (!isfinite(length))
+            return INFINITY;
+        if (length > 0)
+            largest = fmax(largest, size > 0 ? length / size : 1);
+    }
+    return largest;
+}
+
+/* The largest distance between two states in units of error. */
+static double distance(const LagRun *run, const double *from, const double *to, int *worst)
+{
+    double largest = 0;
+    for (int i = 0; i < 2 * run->model->n; ++i) {
+        const double length = fabs(to[i] - from[i]);
+        const double unit = fmax(lag_scale_unit(&run->scale, i, from, to), FINEST * run->scale.floor[i]);
+        const double units = length > 0 ? length / unit : 0;
+        if (units > largest) {
+            largest = units;
+            *worst = i;
+        }
+    }
+    return largest;
+}
+
+/* Adds the correction as the integrator adds its steps, compensated. */
+static void apply(LagProjection *s, int n, double *state, double *carry)
+{
+    const size_t size = (size_t)n * sizeof *state;
+    memcpy(s->before, state, size);
+    memcpy(s->before_carry, carry, size);
+    for (int i = 0; i < n; ++i) {
+        const double y = state[i], step = s->correction[i] + carry[i], sum = y + step, taken = sum - y;
+        state[i] = sum;
+        carry[i] = (y - (sum - taken)) + (step - taken);
+    }
+}
+
+static void take_back(const LagProjection *s, int n, double *state, double *carry)
+{
+    memcpy(state, s->before, (size_t)n * sizeof *state);
+    memcpy(carry, s->before_carry, (size_t)n * sizeof *carry);
+}
+
+/* Whether the correction just made needs no second look: what is left is rounding, and it is too short to harm were it
+ * noise. Velocities are corrected by linear equations: nothing is left of them. */
+static int is_last(const LagRun *run, Level level, double size)
+{
+    const LagProjection *s = &run->projection;
+    const int n = run->model->n, first = level == POSITIONS ? 0 : n;
+    if (level == POSITIONS && size > SQUARE_IS_ROUNDING)
+        return 0;
+    for (int i = 0; i < n; ++i)
+        if (fabs(s->correction[i]) > lag_scale_unit(&run->scale, first + i, run->solver.y, s->state))
+            return 0;
+    return 1;
+}
+
+/* Corrects the projection's state. Returns 1 when it is where it should be. */
+static int correct(LagRun *run, Level level, double t)
+{
+    LagProjection *s = &run->projection;
+    const int n = run->model->n, most = level == POSITIONS ? PLACE_ITERATIONS : STEER_ITERATIONS;
+    double *state = s->state + (level == POSITIONS ? 0 : n), *carry = s->carry + (level == POSITIONS ? 0 : n);
+    double last = INFINITY;
+    for (int i = 0; i < most; ++i) {
+        const double size = evaluate(run, level, t, s->state) ? relative_correction(run, level) : INFINITY;
+        if (size <= ROUNDING)
+            return 1;
+        if (!(size < FALL * last)) {
+            if (last < INFINITY)
+                take_back(s, n, state, carry);
+            break;
+        }
+        apply(s, n, state, carry);
+        ++run->statistics.projections;
+        last = size;
+        if (is_last(run, level, size))
+            return 1;
+    }
+    return level == RATES ? last < INFINITY : last < NOISE;
+}
+
+/* Projects (y, carry) at t; both stay as they are when that fails or goes farther than `most` units of error. */
+static int project(LagRun *run, double t, double most, double *y, double *carry, int *worst)
+{
+    LagProjection *s = &run->projection;
+    const size_t size = 2 * (size_t)run->model->n * sizeof *y;
+    memcpy(s->state, y, size);
+    memcpy(s->carry, carry, size);
+    if (run->model->n_holonomic > 0 && !correct(run, POSITIONS, t))
+        return 0;
+    if (!correct(run, RATES, t) || !(distance(run, y, s->state, worst) <= most))
+        return 0;
+    memcpy(y, s->state, size);
+    memcpy(carry, s->carry, size);
+    return 1;
+}
+
+int lag_project_step(LagRun *run, double t, int *worst)
+{
+    if (run->model->n_multipliers == 0)
+        return 1;
+    return project(run, t, MOST_UNITS, run->solver.other, run->solver.other_carry, worst);
+}
+
+void lag_project_present(LagRun *run)
+{
+    int worst;
+    if (run->model->n_multipliers > 0)
+        project(run, run->solver.t, INFINITY, run->solver.y, run->solver.carry, &worst);
+}
+
+void lag_project_inside(LagRun *run, double t, double *y)
+{
+    int worst;
+    if (run->model->n_multipliers == 0)
+        return;
+    memset(run->inside_carry, 0, 2 * (size_t)run->model->n * sizeof *y);
+    project(run, t, INFINITY, y, run->inside_carry, &worst);
+}
+
+static double largest_residual(const LagRun *run, int count)
+{
+    double largest = 0;
+    for (int i = 0; i < count; ++i)
+        largest = fmax(largest, fabs(run->projection.residual[i]));
+    return largest;
+}
+
+void lag_project_note(LagRun *run, double t, const double *y)
+{
+    const LagModel *model = run->model;
+    LagStatistics *statistics = &run->statistics;
+    if (model->n_holonomic > 0 && evaluate(run, POSITIONS, t, y))
+        statistics->constraint_residual = fmax(statistics->constraint_residual, largest_residual(run, model->n_holonomic));
+    if (model->n_multipliers > 0 && evaluate(run, RATES, t, y))
+        statistics->constraint_rate_residual =
+            fmax(statistics->constraint_rate_residual, largest_residual(run, model->n_multipliers));
+}

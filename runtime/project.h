@@ -1,0 +1,32 @@
+/* Back to the constraints: positions with Phi(q, t) = 0, then velocities with J v + dPhi/dt = 0. */
+#ifndef LAG_PROJECT_H
+#define LAG_PROJECT_H
+
+#include "arena.h"
+#include "model.h"
+#include "run.h"
+
+typedef struct {
+    double *state, *carry;         /* 2 n: the state being corrected, and what rounding took from it */
+    double *before, *before_carry; /* n: positions or rates before the latest correction */
+    double *correction, *residual; /* n, n_multipliers */
+} LagProjection;
+
+void lag_projection_layout(LagProjection *projection, const LagModel *model, LagArena *arena);
+
+/* Each of these does nothing to a model without constraints. */
+
+/* The state just tried, at t. Returns 0 and changes nothing where the constraints are out of reach or farther away than a
+ * good step could have gone astray; *worst is then the component that would have moved most. */
+int lag_project_step(LagRun *run, double t, int *worst);
+
+/* The present state, however far it is from the constraints: at the start, and when parameters or modes have changed. */
+void lag_project_present(LagRun *run);
+
+/* A row's state (q, v, ...) at t, inside the latest step. */
+void lag_project_inside(LagRun *run, double t, double *y);
+
+/* Notes a row's residuals in the statistics. */
+void lag_project_note(LagRun *run, double t, const double *y);
+
+#endif
