@@ -258,7 +258,8 @@ class _Checker:
         if node.function in FRAME_FUNCTIONS:
             return self._refuse_frame(node, node.span)
         if node.function == "distance":
-            points = [self.quantity(end, local) for end in node.arguments if not (isinstance(end, FrameRef) and end.attribute == "")]
+            ends = [end for end in node.arguments if not (isinstance(end, FrameRef) and end.attribute == "")]
+            points = [self.quantity(end, local) for end in ends]
             self._common([Quantity(_METRE), *points], node.span, "be points")
             return Quantity(_METRE)
         found = [self.quantity(argument, local) for argument in node.arguments]

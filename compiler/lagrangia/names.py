@@ -43,7 +43,7 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
 FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
 _ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
-_MOST_ITERATIONS = 1_000_000
+_MOST_ITERATIONS = 100_000
 
 
 @dataclass
