@@ -55,15 +55,17 @@ class ClassTable:
         """Declarations of the class and of all it extends, by name."""
         return {e.name: e for base in self.lineage(definition) for e in base.elements if isinstance(e, Declaration)}
 
-    def lineage(self, definition: ClassDefinition, heirs: tuple[ClassDefinition, ...] = ()) -> list[ClassDefinition]:
-        """The class and all it extends, bases last; one that extends itself is followed once."""
-        found, heirs = [definition], (*heirs, definition)
-        for element in definition.elements:
-            if isinstance(element, Extends) and element.type_name not in BUILTIN_TYPES:
-                base = self.lookup(element.type_name, element.span)
-                if not any(base is heir for heir in heirs):
-                    found += self.lineage(base, heirs)
-        return found
+    def lineage(self, definition: ClassDefinition) -> list[ClassDefinition]:
+        """The class and all it extends, each once, though it may extend itself."""
+        found, pending = {id(definition): definition}, [definition]
+        while pending:
+            for element in pending.pop().elements:
+                if isinstance(element, Extends) and element.type_name not in BUILTIN_TYPES:
+                    base = self.lookup(element.type_name, element.span)
+                    if id(base) not in found:
+                        found[id(base)] = base
+                        pending.append(base)
+        return list(found.values())
 
 
 def build_class_table(library: Iterable[Syntax], user: Iterable[Syntax]) -> ClassTable:

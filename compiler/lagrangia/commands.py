@@ -1,6 +1,7 @@
 """What the subcommands of `lag` do."""
 
 import csv
+import re
 import sys
 import time
 from argparse import Namespace
@@ -10,6 +11,7 @@ from typing import Any
 
 from lagrangia.diagnostics import LagError, RunError, fail, render_all
 from lagrangia.model import Model
+from lagrangia.plot import require_format
 from lagrangia.simulate import Experiment, Progress, check_values, plan
 from lagrangia.trajectory import CsvWriter, columns
 from lagrangia.values import read_value
@@ -38,6 +40,8 @@ def simulate_command(options: Namespace) -> int:
     if options.solver not in _SOLVERS and not options.solver.startswith("casadi"):
         fail("L0704", f"there is no solver '{options.solver}'", None,
              f"the solvers are {', '.join(_SOLVERS)}, casadi:cvodes, casadi:idas")
+    if options.plot is not None:
+        require_format(options.plot)
     begin = time.perf_counter()
     outputs = _names(options.outputs)
     given = [_assignment(text, "-p") for text in options.parameter]
@@ -259,17 +263,18 @@ def _number(text: str, option: str) -> float:
 
 def _values(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, float]:
     """Values in SI units; `world.gravity={0,0}` sets the elements of an array."""
-    found: dict[str, float] = {}
+    found: dict[str, Any] = {}
     for name, text in given:
+        elements = [known for known in units if re.fullmatch(rf"{re.escape(name)}\[[\d,]+\]", known)]
         try:
-            value = read_value(text, units.get(name, ""))
+            value = read_value(text, units.get(elements[0] if elements else name, ""))
         except ValueError as error:
             fail("L0706", f"{name} = {text}: {error}")
-        if isinstance(value, list):
-            for k, item in enumerate(value, 1):
-                found[f"{name}[{k}]"] = item
-        else:
-            found[name] = value
+        count = len(value) if isinstance(value, list) else 0
+        if count != len(elements) and (elements or name in units):
+            wanted = f"{len(elements)} numbers in braces" if elements else "one number"
+            fail("L0706", f"{name} = {text}: {wanted} {'are' if elements else 'is'} needed, not {count or 'one'}")
+        found |= dict(zip(elements, value, strict=True)) if isinstance(value, list) and elements else {name: value}
     return found
 
 
@@ -291,7 +296,7 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
         with path.open(newline="", encoding="utf-8") as stream:
             rows = [row for row in csv.reader(stream) if row]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        fail("L0703", f"the table '{path}' cannot be read: {error}")
+        fail("L0703", f"the table '{path}' cannot be read: {getattr(error, 'strerror', None) or error}")
     if len(rows) < 2 or "time" not in [cell.strip() for cell in rows[0]]:
         fail("L0703", f"the table '{path}' needs a line of names, one of them time, and at least one row")
     names = [cell.strip() for cell in rows[0]]

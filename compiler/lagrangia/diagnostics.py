@@ -9,8 +9,11 @@ Code ranges, one a phase:
 """
 
 import difflib
+import re
+from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal, NoReturn
 
 Severity = Literal["error", "warning", "note"]
@@ -27,8 +30,12 @@ class Source:
 
     def line_and_column(self, offset: int) -> tuple[int, int]:
         """One-based line and column of a character offset."""
-        offset = min(offset, len(self.text))
-        return self.text.count("\n", 0, offset) + 1, offset - self.text.rfind("\n", 0, offset)
+        line = bisect_right(self._line_starts, min(offset, len(self.text)))
+        return line, min(offset, len(self.text)) - self._line_starts[line - 1] + 1
+
+    @cached_property
+    def _line_starts(self) -> list[int]:
+        return [0, *(match.end() for match in re.finditer("\n", self.text))]
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,11 +100,17 @@ class Report:
     """Collects what a phase finds wrong, so that several errors are told together."""
 
     diagnostics: list[Diagnostic] = field(default_factory=list)
+    _told: set[Diagnostic] = field(default_factory=set)
 
     def error(self, code: str, message: str, span: Span | None = None, *hints: str, label: str = "") -> None:
-        found = Diagnostic("error", code, message, span, label, hints)
-        if found not in self.diagnostics:
-            self.diagnostics.append(found)
+        self.add([Diagnostic("error", code, message, span, label, hints)])
+
+    def add(self, found: Iterable[Diagnostic]) -> None:
+        """Each is told once, however many elements of an array it is about."""
+        for diagnostic in found:
+            if diagnostic not in self._told:
+                self._told.add(diagnostic)
+                self.diagnostics.append(diagnostic)
 
     def warning(self, code: str, message: str, span: Span | None = None, *hints: str) -> None:
         self.diagnostics.append(Diagnostic("warning", code, message, span, "", hints))

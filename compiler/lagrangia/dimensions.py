@@ -91,7 +91,7 @@ class _Checker:
         try:
             check(*arguments)
         except LagError as error:
-            self.report.diagnostics += [d for d in error.diagnostics if d not in self.report.diagnostics]
+            self.report.add(error.diagnostics)
 
     # ------------------------------------------------------------ checks
 

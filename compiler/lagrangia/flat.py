@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from lagrangia.algorithms import FlatFunction, flatten_function
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import LagError, Report, Span, fail, nearest, suggest
+from lagrangia.diagnostics import LagError, Report, Source, Span, fail, nearest, suggest
 from lagrangia.folding import fold
 from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
 from lagrangia.names import FRAME_FUNCTIONS, Names, read_unit
@@ -238,7 +238,7 @@ class _Flattening:
         try:
             action()
         except LagError as error:
-            self.report.diagnostics += [d for d in error.diagnostics if d not in self.report.diagnostics]
+            self.report.add(error.diagnostics)
 
     def _add_variable(self, slot: Slot, owner: Instance) -> None:
         declaration = slot.declaration
@@ -455,7 +455,8 @@ def _override_tree(overrides: Mapping[str, Any], root: Instance) -> Modification
         node = tree
         for step in path:
             node = node.setdefault(step, {})
-        node[last] = _literal(value, root.span)
+        given = Source(f"the value given for {name}", str(value))
+        node[last] = _literal(value, Span(given, 0, len(given.text)))
 
     def build(node: Any) -> Modification:
         if isinstance(node, dict):

@@ -167,7 +167,8 @@ class Instantiation:
         scope.instance.clauses += [(s.kind, clause) for s in definition.sections for clause in s.clauses]
 
     def _check_extends(self, base: ClassDefinition, inner: Modification) -> None:
-        self._refuse_unknown(base, inner, self.table.declared(base).keys())
+        if inner.children:
+            self._refuse_unknown(base, inner, self.table.declared(base).keys())
 
     def _refuse_unknown(self, definition: ClassDefinition, change: Modification, known: Collection[str]) -> None:
         for name, inner in change.children.items():

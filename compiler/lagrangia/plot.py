@@ -17,6 +17,12 @@ _FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".webp")
 _MOST_IN_LEGEND = 12
 
 
+def require_format(path: str | os.PathLike[str]) -> None:
+    """Raises LagError L0004 for a file whose name ends in no format of pictures."""
+    if Path(path).suffix.lower() not in _FORMATS:
+        fail("L0004", f"'{path}' is no picture that can be drawn", None, f"its name should end in {', '.join(_FORMATS)}")
+
+
 def draw(scene: Scene, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndarray]]",
          path: str | os.PathLike[str] | None = None) -> Any:
     """One panel a unit, angles in degrees when the quantity is shown so; returns the matplotlib Figure.
@@ -25,8 +31,8 @@ def draw(scene: Scene, time: "np.ndarray", curves: "Sequence[tuple[Column, np.nd
     """
     from matplotlib.figure import Figure
 
-    if path is not None and Path(path).suffix.lower() not in _FORMATS:
-        fail("L0004", f"'{path}' is no picture that can be drawn", None, f"its name should end in {', '.join(_FORMATS)}")
+    if path is not None:
+        require_format(path)
     panels: dict[str, list[tuple[Column, Any]]] = {}
     for column, values in curves:
         panels.setdefault(column.display_unit or column.unit, []).append((column, values))

@@ -107,9 +107,12 @@ def plan(scene: Scene, *, stop: float | None = None, start: float | None = None,
     begin = scene.start if start is None else start
     end = (at[-1] if at and stop is None else scene.stop if stop is None else stop) if at is None or len(at) else scene.stop
     accuracy = scene.tolerance if tolerance is None else tolerance
-    for name, value in (("start", begin), ("stop", end), ("tolerance", accuracy)):
+    _check_times(at, begin, end, report)
+    report.raise_errors()
+    for name, value in (("start time", begin), ("stop time", end), ("tolerance", accuracy)):
         if not math.isfinite(value):
             report.error("L0702", f"the {name} must be a finite number, not {value}")
+    report.raise_errors()
     if not end > begin and not (at and end == begin):
         report.error("L0702", f"the stop time {end:g} must be later than the start time {begin:g}")
     if not 0 < accuracy < 1:
@@ -118,9 +121,10 @@ def plan(scene: Scene, *, stop: float | None = None, start: float | None = None,
     step = usual if interval is None else interval
     if interval is not None and not (math.isfinite(interval) and interval > 0):
         report.error("L0702", f"the interval must be a positive number, not {interval}")
-    _check_times(at, begin, end, report)
     if max_step < 0 or not math.isfinite(max_step):
         report.error("L0702", f"the largest step must be a positive number, not {max_step}")
+    if max_steps < 0:
+        report.error("L0702", f"the number of steps must be positive, not {max_steps}")
     report.raise_errors()
     experiment = Experiment(begin, end, accuracy, step or 1.0, tuple(at) if at is not None else None, max_step, max_steps)
     if experiment.count() > _MOST_ROWS:

@@ -1,5 +1,6 @@
 """Text -> Syntax: the parser. The grammar is grammar/lag.lark; each method below makes the node of one rule."""
 
+import re
 from collections.abc import Iterator as IteratorType
 from functools import cache
 from typing import Any, cast
@@ -44,7 +45,10 @@ from lagrangia.tree import (
     WorkTerm,
 )
 
-_DEEPEST = 100  # brackets in brackets
+_DEEPEST = 100  # brackets in brackets, conditions in conditions
+_NESTING = re.compile(
+    r"""(?P<text>"(?:[^"\\]|\\.)*"? | //[^\n]* | /\*(?:.*?\*/|.*)) | (?P<open>[(\[{]) | (?P<close>[)\]}])
+    | (?P<condition>\b(?:else)?if\b) | ;""", re.DOTALL | re.VERBOSE)
 _RESERVED = frozenset(
     "algorithm and annotation coordinate connect constant der each else elseif end energy equation extends false final for "
     "function if import initial input loop model not or output package parameter partial protected public record then time "
@@ -81,15 +85,14 @@ def _check_text(source: Source) -> None:
     if "\0" in source.text:
         at = source.text.index("\0")
         fail("L0101", f"{source.name} is not a text file: it holds a NUL character", Span(source, at, at + 1))
-    depth = 0
-    for offset, character in enumerate(source.text):
-        if character in "([{":
-            depth += 1
-            if depth > _DEEPEST:
-                fail("L0102", f"brackets nested deeper than {_DEEPEST}", Span(source, offset, offset + 1),
-                     "name a part of the expression with a variable of its own")
-        elif character in ")]}":
-            depth = max(0, depth - 1)
+    depth = conditions = 0
+    for mark in _NESTING.finditer(source.text):
+        depth = max(0, depth + (mark.lastgroup == "open") - (mark.lastgroup == "close"))
+        conditions = 0 if mark[0] == ";" else conditions + (mark.lastgroup == "condition")
+        if max(depth, conditions) > _DEEPEST:
+            what = "brackets" if depth > _DEEPEST else "conditions"
+            fail("L0102", f"{what} nested deeper than {_DEEPEST}", Span(source, mark.start(), mark.end()),
+                 "name a part of the expression with a variable of its own")
 
 
 _UNESCAPES = {'\\"': '"', "\\\\": "\\", "\\n": "\n", "\\t": "\t"}
