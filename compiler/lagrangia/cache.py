@@ -25,8 +25,8 @@ def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], out
         file = _file(path, model, structural, outputs)
         stored = json.loads(file.read_text(encoding="utf-8"))
         if all(_digest(Path(name)) == digest for name, digest in stored["imports"].items()):
-            return from_json(stored["scene"])
-    except (OSError, ValueError, KeyError, TypeError):
+            return from_json(stored["scene"]) if _digest_text(stored["scene"]) == stored["digest"] else None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         pass
     return None
 
@@ -34,7 +34,8 @@ def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], out
 def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
                imports: list[Path]) -> None:
     """Store a scene; a full or unwritable disk is no error, the next run compiles again."""
-    text = json.dumps({"imports": {str(p.resolve()): _digest(p) for p in imports}, "scene": to_json(scene)})
+    whole = to_json(scene)
+    text = json.dumps({"imports": {str(p.resolve()): _digest(p) for p in imports}, "scene": whole, "digest": _digest_text(whole)})
     with contextlib.suppress(OSError):
         file = _file(path, model, structural, outputs)
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -47,6 +48,11 @@ def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[
 def _file(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...]) -> Path:
     what = [str(path.resolve()), _digest(path), model, sorted(structural.items()), outputs, _installation()]
     return cache_folder() / "scenes" / f"{hashlib.sha256(repr(what).encode()).hexdigest()[:32]}.json"
+
+
+def _digest_text(text: str) -> str:
+    """Of the stored scene: damaged instructions could crash the run."""
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _digest(path: Path) -> str:

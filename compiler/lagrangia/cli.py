@@ -1,6 +1,7 @@
 """The command `lag`. Heavy imports happen in the commands that need them: a scene compiled before starts at once."""
 
 import argparse
+import contextlib
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -16,7 +17,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Exit codes: 0 done, 1 the run failed, 2 the input is wrong."""
     parsed = _parser().parse_args(arguments)
     try:
-        return int(parsed.command(parsed))
+        code = int(parsed.command(parsed))
+        sys.stdout.flush()
+        return code
     except LagError as error:
         print(render_all(error.diagnostics, _is_colored()), file=sys.stderr)
         return WRONG
@@ -24,16 +27,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return FAILED
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return FAILED
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return FAILED
     except MemoryError:
-        print("error: not enough memory", file=sys.stderr)
+        return _out_of_memory()
+    except OSError as error:
+        where = f"'{error.filename}': " if error.filename else ""
+        print(f"error: {where}{error.strerror or error}", file=sys.stderr)
+        _drop_output()
         return FAILED
     except Exception as error:
-        return _confess(error)
+        return _out_of_memory() if "std::bad_alloc" in str(error) else _confess(error)  # as CasADi says it
+
+
+def _out_of_memory() -> int:
+    print("error: not enough memory", file=sys.stderr)
+    return FAILED
+
+
+def _drop_output() -> None:
+    """What could not be written is not tried again when the interpreter ends."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _confess(error: Exception) -> int:

@@ -58,6 +58,7 @@ def _what(members: list[tuple[Column, Any]]) -> str:
 
 
 def _save(figure: Any, path: Path) -> None:
+    path = path.resolve()
     temporary = path.with_name(f".{path.stem[:100]}.part{path.suffix}")
     try:
         figure.savefig(temporary, dpi=120)
