@@ -347,7 +347,7 @@ def test_what_is_no_file_is_written_to_and_stays_what_it_is(lag: Run) -> None:
     """Such as a device: a file that took the place of /dev/null would break the machine. A named pipe is as good a test."""
     os.mkfifo("pipe")
     read: list[str] = []
-    reader = threading.Thread(target=lambda: read.append(Path("pipe").read_text()))
+    reader = threading.Thread(target=lambda: read.append(Path("pipe").read_text()), daemon=True)
     reader.start()
     assert lag("simulate", "pendulum.lag", "-o", "pipe", "--quiet")[0] == DONE
     reader.join(10)
