@@ -29,7 +29,9 @@ static void row_at(LagRun *run, double t, double *row)
         write_row(run, t, run->solver.y, row);
         return;
     }
+    run->careful = run->model->n_multipliers > 0; /* the stages of the dense output may lie near a singular position */
     lag_dop853_interpolate(&run->solver, t, run->inside);
+    run->careful = 0;
     lag_project_inside(run, t, run->inside);
     write_row(run, t, run->inside, row);
 }

@@ -1,6 +1,6 @@
 /* Gauss-Newton with shortest corrections: P. Deuflhard, Newton Methods for Nonlinear Problems (2004), 4.4.
  *
- * Unknowns are measured by their guesses (1 where the guess is 0), equations by the length of their gradient in those
+ * Unknowns are measured by the guesses of their kind, equations by the length of their gradient in those
  * units, so that a residual is the distance to the solution set and units do not matter. Each correction solves the
  * linearised equations by the QR factors of the transposed Jacobian: the shortest one, and dependent equations (redundant
  * constraints) drop out by pivoting; they are satisfied along with the others or reported. Long corrections are cut, so that
@@ -18,7 +18,7 @@
 #include "linear.h"
 
 static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5;
-static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
+static const double FREE = 10, CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
 enum { MOST_ITERATIONS = 100, MOST_PUSHES = 3 };
 
 void lag_assembly_layout(LagAssembly *s, LagArena *arena)
@@ -31,7 +31,9 @@ void lag_assembly_layout(LagAssembly *s, LagArena *arena)
     s->right = lag_take(arena, equations);
     s->diagonal = lag_take(arena, equations);
     s->scale = lag_take(arena, unknowns);
+    s->reach = lag_take(arena, unknowns);
     s->step = lag_take(arena, unknowns);
+    s->kept = lag_take(arena, unknowns);
     s->trial = lag_take(arena, unknowns);
     s->pivot = (int *)lag_take(arena, equations);
 }
@@ -53,7 +55,7 @@ static void scale_equations(LagAssembly *s)
             row[j] = s->jacobian[i + j * equations] * s->scale[j];
             length2 += row[j] * row[j];
         }
-        s->length[i] = length2 > 0 ? sqrt(length2) : 1;
+        s->length[i] = i >= s->active ? INFINITY : length2 > 0 ? sqrt(length2) : 1;
         for (int j = 0; j < unknowns; ++j)
             row[j] /= s->length[i];
     }
@@ -91,7 +93,7 @@ static void correction(LagAssembly *s)
     lag_qr_shortest(s->transposed, unknowns, rank, s->diagonal, s->pivot, s->right, s->step);
     double longest = 0;
     for (int j = 0; j < unknowns; ++j)
-        longest = fmax(longest, fabs(s->step[j]));
+        longest = fmax(longest, fabs(s->step[j]) * s->scale[j] / s->reach[j]);
     for (int j = 0; longest > LONGEST_STEP && j < unknowns; ++j)
         s->step[j] *= LONGEST_STEP / longest;
 }
@@ -136,11 +138,11 @@ static int descend(LagAssembly *s, const double *p, double *x, double *work)
     return 0;
 }
 
-/* Moves every free value by a different amount, of either sign. */
+/* Moves every free position by a different amount, of either sign. Rates are a linear matter: they are never stuck. */
 static void push(LagAssembly *s, const double *p, double *x, double *work)
 {
-    for (int j = 0; j < 2 * s->model->n; ++j)
-        x[j] += PUSH * s->scale[j] * (fmod((j + 1) * GOLDEN_RATIO, 1) - 0.5);
+    for (int j = 0; j < s->model->n; ++j)
+        x[j] += PUSH * (s->scale[j] > 0 ? s->reach[j] : 0) * (fmod((j + 1) * GOLDEN_RATIO, 1) - 0.5);
     evaluate(s, p, x, work);
 }
 
@@ -154,14 +156,31 @@ static int improve(LagAssembly *s, const double *p, double size, double *x, doub
     return size > SATISFIED && steepest(s) && descend(s, p, x, work);
 }
 
-int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+/* An angle is measured by 1, another value by the largest of its kind; what nobody guessed moves FREE times as easily. */
+static void set_scales(LagAssembly *s, const int *fixed, const double *x)
+{
+    const int n = s->model->n, *kind = s->model->coordinate_kind;
+    for (int j = 0; j < 2 * n; ++j) {
+        const int first = j < n ? 0 : n;
+        double largest = 0;
+        for (int i = first; i < first + n; ++i)
+            if (kind[i - first] == kind[j - first])
+                largest = fmax(largest, fabs(x[i]));
+        s->reach[j] = kind[j - first] == LAG_KIND_ANGLE || largest == 0 ? 1 : largest;
+        s->scale[j] = fixed[j] == LAG_START_FIXED ? 0 : fixed[j] == LAG_START_FREE ? FREE * s->reach[j] : s->reach[j];
+    }
+}
+
+/* Satisfies the first `active` equations by moving the unknowns first .. last-1. Returns -1, or the worst equation. */
+static int solve(LagAssembly *s, const double *p, const int *fixed, int active, int first, int last, double *x, double *work)
 {
     int worst = 0, pushes = 0;
     double size = INFINITY;
+    s->active = active;
+    set_scales(s, fixed, x);
     for (int j = 0; j < 2 * s->model->n; ++j)
-        s->scale[j] = fixed[j] ? 0 : x[j] != 0 ? fabs(x[j]) : 1;
-    if (s->model->n_initial == 0)
-        return -1;
+        if (j < first || j >= last)
+            s->scale[j] = 0;
     if (evaluate(s, p, x, work) != 0)
         return 0;
     for (int i = 0; i < MOST_ITERATIONS; ++i) {
@@ -176,4 +195,23 @@ int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, d
         push(s, p, x, work);
     }
     return size <= SATISFIED ? -1 : worst;
+}
+
+/* Positions first, by what is said of positions; then rates where they are, which is a linear matter; all together only when
+ * that does not do: an equation that ties rates to positions. */
+int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+{
+    const int n = s->model->n, all = s->model->n_initial, positions = s->model->n_initial_positions;
+    if (all == 0)
+        return -1;
+    if (positions > 0) {
+        const int worst = solve(s, p, fixed, positions, 0, n, x, work);
+        if (worst >= 0 || positions == all)
+            return worst;
+        memcpy(s->kept, x, 2 * (size_t)n * sizeof *x);
+        if (solve(s, p, fixed, all, n, 2 * n, x, work) < 0)
+            return -1;
+        memcpy(x, s->kept, 2 * (size_t)n * sizeof *x);
+    }
+    return solve(s, p, fixed, all, 0, 2 * n, x, work);
 }

@@ -12,12 +12,14 @@ typedef struct {
     double *length;       /* n_initial: size of an equation's scaled gradient */
     double *right, *diagonal;
     double *scale, *step, *trial; /* 2 n; scale 0: this value may not move */
+    double *reach, *kept;         /* 2 n: natural size of a value; a state to come back to */
     int *pivot;
+    int active;                   /* so many equations are looked at */
 } LagAssembly;
 
 void lag_assembly_layout(LagAssembly *assembly, LagArena *arena);
 
-/* Moves x = (q, v), except where fixed[i] is not 0. Returns -1, or the equation that is satisfied worst. */
+/* Moves x = (q, v), as `fixed` allows. Returns -1, or the equation that is satisfied worst. */
 int lag_assemble(LagAssembly *assembly, const double *p, const int *fixed, double *x, double *work);
 
 #endif

@@ -8,8 +8,8 @@
 
 enum { LAG_DOP853_SLOPES = 16, LAG_DOP853_COEFFICIENTS = 7 };
 
-/* Accelerations a[n] and powers power[n_power]; returns 1 when all are finite. */
-typedef int (*LagRhs)(void *context, double t, const double *q, const double *v, double *a, double *power);
+/* Accelerations a[n] and powers power[n_power]; returns 1 when all are finite. v is the slope of q: it may be corrected. */
+typedef int (*LagRhs)(void *context, double t, const double *q, double *v, double *a, double *power);
 
 typedef struct {
     int n, size; /* size = 2 n + n_power */

@@ -1,11 +1,26 @@
 #include "evaluate.h"
 
-#include "function.h"
+#include <string.h>
 
-/* A LagRhs. 0 * x is 0 for finite x and NaN for others: one sum tells about all. */
-int lag_accelerations(void *context, double t, const double *q, const double *v, double *a, double *power)
+#include "function.h"
+#include "project.h"
+
+/* Where careful, the slope at a state is the slope at its projection: on the constraints they are the same, so the order is
+ * kept, and near a singular position the errors of the inner stages are not magnified. The rates, which are the slope of q,
+ * are corrected in place. */
+static const double *bring_back(LagRun *run, double t, const double *q, double *v)
 {
-    LagRun *run = context;
+    const size_t n = (size_t)run->model->n;
+    memcpy(run->careful_state, q, n * sizeof *q);
+    memcpy(run->careful_state + n, v, n * sizeof *q);
+    lag_project_inside(run, t, run->careful_state);
+    memcpy(v, run->careful_state + n, n * sizeof *q);
+    return run->careful_state;
+}
+
+/* 0 * x is 0 for finite x and NaN for others: one sum tells about all. */
+static int accelerations(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
+{
     const LagModel *model = run->model;
     const double *in[] = {&t, q, v, run->u, run->d, run->c};
     double *out[] = {a, power, run->multipliers}, probe = 0;
@@ -19,6 +34,12 @@ int lag_accelerations(void *context, double t, const double *q, const double *v,
     return probe == 0;
 }
 
+int lag_accelerations(void *context, double t, const double *q, double *v, double *a, double *power)
+{
+    LagRun *run = context;
+    return accelerations(run, t, run->careful ? bring_back(run, t, q, v) : q, v, a, power);
+}
+
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
 {
     const LagModel *model = run->model;
@@ -28,7 +49,7 @@ void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
         return;
     lag_inputs_at(&run->inputs, t, run->u);
     if (model->outputs_need_acceleration) {
-        lag_accelerations(run, t, q, v, run->acceleration, run->power);
+        accelerations(run, t, q, v, run->acceleration, run->power);
         ++run->solver.evaluations;
     }
     lag_call(&model->outputs, in, &outputs, run->work);

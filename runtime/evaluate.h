@@ -4,7 +4,8 @@
 
 #include "state.h"
 
-int lag_accelerations(void *run, double t, const double *q, const double *v, double *a, double *power);
+/* A LagRhs. */
+int lag_accelerations(void *run, double t, const double *q, double *v, double *a, double *power);
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs);
 void lag_energies(LagRun *run, double t, const double *y, double *energies);
 

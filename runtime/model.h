@@ -36,6 +36,9 @@ typedef struct {
     const LagTape *tape;
 } LagFunction;
 
+/* How far assembly may move a start value: it is a guess, it is exact, or nobody said anything about it. */
+enum { LAG_START_GUESS, LAG_START_FIXED, LAG_START_FREE };
+
 /* When the argument x(t) = a + b t causes an event. */
 enum { LAG_EVENT_ZERO, LAG_EVENT_INTEGER };
 
@@ -48,8 +51,9 @@ typedef struct {
     int n_power; /* 0: energy needs no quadrature; 2: {dissipated, work} */
     int n_holonomic;   /* constraints Phi(q, t) = 0 */
     int n_multipliers; /* constraints J v + dPhi/dt = 0: those of Phi first, then nonholonomic ones */
+    int n_initial_positions; /* so many of the initial equations come first and depend on positions alone */
     const int *coordinate_kind; /* n: group of like coordinates */
-    const int *fixed;           /* 2 n: q then v; 1: assembly must not move this start value */
+    const int *fixed;           /* 2 n: LAG_START_..., of q then v */
     const int *event_kind;      /* n_events */
     int outputs_need_acceleration; /* a or lambda */
 

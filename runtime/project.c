@@ -23,7 +23,7 @@
  * positions. In units of error: what a good step may be corrected by; a unit counts as no less than FINEST of the magnitude
  * that matters, since velocities are corrected by noise, too, near singular positions. */
 static const double ROUNDING = 4 * DBL_EPSILON, SQUARE_IS_ROUNDING = 1e-9, NOISE = 1e-6;
-static const double MOST_UNITS = 100, FINEST = 1e-11, FALL = 0.75;
+static const double MOST_UNITS = 100, FINEST = 1e-11, NEAR_SINGULAR = 1e-9, FALL = 0.75;
 enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2 };
 
 typedef enum { POSITIONS, RATES } Level;
@@ -169,7 +169,8 @@ int lag_project_step(LagRun *run, double t, int *worst)
 {
     if (run->model->n_multipliers == 0)
         return 1;
-    return project(run, t, MOST_UNITS, run->solver.other, run->solver.other_carry, worst);
+    const double most = run->careful ? fmax(MOST_UNITS, NEAR_SINGULAR / run->scale.tolerance) : MOST_UNITS;
+    return project(run, t, most, run->solver.other, run->solver.other_carry, worst);
 }
 
 void lag_project_present(LagRun *run)

@@ -36,6 +36,7 @@ static void layout(LagRun *run, LagArena *arena)
     run->start = lag_take(arena, 2 * n);
     run->inside = lag_take(arena, 2 * n + (size_t)model->n_power);
     run->inside_carry = lag_take(arena, 2 * n);
+    run->careful_state = lag_take(arena, 2 * n);
     run->fixed = (int *)lag_take(arena, 2 * n);
     run->work = lag_take(arena, work_size(model));
     lag_assembly_layout(&run->assembly, arena);

@@ -35,6 +35,7 @@ typedef struct {
     double constraint_rate_residual; /* largest |J v + dPhi/dt| in rows */
     int32_t worst;          /* component that last limited the step: q is 0 .. n-1, v is n .. 2n-1 */
     int32_t tolerance_raised;
+    int32_t tolerance_missed; /* steps near singular positions that were taken with a larger error */
 } LagStatistics;
 
 /* All memory is allocated here, but for input tables. NULL: out of memory. The model must outlive the run. */

@@ -77,4 +77,12 @@ void lag_scale_note(LagScale *scale, const double *y)
         scale->floor[i] = fmax(OWN * scale->largest[i], GROUP * *group_of(scale, i));
 }
 
+int lag_scale_at_rest(const LagScale *scale)
+{
+    for (int k = 0; k < 2 * scale->kinds; ++k)
+        if (scale->group[k] > 0)
+            return 0;
+    return 1;
+}
+
 void lag_scale_set_step(LagScale *scale, double h) { scale->rate_rounding = DBL_EPSILON / h; }

@@ -26,6 +26,9 @@ void lag_scale_reset(LagScale *scale);
 /* Takes notice of a state (q, v) that was reached. */
 void lag_scale_note(LagScale *scale, const double *y);
 
+/* Whether nothing has moved yet, so that no motion has a size. */
+int lag_scale_at_rest(const LagScale *scale);
+
 /* Takes notice of how long steps are now. */
 void lag_scale_set_step(LagScale *scale, double h);
 

@@ -23,7 +23,7 @@ static void guess(LagRun *run, const double *q_given, const double *v_given)
     for (int i = 0; i < 2 * n; ++i) {
         const double *values = given[i / n];
         const int is_given = values && !isnan(values[i % n]);
-        run->fixed[i] = is_given || run->model->fixed[i];
+        run->fixed[i] = is_given ? LAG_START_FIXED : run->model->fixed[i];
         if (is_given)
             run->start[i] = values[i % n];
     }

@@ -22,6 +22,7 @@ struct LagRun {
     double *multipliers;          /* of the latest accelerations */
     double *start;                /* (q, v) */
     double *inside, *inside_carry; /* a state within a step */
+    double *careful_state;         /* (q, v) */
     double *work;                 /* scratch of the model's functions */
     int *fixed;                   /* 2 n */
 
@@ -32,6 +33,9 @@ struct LagRun {
     LagDop853 solver;
 
     int started;
+    int troubled;         /* steps in a row that were rejected at first */
+    double calm_step;     /* length of those that were not, lately */
+    int careful;          /* slopes are taken at projected states: a singular position is near */
     int segment_over;     /* an event was reached: the next step begins a new segment */
     double segment_end;   /* time of the next event */
     double step;          /* length proposed for the next step */

@@ -13,6 +13,9 @@ static const double SMALLEST_ERROR = 1e-10, CUT = 0.9;
 /* The end of a rejected step, wrong by less than this, still tells how large the motion will be. Without it, a motion that
  * sets in smoothly from rest (a road that begins to rise) is resolved against its own first picometres, below rounding. */
 static const double FORESEEN = 1e-3;
+/* Where a jump that nobody announced sets a scene in motion, the first motion has no size to compare errors with, however
+ * short the step. After so many rejections the motion of the step just tried is taken for its size. */
+enum { PATIENCE = 3 };
 
 /* Shorter steps do not move t. */
 static double smallest_step(double t) { return fmax(4 * DBL_EPSILON * fabs(t), DBL_MIN); }
@@ -56,10 +59,67 @@ static void record(LagRun *run, double h)
         lag_account_note(run, run->solver.t, run->solver.y, entries);
 }
 
+/* Near a singular position of a constrained mechanism (a parallelogram folded flat) rounding is magnified, and the shorter
+ * the step, the more of its stages feel it: shrinking leads ever deeper in. The motion itself is smooth there. So the step
+ * is tried again with projected slopes, at several lengths that straddle the place in different ways; if none is good
+ * enough, the best of them is, as long as its error stays below FORGIVEN. */
+enum { WAYS = 8, PATIENT = 2 };
+static const double WAY[WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-8;
+/* An ordinary rejection: not one of several in a row, of a step much longer than the last good ones or with an error that a
+ * shorter one mends. */
+static const double MUCH_LONGER = 1.5, MENDABLE = 50;
+
+typedef struct {
+    int rejected;
+    double planned;     /* length first tried */
+    double best, least; /* the length with the least error, and that error */
+    double allowed;     /* error, in units */
+} Attempts;
+
+static double next_attempt(LagRun *run, Attempts *attempts, double h, double error)
+{
+    const double shorter = shrunk(h, error <= attempts->allowed ? INFINITY : error); /* finite error, but not the slope */
+    const int is_ordinary = run->troubled < PATIENT && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
+    if (run->model->n_multipliers == 0 || (is_ordinary && error > attempts->allowed))
+        return shorter;
+    if (!run->careful) {
+        run->careful = 1;
+        attempts->rejected = 1;
+        attempts->planned = fmax(attempts->planned, run->calm_step);
+    }
+    if (error < attempts->least) {
+        attempts->least = error;
+        attempts->best = h;
+    }
+    if (attempts->rejected <= WAYS)
+        return attempts->planned * WAY[attempts->rejected - 1];
+    if (attempts->rejected > WAYS + 1 || !(attempts->least * run->scale.tolerance < FORGIVEN))
+        return shorter;
+    attempts->allowed = fmax(1, 2 * attempts->least);
+    return attempts->best;
+}
+
+static void settle(LagRun *run, const Attempts *attempts, double h, double error)
+{
+    const int was_rejected = attempts->rejected > 0;
+    run->careful = 0;
+    run->statistics.tolerance_missed += error > 1;
+    run->step = proposal(run, h, fmin(error, 1), was_rejected);
+    run->troubled = was_rejected ? run->troubled + 1 : 0;
+    run->calm_step = was_rejected ? run->calm_step : fmax(h, run->calm_step / 2);
+    record(run, h);
+}
+
+static LagStatus give_up(LagRun *run, int worst)
+{
+    const int n = run->model->n;
+    run->careful = 0;
+    return lag_fail(run, LAG_STEP_TOO_SMALL, worst < n ? worst : worst - n, worst >= n, 0);
+}
+
 LagStatus lag_step(LagRun *run)
 {
     LagDop853 *solver = &run->solver;
-    const int n = run->model->n;
     int worst = 0;
     if (run->segment_over) {
         const LagStatus status = lag_segment_next(run);
@@ -69,20 +129,24 @@ LagStatus lag_step(LagRun *run)
     if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)
         return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
     run->step = fmax(run->step, smallest_step(solver->t));
-    for (int rejected = 0;; rejected = 1) {
+    Attempts attempts = {0, run->step, run->step, INFINITY, 1};
+    run->careful = 0;
+    for (;;) {
         const double t = solver->t, t_new = end_of_step(run, run->step), h = t_new - t;
-        const double error = lag_dop853_try(solver, t_new, &run->scale, &worst);
+        double error = lag_dop853_try(solver, t_new, &run->scale, &worst);
         run->statistics.worst = worst;
-        if (error <= 1 && lag_project_step(run, t_new, &worst) && lag_dop853_accept(solver, t_new)) {
-            run->step = proposal(run, h, error, rejected);
-            record(run, h);
+        if (error <= attempts.allowed && !lag_project_step(run, t_new, &worst))
+            error = INFINITY;
+        if (error <= attempts.allowed && lag_dop853_accept(solver, t_new)) {
+            settle(run, &attempts, h, error);
             return LAG_OK;
         }
         ++run->statistics.rejected;
-        if (error * run->scale.tolerance < FORESEEN)
+        ++attempts.rejected;
+        if (error * run->scale.tolerance < FORESEEN || (attempts.rejected > PATIENCE && lag_scale_at_rest(&run->scale)))
             lag_scale_note(&run->scale, solver->other);
-        run->step = shrunk(h, error <= 1 ? INFINITY : error);
+        run->step = next_attempt(run, &attempts, h, error);
         if (run->step < smallest_step(t))
-            return lag_fail(run, LAG_STEP_TOO_SMALL, worst < n ? worst : worst - n, worst >= n, 0);
+            return give_up(run, worst);
     }
 }

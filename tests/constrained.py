@@ -35,7 +35,7 @@ def constrained(
     if guess:
         g = ca.vertcat(phi, rate)
         functions["initial"] = ([q, v, p], [g, ca.vec(ca.densify(ca.jacobian(g, ca.vertcat(q, v))))])
-        sizes["n_initial"] = g.numel()
+        sizes |= {"n_initial": g.numel(), "n_initial_positions": phi.numel()}
     tapes = {name: _tape(name, inputs, outputs) for name, (inputs, outputs) in functions.items()}
     return Model.from_tapes(sizes, tapes, kinds or [0] * n, [0] * (2 * n))
 

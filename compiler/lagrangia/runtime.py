@@ -115,6 +115,7 @@ class Statistics:
     energy_scale: float
     worst: int
     tolerance_raised: bool
+    tolerance_missed: int = 0
     projections: int = 0
     constraint_residual: float = 0.0
     constraint_rate_residual: float = 0.0
@@ -180,7 +181,7 @@ class _Function(c.Structure):
 
 _SIZES = (
     "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
-    "n_holonomic", "n_multipliers",
+    "n_holonomic", "n_multipliers", "n_initial_positions",
 )
 _FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
@@ -226,6 +227,7 @@ class _Statistics(c.Structure):
         ("constraint_rate_residual", c.c_double),
         ("worst", c.c_int32),
         ("tolerance_raised", c.c_int32),
+        ("tolerance_missed", c.c_int32),
     )
 
 
