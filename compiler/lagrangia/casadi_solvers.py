@@ -52,6 +52,9 @@ class _Run:
         self.y = self._start(table)
 
     def _start(self, table: Any) -> np.ndarray:
+        if self.compilation.motion.constrained:
+            fail("L0909", "not supported yet: constraints that stay in the equations, with CasADi's integrators", None,
+                 "closed loops and the like need the run time: a C compiler (pip install ziglang)")
         if "initial" in table:
             fail("L0909", "not supported yet: initial equations to be solved, with CasADi's integrators", None,
                  "give the start values of coordinates and rates, or install a C compiler (pip install ziglang)")

@@ -11,6 +11,7 @@ from typing import Any
 
 from lagrangia.diagnostics import LagError, RunError, fail, render_all
 from lagrangia.model import Model
+from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.plot import require_format
 from lagrangia.simulate import Experiment, Progress, check_values, plan
 from lagrangia.trajectory import CsvWriter, columns
@@ -30,10 +31,31 @@ def check_command(options: Namespace) -> int:
             wrong += 1
             print(render_all(error.diagnostics, sys.stderr.isatty()), file=sys.stderr)
             continue
-        names = [c.name for c in scene.coordinates]
-        shown = ", ".join(names[:6]) + (f", ... ({len(names)})" if len(names) > 6 else "")
-        print(f"{file}: {scene.name}: {scene.n} degree{'s' if scene.n != 1 else ''} of freedom: {shown}")
+        if scene.notes["problem"]:
+            wrong += 1
+            print(scene.notes["problem"], file=sys.stderr)
+            continue
+        print(f"{file}: {_describe(scene)}")
     return 2 if wrong else 0
+
+
+def _describe(scene: Any) -> str:
+    """Degrees of freedom, coordinates, loops and redundant constraints."""
+    notes = scene.notes
+    names = [c.name for c in scene.coordinates]
+    shown = ", ".join(names[:6]) + (f", ... ({len(names)})" if len(names) > 6 else "")
+    degrees = notes["degrees_of_freedom"]
+    still = "" if degrees else ": its motion is prescribed" if notes["is_driven"] else ", so it stands still: statics"
+    lines = [f"{scene.name}: {degrees} degree{'s' if degrees != 1 else ''} of freedom{still}"]
+    held = scene.sizes["n_multipliers"]
+    closed = f", {notes['loops']} closed loop{'s' if notes['loops'] != 1 else ''}" if notes["loops"] else ""
+    lines.append(f"  coordinates {shown}" + (f"; {held} constraints{closed}" if held else ""))
+    if notes["dependent"]:
+        lines.append(f"  given by others: {', '.join(notes['dependent'][:8])}")
+    if notes["degrees_at_start"] > degrees:
+        lines.append(f"  the start is a singular position: {notes['degrees_at_start']} degrees of freedom there")
+    lines += [f"  {text}" for text in notes["repeated"]]
+    return "\n".join(lines)
 
 
 def simulate_command(options: Namespace) -> int:
@@ -43,7 +65,7 @@ def simulate_command(options: Namespace) -> int:
     if options.plot is not None:
         require_format(options.plot)
     begin = time.perf_counter()
-    outputs = _names(options.outputs)
+    outputs = _names(options.outputs) + ((ALL_REACTIONS,) if options.reactions else ())
     given = [_assignment(text, "-p") for text in options.parameter]
     model = _load(options, given, outputs)
     scene = model.scene
@@ -155,7 +177,7 @@ def _plot(options: Namespace, model: Model, progress: Progress, rows: list[Seque
 
     from lagrangia.trajectory import Trajectory, collect
 
-    observer = model._observer(np.array(progress.parameters), values)
+    observer = model.observer(np.array(progress.parameters), values)
     trajectory = Trajectory(model.scene, collect(model.scene, rows), progress, observer)
     trajectory.plot(*_names(options.plot_quantities), path=options.plot)
 
@@ -182,6 +204,8 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
         scale = statistics.energy_scale
         relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if scale > 0 else ""
         say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
+        if statistics.tolerance_missed:
+            say(f"  {statistics.tolerance_missed} steps near singular positions missed the tolerance, by rounding")
         if statistics.tolerance_raised:
             say("  the tolerance was raised to 1e-14, the smallest that double precision can keep")
     else:
@@ -244,7 +268,8 @@ class _Bar:
 
 
 def _names(text: str | None) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(",") if name.strip()) if text else ()
+    """Names between commas; a comma in brackets belongs to its name, x[1,2]."""
+    return tuple(name.strip() for name in re.split(r",(?![^\[]*\])", text or "") if name.strip())
 
 
 def _assignment(text: str, option: str) -> tuple[str, str]:

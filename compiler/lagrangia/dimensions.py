@@ -18,8 +18,9 @@ from lagrangia.units import ONE, Dimension, dimension, divide, multiply, parse_u
 _METRE, _SECOND = dimension(m=1), dimension(s=1)
 _SPEED, _TURN_RATE = dimension(m=1, s=-1), dimension(s=-1)
 _JOULE, _WATT = dimension(kg=1, m=2, s=-2), dimension(kg=1, m=2, s=-3)
-_FRAME_DIMENSIONS = {"r": _METRE, "x": _METRE, "y": _METRE, "phi": ONE, "v": _SPEED, "w": _TURN_RATE}
-_FRAME_UNITS = {"r": "m", "x": "m", "y": "m", "phi": "rad", "v": "m/s", "w": "rad/s"}
+_FRAME_DIMENSIONS = {"r": _METRE, "x": _METRE, "y": _METRE, "phi": ONE, "v": _SPEED, "w": _TURN_RATE,
+                     "reaction": dimension(kg=1, m=1, s=-2), "reaction_torque": _JOULE}
+_FRAME_UNITS = {"r": "m", "x": "m", "y": "m", "phi": "rad", "v": "m/s", "w": "rad/s", "reaction": "N", "reaction_torque": "N.m"}
 
 
 @dataclass(frozen=True, slots=True)

@@ -58,7 +58,8 @@ def _tree(node: Any, depth: int) -> str:
 def _flat(compilation: Compilation) -> str:
     model = compilation.flat
     lines = [f"model {model.name}"]
-    lines += [f"structural {name} = {value}" for name, value in model.structural.items()]
+    lines += [f"structural {name} = {value:g}" if isinstance(value, float) else f"structural {name} = {value}"
+              for name, value in model.structural.items()]
     for variable in model.variables.values():
         size = f"[{', '.join(map(str, variable.shape))}]" if variable.shape else ""
         unit = f" [{variable.unit}]" if variable.unit else ""

@@ -17,8 +17,8 @@ import casadi as ca
 
 from lagrangia.algebra import Dual, Scalar, rate_of
 from lagrangia.bodies import Bodies, Inertia
+from lagrangia.edges import Edge
 from lagrangia.evaluation import Evaluator, Value
-from lagrangia.graph import Edge
 from lagrangia.kinematics import Kinematics, Pose, rotated
 
 Vector = list[Scalar]  # vx, vy, w or fx, fy, torque
@@ -46,7 +46,8 @@ def eliminate(kinematics: Kinematics, bodies: Bodies, r: ca.SX) -> ca.SX | None:
     """The solution a of M a = r, or None when the scene is no tree of rigid bodies: a coordinate that moves several joints,
     or a kinetic term that couples several bodies or is no body's."""
     uses = Counter(name for edge in kinematics.graph.edges for name in edge.coordinates)
-    if bodies.rest or any(count > 1 for count in uses.values()):
+    tied = any(dependent.terms for dependent in kinematics.dependents.values())
+    if bodies.rest or tied or any(count > 1 for count in uses.values()):
         return None
     clusters = _clusters(kinematics, bodies)
     for inertia in bodies.inertias:
@@ -77,7 +78,7 @@ def _clusters(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
         if edge.is_rigid:
             continue
         parent, local = clusters[bodies.home[edge.parent]], bodies.local[edge.parent]
-        directions = [(number[name], _direction(kinematics, edge, name)) for name in edge.coordinates]
+        directions = [(number[name], _direction(kinematics, edge, name)) for name in edge.coordinates if name in number]
         x, y = rotated(parent.turn.cos, parent.turn.sin, 0.0, local.x, local.y)
         here = kinematics.pose(edge.parent, 0)
         ahead = kinematics.follow(edge, Pose(x, y, here.phi, here.cos, here.sin), 0)

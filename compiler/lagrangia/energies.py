@@ -7,7 +7,7 @@ import casadi as ca
 
 from lagrangia.algebra import Scalar
 from lagrangia.diagnostics import Report, Span
-from lagrangia.evaluation import Value
+from lagrangia.evaluation import Value, scalars_of
 from lagrangia.flat import Energy, Work
 from lagrangia.kinematics import Kinematics
 
@@ -86,7 +86,7 @@ def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report
     accelerations = ca.vertcat(*symbols.accelerations.values())
     rates = ca.vertcat(*symbols.rates.values())
     inputs = ca.vertcat(*[x for name, v in kinematics.graph.model.variables.items() if v.kind == "input"
-                          for x in _scalars(symbols.values[name])])
+                          for x in scalars_of(symbols.values[name])])
     groups = {"kinetic": energies.kinetic, "potential": energies.potential, "dissipation": energies.dissipation}
     for kind, terms in groups.items():
         whole = energies.total(terms)
@@ -106,10 +106,6 @@ def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report
             report.error("L0501", "a force cannot depend on accelerations", load.statement.span)
         if rates.numel() and ca.depends_on(ca.vertcat(*load.position, 0), rates):
             report.error("L0502", "a force works on a position, this depends on velocities", load.statement.span)
-
-
-def _scalars(value: Value) -> list[Scalar]:
-    return [x for item in value for x in _scalars(item)] if isinstance(value, tuple) else [value]
 
 
 def _balanced_sum(values: list[ca.SX]) -> ca.SX:

@@ -233,6 +233,11 @@ def _number(value: Value, span: Span) -> Scalar:
     return value
 
 
+def scalars_of(value: Value) -> list[Scalar]:
+    """The scalars of a value of any shape, row by row."""
+    return [x for item in value for x in scalars_of(item)] if isinstance(value, tuple) else [value]
+
+
 def elements(value: Value, shape: tuple[int, ...], span: Span) -> list[Scalar]:
     """The scalars of a value that must have this shape, row by row. Raises LagError L0303."""
     if not shape:

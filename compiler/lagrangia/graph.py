@@ -4,46 +4,16 @@ The spanning tree starts at the ground; a part of the graph that carries mass bu
 three coordinates of its own; a part without mass is an error, or is left out when nothing uses it.
 """
 
-from collections import deque
-from collections.abc import Mapping
+from collections import Counter, deque
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from lagrangia.diagnostics import Report, Span, fail
-from lagrangia.flat import FlatModel, FrameEquation, Variable
-from lagrangia.tree import Call, Flat, FrameRef, Ref, Time
-from lagrangia.walk import leaves
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """A part of the way from one frame to another: shift by a vector or turn by an angle, forwards or backwards."""
-
-    kind: str  # "shift" or "turn"
-    amount: Flat
-    is_inverse: bool = False
-
-    def inverse(self) -> "Step":
-        return Step(self.kind, self.amount, not self.is_inverse)
-
-
-@dataclass(frozen=True, slots=True)
-class Edge:
-    """child = parent followed by the steps."""
-
-    parent: str
-    child: str
-    steps: tuple[Step, ...]
-    coordinates: tuple[str, ...]  # those the steps depend on
-    moves_with_time: bool
-    span: Span
-
-    @property
-    def is_rigid(self) -> bool:
-        return not self.coordinates and not self.moves_with_time
-
-    def inverse(self) -> "Edge":
-        steps = tuple(step.inverse() for step in reversed(self.steps))
-        return Edge(self.child, self.parent, steps, self.coordinates, self.moves_with_time, self.span)
+from lagrangia.edges import Closure, Edge, Step, choose_tree, close
+from lagrangia.flat import Equation, FlatModel, FrameEquation, Variable
+from lagrangia.instances import REACTIONS
+from lagrangia.tree import Call, Flat, FrameRef, Number, Ref, Time
+from lagrangia.walk import leaves, nodes
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,8 +49,11 @@ class ComponentGraph:
     model: FlatModel
     roots: tuple[Root, ...]
     edges: tuple[Edge, ...]  # of the spanning trees, parents first
+    closures: tuple[Closure, ...]  # the edges outside the trees
     coordinates: tuple[Coordinate, ...]
+    cut_coordinates: Mapping[str, Closure]  # of cut joints, read off the frames
     unused_frames: tuple[str, ...]
+    dependent_coordinates: tuple[Coordinate, ...] = ()  # given by linear constraints
 
     def summary(self) -> str:
         lines = [f"{len(self.model.frames)} frames, {len(self.edges)} edges, {len(self.roots)} trees"]
@@ -89,13 +62,16 @@ class ComponentGraph:
         for edge in self.edges:
             how = ", ".join(f"{'back ' if s.is_inverse else ''}{s.kind} {s.amount.span.text}" for s in edge.steps) or "same"
             lines.append(f"{edge.parent} -> {edge.child}: {how}")
+        for cut in self.closures:
+            freedom = f", coordinate {cut.coordinate}" if cut.coordinate else ""
+            lines.append(f"{cut.a} = {cut.b} closes a loop ({cut.kind}){freedom}")
         lines += [f"coordinate {c.name} [{c.unit}]" for c in self.coordinates]
         lines += [f"left out {name}" for name in self.unused_frames]
         return "\n".join(lines)
 
 
 def build_graph(model: FlatModel) -> ComponentGraph:
-    """Raises LagError (L04xx): ports joined to nothing, closed loops, constraints (both not supported yet)."""
+    """Raises LagError (L04xx): ports joined to nothing, joints that depend on frames."""
     return _Building(model).build()
 
 
@@ -104,15 +80,16 @@ class _Building:
         self.model = model
         self.report = Report()
         self.bindings = {name: v.binding for name, v in model.variables.items()}
+        self.candidates: list[Edge] = []
         self.neighbours: dict[str, list[Edge]] = {name: [] for name in model.frames}
         self.parent: dict[str, str] = {}
         self.edges: list[Edge] = []
-        self.taken: set[int] = set()
 
     def build(self) -> ComponentGraph:
-        self._refuse_constraints()
+        self._keep_reactions_out()
         for equation in self.model.frame_equations:
             self._add_edge(equation)
+        outside = self._choose_tree()
         used = self._used_frames()
         massive = self._massive_frames()
         roots = [Root(name) for name, frame in self.model.frames.items() if frame.is_ground]
@@ -129,16 +106,33 @@ class _Building:
                 self._report_unbound(island, used)
             else:
                 unused += sorted(island)
-        self._refuse_loops(set(unused))
         self.report.raise_errors()
-        coordinates = tuple(self._coordinates(floating))
+        closures = self._closures(outside, set(unused))
+        cut = {closure.coordinate: closure for closure in closures if closure.coordinate}
+        coordinates = tuple(c for c in self._coordinates(floating) if c.name not in cut)
         self.report.raise_errors()
-        return ComponentGraph(self.model, (*roots, *floating), tuple(self.edges), coordinates, tuple(unused))
+        return ComponentGraph(self.model, (*roots, *floating), tuple(self.edges), closures, coordinates, cut, tuple(unused))
 
-    def _refuse_constraints(self) -> None:
-        for equation in self.model.constraints:
-            self.report.error("L0903", "not supported yet: a scalar equation as a constraint", equation.span,
-                              "an equation may give a value to a variable without a binding, or join frames")
+    def _keep_reactions_out(self) -> None:
+        """Reactions follow from the motion: nothing that makes the motion may depend on them, and their rates are not known."""
+        model = self.model
+        equations: list[FrameEquation | Equation] = [*model.frame_equations, *model.constraints, *model.initial_equations]
+        stated: list[tuple[Iterable[Flat], str, Span]] = [((e.left, e.right), "an equation", e.span) for e in equations]
+        stated += [((e.value,), f"a {e.kind} energy", e.span) for e in model.energies]
+        stated += [((w.force, w.position), "a force", w.span) for w in model.works]
+        stated += [((v.start,), "a start value", v.start.span) for v in model.variables.values() if v.start is not None]
+        for expressions, what, span in stated:
+            for joint in self._joints_of_reactions(expressions):
+                self.report.error("L0914", f"not supported yet: {what} that depends on the reaction of '{joint}'", span,
+                                  "reactions are outputs: they follow from the motion")
+        for node in nodes(*(binding for binding in self.bindings.values() if binding is not None)):
+            if isinstance(node, Call) and node.function == "der" and self._joints_of_reactions(node.arguments):
+                self.report.error("L0911", "the rate of a reaction is not known", node.span)
+        self.report.raise_errors()
+
+    def _joints_of_reactions(self, expressions: Iterable[Flat]) -> list[str]:
+        found = leaves(expressions, self.bindings)
+        return [leaf.name.rpartition(".")[0] for leaf in found if isinstance(leaf, FrameRef) and leaf.attribute in REACTIONS]
 
     # ------------------------------------------------------------ edges
 
@@ -158,8 +152,7 @@ class _Building:
         edge = Edge(right, left, steps, coordinates, any(isinstance(leaf, Time) for leaf in found), equation.span)
         if left == right and not steps:
             return
-        self.neighbours[right].append(edge)
-        self.neighbours[left].append(edge)
+        self.candidates.append(edge)
 
     def _grow(self, root: str) -> None:
         """Breadth first from the root."""
@@ -172,25 +165,27 @@ class _Building:
                 if ahead.child not in self.parent:
                     self.parent[ahead.child] = here
                     self.edges.append(ahead)
-                    self.taken.add(id(edge))
                     queue.append(ahead.child)
 
-    def _refuse_loops(self, unused: set[str]) -> None:
-        """An edge outside the tree closes a loop, unless it only says again what identities of frames say."""
+    def _choose_tree(self) -> list[Edge]:
+        """Makes neighbours of what the tree's edges join; returns the other edges."""
+        ground = [name for name, frame in self.model.frames.items() if frame.is_ground]
+        self.uses = Counter(name for edge in self.candidates for name in edge.coordinates)
+        chosen = choose_tree(self.model.frames, tuple(self.candidates), ground, self.uses)
+        for k in sorted(chosen):
+            edge = self.candidates[k]
+            self.neighbours[edge.parent].append(edge)
+            self.neighbours[edge.child].append(edge)
+        return [edge for k, edge in enumerate(self.candidates) if k not in chosen]
+
+    def _closures(self, outside: list[Edge], unused: set[str]) -> tuple[Closure, ...]:
+        """The edges outside the tree close loops, unless they only say again what identities of frames say."""
         same = _Same()
         for edge in self.edges:
             if not edge.steps:
                 same.join(edge.parent, edge.child)
-        seen: set[int] = set()
-        for name, edges in self.neighbours.items():
-            for edge in edges:
-                if name in unused or id(edge) in self.taken or id(edge) in seen:
-                    continue
-                seen.add(id(edge))
-                if not edge.steps and same.find(edge.parent) == same.find(edge.child):
-                    continue
-                self.report.error("L0905", f"not supported yet: a closed loop, {' - '.join(self._loop(edge))}", edge.span,
-                                  "leave out one of its joints, or put a stiff spring in the place of one")
+        news = [e for e in outside if e.parent not in unused and (e.steps or same.find(e.parent) != same.find(e.child))]
+        return tuple(close(edge, self.uses, " - ".join(self._loop(edge))) for edge in news)
 
     def _loop(self, edge: Edge) -> list[str]:
         """Components along the loop that an edge closes."""
@@ -337,8 +332,6 @@ class _Same:
 
 
 def _index(k: int, span: Span) -> Flat:
-    from lagrangia.tree import Number
-
     return Number(float(k + 1), None, span, True)
 
 

@@ -9,28 +9,38 @@ from dataclasses import dataclass
 import casadi as ca
 
 from lagrangia.algebra import Scalar
+from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Report, Span
 from lagrangia.evaluation import Value
 from lagrangia.flat import Equation
-from lagrangia.graph import rate_of
+from lagrangia.graph import Coordinate, rate_of
 from lagrangia.kinematics import Kinematics
+from lagrangia.parameters import default_parameters
 from lagrangia.tree import Call, Flat, FrameRef, Ref
+
+_AGREES = 1e-9  # two values of one start, in m or rad
+
+
+GUESS, FIXED, FREE = range(3)  # LAG_START_... of runtime/model.h
 
 
 @dataclass(frozen=True)
 class InitialConditions:
-    """q and v in SX of the parameters; `fixed` has 2 n flags, of q then of v; the residuals have the spans of their equations."""
+    """q and v in SX of the parameters; `fixed` says of each, q then v, whether it is a GUESS, FIXED or FREE; the residuals
+    have the spans of their equations."""
 
     q: ca.SX
     v: ca.SX
-    fixed: tuple[bool, ...]
+    fixed: tuple[int, ...]
     residuals: ca.SX
     residual_spans: tuple[Span, ...]
+    residual_loops: tuple[str, ...]  # the components along the loop that a residual closes, "" for an equation
+    n_positions: int  # so many residuals come first and depend on positions alone
 
 
-def build_initial(kinematics: Kinematics) -> InitialConditions:
+def build_initial(kinematics: Kinematics, constraints: Constraints) -> InitialConditions:
     """Raises LagError (L06xx)."""
-    return _Starts(kinematics).build()
+    return _Starts(kinematics).build(constraints)
 
 
 class _Starts:
@@ -45,7 +55,7 @@ class _Starts:
         self.fixed: dict[int, Span | None] = {}
         self.residuals: list[tuple[Scalar, Span]] = []
 
-    def build(self) -> InitialConditions:
+    def build(self, constraints: Constraints) -> InitialConditions:
         for k, coordinate in enumerate(self.coordinates):
             for slot, start in ((k, coordinate.start), (self.n + k, coordinate.rate_start)):
                 if start is not None:
@@ -54,12 +64,54 @@ class _Starts:
                 self.fixed[k] = None
         for equation in self.kinematics.graph.model.initial_equations:
             self._equation(equation)
+        self._dependent_starts()
+        loops = [""] * len(self.residuals)
+        for row in constraints.rows:
+            around = row.loop.around if row.loop else ""
+            positions = [row.value(self.kinematics, 0)] if row.is_holonomic else []
+            values = [*positions, row.rate(self.kinematics)]
+            self.residuals += [(self._at_start(ca.SX(value)), row.span) for value in values]
+            loops += [around] * len(values)
         self.report.raise_errors()
-        n = self.n
+        n, rates = self.n, ca.vertcat(*self.kinematics.symbols.rates.values())
+        moving = [ca.depends_on(ca.SX(g), rates) for g, _ in self.residuals]
+        order = sorted(range(len(moving)), key=lambda k: moving[k])
         return InitialConditions(
-            ca.vertcat(*self.values[:n]), ca.vertcat(*self.values[n:]), tuple(k in self.fixed for k in range(2 * n)),
-            ca.vertcat(*[g for g, _ in self.residuals]), tuple(span for _, span in self.residuals),
+            ca.vertcat(*self.values[:n]), ca.vertcat(*self.values[n:]), tuple(map(self._freedom, range(2 * n))),
+            ca.vertcat(*[self.residuals[k][0] for k in order]), tuple(self.residuals[k][1] for k in order),
+            tuple(loops[k] for k in order), moving.count(False),
         )
+
+    def _freedom(self, slot: int) -> int:
+        """How far a start value may be moved; what nobody said anything about moves most easily."""
+        coordinate = self.coordinates[slot % self.n]
+        start = coordinate.start if slot < self.n else coordinate.rate_start
+        return FIXED if slot in self.fixed else FREE if start is None else GUESS
+
+    def _dependent_starts(self) -> None:
+        """A coordinate that others give starts them: exactly when fixed, else when they have no start of their own."""
+        starts = {c.name: c for c in self.coordinates}
+        for coordinate in self.kinematics.graph.dependent_coordinates:
+            others = [starts[name] for name in self.kinematics.dependents[coordinate.name].terms]
+            if not others:
+                self._require_agreement(coordinate)
+            for start, rate in ((coordinate.start, False), (coordinate.rate_start, True)):
+                free = all((c.rate_start if rate else c.start) is None for c in others)
+                if start is not None and others and (coordinate.is_fixed or free):
+                    here = self.kinematics.coordinate(coordinate.name, 1)
+                    gap = ca.SX((here.rate if rate else here.value) - self.kinematics.evaluator.value(start))
+                    self.residuals.append((self._at_start(gap), start.span))
+
+    def _require_agreement(self, coordinate: Coordinate) -> None:
+        """A prescribed coordinate starts where it is prescribed, whatever it was guessed."""
+        if coordinate.start is None or not coordinate.is_fixed:
+            return
+        gap = ca.SX(self.kinematics.coordinate(coordinate.name, 0) - self.kinematics.evaluator.value(coordinate.start))
+        p, defaults = default_parameters(self.kinematics)
+        miss = abs(float(ca.evalf(ca.substitute(self._at_start(gap), p, ca.SX(defaults)))))
+        if miss > _AGREES:
+            self.report.error("L0601", f"'{coordinate.name}' is given two initial values", coordinate.start.span,
+                              f"an equation prescribes it, and differs by {miss:.3g} at the start", "leave `fixed` out")
 
     def _start(self, slot: int, start: Flat) -> None:
         value = self.kinematics.evaluator.value(start)

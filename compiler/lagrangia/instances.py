@@ -14,6 +14,7 @@ from lagrangia.meanings import explain
 from lagrangia.tree import Argument, ClassDefinition, Clause, Declaration, Expression, Extends
 
 ATTRIBUTES = frozenset({"unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "quantity", "stateSelect"})
+REACTIONS = frozenset({"reaction", "reaction_torque"})  # of a component with the ports a and b
 FRAME_ATTRIBUTES = frozenset({"r", "phi", "v", "w", "x", "y"})
 _ROLES = frozenset({"parameter", "constant", "input", "output", "coordinate"})
 _MOST_ELEMENTS = 1_000_000

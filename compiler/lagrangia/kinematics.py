@@ -5,15 +5,18 @@ Duals, so the velocities come with the positions. Only this module, the frame fu
 dimensions.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import casadi as ca
 
 from lagrangia.algebra import CasadiAlgebra, Dual, Scalar, rate_of, value_of
+from lagrangia.closures import cut_coordinate
 from lagrangia.diagnostics import fail
-from lagrangia.evaluation import Evaluator, Value
-from lagrangia.graph import ComponentGraph, Edge, Step
+from lagrangia.edges import Edge, Step
+from lagrangia.evaluation import Evaluator, Value, scalars_of
+from lagrangia.graph import ComponentGraph
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,8 +29,19 @@ class Pose:
     cos: Scalar
     sin: Scalar
 
+    def map(self, function: Callable[[Scalar], Scalar]) -> "Pose":
+        return Pose(*(function(x) for x in (self.x, self.y, self.phi, self.cos, self.sin)))
 
-ORIGIN = Pose(0.0, 0.0, 0.0, 1.0, 0.0)
+
+@dataclass(frozen=True)
+class Dependent:
+    """A coordinate that a linear constraint gives: constant(t, p) + sum of coefficient(p) * coordinate.
+
+    `constant` holds the constant and its first two derivatives in time.
+    """
+
+    constant: tuple[Scalar, Scalar, Scalar]
+    terms: Mapping[str, Scalar]
 
 
 @dataclass(frozen=True)
@@ -49,6 +63,9 @@ class Kinematics:
     graph: ComponentGraph
     symbols: Symbols
     algebra: CasadiAlgebra
+    dependents: Mapping[str, Dependent] = field(default_factory=dict)
+    released: Mapping[str, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # virtual displacements, rates
+    reactions: dict[str, tuple[ca.SX, ca.SX, ca.SX]] = field(default_factory=dict)  # symbols of those that outputs ask for
     evaluator: Evaluator = field(init=False)
     _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])
 
@@ -58,19 +75,34 @@ class Kinematics:
     # ------------------------------------------------------------ leaves of expressions
 
     def symbol(self, name: str, level: int) -> Value | None:
-        if name in self.symbols.positions:
+        if name in self.symbols.positions or name in self.dependents:
             return self.coordinate(name, level)
+        if name in self.graph.cut_coordinates:
+            read = cut_coordinate(self, self.graph.cut_coordinates[name], level)
+            return read + _displacement(*self.released[name], level) if name in self.released else read
         return self.symbols.values.get(name)
 
     def coordinate(self, name: str, level: int) -> Scalar:
+        if name in self.dependents:
+            return self._dependent(self.dependents[name], level)
         q, v, a = (values[name] for values in (self.symbols.positions, self.symbols.rates, self.symbols.accelerations))
         return (q, Dual(q, v), Dual(Dual(q, v), Dual(v, a)))[level]
+
+    def _dependent(self, dependent: Dependent, level: int) -> Scalar:
+        tau = self.symbols.tau
+        c, c1, c2 = dependent.constant
+        total = (c, Dual(c, c1 * tau), Dual(Dual(c, c1 * tau), Dual(c1 * tau, c2 * tau * tau)))[level]
+        for name, coefficient in dependent.terms.items():
+            total = total + coefficient * self.coordinate(name, level)
+        return total
 
     def time(self, level: int) -> Scalar:
         t, tau = self.symbols.time, self.symbols.tau
         return (t, Dual(t, tau), Dual(Dual(t, tau), Dual(tau, 0.0)))[level]
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
+        if attribute in ("reaction", "reaction_torque"):
+            return self._reaction(name, attribute, level)
         if attribute in ("v", "w"):
             if level >= 2:
                 fail("L0503", f"the second derivative of {name}.{attribute} is not known", self.graph.model.frames[name].span)
@@ -79,13 +111,26 @@ class Kinematics:
         pose = self.pose(name, level)
         return {"r": (pose.x, pose.y), "phi": pose.phi, "x": pose.x, "y": pose.y}[attribute]
 
+    def _reaction(self, name: str, attribute: str, level: int) -> Value:
+        """Symbols that stand for the force and torque of a joint on its port b, until reactions.py works them out."""
+        if level > 0:
+            fail("L0911", "the rate of a reaction is not known", self.graph.model.frames[name].span)
+        if name not in self.reactions:
+            self.reactions[name] = (ca.SX.sym(f"{name}.x"), ca.SX.sym(f"{name}.y"), ca.SX.sym(f"{name}.torque"))
+        fx, fy, torque = self.reactions[name]
+        return torque if attribute == "reaction_torque" else (fx, fy)
+
+    def without_accelerations(self) -> "Kinematics":
+        """The same motion with dv/dt = 0: its second derivatives are what the rates alone make."""
+        at_rest = dict.fromkeys(self.symbols.accelerations, 0.0)
+        return Kinematics(self.graph, replace(self.symbols, accelerations=at_rest), self.algebra, self.dependents)
+
     # ------------------------------------------------------------ poses
 
     def pose(self, name: str, level: int) -> Pose:
         """Raises LagError L0401 for a frame that is joined to nothing."""
         if level == 0:
-            pose = self.pose(name, 1)
-            return Pose(*(value_of(x) for x in (pose.x, pose.y, pose.phi, pose.cos, pose.sin)))
+            return self.pose(name, 1).map(value_of)
         if not self._poses[level]:
             self._place_all(level)
         if name not in self._poses[level]:
@@ -98,6 +143,12 @@ class Kinematics:
             poses[root.frame] = self._root_pose(root.frame, root.attributes, level)
         for edge in self.graph.edges:
             poses[edge.child] = self.follow(edge, poses[edge.parent], level)
+            if edge.child in self.released:
+                poses[edge.child] = self._displaced(poses[edge.child], *self.released[edge.child], level)
+
+    def _displaced(self, pose: Pose, shift: ca.SX, rate: ca.SX, level: int) -> Pose:
+        x, y, angle = (_displacement(shift[k], rate[k], level) for k in range(3))
+        return self.turned(Pose(pose.x + x, pose.y + y, pose.phi, pose.cos, pose.sin), angle, level)
 
     def _root_pose(self, frame: str, attributes: tuple[str, ...], level: int) -> Pose:
         place = {a: self.coordinate(f"{frame}.{a}", level) for a in attributes}
@@ -107,10 +158,11 @@ class Kinematics:
     def follow(self, edge: Edge, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
         """The pose of the edge's child, given its parent's."""
         for step in edge.steps:
-            pose = self._step(step, pose, (evaluator or self.evaluator).value(step.amount, level), level)
+            pose = self.step(step, pose, level, evaluator)
         return pose
 
-    def _step(self, step: Step, pose: Pose, amount: Value, level: int) -> Pose:
+    def step(self, step: Step, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
+        amount = (evaluator or self.evaluator).value(step.amount, level)
         if step.kind == "turn":
             if isinstance(amount, tuple):
                 fail("L0303", "an angle is a number", step.amount.span)
@@ -138,6 +190,10 @@ def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[
     return Dual(ahead_x, stretch_x - w * ahead_y), Dual(ahead_y, stretch_y + w * ahead_x)
 
 
+def _displacement(shift: ca.SX, rate: ca.SX, level: int) -> Scalar:
+    return (shift, Dual(shift, rate), Dual(Dual(shift, rate), Dual(rate, 0.0)))[level]
+
+
 def build_kinematics(graph: ComponentGraph) -> Kinematics:
     """The kinematics of a scene in fresh CasADi symbols."""
     def symbols(names: list[str]) -> dict[str, ca.SX]:
@@ -149,7 +205,7 @@ def build_kinematics(graph: ComponentGraph) -> Kinematics:
     time, tau = ca.SX.sym("t"), ca.SX.sym("tau")
     variables = [v for v in graph.model.variables.values() if v.kind in ("parameter", "input")]
     values = {v.name: _shaped(v.name, v.shape, ()) for v in variables}
-    inputs = [x for v in variables if v.kind == "input" for x in _leaves(values[v.name])]
+    inputs = [x for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
     moving = ca.vertcat(*positions.values(), *rates.values(), *accelerations.values(), *inputs)
     return Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values), CasadiAlgebra(time, moving))
 
@@ -158,7 +214,3 @@ def _shaped(name: str, shape: tuple[int, ...], index: tuple[int, ...]) -> Value:
     if not shape:
         return ca.SX.sym(name + (f"[{','.join(map(str, index))}]" if index else ""))
     return tuple(_shaped(name, shape[1:], (*index, i)) for i in range(1, shape[0] + 1))
-
-
-def _leaves(value: Value) -> list[Scalar]:
-    return [x for item in value for x in _leaves(item)] if isinstance(value, tuple) else [value]

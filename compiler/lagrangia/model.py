@@ -96,7 +96,7 @@ class Model:
         except RunError as error:
             failure = error
         trajectory = Trajectory(self.scene, collect(self.scene, kept), progress,
-                                self._observer(np.array(progress.parameters), values))
+                                self.observer(np.array(progress.parameters), values))
         if failure is not None:
             failure.trajectory = trajectory
             raise failure
@@ -111,32 +111,35 @@ class Model:
             return simulate_casadi(self.compilation, experiment, values, solver, watch)
         return simulate(self.scene, engine, experiment, values, watch)
 
-    def _observer(self, parameters: "np.ndarray", values: Any) -> Any:
+    def observer(self, parameters: "np.ndarray", values: Any) -> Any:
         """Computes any quantity from rows of results."""
 
         def observe(name: str, rows: "np.ndarray") -> "np.ndarray":
             import numpy as np
 
-            from lagrangia.functions import observer, people_functions
+            from lagrangia.functions import observer
 
             compilation = self.compilation
-            labels, function = observer(compilation.kinematics, compilation.motion, (name,))
+            labels, function = observer(compilation.kinematics, compilation.motion, compilation.constraints, (name,))
             n = self.scene.n
             t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
             u = np.array([_interpolated(t[0], values, k) for k in range(len(self.scene.inputs))]).reshape(-1, t.size)
             p = parameters.reshape(-1, 1)
-            a = people_functions(compilation.kinematics, compilation.motion, ())["rhs"](t, q, v, u, p)
-            found = np.array(function(t, q, v, a, u, p))
+            found = np.array(function(t, q, v, u, p))
             return found[0] if len(labels) == 1 else found.T
 
         return observe
 
     def functions(self) -> "dict[str, casadi.Function]":
-        """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian; p in the order of `parameter_names`."""
+        """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian; p in the order of `parameter_names`.
+
+        Constrained scenes have Phi, J, bias and lambda too; see functions.people_functions.
+        """
         from lagrangia.functions import people_functions
 
         outputs = tuple(column.name for column in self.scene.outputs)
-        return people_functions(self.compilation.kinematics, self.compilation.motion, outputs)
+        compilation = self.compilation
+        return people_functions(compilation.kinematics, compilation.motion, compilation.constraints, outputs)
 
     @cached_property
     def coordinate_names(self) -> tuple[str, ...]:

@@ -6,19 +6,26 @@ h is made by algorithmic differentiation: the gradient of T, V and D, and one fo
 dT/dv. The accelerations come from the dense M, or by elimination along the tree of bodies; what counts fewer nodes is taken.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import casadi as ca
 
 from lagrangia.algebra import Scalar, rate_of, value_of
 from lagrangia.bodies import Bodies, Inertia, find_bodies
+from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
 from lagrangia.elimination import eliminate
 from lagrangia.energies import Energies
+from lagrangia.evaluation import scalars_of
 from lagrangia.kinematics import Kinematics, rotated
+from lagrangia.kkt import factor
+from lagrangia.parameters import default_parameters
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
+# Smallest pivot of the scaled mass matrix that still counts as mass, and the largest ratio of the masses that one constraint
+# ties together that J M^-1 J^T bears.
+_SINGULAR, _UNEVEN = 1e-11, 1e6
 
 
 @dataclass(frozen=True)
@@ -38,13 +45,28 @@ class Motion:
     momentum: ca.SX  # dT/dv
     h: ca.SX
     acceleration: ca.SX
+    bodies: Bodies
+    constrained: "ConstrainedMotion | None"
     dissipated_power: ca.SX  # taken out by dampers
     source_power: ca.SX  # put in by loads and moving supports
     way: str  # "dense" or "tree"
     nodes: dict[str, int]  # of each way that was tried
 
 
-def build_motion(kinematics: Kinematics, energies: Energies) -> Motion:
+@dataclass(frozen=True)
+class ConstrainedMotion:
+    """What the constraints add: m rows J v + dPhi/dt = 0, of which the first are the rates of Phi(q, t) = 0."""
+
+    phi: ca.SX
+    J: ca.SX  # (m, n)
+    rate: ca.SX  # J v + dPhi/dt
+    multipliers: ca.SX  # lambda: M a + h + J^T lambda = 0
+    symbols: ca.SX  # of the multipliers, for outputs
+    place: ca.SX  # dq, one Newton correction onto Phi = 0 in the mass metric
+    steer: ca.SX  # dv, the correction of the rates
+
+
+def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints) -> Motion:
     """Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates."""
     symbols = kinematics.symbols
     q, v, a = (ca.vertcat(*s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
@@ -63,16 +85,71 @@ def build_motion(kinematics: Kinematics, energies: Energies) -> Motion:
     source = ca.dot(force, v) - tau * dL_dt + tau * ca.gradient(D, tau)
     H = ca.dot(v, momentum) - T + V if ca.depends_on(T, tau) else T + V
     T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
-    _require_mass(kinematics, momentum, v)
-    acceleration, way, nodes = _solve(kinematics, bodies, momentum, h, v)
+    constrained = None
+    if constraints.rows:
+        acceleration, constrained = _constrain(kinematics, constraints, momentum, h, q, v)
+        way, nodes = "constrained", {"constrained": count_nodes([acceleration], [kinematics.algebra.state])}
+        source = source + _power_of_constraints(kinematics, constrained)
+    else:
+        _require_mass(kinematics, momentum, v)
+        acceleration, way, nodes = _solve(kinematics, bodies, momentum, h, v)
     names = kinematics.graph.model.variables
     p, u = (_stack(kinematics, [n for n, x in names.items() if x.kind == kind]) for kind in ("parameter", "input"))
-    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, dissipated, source, way, nodes)
+    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, nodes)
 
 
 def mass_matrix(motion: Motion) -> ca.SX:
     """M = d(dT/dv)/dv, n by n, kg or kg.m or kg.m2 by the coordinates."""
     return ca.jacobian(motion.momentum, motion.v)
+
+
+def _constrain(
+    kinematics: Kinematics, constraints: Constraints, momentum: ca.SX, h: ca.SX, q: ca.SX, v: ca.SX
+) -> tuple[ca.SX, ConstrainedMotion]:
+    """Accelerations and multipliers from the index-1 system, and the projections onto the constraints."""
+    symbols, remaining = kinematics.symbols, kinematics.without_accelerations()
+    phi = ca.vertcat(*[row.value(kinematics, 0) for row in constraints.rows if row.is_holonomic])
+    rate = ca.vertcat(*[row.rate(kinematics) for row in constraints.rows])
+    bias = ca.vertcat(*[row.second_rate(remaining) for row in constraints.rows])
+    bias, settled = ca.substitute([bias, rate], [symbols.tau], [ca.SX(1)])
+    J, M = ca.jacobian(settled, v), ca.jacobian(momentum, v)
+    m, k = J.size1(), phi.numel()
+    kkt = factor(M, J, _is_uneven(kinematics, M, J))
+    acceleration, multipliers = kkt.solve(-h, -bias)
+    steer, _ = kkt.solve(ca.SX.zeros(q.numel()), -settled, refine=False)
+    holonomic = kkt if k == m else factor(M, J[:k, :], _is_uneven(kinematics, M, J))
+    place = holonomic.solve(ca.SX.zeros(q.numel()), -phi, refine=False)[0] if k else ca.SX.zeros(q.numel())
+    lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(m)])
+    return acceleration, ConstrainedMotion(phi, J, settled, multipliers, lambdas, place, steer)
+
+
+def _is_uneven(kinematics: Kinematics, M: ca.SX, J: ca.SX) -> bool:
+    """Whether some coordinates that a constraint ties together move next to no mass, or none, at general positions and with the
+    parameters as declared: M loses rank there, or J M^-1 J^T its digits."""
+    p, defaults = default_parameters(kinematics)
+    known = {x.__hash__() for x in ca.symvar(p)}
+    free = [s for s in ca.symvar(ca.veccat(M, J)) if s.__hash__() not in known]
+    values = ca.DM([0.3 + 0.41 * (k % 7) for k in range(len(free))])
+    everything = ca.vertcat(*free, p)
+    numbers = [ca.densify(x) for x in (M, J)]
+    if everything.numel():
+        numbers = ca.substitute(numbers, [everything], [ca.SX(ca.vertcat(values, defaults))])
+    mass, slopes = (ca.evalf(x) for x in numbers)
+    diagonal = ca.diag(mass).full().ravel()
+    if not min(diagonal) > 0:
+        return True
+    scale = ca.DM(diagonal) ** 0.5
+    if not float(ca.mmin(ca.ldl(mass / (scale @ scale.T), True)[0])) > _SINGULAR:
+        return True
+    shares = slopes.full() ** 2 / diagonal
+    spreads = [row[row > 0] for row in shares]
+    return any(spread.size and spread.max() > _UNEVEN * spread.min() for spread in spreads)
+
+
+def _power_of_constraints(kinematics: Kinematics, constrained: ConstrainedMotion) -> ca.SX:
+    """lambda . dPhi/dt: what supports that move with time put in."""
+    rates = ca.vertcat(*kinematics.symbols.rates.values())
+    return ca.dot(constrained.multipliers, ca.substitute(constrained.rate, rates, ca.SX.zeros(rates.numel())))
 
 
 def _inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q: ca.SX, v: ca.SX) -> ca.SX:
@@ -81,12 +158,11 @@ def _inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, 
     For a rigid body's T the first two are sum_i (dr_i/dq)^T m a_i with the acceleration a_i that remains when dv/dt = 0: of
     the two halves of d/dt(dT/dv) and dT/dq nothing that cancels is ever built. All reverse sweeps are one.
     """
-    at_rest = dict.fromkeys(kinematics.symbols.accelerations, 0.0)
-    remaining = Kinematics(kinematics.graph, replace(kinematics.symbols, accelerations=at_rest), kinematics.algebra)
+    remaining = kinematics.without_accelerations()
     positions: list[Scalar] = [energies.total(energies.potential)]
     forces: list[Scalar] = [1.0]
     for inertia in bodies.inertias:
-        for position, force in _reaction(remaining, inertia):
+        for position, force in inertial_reaction(remaining, inertia):
             if not (isinstance(position, float) or isinstance(force, float)):
                 positions.append(position)
                 forces.append(force)
@@ -97,15 +173,15 @@ def _inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, 
     return h + _lagrange(kinematics, energies.total(bodies.rest), q, v) if bodies.rest else h
 
 
-def _reaction(remaining: Kinematics, inertia: Inertia) -> list[tuple[Scalar, Scalar]]:
+def inertial_reaction(kinematics: Kinematics, inertia: Inertia) -> list[tuple[Scalar, Scalar]]:
     """The positions x, y, phi of a body's frame and the force and moment its inertia asks for: with the first moment b,
 
     F = m a - w^2 b + alpha x b,   tau = J alpha + b x a.
     """
-    pose = remaining.pose(inertia.frame, 2)
+    pose = kinematics.pose(inertia.frame, 2)
     ax, ay, alpha = (rate_of(rate_of(x)) for x in (pose.x, pose.y, pose.phi))
     w = value_of(rate_of(pose.phi))
-    place = remaining.pose(inertia.frame, 0)
+    place = kinematics.pose(inertia.frame, 0)
     fx, fy, torque = inertia.mass * ax, inertia.mass * ay, inertia.second_moment * alpha
     if not (ca.SX(inertia.moment_x).is_zero() and ca.SX(inertia.moment_y).is_zero()):
         bx, by = rotated(place.cos, place.sin, 0.0, inertia.moment_x, inertia.moment_y)
@@ -132,9 +208,7 @@ def _generalised_force(energies: Energies, q: ca.SX) -> ca.SX:
 
 
 def _stack(kinematics: Kinematics, names: list[str]) -> ca.SX:
-    from lagrangia.energies import _scalars
-
-    return ca.vertcat(*[x for name in names for x in _scalars(kinematics.symbols.values[name])])
+    return ca.vertcat(*[x for name in names for x in scalars_of(kinematics.symbols.values[name])])
 
 
 def _require_mass(kinematics: Kinematics, momentum: ca.SX, v: ca.SX) -> None:

@@ -9,7 +9,7 @@ from typing import Any, NoReturn, cast
 from lagrangia.classes import ClassTable
 from lagrangia.diagnostics import Report, Span, fail, nearest, suggest
 from lagrangia.folding import fold, folded
-from lagrangia.instances import FRAME_ATTRIBUTES, Bound, FrameSlot, Instance, Member, Scope, Slot
+from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS, Bound, FrameSlot, Instance, Member, Scope, Slot
 from lagrangia.meanings import explain
 from lagrangia.tree import (
     Array,
@@ -298,6 +298,8 @@ class Names:
         if inner is None:
             if member.frame is not None and rest[0].name in FRAME_ATTRIBUTES:
                 return self._frame(node, at + 1, member.frame, scope)
+            if rest[0].name in REACTIONS and {"a", "b"} <= member.members.keys():
+                return self._reaction(node, at + 1, member, scope)
             self._no_member(member, rest[0].name, rest[0].span)
         return self._follow(node, at + 1, inner, scope, member)
 
@@ -333,6 +335,16 @@ class Names:
             fail("L0214", f"'{part.name}' of a frame has no element {list(index)}", part.span,
                  "r and v have two elements, the others are numbers")
         return FrameRef(frame.path, part.name, index, node.span)
+
+    def _reaction(self, node: Reference, at: int, joint: Instance, scope: Scope) -> Flat:
+        """`hinge.reaction`: the force of a joint on its port b; `hinge.reaction_torque`."""
+        part, port = node.parts[at], joint.members["b"]
+        if not isinstance(port, FrameSlot) or at + 1 < len(node.parts):
+            self._no_member(joint, part.name, part.span)
+        index = tuple(self.integer(s, scope, "a subscript") for s in part.subscripts)
+        if index and (part.name != "reaction" or index[0] not in (1, 2)):
+            fail("L0214", f"'{part.name}' has no element {list(index)}", part.span)
+        return FrameRef(port.path, part.name, index, node.span)
 
     def _subscript(self, node: Expression, scope: Scope, member: Member, dimension: int) -> int | list[int]:
         if isinstance(node, Whole):

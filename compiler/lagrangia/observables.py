@@ -4,7 +4,7 @@ import re
 
 from lagrangia.diagnostics import Span, fail, suggest
 from lagrangia.flat import FlatModel
-from lagrangia.instances import FRAME_ATTRIBUTES
+from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS
 from lagrangia.tree import Call, Flat, FrameRef, Ref
 
 _INDEXED = re.compile(r"(.*)\[([\d,]+)\]")
@@ -15,7 +15,7 @@ def observe(model: FlatModel, name: str) -> Flat:
     text = name.strip()
     if text.startswith("der(") and text.endswith(")"):
         return Call("der", (observe(model, text[4:-1]),), (), model.span)
-    found = _variable(model, text, model.span) or _frame(model, text, model.span)
+    found = _variable(model, text, model.span) or _frame(model, text, model.span) or _reaction(model, text, model.span)
     if found is None:
         known = [*model.variables, *(f"{frame}.x" for frame in model.frames)]
         fail("L0701", f"there is no quantity '{name}' in {model.name}", None, *filter(None, [suggest(text, known)]))
@@ -40,4 +40,13 @@ def _frame(model: FlatModel, text: str, span: Span) -> Flat | None:
     frame, _, attribute = path.rpartition(".")
     if frame in model.frames and attribute in FRAME_ATTRIBUTES and (not index or attribute in ("r", "v")):
         return FrameRef(frame, attribute, index, span)
+    return None
+
+
+def _reaction(model: FlatModel, text: str, span: Span) -> Flat | None:
+    match = _INDEXED.fullmatch(text)
+    path, index = (match[1], (int(match[2]),)) if match and match[2] in ("1", "2") else (text, ())
+    joint, _, attribute = path.rpartition(".")
+    if attribute in REACTIONS and f"{joint}.a" in model.frames and f"{joint}.b" in model.frames:
+        return FrameRef(f"{joint}.b", attribute, index, span)
     return None

@@ -16,6 +16,7 @@ from lagrangia.diagnostics import Report, Source, fail
 from lagrangia.folders import data_folder
 
 if TYPE_CHECKING:
+    from lagrangia.constraints import Constraints
     from lagrangia.energies import Energies
     from lagrangia.flat import FlatModel
     from lagrangia.functions import Functions
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from lagrangia.tree import Syntax
 
 PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")
+ALL_REACTIONS = "*.reaction"  # among outputs: the reactions of all joints
 _DEEPEST_RECURSION = 50_000
 Watch = Callable[[str, float], None]
 
@@ -39,6 +41,7 @@ class Compilation:
     flat: "FlatModel"
     graph: "ComponentGraph"
     kinematics: "Kinematics"
+    constraints: "Constraints"
     energies: "Energies"
     motion: "Motion"
     initial: "InitialConditions"
@@ -50,8 +53,10 @@ class Compilation:
 def compile_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
                  outputs: tuple[str, ...] = ()) -> Compilation:
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
+    from lagrangia.constraints import reduce_kinematics
     from lagrangia.dimensions import check_dimensions
     from lagrangia.energies import build_energies
+    from lagrangia.freedom import find_freedom
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
     from lagrangia.initial import build_initial
@@ -67,17 +72,31 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
         with _timed(seconds, "graph"):
             graph = build_graph(flat)
         with _timed(seconds, "kinematics, energies"):
-            kinematics = build_kinematics(graph)
+            kinematics, constraints = reduce_kinematics(build_kinematics(graph))
             energies = build_energies(kinematics)
         with _timed(seconds, "motion"):
-            motion = build_motion(kinematics, energies)
+            motion = build_motion(kinematics, energies, constraints)
         with _timed(seconds, "functions"):
-            initial = build_initial(kinematics)
+            initial = build_initial(kinematics, constraints)
             declared = tuple(v.name for v in flat.variables.values() if v.is_output)
-            functions = build_functions(kinematics, motion, initial, tuple(dict.fromkeys((*declared, *outputs))))
+            lost = (*(c.name for c in kinematics.graph.dependent_coordinates), *kinematics.graph.cut_coordinates)
+            reactions = _all_reactions(kinematics.graph) if ALL_REACTIONS in outputs else []
+            asked = (name for name in (*outputs, *reactions) if name != ALL_REACTIONS)
+            reported = (*declared, *asked, *lost, *(f"der({name})" for name in lost))
+            functions = build_functions(kinematics, motion, constraints, initial, tuple(dict.fromkeys(reported)))
+        with _timed(seconds, "freedom"):
+            freedom = find_freedom(kinematics, motion, constraints, initial)
         with _timed(seconds, "scene"):
-            scene = build_scene(kinematics, motion, initial, functions)
-    return Compilation(syntax, flat, graph, kinematics, energies, motion, initial, functions, scene, seconds)
+            scene = build_scene(kinematics, motion, initial, functions, freedom)
+    return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, initial, functions, scene,
+                       seconds)
+
+
+def _all_reactions(graph: "ComponentGraph") -> list[str]:
+    """The force and torque of every joint with the ports a and b."""
+    ends = [(edge.parent, edge.child) for edge in graph.edges if not edge.is_rigid] + [(cut.a, cut.b) for cut in graph.closures]
+    joints = sorted({a.rpartition(".")[0] for a, b in ends if {a, b} == {f"{a.rpartition('.')[0]}.{port}" for port in "ab"}})
+    return [f"{joint}.{what}" for joint in joints for what in ("reaction", "reaction_torque")]
 
 
 def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> "tuple[Syntax, FlatModel]":

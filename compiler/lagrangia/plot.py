@@ -45,7 +45,7 @@ def draw(scene: Scene, time: "np.ndarray", curves: "Sequence[tuple[Column, np.nd
         axis.grid(True, alpha=0.3)
         axis.margins(x=0)
         if 1 < len(members) <= _MOST_IN_LEGEND:
-            axis.legend(loc="upper right", frameon=False, ncols=min(4, len(members)))
+            axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     axes[-1].set_xlabel("time [s]")
     axes[0].set_title(scene.description or scene.name, fontsize=11)
     if path is not None:

@@ -3,10 +3,13 @@
 from collections.abc import Sequence
 from math import prod
 
+import casadi as ca
+
 from lagrangia.diagnostics import fail
 from lagrangia.dimensions import unit_of
 from lagrangia.flat import FlatModel, Variable
 from lagrangia.folding import fold
+from lagrangia.freedom import Freedom
 from lagrangia.functions import Functions
 from lagrangia.graph import rate_of
 from lagrangia.initial import InitialConditions
@@ -19,7 +22,9 @@ from lagrangia.scene import Column, Parameter, Scene
 from lagrangia.tree import Array, Flat
 
 
-def build_scene(kinematics: Kinematics, motion: Motion, initial: InitialConditions, functions: Functions) -> Scene:
+def build_scene(
+    kinematics: Kinematics, motion: Motion, initial: InitialConditions, functions: Functions, freedom: Freedom
+) -> Scene:
     model, graph = kinematics.graph.model, kinematics.graph
     tapes = {name: tape_of(function) for name, function in functions.table.items()}
     coordinates = tuple(Column(c.name, c.unit, c.display_unit, c.description) for c in graph.coordinates)
@@ -31,19 +36,41 @@ def build_scene(kinematics: Kinematics, motion: Motion, initial: InitialConditio
     experiment = model.experiment
     parameters = _parameters(model, "parameter")
     inputs = _parameters(model, "input")
+    held = motion.constrained
     sizes = {
         "n": len(coordinates), "n_parameters": len(parameters), "n_hoisted": functions.table["hoist"].numel_out(0),
         "n_inputs": len(inputs), "n_modes": len(functions.event_kinds),
         "n_events": len(functions.event_kinds), "n_outputs": len(outputs),
-        "n_initial": initial.residuals.numel(), "n_power": functions.n_power,
+        "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions, "n_power": functions.n_power,
+        "n_holonomic": held.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0,
         "outputs_need_acceleration": int(functions.outputs_need_acceleration),
     }
     return Scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
         tuple(kinds[c.unit] for c in graph.coordinates), tuple(map(int, initial.fixed)), functions.event_kinds,
-        tuple(map(str, initial.residual_spans)), _notes(motion, tapes), (), tapes,
+        _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, freedom), (), tapes,
     )
+
+
+def _initial_places(initial: InitialConditions) -> tuple[str, ...]:
+    """Where the initial equations are written; for a loop, its components."""
+    pairs = zip(initial.residual_spans, initial.residual_loops, strict=True)
+    return tuple(f"{span}, the loop {loop}" if loop else str(span) for span, loop in pairs)
+
+
+def _is_driven(kinematics: Kinematics, motion: Motion) -> bool:
+    """Whether a constraint prescribes a motion in time."""
+    rows = [ca.SX(dependent.constant[0]) for dependent in kinematics.dependents.values()]
+    rows += [motion.constrained.phi] if motion.constrained else []
+    return bool(rows) and ca.depends_on(ca.vertcat(*rows), motion.t)
+
+
+def _freedom(kinematics: Kinematics, motion: Motion, freedom: Freedom) -> dict[str, object]:
+    return {"degrees_of_freedom": freedom.degrees, "degrees_at_start": freedom.now, "loops": len(kinematics.graph.closures),
+            "is_driven": _is_driven(kinematics, motion), "repeated": list(freedom.repeated),
+            "dependent": [c.name for c in kinematics.graph.dependent_coordinates],
+            "problem": freedom.problem.render() if freedom.problem else ""}
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:

@@ -25,6 +25,9 @@ b = turn(a, phi)           frame equations: b is a turned about its origin, b = 
                            connect(a, b) is a = b. Each may be used in both directions: nobody chooses loop cuts.
 kinetic, potential         terms of T and V in J;  dissipation: of D in W (the integral of force over rate: c*v^2/2);
 work F on r                a term of the virtual work: F in N on a position, N.m on an angle
+expression = expression    between positions: a constraint. Linear ones (rolling, gears, prescribed motion) remove a coordinate;
+                           the others, and closed loops of joints, are kept exactly. Linear in der(...): nonholonomic.
+hinge.reaction             in outputs: force (2) of a joint on its port b, in world axes; hinge.reaction_torque about b
 initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3
 parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
                            are structural: they decide what the scene consists of
@@ -74,6 +77,11 @@ erk     explicit Runge-Kutta of order 8(5,3) by Dormand and Prince with dense ou
         Ordinary Differential Equations I, II.10), in C. The error of each step is held below the tolerance times the size of each
         coordinate and of each rate; angles count as at most pi. Steps, pulses and corners of tables in time are met exactly.
 casadi:cvodes, casadi:idas    integrators of SUNDIALS through CasADi: an independent check, and the way without a C compiler.
+
+Closed loops and constraints: accelerations and multipliers from one sparse linear system, written out and factored without
+pivoting (kkt.py); after every step the positions, then the velocities are projected back, so that the residual stays at rounding
+level. Redundant constraints, massless links and singular positions are part of the game. `lag check` tells degrees of freedom,
+loops and what is redundant. --reactions reports the force and torque of every joint.
 
 Every run keeps the energy account: T + V + dissipated - work of sources - what it began with is zero, but for errors; the
 largest residual is printed. A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says

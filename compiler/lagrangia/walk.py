@@ -44,3 +44,29 @@ def leaves(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> list[R
                 if binding is not None:
                     pending.append(binding)
     return found
+
+
+def is_linear(node: Flat, name: str) -> bool:
+    """Whether the expression, seen through operators and arrays alone, is linear in the variable."""
+    return (_degree(node, name) or 0) <= 1 and _degree(node, name) is not None
+
+
+def _degree(node: Flat, name: str) -> int | None:
+    """0 without the variable, 1 when linear in it, None when neither or unknown."""
+    if not any(isinstance(inner, Ref) and inner.name == name for inner in nodes(node)):
+        return 0
+    match node:
+        case Ref():
+            return 1
+        case Array(items, _):
+            return None if any(_degree(item, name) is None for item in items) else 1
+        case Unary("-", operand, _):
+            return _degree(operand, name)
+        case Binary("+" | "-", left, right, _):
+            return None if None in (_degree(left, name), _degree(right, name)) else 1
+        case Binary("*", left, right, _):
+            degrees = _degree(left, name), _degree(right, name)
+            return 1 if degrees in ((0, 1), (1, 0)) else None
+        case Binary("/", left, right, _):
+            return 1 if (_degree(left, name), _degree(right, name)) == (1, 0) else None
+    return None

@@ -1,0 +1,136 @@
+"""Edges of the component graph, the spanning tree chosen from them, and the closures that the other edges are.
+
+Edges enter the tree in the order rigid, sliders, hinges, those nearer to the ground first, as long as they close no loop
+(Kruskal, 1956). So a loop is cut at a hinge where it has one, far from the ground. A cut hinge leaves two equations, a cut slider
+its angle and its lateral offset, and the coordinate is read off the frames; anything else is cut as a weld: its coordinates
+stay, and three equations close it.
+"""
+
+from collections import deque
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from lagrangia.diagnostics import Span
+from lagrangia.tree import Flat, Ref
+from lagrangia.walk import is_linear, nodes
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A part of the way from one frame to another: shift by a vector or turn by an angle, forwards or backwards."""
+
+    kind: str  # "shift" or "turn"
+    amount: Flat
+    is_inverse: bool = False
+
+    def inverse(self) -> "Step":
+        return Step(self.kind, self.amount, not self.is_inverse)
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """child = parent followed by the steps."""
+
+    parent: str
+    child: str
+    steps: tuple[Step, ...]
+    coordinates: tuple[str, ...]  # those the steps depend on
+    moves_with_time: bool
+    span: Span
+
+    @property
+    def is_rigid(self) -> bool:
+        return not self.coordinates and not self.moves_with_time
+
+    def inverse(self) -> "Edge":
+        steps = tuple(step.inverse() for step in reversed(self.steps))
+        return Edge(self.child, self.parent, steps, self.coordinates, self.moves_with_time, self.span)
+
+
+@dataclass(frozen=True, slots=True)
+class Closure:
+    """The frame `a` followed by steps_a and the frame `b` followed by steps_b coincide, but for the freedom of a cut joint.
+
+    kind "hinge": up to a turn by `coordinate`; "slider": up to the shift `freedom`; "weld": wholly.
+    """
+
+    kind: str
+    a: str
+    b: str
+    steps_a: tuple[Step, ...]
+    steps_b: tuple[Step, ...]
+    coordinate: str
+    freedom: Step | None
+    around: str  # the components along the loop
+    span: Span
+
+
+def choose_tree(frames: Iterable[str], edges: tuple[Edge, ...], ground: Iterable[str], uses: Mapping[str, int]) -> frozenset[int]:
+    """The places in `edges` of those that make the tree. `uses` counts the edges that each coordinate moves."""
+    depth = _depths(frames, edges, ground)
+    nearest = [max(depth[edge.parent], depth[edge.child]) for edge in edges]
+    leader = {name: name for name in depth}
+
+    def find(name: str) -> str:
+        while leader[name] != name:
+            leader[name] = leader[leader[name]]
+            name = leader[name]
+        return name
+
+    chosen = set()
+    for k in sorted(range(len(edges)), key=lambda k: (_rank(edges[k], uses), nearest[k], k)):
+        a, b = find(edges[k].parent), find(edges[k].child)
+        if a != b:
+            leader[a] = b
+            chosen.add(k)
+    return frozenset(chosen)
+
+
+def close(edge: Edge, uses: Mapping[str, int], around: str = "") -> Closure:
+    """The closure that an edge outside the tree is."""
+    weld = Closure("weld", edge.parent, edge.child, edge.steps, (), "", None, around, edge.span)
+    if len(edge.coordinates) != 1 or edge.moves_with_time or uses[edge.coordinates[0]] != 1:
+        return weld
+    (name,) = edge.coordinates
+    moving = [k for k, step in enumerate(edge.steps) if _mentions(step.amount, name)]
+    if len(moving) != 1:
+        return weld
+    step = edge.steps[moving[0]]
+    before = edge.steps[: moving[0]]
+    after = tuple(s.inverse() for s in reversed(edge.steps[moving[0] + 1 :]))
+    if step.kind == "turn" and isinstance(step.amount, Ref):
+        return Closure("hinge", edge.parent, edge.child, before, after, name, step, around, edge.span)
+    if step.kind == "shift" and is_linear(step.amount, name):
+        return Closure("slider", edge.parent, edge.child, before, after, name, step, around, edge.span)
+    return weld
+
+
+def _rank(edge: Edge, uses: Mapping[str, int]) -> int:
+    """Small for what is dear to cut."""
+    return 0 if edge.is_rigid else {"weld": 0, "slider": 1, "hinge": 2}[close(edge, uses).kind]
+
+
+def _mentions(amount: Flat, name: str) -> bool:
+    return any(isinstance(node, Ref) and node.name == name for node in nodes(amount))
+
+
+def _depths(frames: Iterable[str], edges: tuple[Edge, ...], ground: Iterable[str]) -> dict[str, int]:
+    """The smallest number of joints between each frame and the ground; 0 for what is not joined to it."""
+    neighbours: dict[str, list[tuple[str, int]]] = {name: [] for name in frames}
+    for edge in edges:
+        joints = 0 if edge.is_rigid else 1
+        neighbours[edge.parent].append((edge.child, joints))
+        neighbours[edge.child].append((edge.parent, joints))
+    depth: dict[str, int] = {}
+    queue = deque((name, 0) for name in ground)
+    while queue:
+        name, here = queue.popleft()
+        if name in depth:
+            continue
+        depth[name] = here
+        for other, joints in neighbours[name]:
+            if joints:
+                queue.append((other, here + 1))
+            else:
+                queue.appendleft((other, here))
+    return {name: depth.get(name, 0) for name in neighbours}

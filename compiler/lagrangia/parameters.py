@@ -1,0 +1,98 @@
+"""Parameters: all values from those given, the dependent ones following their bindings."""
+
+from collections.abc import Iterator
+from typing import NoReturn
+
+import casadi as ca
+
+from lagrangia.algebra import Scalar
+from lagrangia.diagnostics import Span, fail
+from lagrangia.evaluation import Evaluator, Value, elements
+from lagrangia.flat import FlatModel
+from lagrangia.kinematics import Kinematics
+
+
+def scalars(name: str, value: Value) -> list[tuple[str, Scalar]]:
+    if not isinstance(value, tuple):
+        return [(name, value)]
+    return [pair for k, item in enumerate(value, 1) for pair in scalars(f"{name}[{k}]", item)]
+
+
+def all_parameters(kinematics: Kinematics, n: int) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Symbols of the values given and of their mask, (n,) each, and all parameters: one not given follows from its binding."""
+    model = kinematics.graph.model
+    given, mask = ca.SX.sym("given", n), ca.SX.sym("mask", n)
+    if n == 0:
+        return given, mask, ca.SX(0, 1)
+    leaves = _ParameterLeaves(model, kinematics, given, mask)
+    parameters = [v for v in model.variables.values() if v.kind == "parameter"]
+    values = [x for v in parameters for _, x in scalars(v.name, leaves.parameter(v.name, v.span))]
+    return given, mask, ca.cse(ca.vertcat(*values))
+
+
+def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:
+    """The symbols of all parameters, and their values when none is given."""
+    model, symbols = kinematics.graph.model, kinematics.symbols
+    parameters = [v.name for v in model.variables.values() if v.kind == "parameter"]
+    p = ca.vertcat(*[x for name in parameters for _, x in scalars(name, symbols.values[name])])
+    if p.numel() == 0:
+        return p, ca.DM(0, 1)
+    given, mask, values = all_parameters(kinematics, p.numel())
+    return p, ca.evalf(ca.substitute(values, ca.vertcat(given, mask), ca.DM.zeros(2 * p.numel())))
+
+
+class _ParameterLeaves:
+    """Leaves of an evaluator in which every parameter is what was given for it, or else its binding."""
+
+    def __init__(self, model: FlatModel, kinematics: Kinematics, given: ca.SX, mask: ca.SX) -> None:
+        self.model, self.given, self.mask = model, given, mask
+        self.evaluator = Evaluator(model, kinematics.algebra, self)
+        self.known: dict[str, Value] = {}
+        self.pending: list[str] = []
+        self.place: dict[str, int] = {}
+        count = 0
+        for variable in model.variables.values():
+            if variable.kind == "parameter":
+                self.place[variable.name] = count
+                count += len(variable.elements())
+
+    def symbol(self, name: str, level: int) -> Value | None:
+        variable = self.model.variables[name]
+        if variable.kind in ("coordinate", "input"):
+            self._refuse(f"the {variable.kind} '{name}'")
+        return self.parameter(name, variable.span) if variable.kind == "parameter" else None
+
+    def parameter(self, name: str, span: Span) -> Value:
+        if name in self.known:
+            return self.known[name]
+        variable = self.model.variables[name]
+        if name in self.pending:
+            chain = self.pending[self.pending.index(name) :]
+            fail("L0212", f"parameter '{name}' depends on itself", variable.span, " > ".join([*chain, name]))
+        self.pending.append(name)
+        assert variable.binding is not None
+        bound = self.evaluator.value(variable.binding)
+        values = elements(bound, variable.shape, variable.binding.span)
+        self.pending.pop()
+        start = self.place[name]
+        chosen = [ca.if_else(self.mask[start + k], self.given[start + k], x) for k, x in enumerate(values)]
+        self.known[name] = _nest(iter(chosen), variable.shape)
+        return self.known[name]
+
+    def time(self, level: int) -> Scalar:
+        self._refuse("time")
+
+    def frame(self, name: str, attribute: str, level: int) -> Value:
+        self._refuse(f"the frame '{name}'")
+
+    def _refuse(self, what: str) -> NoReturn:
+        parameter = self.model.variables[self.pending[-1]]
+        place = parameter.binding.span if parameter.binding is not None else parameter.span
+        fail("L0604", f"the parameter '{parameter.name}' cannot depend on {what}", place,
+             "what changes during the run is a variable: leave `parameter` away")
+
+
+def _nest(values: Iterator[Scalar], shape: tuple[int, ...]) -> Value:
+    if not shape:
+        return next(values)
+    return tuple(_nest(values, shape[1:]) for _ in range(shape[0]))
