@@ -152,6 +152,19 @@ def test_outputs_adds_columns(lag: Lag) -> None:
     assert np.hypot(rows["elbow.b.r[1]"], rows["elbow.b.r[2]"]).tolist() == pytest.approx([1, 1]), "the first link is 1 m long"
 
 
+def test_reactions_adds_those_of_every_joint(lag: Lag) -> None:
+    simulate(lag, "slider_crank", "--reactions", "--at", "0,1")
+    names = [name for name in table("slider_crank.csv") if "reaction" in name]
+    assert names == [f"{joint}.{what}" for joint in ("O", "guide", "pin", "wrist")
+                     for what in ("reaction[1]", "reaction[2]", "reaction_torque")]
+
+
+def test_integrators_of_casadi_refuse_constraints(lag: Lag) -> None:
+    outcome = lag("simulate", EXAMPLES / "four_bar.lag", "--solver", "casadi:cvodes")
+    assert outcome.code == 2
+    assert "error[L0909]: not supported yet: constraints that stay in the equations" in outcome.err
+
+
 def test_the_last_model_runs_unless_another_is_named(lag: Lag) -> None:
     Path("two.lag").write_text("model A Block s(m = 1, base = world); end A; model B Block t(m = 1, base = world); end B;")
     lag("simulate", "two.lag", "-o", "b.csv")
@@ -245,8 +258,58 @@ def test_check_accepts_every_example(lag: Lag) -> None:
     files = sorted(EXAMPLES.glob("*.lag"))
     outcome = lag("check", *files)
     assert outcome.code == 0
-    assert [line.partition(": ")[0] for line in outcome.out.splitlines()] == list(map(str, files))
-    assert "chain.lag: Chain: 5 degrees of freedom: hinge[1].phi, hinge[2].phi" in outcome.out
+    heads = [line for line in outcome.out.splitlines() if not line.startswith("  ")]
+    assert [line.partition(": ")[0] for line in heads] == list(map(str, files))
+    assert "chain.lag: Chain: 5 degrees of freedom\n  coordinates hinge[1].phi, hinge[2].phi" in outcome.out
+
+
+def checked(lag: Lag, text: str) -> list[str]:
+    """What `lag check` says of a scene, behind its file's name."""
+    Path("scene.lag").write_text(text)
+    outcome = lag("check", "scene.lag")
+    assert outcome.code == 0, outcome.err
+    return outcome.out.removeprefix("scene.lag: ").splitlines()
+
+
+def test_check_tells_loops_and_what_repeats(lag: Lag) -> None:
+    said = lag("check", EXAMPLES / "parallelogram.lag").out.splitlines()
+    assert said[0].endswith("Parallelogram: 1 degree of freedom")
+    assert said[1] == "  coordinates hook[1].phi, hook[2].phi, hook[3].phi, eye[1].phi; 4 constraints, 2 closed loops"
+    assert said[2].startswith("  the loop world - hook[3]")
+    assert said[2].endswith("repeats in part what others already impose")
+
+
+def test_check_tells_what_others_give(lag: Lag) -> None:
+    said = lag("check", EXAMPLES / "gear_train.lag").out.splitlines()[1:]
+    assert said == ["  coordinates shaft[1].phi", "  given by others: shaft[2].phi, shaft[3].phi"]
+
+
+def test_check_tells_a_singular_start(lag: Lag) -> None:
+    said = checked(lag, """model Flat
+      Revolute O(a = world), A(a = crank.b), B(a = coupler.b, b = rocker.b), C(a = shift(world, {1, 0}));
+      Bar crank(m = 1, L = 0.4, a = O.b), coupler(m = 1, L = 1, a = A.b), rocker(m = 1, L = 0.4, a = C.b); end Flat;""")
+    assert said[0] == "Flat: 1 degree of freedom"
+    assert said[2] == "  the start is a singular position: 2 degrees of freedom there"
+
+
+@pytest.mark.parametrize(("tie", "what"), [
+    ("bar.b.x = 0.6", "so it stands still: statics"),
+    ("hinge.phi = 0.3*sin(2[rad/s]*time)", "its motion is prescribed"),
+])
+def test_check_tells_scenes_without_freedom(lag: Lag, tie: str, what: str) -> None:
+    said = checked(lag, f"""model M Revolute hinge(a = world, phi(start = 0.5)); Bar bar(m = 1, L = 1, a = hinge.b);
+      equation {tie}; end M;""")
+    assert said[0].startswith("M: 0 degrees of freedom")
+    assert said[0].endswith(what)
+
+
+def test_check_tells_a_loop_that_cannot_close(lag: Lag) -> None:
+    Path("open.lag").write_text("""model Open Revolute left(a = world), right(a = shift(world, {2, 0}));
+      Bar bar(m = 1, L = 1, a = left.b, b = right.b); end Open;""")
+    outcome = lag("check", "open.lag")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "error[L0606]: the loop world - right - bar - left - world cannot close: it misses by 1 (m or rad)" in outcome.err
+    assert "open.lag:1:" in outcome.err
 
 
 def test_check_goes_on_after_a_wrong_file(lag: Lag) -> None:
@@ -255,7 +318,7 @@ def test_check_goes_on_after_a_wrong_file(lag: Lag) -> None:
     assert outcome.code == 2
     assert "error[L0203]" in outcome.err
     assert "wrong.lag:1:" in outcome.err
-    assert "1 degree of freedom: hinge.phi" in outcome.out
+    assert "1 degree of freedom\n  coordinates hinge.phi" in outcome.out
 
 
 def test_help_lists_topics_and_each_has_a_text(lag: Lag) -> None:

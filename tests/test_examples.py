@@ -11,6 +11,7 @@ from scipy.special import ellipj, ellipk
 
 import lagrangia as lag
 from reference import Array, integrate, linear_response
+from test_loop_examples import REFERENCES as LOOPS
 
 FOLDER = Path(__file__).parents[1] / "models" / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.lag"))
@@ -216,6 +217,7 @@ REFERENCES: dict[str, Callable[[Array], Columns]] = {
     "suspended_bar": suspended_bar,
     "torsion_rotor": torsion_rotor,
     "vibration_absorber": vibration_absorber,
+    **LOOPS,
 }
 
 # ---------------------------------------------------------------- the tests

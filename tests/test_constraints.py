@@ -1,0 +1,155 @@
+"""What constraints leave: linear ones no multiplier, others their rank, and the freedom that is told."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
+Write = Callable[[str], lag.Model]
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Write:
+    """A scene from its text."""
+
+    def write(text: str) -> lag.Model:
+        path = tmp_path / "scene.lag"
+        path.write_text(text, encoding="utf-8")
+        return lag.load(path)
+
+    return write
+
+
+# ---------------------------------------------------------------- linear ones
+
+SHAFTS = "Revolute p(a = world), q(a = shift(world, {1, 0})); "\
+         "Disc P(m = 1, r = 0.1, center = p.b), Q(m = 1, r = 0.2, center = q.b);"
+RACK = "Block t(m = 1, base = world); Revolute p(a = world); Disc P(m = 1, r = 0.1, center = p.b);"
+ARM = "Revolute p(a = world), q(a = l.b); Bar l(m = 1, L = 1, a = p.b), k(m = 1, L = 1, a = q.b);"
+LINEAR = {
+    "rolling": ("Rolling p(r = 0.1, base = world); Disc P(m = 1, r = 0.1, center = p.center);", "p.s", lambda phi, t: -0.1 * phi),
+    "gear": (SHAFTS + "Gear gear(r_a = 0.1, r_b = 0.2, a = p.b, b = q.b, carrier = world);", "q.phi", lambda phi, t: -phi / 2),
+    "belt": (SHAFTS + "Belt belt(r_a = 0.1, r_b = 0.2, a = p.b, b = q.b, carrier = world);", "q.phi", lambda phi, t: phi / 2),
+    "rack": (RACK + "Rack rack(r = 0.1, s = t.s, phi = p.phi);", "t.s", lambda phi, t: 0.1 * phi),
+    "motion": (ARM + "Motion motor(of = q.phi, to = 0.3*sin(2[rad/s]*time));", "q.phi", lambda phi, t: 0.3 * np.sin(2 * t)),
+}
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_a_linear_tie_leaves_no_multiplier(name: str, scene: Write) -> None:
+    text, given, law = LINEAR[name]
+    model = scene(f"model M {text} end M;")
+    assert model.coordinate_names == ("p.phi",)
+    assert model.scene.sizes["n_multipliers"] == 0
+    assert model.scene.notes["dependent"] == [given]
+    run = model.simulate(stop=1, interval=0.1, initial={"p.phi": 0.4, "der(p.phi)": 1})
+    np.testing.assert_allclose(run[given], law(run["p.phi"], run.time), atol=1e-14)
+
+
+def test_a_linear_equation_said_twice_is_named(scene: Write) -> None:
+    model = scene(f"model M {LINEAR['gear'][0]} equation p.phi = -2*q.phi; end M;")
+    assert model.scene.notes["degrees_of_freedom"] == 1
+    (told,) = model.scene.notes["repeated"]
+    assert "repeats in part what others already impose" in told
+    assert "scene.lag:1:" in told
+
+
+# ---------------------------------------------------------------- freedom
+
+FREEDOM = {  # degrees of freedom, coordinates that are left, multipliers
+    "andrews_squeezer": (1, 7, 6),
+    "atwood": (1, 1, 0),
+    "crank_press": (1, 3, 2),
+    "ellipse_trammel": (1, 3, 2),
+    "four_bar": (1, 3, 2),
+    "gear_train": (1, 1, 0),
+    "incline_disc": (1, 1, 0),
+    "n_four_bars": (1, 5, 4),
+    "pantograph": (2, 4, 2),
+    "parallelogram": (1, 4, 4),
+    "rolling_disc": (1, 1, 0),
+    "scissor_lift": (1, 7, 6),
+    "skate": (2, 3, 1),
+    "slider_crank": (1, 3, 2),
+}
+
+
+@pytest.mark.parametrize("name", FREEDOM)
+def test_degrees_of_freedom(name: str) -> None:
+    scene = lag.load(EXAMPLES / f"{name}.lag").scene
+    assert (scene.notes["degrees_of_freedom"], scene.n, scene.sizes["n_multipliers"]) == FREEDOM[name]
+    assert scene.notes["degrees_at_start"] == FREEDOM[name][0]
+    assert bool(scene.notes["repeated"]) == (name == "parallelogram")
+
+
+def test_a_redundant_loop_is_named() -> None:
+    (told,) = lag.load(EXAMPLES / "parallelogram.lag").scene.notes["repeated"]
+    assert "hook[3] - bar[3] - eye[3]" in told
+
+
+FLAT = """model M
+  Revolute O(a = world), A(a = crank.b), B(a = coupler.b, b = rocker.b), C(a = shift(world, {1, 0}));
+  Bar crank(m = 1, L = 0.4, a = O.b), coupler(m = 1, L = 1, a = A.b), rocker(m = 1, L = 0.4, a = C.b);
+end M;"""
+
+
+def test_a_start_in_a_singular_position_is_told(scene: Write) -> None:
+    """A parallelogram lying flat may open two ways."""
+    notes = scene(FLAT).scene.notes
+    assert notes["degrees_of_freedom"] == 1
+    assert notes["degrees_at_start"] == 2
+
+
+def test_a_stretched_guess_is_no_reason_to_refuse(scene: Write) -> None:
+    """Two bars of 1 m to a point at 1.2 m, guessed in line."""
+    model = scene("""model M
+      Revolute h(a = world), k(a = b.b, b = c.a), e(a = shift(world, {1.2, 0}), b = c.b);
+      Bar b(m = 1, L = 1, a = h.b), c(m = 1, L = 1);
+    end M;""")
+    assert model.scene.notes["problem"] == ""
+    assert model.scene.notes["degrees_of_freedom"] == 0
+    run = model.simulate(stop=1, interval=0.5)
+    np.testing.assert_allclose(np.abs(run["h.phi"]), np.arccos(0.6), atol=1e-12)
+
+
+# ---------------------------------------------------------------- others
+
+
+def test_a_skate_keeps_to_its_edge_and_keeps_its_energy() -> None:
+    run = lag.load(EXAMPLES / "skate.lag").simulate(tolerance=1e-10)
+    across = np.array([-np.sin(run["skate.center.phi"]), np.cos(run["skate.center.phi"])])
+    np.testing.assert_allclose((run["skate.center.v"].T * across).sum(axis=0), 0, atol=1e-12)
+    assert np.ptp(run.energy.total) < 1e-8 * np.abs(run.energy.kinetic).max()
+
+
+def test_a_rod_that_grows_does_work(scene: Write) -> None:
+    """A rheonomic constraint: phi L^2 changes by gravity alone, and the energy account closes with the work of the drive."""
+    run = scene("""model M
+      PointMass ball(m = 2, center(x(start = 0.6), y(start = -0.8)));
+    equation
+      distance(world, ball.center) = 1[m] + 0.2[m]*sin(3[rad/s]*time);
+    end M;""").simulate(stop=4, interval=0.1, tolerance=1e-11)
+    x, y = run["ball.center.x"], run["ball.center.y"]
+    np.testing.assert_allclose(np.hypot(x, y), 1 + 0.2 * np.sin(3 * run.time), atol=1e-12)
+    assert np.ptp(run.energy.work) > 1
+    np.testing.assert_allclose(run.energy.residual, 0, atol=1e-8)
+
+
+MASSLESS = """model M
+  Revolute O(a = world, phi(start = 40[deg], fixed = true)), C(a = shift(world, {{1, 0}}), phi(start = 75[deg]));
+  Bar crank(m = 1, L = 0.4, a = O.b), rocker(m = 1.5, L = 0.8, a = C.b);
+  {coupler}
+end M;"""
+
+
+def test_a_massless_bar_in_a_loop_is_a_link(scene: Write) -> None:
+    """M is singular with the bar's coordinate, which the loop alone gives."""
+    bar = "Revolute A(a = crank.b), B(a = coupler.b, b = rocker.b); Bar coupler(m = 0, L = 1, a = A.b);"
+    first, second = (scene(MASSLESS.format(coupler=coupler)).simulate(stop=2, interval=0.1, tolerance=1e-11)
+                     for coupler in (bar, "Link rod(L = 1, a = crank.b, b = rocker.b);"))
+    np.testing.assert_allclose(first["O.phi"], second["O.phi"], atol=1e-8)
+    np.testing.assert_allclose(first["C.w"], second["C.w"], atol=1e-7)
