@@ -136,6 +136,8 @@ def test_a_rod_that_grows_does_work(scene: Write) -> None:
     x, y = run["ball.center.x"], run["ball.center.y"]
     np.testing.assert_allclose(np.hypot(x, y), 1 + 0.2 * np.sin(3 * run.time), atol=1e-12)
     assert np.ptp(run.energy.work) > 1
+    energy = run.energy
+    np.testing.assert_allclose(energy.total - energy.total[0] + energy.dissipated - energy.work, energy.residual, atol=1e-9)
     np.testing.assert_allclose(run.energy.residual, 0, atol=1e-8)
 
 

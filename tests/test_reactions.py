@@ -121,6 +121,7 @@ def test_a_driven_loop() -> None:
     work = np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(run.time))
     assert np.ptp(work) > 1
     np.testing.assert_allclose(np.diff(run.energy.total).cumsum(), work, atol=1e-3 * np.ptp(work))
+    np.testing.assert_allclose(np.diff(run.energy.work).cumsum(), work, atol=1e-3 * np.ptp(work))
 
 
 def test_a_weld_carries_a_cantilever_with_a_pendulum_at_its_end(scene: Write) -> None:

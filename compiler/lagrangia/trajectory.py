@@ -24,9 +24,8 @@ _ENERGIES = ("kinetic", "potential", "total", "dissipated", "work")
 class EnergyAccount:
     """Energies over time in J: arrays of the length of `time`.
 
-    residual = H - H(0) + dissipated - work, which is 0 but for errors.
-
-    H is kinetic + potential, except when supports move with time.
+    `work` is what loads, prescribed motions and moving supports have put in, `dissipated` what dampers have taken out;
+    residual = total - total(0) + dissipated - work, which is 0 but for errors.
     """
 
     kinetic: "np.ndarray"
@@ -81,7 +80,8 @@ class Trajectory:
     @property
     def energy(self) -> EnergyAccount:
         T, V, H, dissipated, work = self.rows[:, -5:].T
-        return EnergyAccount(T, V, dissipated, work, H - H[:1] + dissipated - work)
+        moved = T + V - H  # what supports that move with time have put in beside the balance of H
+        return EnergyAccount(T, V, dissipated, work + moved - moved[:1], H - H[:1] + dissipated - work)
 
     def to_pandas(self) -> "pandas.DataFrame":
         """A table with time as its index; pandas must be installed."""
