@@ -170,3 +170,18 @@ def test_declared_outputs_and_units(scene: Write) -> None:
     assert [column.unit for column in model.scene.outputs] == ["N", "N", "N.m"]
     F = model.functions()["outputs"](0, 0, 0, [], model.parameter_values())
     np.testing.assert_allclose(np.array(F).ravel(), [0, g / 4, 0], atol=1e-9)
+
+
+def test_a_motion_keeps_its_hinge_in_the_tree(scene: Write) -> None:
+    """The hinge that a loop would be cut at is prescribed: it stays, its torque is the only one, and it does the work."""
+    run = scene("""model M
+      Revolute O(a = world, phi(start = 40[deg])), A(a = crank.b), B(a = coupler.b, b = rocker.b),
+               C(a = shift(world, {1, 0}), phi(start = 75[deg]));
+      Bar crank(m = 1, L = 0.4, a = O.b), coupler(m = 2, L = 1, a = A.b), rocker(m = 1.5, L = 0.8, a = C.b);
+      Motion motor(of = B.phi, to = 0.82 + 0.1*sin(2[rad/s]*time));
+    end M;""").simulate(stop=2, interval=0.001, tolerance=1e-10)
+    for hinge in "OAC":
+        np.testing.assert_allclose(run[f"{hinge}.reaction_torque"], 0, atol=1e-9)
+    power = run["B.reaction_torque"] * run["der(B.phi)"]
+    work = np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(run.time))
+    np.testing.assert_allclose(np.diff(run.energy.work).cumsum(), work, atol=1e-4 * np.ptp(work))

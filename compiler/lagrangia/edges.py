@@ -7,7 +7,7 @@ stay, and three equations close it.
 """
 
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass
 
 from lagrangia.diagnostics import Span
@@ -65,8 +65,13 @@ class Closure:
     span: Span
 
 
-def choose_tree(frames: Iterable[str], edges: tuple[Edge, ...], ground: Iterable[str], uses: Mapping[str, int]) -> frozenset[int]:
-    """The places in `edges` of those that make the tree. `uses` counts the edges that each coordinate moves."""
+def choose_tree(
+    frames: Iterable[str], edges: tuple[Edge, ...], ground: Iterable[str], uses: Mapping[str, int], tied: Set[str]
+) -> frozenset[int]:
+    """The places in `edges` of those that make the tree.
+
+    `uses` counts the edges that each coordinate moves; `tied` are coordinates that equations speak of: they had better stay.
+    """
     depth = _depths(frames, edges, ground)
     nearest = [max(depth[edge.parent], depth[edge.child]) for edge in edges]
     leader = {name: name for name in depth}
@@ -78,7 +83,7 @@ def choose_tree(frames: Iterable[str], edges: tuple[Edge, ...], ground: Iterable
         return name
 
     chosen = set()
-    for k in sorted(range(len(edges)), key=lambda k: (_rank(edges[k], uses), nearest[k], k)):
+    for k in sorted(range(len(edges)), key=lambda k: (_rank(edges[k], uses, tied), nearest[k], k)):
         a, b = find(edges[k].parent), find(edges[k].child)
         if a != b:
             leader[a] = b
@@ -105,9 +110,11 @@ def close(edge: Edge, uses: Mapping[str, int], around: str = "") -> Closure:
     return weld
 
 
-def _rank(edge: Edge, uses: Mapping[str, int]) -> int:
+def _rank(edge: Edge, uses: Mapping[str, int], tied: Set[str]) -> int:
     """Small for what is dear to cut."""
-    return 0 if edge.is_rigid else {"weld": 0, "slider": 1, "hinge": 2}[close(edge, uses).kind]
+    if edge.is_rigid or not tied.isdisjoint(edge.coordinates):
+        return 0
+    return {"weld": 0, "slider": 1, "hinge": 2}[close(edge, uses).kind]
 
 
 def _mentions(amount: Flat, name: str) -> bool:

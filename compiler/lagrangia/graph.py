@@ -171,7 +171,9 @@ class _Building:
         """Makes neighbours of what the tree's edges join; returns the other edges."""
         ground = [name for name, frame in self.model.frames.items() if frame.is_ground]
         self.uses = Counter(name for edge in self.candidates for name in edge.coordinates)
-        chosen = choose_tree(self.model.frames, tuple(self.candidates), ground, self.uses)
+        sides = [side for equation in self.model.constraints for side in (equation.left, equation.right)]
+        tied = {leaf.name for leaf in leaves(sides, self.bindings) if isinstance(leaf, Ref)}
+        chosen = choose_tree(self.model.frames, tuple(self.candidates), ground, self.uses, tied)
         for k in sorted(chosen):
             edge = self.candidates[k]
             self.neighbours[edge.parent].append(edge)
