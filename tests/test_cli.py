@@ -339,3 +339,9 @@ def test_the_installed_command_says_its_version() -> None:
     command = Path(sys.executable).with_name("lag.exe" if os.name == "nt" else "lag")
     said = subprocess.run([command, "--version"], capture_output=True, text=True, check=True).stdout
     assert said == f"lagrangia {__version__}\n"
+
+
+def test_casadi_solvers_close_the_energy_account_too(lag: Lag) -> None:
+    outcome = simulate(lag, "suspended_bar", "--solver", "casadi:cvodes", "--tolerance", "1e-10")
+    residual = float(outcome.out.split("energy account closes to ")[1].split()[0])
+    assert 0 < residual < 1e-6

@@ -43,6 +43,9 @@ class _Run:
     experiment: Experiment
     values: Values
     integrator: str
+    begin: float | None = None  # H in the first row
+    residual: float = 0.0
+    scale: float = 0.0
 
     def __post_init__(self) -> None:
         table = self.compilation.functions.table
@@ -82,11 +85,22 @@ class _Run:
                     progress.seconds, progress.time = time.perf_counter() - begin, now
                 now = target
                 progress.rows, progress.time = progress.rows + len(wanted), now
-                progress.statistics = Statistics(0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0, False)
                 if wanted:
-                    yield array("d", self._full_rows(wanted, found).ravel())
+                    rows = self._full_rows(wanted, found)
+                    progress.statistics = self._account(rows)
+                    yield array("d", rows.ravel())
                 if watch is not None:
                     watch(progress)
+
+    def _account(self, rows: np.ndarray) -> Statistics:
+        """The largest residual of the energy account in all rows so far; CasADi tells nothing of its steps."""
+        T, V, H, dissipated, work = rows[:, -5:].T
+        if self.begin is None:
+            self.begin = float(H[0])
+        residual = float(np.abs(H - self.begin + dissipated - work).max())
+        scale = float(np.abs([T, V, H, dissipated, work]).max())
+        self.residual, self.scale = max(self.residual, residual), max(self.scale, scale)
+        return Statistics(0, 0, 0, 0, 0, 0.0, 0.0, self.residual, self.scale, 0, False)
 
     # ------------------------------------------------------------ segments
 

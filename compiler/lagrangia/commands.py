@@ -198,9 +198,11 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
         f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
     engine = model.engine if not options.solver.startswith("casadi") else None
     solver = "erk 8(5,3)" if engine else f"casadi:{options.solver.partition(':')[2] or 'cvodes'}"
+    how = ""
     if statistics is not None and engine is not None:
-        say(f"  {solver}, {engine.how}: {statistics.steps} steps, "
-            f"{statistics.rhs_evaluations} evaluations in {_time(progress.seconds)}")
+        how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations"
+    say(f"  {solver}{how} in {_time(progress.seconds)}")
+    if statistics is not None:
         scale = statistics.energy_scale
         relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if scale > 0 else ""
         say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
@@ -208,8 +210,6 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
             say(f"  {statistics.tolerance_missed} steps near singular positions missed the tolerance, by rounding")
         if statistics.tolerance_raised:
             say("  the tolerance was raised to 1e-14, the smallest that double precision can keep")
-    else:
-        say(f"  {solver} in {_time(progress.seconds)}")
     say(f"  {progress.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""))
     if options.stats:
         _tell(model, progress, compiled, loaded, say)
