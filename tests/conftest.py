@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+import lagrangia as lag
 from lagrangia.native import start_runtime_build
 from lagrangia.runtime import Runtime
 
@@ -41,3 +42,15 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 def runtime() -> Runtime:
     """The C run time, compiled; for tests that are skipped where there is no C compiler."""
     return Runtime(start_runtime_build().finish())
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Callable[[str], lag.Model]:
+    """A scene from its text."""
+
+    def write(text: str) -> lag.Model:
+        path = tmp_path / "scene.lag"
+        path.write_text(text, encoding="utf-8")
+        return lag.load(path)
+
+    return write

@@ -12,18 +12,6 @@ EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
 Write = Callable[[str], lag.Model]
 
 
-@pytest.fixture
-def scene(tmp_path: Path) -> Write:
-    """A scene from its text."""
-
-    def write(text: str) -> lag.Model:
-        path = tmp_path / "scene.lag"
-        path.write_text(text, encoding="utf-8")
-        return lag.load(path)
-
-    return write
-
-
 # ---------------------------------------------------------------- linear ones
 
 SHAFTS = "Revolute p(a = world), q(a = shift(world, {1, 0})); "\

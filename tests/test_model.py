@@ -23,18 +23,6 @@ def load(example: str, **structural: object) -> lag.Model:
     return lag.load(FOLDER / f"{example}.lag", **structural)
 
 
-@pytest.fixture
-def scene(tmp_path: Path) -> Scene:
-    """A scene from its text."""
-
-    def write(text: str) -> lag.Model:
-        path = tmp_path / "scene.lag"
-        path.write_text(text, encoding="utf-8")
-        return lag.load(path)
-
-    return write
-
-
 # ---------------------------------------------------------------- runs
 
 

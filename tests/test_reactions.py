@@ -4,7 +4,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 import lagrangia as lag
 from reference import Array
@@ -12,18 +11,6 @@ from reference import Array
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
 g = 9.81
 Write = Callable[[str], lag.Model]
-
-
-@pytest.fixture
-def scene(tmp_path: Path) -> Write:
-    """A scene from its text."""
-
-    def write(text: str) -> lag.Model:
-        path = tmp_path / "scene.lag"
-        path.write_text(text, encoding="utf-8")
-        return lag.load(path)
-
-    return write
 
 
 def cross(a: Array, b: Array) -> Array:
