@@ -50,10 +50,6 @@ class Constraints:
     repeated: tuple[Row, ...] = ()  # linear rows that say nothing new
     absorbed: tuple[Row, ...] = ()  # linear rows that gave a coordinate
 
-    @property
-    def n_holonomic(self) -> int:
-        return sum(row.is_holonomic for row in self.rows)
-
 
 def reduce_kinematics(kinematics: Kinematics) -> tuple[Kinematics, Constraints]:
     """The kinematics in the coordinates that are left, and the constraints that are left.

@@ -112,16 +112,9 @@ class Report:
                 self._told.add(diagnostic)
                 self.diagnostics.append(diagnostic)
 
-    def warning(self, code: str, message: str, span: Span | None = None, *hints: str) -> None:
-        self.diagnostics.append(Diagnostic("warning", code, message, span, "", hints))
-
     @property
     def errors(self) -> list[Diagnostic]:
         return [d for d in self.diagnostics if d.severity == "error"]
-
-    @property
-    def warnings(self) -> tuple[Diagnostic, ...]:
-        return tuple(d for d in self.diagnostics if d.severity == "warning")
 
     def raise_errors(self) -> None:
         if self.errors:

@@ -353,7 +353,3 @@ def _unfold(node: Flat) -> tuple[str, tuple[Step, ...]]:
         base, steps = _unfold(node.arguments[0])
         return base, (*steps, Step(node.function, node.arguments[1]))
     fail("L0221", "this is no frame", node.span, "a frame is a port, as bar.a, or shift(...) or turn(...) of one")
-
-
-def bindings_of(model: FlatModel) -> Mapping[str, Flat | None]:
-    return {name: v.binding for name, v in model.variables.items()}

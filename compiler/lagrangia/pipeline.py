@@ -5,7 +5,7 @@ Heavy libraries are imported by the phases that need them, when they are needed.
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")
 ALL_REACTIONS = "*.reaction"  # among outputs: the reactions of all joints
 _DEEPEST_RECURSION = 50_000
-Watch = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)

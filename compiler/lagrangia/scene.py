@@ -54,7 +54,6 @@ class Scene:
     event_kind: tuple[int, ...]
     initial_places: tuple[str, ...]  # where the initial equations are written
     notes: Mapping[str, Any]  # figures for --stats
-    warnings: tuple[str, ...]
     tapes: Mapping[str, Tape]
 
     @property
@@ -83,7 +82,7 @@ def from_json(text: str) -> Scene:
     kinds = {"coordinates": Column, "rates": Column, "outputs": Column, "parameters": Parameter, "inputs": Parameter}
     for name, kind in kinds.items():
         plain[name] = tuple(kind(**item) for item in plain[name])
-    for name in ("coordinate_kind", "fixed", "event_kind", "initial_places", "warnings"):
+    for name in ("coordinate_kind", "fixed", "event_kind", "initial_places"):
         plain[name] = tuple(plain[name])
     plain["tapes"] = {name: _unpack(tape) for name, tape in plain["tapes"].items()}
     return Scene(**plain)
