@@ -99,17 +99,17 @@ def error(case: Case, tolerance: float) -> float:
     return max(np.abs(run[name] - reference[name]).max() / size for name, size in amplitudes(case).items())
 
 
-every_case = pytest.mark.parametrize(
-    "case", [pytest.param(case, id=str(case), marks=pytest.mark.slow if case.slow else ()) for case in CASES]
-)
+def for_every(cases: list[Case]) -> pytest.MarkDecorator:
+    marked = [pytest.param(case, id=str(case), marks=pytest.mark.slow if case.slow else ()) for case in cases]
+    return pytest.mark.parametrize("case", marked)
 
 
-@every_case
+@for_every(CASES)
 def test_the_finest_tolerance_gives_nine_digits(case: Case) -> None:
     assert error(case, 1e-12) < case.finest
 
 
-@every_case
+@for_every(CASES)
 def test_the_error_falls_in_step_with_the_tolerance(case: Case) -> None:
     """Their ratio is the constant on average; single ones may be off by luck, but each step of the tolerance pays."""
     errors = np.array([error(case, tolerance) for tolerance in case.tolerances])

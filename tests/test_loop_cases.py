@@ -12,7 +12,7 @@ import lagrangia as lag
 import test_cases as trees
 from mechanisms import four_bar, g
 from reference import Array, integrate
-from test_cases import FOLDER, TOLERANCES, Case, columns, error, scene
+from test_cases import FOLDER, TOLERANCES, Case, columns, scene
 
 SINGULAR = "at 1e-12 rounding rules near the singular positions: 4e-12 to 2e-11 were seen"
 UNIFORM = "evenly accelerated: exact at any tolerance"
@@ -33,17 +33,13 @@ CASES = [
     Case("testset_andrews_squeezer", "Andrews", constant=0.15),
 ]  # fmt: skip
 
-every_case = pytest.mark.parametrize(
-    "case", [pytest.param(case, id=str(case), marks=pytest.mark.slow if case.slow else ()) for case in CASES]
-)
 
-
-@every_case
+@trees.for_every(CASES)
 def test_the_finest_tolerance_gives_nine_digits(case: Case) -> None:
-    assert error(case, 1e-12) < case.finest
+    trees.test_the_finest_tolerance_gives_nine_digits(case)
 
 
-@every_case
+@trees.for_every(CASES)
 def test_the_error_falls_in_step_with_the_tolerance(case: Case) -> None:
     trees.test_the_error_falls_in_step_with_the_tolerance(case)
 
@@ -55,7 +51,7 @@ def test_every_case_has_its_file_and_its_reason() -> None:
     assert all(case.why for case in CASES if (case.tolerances, case.finest) != (TOLERANCES, 1e-9))
 
 
-@every_case
+@trees.for_every(CASES)
 def test_stays_on_its_constraints(case: Case) -> None:
     """To rounding in every row, at a loose tolerance too: in m and rad, and in m/s and rad/s."""
     run = scene(case).simulate(at=columns(case)["t"], tolerance=1e-6)

@@ -76,10 +76,10 @@ class _Numbers:
         self.weight = np.where(np.array(initial.fixed[:n]) == FREE, 10.0, 1.0)
 
         def numeric(name: str, results: list[ca.SX]) -> ca.Function:
-            return ca.Function(name, [q, motion.v], [ca.densify(x) for x in at_declared_values(kinematics, results)])
+            return ca.Function(name, [q], [ca.densify(x) for x in at_declared_values(kinematics, results)])
 
         g = initial.residuals[: initial.n_positions]
-        self.start = numeric("start", [initial.q, initial.v])
+        self.start = numeric("start", [initial.q])
         self.residuals = numeric("residuals", [g, ca.jacobian(g, q)])
         self.positions = numeric("positions", [held.phi, ca.jacobian(held.phi, q)])
         self.slopes = numeric("slopes", [held.J])
@@ -89,23 +89,22 @@ class _Numbers:
 
     def assemble(self) -> tuple[Vector, float, int]:
         """Positions by damped Gauss-Newton from the start values, the largest residual left and its row."""
-        q, v = (np.array(x).ravel() for x in self.start(np.zeros(self.n), np.zeros(self.n)))
-        rest = np.zeros_like(v)
-        best = self._solve(q, lambda x: [np.array(y) for y in self.residuals(x, rest)])
-        g = np.abs(np.array(self.residuals(best, rest)[0]).ravel())
+        start = np.array(self.start(np.zeros(self.n))).ravel()
+        best = self._solve(start, lambda x: [np.array(y) for y in self.residuals(x)])
+        g = np.abs(np.array(self.residuals(best)[0]).ravel())
         return best, float(g.max(initial=0.0)), int(g.argmax()) if g.size else 0
 
     def nearby(self, q: Vector) -> list[Vector]:
         """General positions near an assembled one: a small step along what the constraints allow, and back onto them."""
-        J = np.array(self.slopes(q, np.zeros(self.n)))
+        J = np.array(self.slopes(q))
         random = np.random.default_rng(1)
         found = []
         for size in (0.1, 0.03, 0.01):
             step = random.standard_normal(self.n)
             step -= np.linalg.pinv(J, rcond=_RANK) @ (J @ step)
             free = np.zeros(self.n, bool)
-            x = self._solve(q + size * step, lambda y: [np.array(z) for z in self.positions(y, np.zeros(self.n))], free)
-            if np.abs(np.array(self.positions(x, np.zeros(self.n))[0])).max(initial=0.0) < _THERE * self.size(q):
+            x = self._solve(q + size * step, lambda y: [np.array(z) for z in self.positions(y)], free)
+            if np.abs(np.array(self.positions(x)[0])).max(initial=0.0) < _THERE * self.size(q):
                 found.append(x)
         return found
 
@@ -133,7 +132,7 @@ class _Numbers:
         return q
 
     def _scaled(self, q: Vector) -> Vector:
-        J = np.array(self.slopes(q, np.zeros(self.n)))
+        J = np.array(self.slopes(q))
         J = J / np.maximum(np.abs(J).max(axis=0, keepdims=True), 1e-300)
         return np.asarray(J / np.maximum(np.linalg.norm(J, axis=1, keepdims=True), 1e-300), dtype=np.float64)
 
