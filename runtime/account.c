@@ -27,13 +27,13 @@ void lag_account_note(LagRun *run, double t, const double *y, double *entries)
         statistics->energy_scale = fmax(statistics->energy_scale, fabs(entries[i]));
 }
 
-void lag_account_open(LagRun *run) { run->energy_before = total(run, run->solver.t, run->solver.y); }
+void lag_account_open(LagRun *run) { run->energy_before = total(run, run->motion.t, run->motion.y); }
 
 void lag_account_close(LagRun *run)
 {
-    const double jump = total(run, run->solver.t, run->solver.y) - run->energy_before;
+    const double jump = total(run, run->motion.t, run->motion.y) - run->energy_before;
     if (run->model->n_power == 2)
-        run->solver.y[2 * run->model->n + 1] += jump;
+        run->motion.y[2 * run->model->n + 1] += jump;
     else
         run->start_energy += jump;
 }

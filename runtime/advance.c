@@ -25,12 +25,12 @@ static void write_row(LagRun *run, double t, const double *y, double *row)
 
 static void row_at(LagRun *run, double t, double *row)
 {
-    if (t == run->solver.t) {
-        write_row(run, t, run->solver.y, row);
+    if (t == run->motion.t) {
+        write_row(run, t, run->motion.y, row);
         return;
     }
     run->careful = run->model->n_multipliers > 0; /* the stages of the dense output may lie near a singular position */
-    lag_dop853_interpolate(&run->solver, t, run->inside);
+    run->methods.table->interpolate(run->methods.self, &run->motion, t, run->inside);
     run->careful = 0;
     lag_project_inside(run, t, run->inside);
     write_row(run, t, run->inside, row);
@@ -48,10 +48,11 @@ static LagStatus reach(LagRun *run, double t, double deadline)
 {
     if (t > run->settings.t_stop)
         return lag_fail(run, LAG_PAST_STOP, -1, 0, 0);
-    if (t < run->solver.t_old)
+    if (t < run->motion.t_old)
         return lag_fail(run, LAG_TIME_PASSED, -1, 0, 0);
     LagStatus status = time_is_over(run, deadline) ? LAG_PAUSED : LAG_OK;
-    while (status == LAG_OK && run->solver.t < t)
+    run->wanted = t;
+    while (status == LAG_OK && run->motion.t < t)
         status = time_is_over(run, deadline) ? LAG_PAUSED : lag_step(run);
     return status;
 }
@@ -88,11 +89,11 @@ LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *don
     *done = 0;
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
-    while (*done < rows && run->solver.t < run->settings.t_stop) {
+    while (*done < rows && run->motion.t < run->settings.t_stop) {
         const LagStatus status = time_is_over(run, deadline) ? LAG_PAUSED : lag_step(run);
         if (status != LAG_OK)
             return status;
-        row_at(run, run->solver.t, results + (size_t)*done * width);
+        row_at(run, run->motion.t, results + (size_t)*done * width);
         ++*done;
     }
     return LAG_OK;
@@ -102,6 +103,6 @@ LagStatus lag_run_row(LagRun *run, double *row)
 {
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
-    row_at(run, run->solver.t, row);
+    row_at(run, run->motion.t, row);
     return LAG_OK;
 }

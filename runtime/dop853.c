@@ -3,30 +3,22 @@
  * State y = (q, v, e): e are energy quadratures, carried along but left out of the error estimate. A stage's velocity is
  * written where the slope of its position belongs, so q' = v costs nothing. The slope at the end of a step is the first of
  * the next (slope 12 of 0 .. 12). Slopes 13 to 15 are evaluated only when someone looks inside a step.
- *
- * The state is summed with compensation (W. Kahan, 1965; the two-sum of D. Knuth): y + carry is the state to nearly twice
- * the working precision. Drift of the energy of an oscillator over 300 000 steps: 2e-14 without, 5e-16 with it. (With long
- * steps the rounding of the coefficients is left: 1e-17 a radian.) Needs IEEE arithmetic: no -ffast-math.
  */
 #include "dop853.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "dop853_tableau.h"
+#include "step.h"
 
-void lag_dop853_layout(LagDop853 *s, LagArena *arena)
+static void layout(void *self, const LagMotion *m, LagArena *arena)
 {
-    const size_t size = (size_t)s->size;
-    s->y = lag_take(arena, size);
-    s->carry = lag_take(arena, size);
-    s->other = lag_take(arena, size);
-    s->other_carry = lag_take(arena, size);
-    s->point = lag_take(arena, size);
-    s->sum = lag_take(arena, size);
+    LagDop853 *s = self;
     for (int i = 0; i < LAG_DOP853_SLOPES; ++i)
-        s->k[i] = lag_take(arena, size);
+        s->k[i] = lag_take(arena, (size_t)m->size);
     for (int i = 0; i < LAG_DOP853_COEFFICIENTS; ++i)
-        s->dense[i] = lag_take(arena, size);
+        s->dense[i] = lag_take(arena, (size_t)m->size);
 }
 
 /* sum = weights of the row times slopes, for the first `size` components; four at a time, in four independent chains. */
@@ -48,53 +40,41 @@ static void combine(const LagDop853 *s, const LagTableauRow *row, int size, doub
     }
 }
 
-/* Slope of the state (q, v); v is copied, unless it is already in its place. */
-static int evaluate(LagDop853 *s, double t, const double *q, const double *v, double *k)
-{
-    if (v != k)
-        memcpy(k, v, (size_t)s->n * sizeof *k);
-    ++s->evaluations;
-    return s->rhs(s->context, t, q, k, k + s->n, k + 2 * s->n);
-}
-
 /* Slope i of the step of length h from (t, y). */
-static int stage(LagDop853 *s, int i, double t, const double *y, double h)
+static int stage(LagDop853 *s, LagMotion *m, int i, double t, const double *y, double h)
 {
-    const int n = s->n;
+    const int n = m->n;
     double *k = s->k[i];
-    combine(s, &lag_dop853_stage[i], 2 * n, s->sum);
+    combine(s, &lag_dop853_stage[i], 2 * n, m->sum);
     for (int j = 0; j < n; ++j) {
-        s->point[j] = y[j] + h * s->sum[j];
-        k[j] = y[n + j] + h * s->sum[n + j];
+        m->point[j] = y[j] + h * m->sum[j];
+        k[j] = y[n + j] + h * m->sum[n + j];
     }
-    return evaluate(s, t + lag_dop853_node[i] * h, s->point, k, k);
+    return lag_motion_slope(m, t + lag_dop853_node[i] * h, m->point, k, k);
 }
 
-/* other = y + h b k, compensated. */
-static void add_step(LagDop853 *s, double h)
+static void add_step(LagDop853 *s, LagMotion *m, double h)
 {
-    combine(s, &lag_dop853_stage[LAG_DOP853_STAGES], s->size, s->sum);
-    for (int i = 0; i < s->size; ++i) {
-        const double y = s->y[i], step = h * s->sum[i] + s->carry[i], sum = y + step, taken = sum - y;
-        s->other[i] = sum;
-        s->other_carry[i] = (y - (sum - taken)) + (step - taken);
-    }
+    combine(s, &lag_dop853_stage[LAG_DOP853_STAGES], m->size, m->sum);
+    for (int i = 0; i < m->size; ++i)
+        m->sum[i] *= h;
+    lag_motion_add(m, m->sum);
 }
 
 /* Hairer's combination of the two embedded errors, root mean square over positions and rates that move. */
-static double estimate(LagDop853 *s, double h, const LagScale *scale, int *worst)
+static double estimate(LagDop853 *s, LagMotion *m, double h, const LagScale *scale, int *worst)
 {
-    const int size = 2 * s->n;
+    const int size = 2 * m->n;
     double sum5 = 0, sum3 = 0, largest = 0;
     int moving = 0;
-    combine(s, &lag_dop853_error5, size, s->sum);
-    combine(s, &lag_dop853_error3, size, s->point);
+    combine(s, &lag_dop853_error5, size, m->sum);
+    combine(s, &lag_dop853_error3, size, m->point);
     for (int i = 0; i < size; ++i) {
-        const double unit = lag_scale_unit(scale, i, s->y, s->other);
+        const double unit = lag_scale_unit(scale, i, m->y, m->other);
         if (unit == 0)
             continue;
         ++moving;
-        const double error5 = s->sum[i] / unit, error3 = s->point[i] / unit;
+        const double error5 = m->sum[i] / unit, error3 = m->point[i] / unit;
         sum5 += error5 * error5;
         sum3 += error3 * error3;
         if (fabs(error5) > largest) {
@@ -106,19 +86,11 @@ static double estimate(LagDop853 *s, double h, const LagScale *scale, int *worst
     return denominator > 0 ? fabs(h) * sum5 / sqrt(denominator * moving) : denominator;
 }
 
-int lag_first_not_finite(const double *x, int n)
+static void restart(void *self, LagMotion *m)
 {
-    int i = 0;
-    while (i < n - 1 && isfinite(x[i]))
-        ++i;
-    return i;
-}
-
-int lag_dop853_restart(LagDop853 *s, double t)
-{
-    s->t = s->t_old = t;
+    LagDop853 *s = self;
+    memcpy(s->k[0], m->slope, (size_t)m->size * sizeof *m->slope);
     s->first_slope_is_last = 0;
-    return evaluate(s, t, s->y, s->y + s->n, s->k[0]);
 }
 
 static void swap(double **a, double **b)
@@ -128,67 +100,69 @@ static void swap(double **a, double **b)
     *b = c;
 }
 
-double lag_dop853_try(LagDop853 *s, double t_new, const LagScale *scale, int *worst)
+static double attempt(void *self, LagMotion *m, double t_new, const LagScale *scale, int *worst)
 {
-    const double h = t_new - s->t;
-    s->t_old = s->t;
+    LagDop853 *s = self;
+    const double h = t_new - m->t;
+    m->t_old = m->t;
     if (s->first_slope_is_last)
         swap(&s->k[0], &s->k[LAG_DOP853_STAGES]);
     s->first_slope_is_last = 0;
     for (int i = 1; i < LAG_DOP853_STAGES; ++i)
-        if (!stage(s, i, s->t, s->y, h)) {
-            *worst = s->n + lag_first_not_finite(s->k[i] + s->n, s->n);
+        if (!stage(s, m, i, m->t, m->y, h)) {
+            *worst = m->n + lag_first_not_finite(s->k[i] + m->n, m->n);
             return INFINITY;
         }
-    add_step(s, h);
-    const double error = estimate(s, h, scale, worst);
+    add_step(s, m, h);
+    const double error = estimate(s, m, h, scale, worst);
     return error >= 0 ? error : INFINITY;
 }
 
-int lag_dop853_accept(LagDop853 *s, double t_new)
+static int accept(void *self, LagMotion *m, double t_new)
 {
-    if (!evaluate(s, t_new, s->other, s->other + s->n, s->k[LAG_DOP853_STAGES]))
+    LagDop853 *s = self;
+    if (!lag_motion_slope(m, t_new, m->other, m->other + m->n, s->k[LAG_DOP853_STAGES]))
         return 0;
-    swap(&s->y, &s->other);
-    swap(&s->carry, &s->other_carry);
-    s->t_old = s->t;
-    s->t = t_new;
+    lag_motion_take(m, t_new);
     s->first_slope_is_last = 1;
     s->dense_ready = 0;
     return 1;
 }
 
-/* Coefficients of the polynomial that lag_dop853_interpolate evaluates. */
-static void prepare_dense(LagDop853 *s)
+/* Coefficients of the polynomial that interpolate evaluates. */
+static void prepare_dense(LagDop853 *s, LagMotion *m)
 {
-    const double h = s->t - s->t_old, *k_old = s->k[0], *k_new = s->k[LAG_DOP853_STAGES];
+    const double h = m->t - m->t_old, *k_old = s->k[0], *k_new = s->k[LAG_DOP853_STAGES];
     for (int i = LAG_DOP853_STAGES + 1; i < LAG_DOP853_ALL_STAGES; ++i)
-        stage(s, i, s->t_old, s->other, h);
-    for (int i = 0; i < s->size; ++i) {
-        const double step = s->y[i] - s->other[i];
+        stage(s, m, i, m->t_old, m->other, h);
+    for (int i = 0; i < m->size; ++i) {
+        const double step = m->y[i] - m->other[i];
         s->dense[0][i] = step;
         s->dense[1][i] = h * k_old[i] - step;
         s->dense[2][i] = 2 * step - h * (k_new[i] + k_old[i]);
     }
     for (int r = 0; r < LAG_DOP853_DENSE_ROWS; ++r) {
         double *coefficient = s->dense[3 + r];
-        combine(s, &lag_dop853_dense[r], s->size, coefficient);
-        for (int i = 0; i < s->size; ++i)
+        combine(s, &lag_dop853_dense[r], m->size, coefficient);
+        for (int i = 0; i < m->size; ++i)
             coefficient[i] *= h;
     }
     s->dense_ready = 1;
-    ++s->dense_outputs;
+    ++m->dense_outputs;
 }
 
-void lag_dop853_interpolate(LagDop853 *s, double t, double *y)
+static void interpolate(void *self, LagMotion *m, double t, double *y)
 {
+    LagDop853 *s = self;
     if (!s->dense_ready)
-        prepare_dense(s);
-    const double x = (t - s->t_old) / (s->t - s->t_old), rest = 1 - x;
-    for (int i = 0; i < s->size; ++i) {
+        prepare_dense(s, m);
+    const double x = (t - m->t_old) / (m->t - m->t_old), rest = 1 - x;
+    for (int i = 0; i < m->size; ++i) {
         double sum = 0;
         for (int j = LAG_DOP853_COEFFICIENTS - 1; j >= 0; --j)
             sum = (sum + s->dense[j][i]) * (j % 2 == 0 ? x : rest);
-        y[i] = s->other[i] + sum;
+        y[i] = m->other[i] + sum;
     }
 }
+
+const LagMethod lag_dop853 = {"erk", 8, layout, restart, lag_step_adaptive, attempt, accept, interpolate};

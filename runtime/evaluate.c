@@ -50,7 +50,7 @@ void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
     lag_inputs_at(&run->inputs, t, run->u);
     if (model->outputs_need_acceleration) {
         accelerations(run, t, q, v, run->acceleration, run->power);
-        ++run->solver.evaluations;
+        ++run->motion.evaluations;
     }
     lag_call(&model->outputs, in, &outputs, run->work);
 }

@@ -33,27 +33,25 @@ static double compare(const LagScale *scale, double h, const double *k, const do
 }
 
 /* The same along a parabola of length h. */
-static double change_over(LagDop853 *s, const LagScale *scale, double h)
+static double change_over(LagMotion *m, const LagScale *scale, double h)
 {
-    const int n = s->n;
-    const double *k = s->k[0];
-    double *k_end = s->k[1];
+    const int n = m->n;
+    const double *k = m->slope;
+    double *k_end = m->sum;
     for (int i = 0; i < n; ++i) {
-        s->point[i] = s->y[i] + h * (k[i] + h / 2 * k[n + i]);
+        m->point[i] = m->y[i] + h * (k[i] + h / 2 * k[n + i]);
         k_end[i] = k[i] + h * k[n + i];
     }
-    ++s->evaluations;
-    const int finite = s->rhs(s->context, s->t + h, s->point, k_end, k_end + n, k_end + 2 * n);
-    return finite ? compare(scale, h, k, k_end) : INFINITY;
+    return lag_motion_slope(m, m->t + h, m->point, k_end, k_end) ? compare(scale, h, k, k_end) : INFINITY;
 }
 
-double lag_first_step(LagDop853 *s, const LagScale *scale, double longest)
+double lag_first_step(LagMotion *m, const LagScale *scale, double longest, int order)
 {
-    double h = longest, change = change_over(s, scale, h);
-    while (!(change < LARGE_CHANGE) && s->t + SHRINK * h > s->t) {
+    double h = longest, change = change_over(m, scale, h);
+    while (!(change < LARGE_CHANGE) && m->t + SHRINK * h > m->t) {
         h *= SHRINK;
-        change = change_over(s, scale, h);
+        change = change_over(m, scale, h);
     }
     const double slowness = change > 0 ? h / sqrt(change) : longest;
-    return fmin(longest, slowness * pow(scale->tolerance, 1.0 / 8));
+    return fmin(longest, slowness * pow(scale->tolerance, 1.0 / order));
 }

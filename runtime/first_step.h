@@ -2,9 +2,10 @@
 #ifndef LAG_FIRST_STEP_H
 #define LAG_FIRST_STEP_H
 
-#include "dop853.h"
+#include "motion.h"
+#include "scale.h"
 
-/* Not longer than `longest`; slope 0 of the solver is known. */
-double lag_first_step(LagDop853 *solver, const LagScale *scale, double longest);
+/* Not longer than `longest`, for a method of this order; motion->slope is known. */
+double lag_first_step(LagMotion *motion, const LagScale *scale, double longest, int order);
 
 #endif

@@ -56,6 +56,7 @@ typedef struct {
     const int *fixed;           /* 2 n: LAG_START_..., of q then v */
     const int *event_kind;      /* n_events */
     int outputs_need_acceleration; /* a or lambda */
+    int solver;                    /* LAG_SOLVER_...: the one that fits the equations best */
 
     LagFunction parameters; /* given, mask          -> p               given values kept, dependent ones computed */
     LagFunction hoist;      /* p                    -> c */

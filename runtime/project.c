@@ -119,7 +119,7 @@ static int is_last(const LagRun *run, Level level, double size)
     if (level == POSITIONS && size > SQUARE_IS_ROUNDING)
         return 0;
     for (int i = 0; i < n; ++i)
-        if (fabs(s->correction[i]) > lag_scale_unit(&run->scale, first + i, run->solver.y, s->state))
+        if (fabs(s->correction[i]) > lag_scale_unit(&run->scale, first + i, run->motion.y, s->state))
             return 0;
     return 1;
 }
@@ -170,14 +170,14 @@ int lag_project_step(LagRun *run, double t, int *worst)
     if (run->model->n_multipliers == 0)
         return 1;
     const double most = run->careful ? fmax(MOST_UNITS, NEAR_SINGULAR / run->scale.tolerance) : MOST_UNITS;
-    return project(run, t, most, run->solver.other, run->solver.other_carry, worst);
+    return project(run, t, most, run->motion.other, run->motion.other_carry, worst);
 }
 
 void lag_project_present(LagRun *run)
 {
     int worst;
     if (run->model->n_multipliers > 0)
-        project(run, run->solver.t, INFINITY, run->solver.y, run->solver.carry, &worst);
+        project(run, run->motion.t, INFINITY, run->motion.y, run->motion.carry, &worst);
 }
 
 void lag_project_inside(LagRun *run, double t, double *y)

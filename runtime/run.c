@@ -42,17 +42,18 @@ static void layout(LagRun *run, LagArena *arena)
     lag_assembly_layout(&run->assembly, arena);
     lag_projection_layout(&run->projection, model, arena);
     lag_scale_layout(&run->scale, arena);
-    lag_dop853_layout(&run->solver, arena);
+    lag_motion_layout(&run->motion, arena);
+    lag_methods_layout(&run->methods, &run->settings, model, &run->motion, arena);
 }
 
 static void connect_parts(LagRun *run, const LagModel *model)
 {
     run->model = run->assembly.model = model;
     run->inputs.n = model->n_inputs;
-    run->solver.n = model->n;
-    run->solver.size = 2 * model->n + model->n_power;
-    run->solver.rhs = lag_accelerations;
-    run->solver.context = run;
+    run->motion.n = model->n;
+    run->motion.size = 2 * model->n + model->n_power;
+    run->motion.rhs = lag_accelerations;
+    run->motion.context = run;
 }
 
 static double tolerance(const LagSettings *settings) { return fmax(settings->tolerance, LAG_SMALLEST_TOLERANCE); }
@@ -64,6 +65,7 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
         return NULL;
     connect_parts(run, model);
     lag_scale_init(&run->scale, model->n, model->coordinate_kind, tolerance(settings));
+    run->settings = *settings;
     LagArena arena = {NULL, 0};
     layout(run, &arena);
     run->memory = calloc(arena.used + 1, sizeof *run->memory);
@@ -74,8 +76,7 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
     arena.base = run->memory;
     arena.used = 0;
     layout(run, &arena);
-    run->settings = *settings;
-    run->solver.t = settings->t_start;
+    run->motion.t = settings->t_start;
     return run;
 }
 
@@ -122,7 +123,7 @@ LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *val
     if (status != LAG_OK)
         return lag_fail(run, status, -1, 0, 0);
     if (run->started) {
-        lag_inputs_enter(&run->inputs, run->solver.t);
+        lag_inputs_enter(&run->inputs, run->motion.t);
         lag_account_close(run);
         run->segment_over = 1;
     }
@@ -131,12 +132,13 @@ LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *val
 
 void lag_run_set_stop(LagRun *run, double t_stop) { run->settings.t_stop = t_stop; }
 
-double lag_run_time(const LagRun *run) { return run->solver.t; }
+double lag_run_time(const LagRun *run) { return run->motion.t; }
 
 const LagStatistics *lag_run_statistics(LagRun *run)
 {
-    run->statistics.rhs_evaluations = run->solver.evaluations;
-    run->statistics.dense_outputs = run->solver.dense_outputs;
+    run->statistics.rhs_evaluations = run->motion.evaluations;
+    run->statistics.dense_outputs = run->motion.dense_outputs;
+    run->statistics.solver = run->methods.solver;
     return &run->statistics;
 }
 

@@ -13,6 +13,9 @@
 
 typedef struct LagRun LagRun;
 
+/* Ways to step; LAG_SOLVER_AUTO stands for the one the model names. */
+enum { LAG_SOLVER_AUTO, LAG_SOLVER_ERK };
+
 /* Smaller tolerances are raised to this one. */
 #define LAG_SMALLEST_TOLERANCE 1e-14
 
@@ -22,6 +25,7 @@ typedef struct {
     double max_step;        /* 0: no limit */
     double first_step;      /* 0: found automatically */
     int64_t max_steps;      /* 0: no limit */
+    int32_t solver;         /* LAG_SOLVER_...; automatic: the one the model names */
     int32_t energy_every_step; /* watch the energy residual at every step, not only in rows */
 } LagSettings;
 
@@ -36,6 +40,8 @@ typedef struct {
     int32_t worst;          /* component that last limited the step: q is 0 .. n-1, v is n .. 2n-1 */
     int32_t tolerance_raised;
     int32_t tolerance_missed; /* steps near singular positions that were taken with a larger error */
+    int32_t solver;           /* LAG_SOLVER_...: in use now */
+    int32_t switches;         /* from one solver to another */
 } LagStatistics;
 
 /* All memory is allocated here, but for input tables. NULL: out of memory. The model must outlive the run. */

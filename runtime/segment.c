@@ -19,7 +19,7 @@ static double middle(double t, double t_event, double t_stop)
 void lag_segment_enter(LagRun *run)
 {
     const LagModel *model = run->model;
-    const double t = run->solver.t;
+    const double t = run->motion.t;
     const double scheduled = lag_schedule_next(model->n_events, model->event_kind, run->event_a, run->event_b, t);
     const double corner = lag_inputs_next(&run->inputs, t + lag_time_resolution(t));
     run->segment_end = fmin(scheduled, corner);
@@ -33,23 +33,26 @@ void lag_segment_enter(LagRun *run)
 static double first_step(LagRun *run)
 {
     const LagSettings *settings = &run->settings;
-    const double t = run->solver.t, end = fmin(run->segment_end, settings->t_stop);
+    const double t = run->motion.t, end = fmin(run->segment_end, settings->t_stop);
     double longest = isfinite(end) && end > t ? FIRST_PART * (end - t) : 1;
     if (settings->max_step > 0)
         longest = fmin(longest, settings->max_step);
     if (settings->first_step > 0)
         return fmin(longest, settings->first_step);
-    return lag_first_step(&run->solver, &run->scale, longest);
+    return lag_first_step(&run->motion, &run->scale, longest, run->methods.table->order);
 }
 
 LagStatus lag_segment_evaluate(LagRun *run)
 {
-    LagDop853 *solver = &run->solver;
-    if (!lag_dop853_restart(solver, solver->t)) {
+    LagMotion *motion = &run->motion;
+    const int n = motion->n;
+    motion->t_old = motion->t;
+    if (!lag_motion_slope(motion, motion->t, motion->y, motion->y + n, motion->slope)) {
         run->segment_over = 1;
-        return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(solver->k[0] + solver->n, solver->n), 1, 0);
+        return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
     }
     run->step = first_step(run);
+    run->methods.table->restart(run->methods.self, motion);
     lag_scale_set_step(&run->scale, run->step);
     return LAG_OK;
 }

@@ -32,13 +32,13 @@ static void guess(LagRun *run, const double *q_given, const double *v_given)
 static void clear(LagRun *run)
 {
     const LagStatistics none = {0};
-    const size_t size = (size_t)run->solver.size * sizeof(double);
+    const size_t size = (size_t)run->motion.size * sizeof(double);
     run->statistics = none;
     run->statistics.tolerance_raised = run->settings.tolerance < LAG_SMALLEST_TOLERANCE;
-    run->solver.t = run->settings.t_start;
-    run->solver.evaluations = run->solver.dense_outputs = 0;
-    memset(run->solver.y, 0, size);
-    memset(run->solver.carry, 0, size);
+    run->motion.t = run->settings.t_start;
+    run->motion.evaluations = run->motion.dense_outputs = 0;
+    memset(run->motion.y, 0, size);
+    memset(run->motion.carry, 0, size);
     lag_scale_reset(&run->scale);
 }
 
@@ -46,18 +46,19 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
 {
     run->started = 0;
     clear(run);
+    lag_methods_choose(&run->methods, lag_methods_first(&run->settings, run->model));
     if (!settings_valid(&run->settings))
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     guess(run, q_given, v_given);
     const int worst = lag_assemble(&run->assembly, run->p, run->fixed, run->start, run->work);
     if (worst >= 0)
         return lag_fail(run, LAG_INITIAL_FAILED, worst, 0, run->assembly.g[worst]);
-    memcpy(run->solver.y, run->start, 2 * (size_t)run->model->n * sizeof *run->start);
-    lag_scale_note(&run->scale, run->solver.y);
+    memcpy(run->motion.y, run->start, 2 * (size_t)run->model->n * sizeof *run->start);
+    lag_scale_note(&run->scale, run->motion.y);
     lag_segment_enter(run);
     lag_project_present(run);
     double energies[3];
-    lag_energies(run, run->solver.t, run->solver.y, energies);
+    lag_energies(run, run->motion.t, run->motion.y, energies);
     run->start_energy = energies[2];
     const LagStatus status = lag_segment_evaluate(run);
     run->started = status == LAG_OK;

@@ -3,8 +3,8 @@
 #define LAG_STATE_H
 
 #include "assemble.h"
-#include "dop853.h"
 #include "inputs.h"
+#include "methods.h"
 #include "project.h"
 #include "run.h"
 
@@ -30,7 +30,8 @@ struct LagRun {
     LagAssembly assembly;
     LagProjection projection;
     LagScale scale;
-    LagDop853 solver;
+    LagMotion motion;
+    LagMethods methods;
 
     int started;
     int troubled;         /* steps in a row that were rejected at first */
@@ -38,6 +39,7 @@ struct LagRun {
     int careful;          /* slopes are taken at projected states: a singular position is near */
     int segment_over;     /* an event was reached: the next step begins a new segment */
     double segment_end;   /* time of the next event */
+    double wanted;        /* time of the row that is asked for */
     double step;          /* length proposed for the next step */
     double start_energy, energy_before;
     unsigned ticks;       /* steps and rows, to look at the clock now and then */
@@ -46,7 +48,7 @@ struct LagRun {
 /* Records a failure and returns its status. */
 static inline LagStatus lag_fail(LagRun *run, LagStatus status, int index, int rate, double value)
 {
-    const LagFailure failure = {(int32_t)status, index, rate, run->solver.t, value};
+    const LagFailure failure = {(int32_t)status, index, rate, run->motion.t, value};
     run->failure = failure;
     return status;
 }

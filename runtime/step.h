@@ -1,9 +1,25 @@
-/* One accepted step of a run. */
+/* One accepted step of a run, by the method in use; and what all methods share in taking one. */
 #ifndef LAG_STEP_H
 #define LAG_STEP_H
 
 #include "state.h"
 
 LagStatus lag_step(LagRun *run);
+
+/* The `step` of methods that estimate their error (adaptive.c). */
+LagStatus lag_step_adaptive(LagRun *run);
+
+/* Where a step of length h ends: the one place where steps are cut short. Two steps of equal length rather than a long
+ * one and a tiny one lead up to a limit. */
+double lag_step_end(const LagRun *run, double h);
+
+/* Shorter steps do not move t. */
+double lag_step_smallest(double t);
+
+/* Notes the step of length h that was just accepted. */
+void lag_step_record(LagRun *run, double h);
+
+/* No step is small enough: component `worst` of (q, v) is to blame. */
+LagStatus lag_step_give_up(LagRun *run, int worst);
 
 #endif

@@ -25,7 +25,7 @@ ORDER = """
     elimination kkt motion reactions initial needs functions freedom
     runtime scene instructions ccode scenes native cache
     pipeline dumps
-    simulate casadi_solvers plot trajectory model
+    solvers simulate casadi_solvers plot trajectory model
     topics commands cli __init__
 """.split()
 EXCEPTIONS = {

@@ -25,10 +25,10 @@ _MOST_STEPS = 10_000_000
 
 
 def simulate_casadi(
-    compilation: Compilation, experiment: Experiment, values: Values, solver: str, watch: Callable[[Progress], None] | None = None
+    compilation: Compilation, experiment: Experiment, values: Values, watch: Callable[[Progress], None] | None = None
 ) -> tuple[Progress, Iterator[Sequence[float]]]:
     """Like simulate.simulate, with an integrator of CasADi: `casadi:cvodes`, `casadi:idas`, ...; others mean cvodes."""
-    name = solver.partition(":")[2] or "cvodes"
+    name = experiment.solver.partition(":")[2] or "cvodes"
     if name not in _INTEGRATORS:
         fail("L0704", f"CasADi has no integrator '{name}' that fits", None, f"known here: {', '.join(_INTEGRATORS)}")
     run = _Run(compilation, experiment, values, name)

@@ -14,11 +14,11 @@ from lagrangia.model import Model
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.plot import require_format
 from lagrangia.simulate import Experiment, Progress, check_values, plan
+from lagrangia.solvers import is_casadi, name_of
 from lagrangia.trajectory import CsvWriter, columns
 from lagrangia.values import read_value
 
 _BAR_AFTER = 2.0  # seconds
-_SOLVERS = ("auto", "erk")
 
 
 def check_command(options: Namespace) -> int:
@@ -59,9 +59,6 @@ def _describe(scene: Any) -> str:
 
 
 def simulate_command(options: Namespace) -> int:
-    if options.solver not in _SOLVERS and not options.solver.startswith("casadi"):
-        fail("L0704", f"there is no solver '{options.solver}'", None,
-             f"the solvers are {', '.join(_SOLVERS)}, casadi:cvodes, casadi:idas")
     if options.plot is not None:
         require_format(options.plot)
     begin = time.perf_counter()
@@ -76,7 +73,8 @@ def simulate_command(options: Namespace) -> int:
         return 0
     at = None if options.at is None else [_number(text, "--at") for text in options.at.split(",")]
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
-                      at=at, max_step=options.max_step, max_steps=options.max_steps)
+                      at=at, max_step=options.max_step, max_steps=options.max_steps,
+                      solver=options.solver)
     parameters = _values([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural],
                          {p.name: p.unit for p in scene.parameters})
     units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
@@ -120,12 +118,12 @@ def _structural(text: str) -> Any:
 def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, compiled: float) -> int:
     scene = model.scene
     begin = time.perf_counter()
-    if not options.solver.startswith("casadi") and model.engine is None and not options.quiet:
+    if not is_casadi(options.solver) and model.engine is None and not options.quiet:
         print("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
               "(pip install ziglang brings a compiler)",
               file=sys.stderr)
     bar = _Bar(experiment, sys.stderr)
-    progress, portions = model.start(experiment, values, options.solver, bar)
+    progress, portions = model.start(experiment, values, bar)
     loaded = time.perf_counter() - begin
     keep: list[Sequence[float]] = []
     failure: RunError | None = None
@@ -196,10 +194,11 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
     names = ", ".join(c.name for c in scene.coordinates[:6]) + (", ..." if scene.n > 6 else "")
     say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''} ({names}), "
         f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
-    engine = model.engine if not options.solver.startswith("casadi") else None
-    solver = "erk 8(5,3)" if engine else f"casadi:{options.solver.partition(':')[2] or 'cvodes'}"
+    engine = model.engine if not is_casadi(options.solver) else None
+    solver = "" if engine else f"casadi:{options.solver.partition(':')[2] or 'cvodes'}"
     how = ""
     if statistics is not None and engine is not None:
+        solver = name_of(statistics.solver)
         how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations"
     say(f"  {solver}{how} in {_time(progress.seconds)}")
     if statistics is not None:

@@ -11,6 +11,7 @@ from lagrangia.diagnostics import RunError
 from lagrangia.native import Build
 from lagrangia.scene import Scene
 from lagrangia.simulate import Engine, check_values, load_engine, plan, simulate, start_building
+from lagrangia.solvers import is_casadi
 from lagrangia.trajectory import Trajectory, collect
 
 if TYPE_CHECKING:
@@ -80,15 +81,16 @@ class Model:
 
         `tolerance` is relative to the size of each coordinate and rate. `parameters` and `initial` map names to values in SI
         units; `inputs` maps names to constants, or is a pair (times, {name: values}) of tables that are linear in between.
-        `solver` is "auto", "erk" (the run time's Dormand-Prince 8(5,3)), or an integrator of CasADi as "casadi:cvodes".
+        `solver` is "auto", a name from solvers.WAYS, or an integrator of CasADi as "casadi:cvodes".
         Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on.
         """
         import numpy as np
 
         experiment = plan(self.scene, stop=stop, start=start, tolerance=tolerance, interval=interval,
-                          at=None if at is None else [float(t) for t in at], max_step=max_step, max_steps=max_steps)
+                          at=None if at is None else [float(t) for t in at], max_step=max_step, max_steps=max_steps,
+                          solver=solver)
         values = check_values(self.scene, parameters, initial, inputs)
-        progress, portions = self.start(experiment, values, solver)
+        progress, portions = self.start(experiment, values)
         kept: list[Sequence[float]] = []
         failure: RunError | None = None
         try:
@@ -102,13 +104,13 @@ class Model:
             raise failure
         return trajectory
 
-    def start(self, experiment: Any, values: Any, solver: str = "auto", watch: Any = None) -> Any:
+    def start(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""
-        engine = self.engine if not solver.startswith("casadi") else None
+        engine = self.engine if not is_casadi(experiment.solver) else None
         if engine is None:
             from lagrangia.casadi_solvers import simulate_casadi
 
-            return simulate_casadi(self.compilation, experiment, values, solver, watch)
+            return simulate_casadi(self.compilation, experiment, values, watch)
         return simulate(self.scene, engine, experiment, values, watch)
 
     def observer(self, parameters: "np.ndarray", values: Any) -> Any:

@@ -35,6 +35,13 @@ class Status(IntEnum):
     OUT_OF_MEMORY = 11
 
 
+class Solver(IntEnum):
+    """LAG_SOLVER_... of run.h."""
+
+    AUTO = 0
+    ERK = 1
+
+
 class Op(IntEnum):
     """LagOp of tape.h."""
 
@@ -97,6 +104,7 @@ class Settings:
     max_step: float = 0.0
     first_step: float = 0.0
     max_steps: int = 0
+    solver: Solver = Solver.AUTO
     energy_every_step: bool = False
 
 
@@ -119,6 +127,8 @@ class Statistics:
     projections: int = 0
     constraint_residual: float = 0.0
     constraint_rate_residual: float = 0.0
+    solver: Solver = Solver.ERK
+    switches: int = 0
 
 
 @dataclass(frozen=True)
@@ -195,6 +205,7 @@ class _Model(c.Structure):
         ("fixed", _Ints),
         ("event_kind", _Ints),
         ("outputs_need_acceleration", c.c_int),
+        ("solver", c.c_int),
         *((name, _Function) for name in _FUNCTIONS),
     )
 
@@ -207,6 +218,7 @@ class _Settings(c.Structure):
         ("max_step", c.c_double),
         ("first_step", c.c_double),
         ("max_steps", c.c_int64),
+        ("solver", c.c_int32),
         ("energy_every_step", c.c_int32),
     )
 
@@ -228,6 +240,8 @@ class _Statistics(c.Structure):
         ("worst", c.c_int32),
         ("tolerance_raised", c.c_int32),
         ("tolerance_missed", c.c_int32),
+        ("solver", c.c_int32),
+        ("switches", c.c_int32),
     )
 
 
@@ -406,7 +420,7 @@ class Run:
     def statistics(self) -> Statistics:
         struct = self._library.lag_run_statistics(self._run).contents
         values = {name: getattr(struct, name) for name, _ in _Statistics._fields_}
-        return Statistics(**values | {"tolerance_raised": bool(struct.tolerance_raised)})
+        return Statistics(**values | {"tolerance_raised": bool(struct.tolerance_raised), "solver": Solver(struct.solver)})
 
     @property
     def failure(self) -> Failure:

@@ -54,6 +54,7 @@ class Scene:
     event_kind: tuple[int, ...]
     initial_places: tuple[str, ...]  # where the initial equations are written
     notes: Mapping[str, Any]  # figures for --stats
+    refused: Mapping[str, str]  # solvers that cannot run this scene, and why
     tapes: Mapping[str, Tape]
 
     @property

@@ -49,7 +49,7 @@ def build_scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
         tuple(kinds[c.unit] for c in graph.coordinates), tuple(map(int, initial.fixed)), functions.event_kinds,
-        _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, freedom), tapes,
+        _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, freedom), {}, tapes,
     )
 
 

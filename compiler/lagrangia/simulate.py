@@ -16,6 +16,7 @@ from lagrangia.folders import data_folder
 from lagrangia.native import Build, CompilerError, find_compiler, start_build, start_runtime_build
 from lagrangia.runtime import Failure, Model, Run, Runtime, Settings, Statistics, Status
 from lagrangia.scene import Scene
+from lagrangia.solvers import AUTO, is_casadi, number_of
 
 _PORTION = 4096  # rows
 _PAUSE = 0.1  # seconds between two looks at the clock and the keyboard
@@ -36,6 +37,7 @@ class Experiment:
     at: tuple[float, ...] | None = None
     max_step: float = 0.0
     max_steps: int = 0
+    solver: str = AUTO
 
     def count(self) -> int:
         if self.at is not None:
@@ -101,12 +103,14 @@ class Progress:
 
 def plan(scene: Scene, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None,
          interval: float | None = None, at: Sequence[float] | None = None, max_step: float = 0.0,
-         max_steps: int = 0) -> Experiment:
+         max_steps: int = 0, solver: str = AUTO) -> Experiment:
     """The experiment of the annotation with what is given instead. Raises LagError L0702."""
     report = Report()
     begin = scene.start if start is None else start
     end = (at[-1] if at and stop is None else scene.stop if stop is None else stop) if at is None or len(at) else scene.stop
     accuracy = scene.tolerance if tolerance is None else tolerance
+    if not is_casadi(solver):
+        number_of(solver, scene)
     _check_times(at, begin, end, report)
     report.raise_errors()
     for name, value in (("start time", begin), ("stop time", end), ("tolerance", accuracy)):
@@ -126,7 +130,8 @@ def plan(scene: Scene, *, stop: float | None = None, start: float | None = None,
     if max_steps < 0:
         report.error("L0702", f"the number of steps must be positive, not {max_steps}")
     report.raise_errors()
-    experiment = Experiment(begin, end, accuracy, step or 1.0, tuple(at) if at is not None else None, max_step, max_steps)
+    experiment = Experiment(begin, end, accuracy, step or 1.0, tuple(at) if at is not None else None, max_step, max_steps,
+                            solver)
     if experiment.count() > _MOST_ROWS:
         report.error("L0702", f"{experiment.count()} rows are more than {_MOST_ROWS}", None, "choose a longer interval")
         report.raise_errors()
@@ -255,7 +260,8 @@ def simulate(
     Raises LagError for values the scene cannot have, at once; the iterator raises RunError when the run cannot go on, after the
     rows computed so far. KeyboardInterrupt ends the rows and marks the progress.
     """
-    settings = Settings(experiment.start, experiment.stop, experiment.tolerance, experiment.max_step, 0.0, experiment.max_steps)
+    settings = Settings(experiment.start, experiment.stop, experiment.tolerance, experiment.max_step, 0.0, experiment.max_steps,
+                        number_of(experiment.solver, scene))
     run = engine.runtime.run(engine.model, settings)
     try:
         run.set_parameters(values.parameters, values.mask)

@@ -1,0 +1,51 @@
+"""The ways to run a scene, by the names that `--solver` takes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from lagrangia.diagnostics import fail, suggest
+from lagrangia.runtime import Solver
+from lagrangia.scene import Scene
+
+AUTO = "auto"
+CASADI = ("casadi:cvodes", "casadi:idas", "casadi:rk", "casadi:collocation")
+
+
+@dataclass(frozen=True)
+class Way:
+    """A solver of the run time: its number there, and what it is in words."""
+
+    number: Solver
+    title: str
+
+
+WAYS: Mapping[str, Way] = {
+    "erk": Way(Solver.ERK, "explicit Runge-Kutta 8(5,3) of Dormand and Prince"),
+}
+
+
+def is_casadi(name: str) -> bool:
+    return name.partition(":")[0] == "casadi"
+
+
+def applicable(scene: Scene) -> tuple[str, ...]:
+    """The names of the run time's solvers that can run this scene."""
+    return tuple(name for name in WAYS if name not in scene.refused)
+
+
+def number_of(name: str, scene: Scene) -> Solver:
+    """The run time's number of the solver `name`. Raises LagError L0704 when there is none, or none for this scene."""
+    if name == AUTO:
+        return Solver.AUTO
+    if name not in WAYS:
+        known = [AUTO, *WAYS, *CASADI]
+        fail("L0704", f"there is no solver '{name}'", None, *filter(None, [suggest(name, known)]),
+             f"the solvers are {', '.join(known)}")
+    if name in scene.refused:
+        fail("L0704", f"the solver '{name}' cannot run this scene: {scene.refused[name]}", None,
+             f"here one can choose {', '.join((AUTO, *applicable(scene)))}")
+    return WAYS[name].number
+
+
+def name_of(number: Solver) -> str:
+    return next(name for name, way in WAYS.items() if way.number is number)

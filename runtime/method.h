@@ -1,0 +1,36 @@
+/* A way of stepping: one file and one constant table each (dop853.c, ...), chosen in methods.c. */
+#ifndef LAG_METHOD_H
+#define LAG_METHOD_H
+
+#include "motion.h"
+#include "scale.h"
+#include "status.h"
+
+struct LagRun;
+
+typedef struct {
+    const char *name;
+    int order; /* the error of a step of length h falls as h^order */
+
+    /* Takes memory for `self`, the method's own struct, for a motion of the given sizes. */
+    void (*layout)(void *self, const LagMotion *motion, LagArena *arena);
+
+    /* The state or the equations changed: forgets earlier steps. motion->slope is that of the present state. */
+    void (*restart)(void *self, LagMotion *motion);
+
+    /* Moves on by one step: lag_step_adaptive for methods that estimate their error. */
+    LagStatus (*step)(struct LagRun *run);
+
+    /* Tries a step to t_new; the result is left in motion->other. Returns the error estimate (a step of error <= 1 is good)
+     * and the component it is largest in, or infinity when an evaluation is not finite. */
+    double (*attempt)(void *self, LagMotion *motion, double t_new, const LagScale *scale, int *worst);
+
+    /* Takes the step just tried (motion->other may have been projected since). Returns 0, and takes nothing, when the slope
+     * at its end is not finite. */
+    int (*accept)(void *self, LagMotion *motion, double t_new);
+
+    /* State y at t in [t_old, t]. */
+    void (*interpolate)(void *self, LagMotion *motion, double t, double *y);
+} LagMethod;
+
+#endif

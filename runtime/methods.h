@@ -1,0 +1,25 @@
+/* The methods of a run: memory for those its model can use, and the one in use. */
+#ifndef LAG_METHODS_H
+#define LAG_METHODS_H
+
+#include "dop853.h"
+#include "run.h"
+
+typedef struct {
+    int32_t solver;         /* LAG_SOLVER_...: in use */
+    const LagMethod *table; /* its functions */
+    void *self;             /* its own struct, one of those below */
+    LagDop853 dop853;
+} LagMethods;
+
+/* The solver to begin with. */
+int32_t lag_methods_first(const LagSettings *settings, const LagModel *model);
+
+/* The methods that a run with these settings may use take their memory. */
+void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,
+                        LagArena *arena);
+
+/* Puts a method to use; it must be restarted. */
+void lag_methods_choose(LagMethods *methods, int32_t solver);
+
+#endif

@@ -1,0 +1,38 @@
+/* The state that moves: what every method of stepping reads and writes. */
+#ifndef LAG_MOTION_H
+#define LAG_MOTION_H
+
+#include <stdint.h>
+
+#include "arena.h"
+
+/* Accelerations a[n] and powers power[n_power]; returns 1 when all are finite. v is the slope of q: it may be corrected. */
+typedef int (*LagRhs)(void *context, double t, const double *q, double *v, double *a, double *power);
+
+typedef struct {
+    int n, size; /* size = 2 n + n_power */
+    LagRhs rhs;
+    void *context;
+    double t, t_old;   /* the last step went from t_old to t; equal: it is no longer known */
+    double *y, *carry; /* state (q, v, energy quadratures) and what rounding took from it */
+    double *other, *other_carry; /* the state at t_old, or the new one while a step is tried */
+    double *slope;               /* dy/dt where a segment begins */
+    double *point, *sum;         /* scratch */
+    int64_t evaluations, dense_outputs;
+} LagMotion;
+
+void lag_motion_layout(LagMotion *motion, LagArena *arena);
+
+/* Slope k of the state (q, v) at t; v is copied, unless it is already in its place. Returns 1 when it is finite. */
+int lag_motion_slope(LagMotion *motion, double t, const double *q, const double *v, double *k);
+
+/* other = y + step, compensated. */
+void lag_motion_add(LagMotion *motion, const double *step);
+
+/* The state just tried becomes the present one. */
+void lag_motion_take(LagMotion *motion, double t_new);
+
+/* Index of the first value that is not finite; the last one if all are. */
+int lag_first_not_finite(const double *x, int n);
+
+#endif
