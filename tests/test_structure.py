@@ -21,7 +21,7 @@ PACKAGE = ROOT / "compiler" / "lagrangia"
 ORDER = """
     folders diagnostics units values
     tree expectations syntax classes meanings instances folding names algorithms flat dimensions walk observables
-    algebra evaluation edges graph closures kinematics energies bodies parameters constraints
+    scalars algebra evaluation edges graph closures kinematics energies bodies parameters constraints
     elimination kkt motion reactions initial needs functions freedom
     runtime scene instructions ccode scenes native cache
     pipeline dumps

@@ -7,9 +7,13 @@ operators cannot say (functions, conditions) goes through the methods of an Alge
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Protocol
 
 import casadi as ca
+
+from lagrangia.scalars import apply, apply_to_one, as_expression
+from lagrangia.scalars import symbol as make_symbol
 
 Scalar = Any  # float | ca.SX | Dual
 
@@ -68,12 +72,12 @@ class CasadiAlgebra:
         difference = a - b
         if operator not in ("==", "<>") and self._is_timed(difference):
             return self._mode(_COMPARE[operator](difference, 0), difference, 0)
-        return _COMPARE[operator](a, b)
+        return as_expression(_COMPARE[operator](a, b))
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
         if isinstance(condition, float | int):
             return then if condition else otherwise
-        return ca.if_else(condition, then, otherwise)
+        return as_expression(ca.if_else(condition, then, otherwise))
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
         if operator == "not":
@@ -96,13 +100,9 @@ class CasadiAlgebra:
         for mode in self.modes:
             if ca.is_equal(mode.value, value, 50):
                 return mode.symbol
-        symbol = ca.SX.sym(f"d_{len(self.modes)}")
+        symbol = make_symbol(f"d_{len(self.modes)}")
         self.modes.append(Mode(symbol, value, argument, kind))
         return symbol
-
-
-def _sx_atan2(y: Scalar, x: Scalar) -> ca.SX:
-    return ca.atan2(y, x)
 
 
 def _has_steps(value: ca.SX) -> bool:
@@ -116,9 +116,12 @@ _STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN
 
 
 _SX_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
-    **{name: getattr(ca, name) for name in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh",
-                                            "atanh", "exp", "log", "log10", "sqrt", "floor", "ceil", "sign", "fmin", "fmax")},
-    "abs": ca.fabs, "atan2": _sx_atan2, "pow": lambda a, b: a**b,
+    **{name: partial(apply_to_one, getattr(ca, f"OP_{name.upper()}")) for name in (
+        "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp", "log", "sqrt",
+        "floor", "ceil", "sign")},
+    **{name: partial(apply, getattr(ca, f"OP_{name.upper()}")) for name in ("fmin", "fmax", "atan2")},
+    "abs": partial(apply_to_one, ca.OP_FABS), "log10": lambda x: as_expression(ca.log10(x)),
+    "pow": lambda a, b: as_expression(a**b),
 }
 _COMPARE: Mapping[str, Callable[[Any, Any], Any]] = {
     "<": lambda a, b: a < b, "<=": lambda a, b: a <= b, ">": lambda a, b: a > b, ">=": lambda a, b: a >= b,
@@ -150,13 +153,13 @@ class Dual:
 
     def __add__(self, other: Scalar) -> "Dual":
         if isinstance(other, Dual):
-            return Dual(self.value + other.value, _plus(self.rate, other.rate))
+            return Dual(self.value + other.value, plus(self.rate, other.rate))
         return Dual(self.value + other, self.rate)
 
     __radd__ = __add__
 
     def __neg__(self) -> "Dual":
-        return Dual(-self.value, 0.0 if _is_zero(self.rate) else -self.rate)
+        return Dual(-self.value, 0.0 if is_zero(self.rate) else -self.rate)
 
     def __sub__(self, other: Scalar) -> "Dual":
         return self.__add__(-other)
@@ -166,36 +169,39 @@ class Dual:
 
     def __mul__(self, other: Scalar) -> "Dual":
         if isinstance(other, Dual):
-            return Dual(self.value * other.value, _plus(_times(self.rate, other.value), _times(other.rate, self.value)))
-        return Dual(self.value * other, _times(self.rate, other))
+            return Dual(self.value * other.value, plus(times(self.rate, other.value), times(other.rate, self.value)))
+        return Dual(self.value * other, times(self.rate, other))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Scalar) -> "Dual":
         if not isinstance(other, Dual):
-            return Dual(self.value / other, 0.0 if _is_zero(self.rate) else self.rate / other)
+            return Dual(self.value / other, 0.0 if is_zero(self.rate) else self.rate / other)
         quotient = self.value / other.value
-        top = _plus(self.rate, _times(_negative(other.rate), quotient))
-        return Dual(quotient, 0.0 if _is_zero(top) else top / other.value)
+        top = plus(self.rate, times(minus(0.0, other.rate), quotient))
+        return Dual(quotient, 0.0 if is_zero(top) else top / other.value)
 
     def __rtruediv__(self, other: Scalar) -> "Dual":
         return Dual(other, 0.0) / self
 
 
-def _is_zero(x: Scalar) -> bool:
-    return isinstance(x, float | int) and x == 0
+# Sums and products in which the number 0 costs nothing.
 
 
-def _plus(a: Scalar, b: Scalar) -> Scalar:
-    return b if _is_zero(a) else a if _is_zero(b) else a + b
+def is_zero(x: Scalar) -> bool:
+    return bool(x == 0) if isinstance(x, float | int) else isinstance(x, ca.SX) and bool(x.is_zero())
 
 
-def _times(a: Scalar, b: Scalar) -> Scalar:
-    return 0.0 if _is_zero(a) or _is_zero(b) else a * b
+def plus(a: Scalar, b: Scalar) -> Scalar:
+    return b if is_zero(a) else a if is_zero(b) else a + b
 
 
-def _negative(a: Scalar) -> Scalar:
-    return 0.0 if _is_zero(a) else -a
+def minus(a: Scalar, b: Scalar) -> Scalar:
+    return a if is_zero(b) else -b if is_zero(a) else a - b
+
+
+def times(a: Scalar, b: Scalar) -> Scalar:
+    return 0.0 if is_zero(a) or is_zero(b) else a * b
 
 
 def value_of(x: Scalar) -> Scalar:
@@ -222,8 +228,8 @@ class DualAlgebra:
         value = self.base.call(function, *values)
         partials = _PARTIALS[function](self.base, value, *values)
         total: Scalar = 0.0
-        for partial, rate in zip(partials, rates, strict=True):
-            total = _plus(total, _times(partial() if not _is_zero(rate) else 0.0, rate))
+        for slope, rate in zip(partials, rates, strict=True):
+            total = plus(total, times(slope() if not is_zero(rate) else 0.0, rate))
         return Dual(value, total)
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
@@ -233,7 +239,7 @@ class DualAlgebra:
         if not isinstance(then, Dual) and not isinstance(otherwise, Dual):
             return self.base.choose(condition, then, otherwise)
         rates = rate_of(then), rate_of(otherwise)
-        rate = 0.0 if _is_zero(rates[0]) and _is_zero(rates[1]) else self.base.choose(condition, *rates)
+        rate = 0.0 if is_zero(rates[0]) and is_zero(rates[1]) else self.base.choose(condition, *rates)
         return Dual(self.base.choose(condition, value_of(then), value_of(otherwise)), rate)
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:

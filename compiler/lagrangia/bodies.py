@@ -4,7 +4,7 @@ A kinetic term that reads only the velocities of frames of one rigid body, is qu
 the body is moved and turned, is that body's inertia: mass, first moment and second moment about one of its frames.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -15,6 +15,7 @@ from lagrangia.evaluation import Evaluator, Value
 from lagrangia.flat import FlatModel
 from lagrangia.graph import ComponentGraph
 from lagrangia.kinematics import Kinematics, Pose
+from lagrangia.scalars import as_expression, symbol
 from lagrangia.tree import Call, FrameRef, Ref, Time
 from lagrangia.walk import nodes
 
@@ -47,24 +48,24 @@ class Bodies:
 class _Candidate:
     term: Term
     frame: str
-    straight: ca.SX  # Hessian with the body at angle 0
-    turned: ca.SX  # and at a general angle
+    energy: Scalar  # of a free twist in the frame's axes, with the body at a general angle
 
 
 def find_bodies(kinematics: Kinematics, energies: Energies) -> Bodies:
     """Splits the kinetic energy into rigid bodies and the rest."""
     home, local = _rigid_clusters(kinematics)
-    angle = ca.SX.sym("c"), ca.SX.sym("s")
-    candidates = [_candidate(kinematics, term, home, local, angle) for term in energies.kinetic]
-    rigid = _are_rigid([c for c in candidates if isinstance(c, _Candidate)], angle, kinematics)
-    inertias, rest = [], []
-    for candidate, term in zip(candidates, energies.kinetic, strict=True):
-        if candidate is None or not next(rigid):
-            rest.append(term)
-        else:
-            H = candidate.straight
-            inertias.append(Inertia(candidate.frame, H[0, 0], H[1, 2], -H[0, 2], H[2, 2]))
-    return Bodies(tuple(inertias), tuple(rest), home, local)
+    angle = symbol("c"), symbol("s")
+    twist = symbol("vx"), symbol("vy"), symbol("w")
+    found = [_candidate(kinematics, term, home, local, twist, angle) for term in energies.kinetic]
+    candidates = [candidate for candidate in found if candidate is not None]
+    turned = _hessians([candidate.energy for candidate in candidates], twist)
+    straight = ca.substitute([turned], [*angle], [ca.SX(1), ca.SX(0)])[0]
+    rigid = _are_rigid(straight, turned, angle, kinematics)
+    columns = [[as_expression(x) for x in straight[:, k].elements()] for k in range(6)]
+    inertias = [Inertia(c.frame, columns[0][k], columns[4][k], -columns[2][k], columns[5][k])
+                for k, c in enumerate(candidates) if rigid[k]]
+    solved = {id(c.term) for c, is_rigid in zip(candidates, rigid, strict=True) if is_rigid}
+    return Bodies(tuple(inertias), tuple(term for term in energies.kinetic if id(term) not in solved), home, local)
 
 
 def _rigid_clusters(kinematics: Kinematics) -> tuple[dict[str, str], dict[str, Pose]]:
@@ -80,14 +81,15 @@ def _rigid_clusters(kinematics: Kinematics) -> tuple[dict[str, str], dict[str, P
 
 
 def _candidate(
-    kinematics: Kinematics, term: Term, home: Mapping[str, str], local: Mapping[str, Pose], angle: tuple[ca.SX, ca.SX]
+    kinematics: Kinematics, term: Term, home: Mapping[str, str], local: Mapping[str, Pose], twist: tuple[Scalar, ...],
+    angle: tuple[Scalar, Scalar],
 ) -> _Candidate | None:
     frames = _velocities_read(kinematics.graph.model, term)
     if not frames or len({home[name] for name in frames}) != 1:
         return None
     frame = min(frames)
-    straight, turned = (_hessian(kinematics, term, local, frame, c, s) for c, s in ((1.0, 0.0), angle))
-    return _Candidate(term, frame, straight, turned)
+    probe = _Probe(kinematics, local, frame, twist, *angle)
+    return _Candidate(term, frame, Evaluator(kinematics.graph.model, kinematics.algebra, probe).value(term.statement.value))
 
 
 def _velocities_read(model: FlatModel, term: Term) -> set[str] | None:
@@ -113,20 +115,19 @@ def _velocities_read(model: FlatModel, term: Term) -> set[str] | None:
     return frames
 
 
-def _hessian(kinematics: Kinematics, term: Term, local: Mapping[str, Pose], frame: str, cosine: Scalar, sine: Scalar) -> ca.SX:
-    """d2T/d(twist)2, the twist being that of `frame` in the body's axes, the body at the angle given by cosine and sine."""
-    twist = ca.SX.sym("twist", 3)
-    probe = _Probe(kinematics, local, frame, twist, cosine, sine)
-    value = Evaluator(kinematics.graph.model, kinematics.algebra, probe).value(term.statement.value)
-    slope = ca.gradient(ca.SX(value), twist)
-    hessian = ca.densify(ca.jacobian(slope, twist))
-    return ca.substitute(hessian, twist, ca.SX.nan(3)) if ca.depends_on(hessian, twist) else hessian
+def _hessians(values: list[Scalar], twist: tuple[Scalar, ...]) -> ca.SX:
+    """d2T/d(twist)2 of each energy: a row of the six entries xx, xy, xw, yy, yw, ww. NaN where T is not quadratic."""
+    moving = ca.vertcat(*twist)
+    slopes = ca.densify(ca.jacobian(ca.vertcat(ca.SX(0, 1), *values), moving))
+    x, y, w = (ca.densify(ca.jacobian(slopes[:, k], moving)) for k in range(3))
+    table = ca.horzcat(x, y[:, 1:], w[:, 2])
+    return ca.substitute(table, moving, ca.SX.nan(3)) if ca.depends_on(table, moving) else table
 
 
 class _Probe:
     """Leaves of an evaluator in which the velocities of one body's frames come from a free twist in its own axes."""
 
-    def __init__(self, kinematics: Kinematics, local: Mapping[str, Pose], frame: str, twist: ca.SX, cosine: Scalar,
+    def __init__(self, kinematics: Kinematics, local: Mapping[str, Pose], frame: str, twist: tuple[Scalar, ...], cosine: Scalar,
                  sine: Scalar) -> None:
         self.kinematics, self.local, self.origin = kinematics, local, local[frame]
         self.twist, self.cosine, self.sine = twist, cosine, sine
@@ -138,7 +139,7 @@ class _Probe:
         return self.kinematics.time(level)
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
-        vx, vy, w = (self.twist[k] for k in range(3))
+        vx, vy, w = self.twist
         if attribute == "w":
             return w
         place = self.local[name]
@@ -147,23 +148,24 @@ class _Probe:
         return (self.cosine * vx - self.sine * vy, self.sine * vx + self.cosine * vy)
 
 
-def _are_rigid(candidates: list[_Candidate], angle: tuple[ca.SX, ca.SX], kinematics: Kinematics) -> Iterator[bool]:
-    """For each candidate: is its Hessian constant, isotropic in the mass, and the same at every angle?
+def _are_rigid(straight: ca.SX, turned: ca.SX, angle: tuple[Scalar, Scalar], kinematics: Kinematics) -> list[bool]:
+    """For each row: is its Hessian constant, isotropic in the mass, and the same at every angle?
 
     The last is an identity between expressions (c c + s s = 1 among others); it is tested with numbers at a general angle.
     """
-    if not candidates:
-        return iter(())
-    gaps = [ca.norm_inf(ca.vertcat(ca.vec(c.straight - c.turned), c.straight[0, 0] - c.straight[1, 1], c.straight[0, 1]))
-            for c in candidates]
-    sizes = [ca.norm_inf(ca.vec(c.straight)) for c in candidates]
-    table = ca.horzcat(ca.vertcat(*gaps), ca.vertcat(*sizes))
+    rows = straight.size1()
+    if not rows:
+        return []
+    gaps = ca.horzcat(straight - turned, straight[:, 0] - straight[:, 3], straight[:, 1])
+    table = ca.horzcat(gaps, straight)
     moving = ca.vertcat(kinematics.algebra.state, kinematics.symbols.time)
-    steady = [True] * len(candidates)
+    steady = [True] * rows
     if ca.depends_on(table, moving):
-        steady = [not ca.depends_on(c.straight, moving) for c in candidates]
+        steady = [not ca.depends_on(straight[k, :], moving) for k in range(rows)]
     free = ca.symvar(table)
     numbers = {angle[0].__hash__(): 0.6, angle[1].__hash__(): 0.8}
     values = [numbers.get(s.__hash__(), 0.7 + 0.31 * (k % 17)) for k, s in enumerate(free)]
-    result = ca.Function("identity", [ca.vertcat(*free)], [table])(ca.DM(values)) if free else ca.evalf(table)
-    return iter([flag and float(gap) <= 1e-12 * float(size) for flag, (gap, size) in zip(steady, result.full(), strict=True)])
+    found = ca.Function("identity", [ca.vertcat(*free)], [table])(ca.DM(values)) if free else ca.evalf(table)
+    sizes = abs(found.full())
+    return [flag and gap.max() <= 1e-12 * size.max()
+            for flag, gap, size in zip(steady, sizes[:, : gaps.size2()], sizes[:, gaps.size2() :], strict=True)]

@@ -15,11 +15,12 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from lagrangia.algebra import Dual, Scalar, rate_of
+from lagrangia.algebra import Dual, Scalar, is_zero, minus, plus, rate_of, times
 from lagrangia.bodies import Bodies, Inertia
 from lagrangia.edges import Edge
 from lagrangia.evaluation import Evaluator, Value
 from lagrangia.kinematics import Kinematics, Pose, rotated
+from lagrangia.scalars import as_expression
 
 Vector = list[Scalar]  # vx, vy, w or fx, fy, torque
 
@@ -53,8 +54,9 @@ def eliminate(kinematics: Kinematics, bodies: Bodies, r: ca.SX) -> ca.SX | None:
     for inertia in bodies.inertias:
         _add_inertia(clusters[bodies.home[inertia.frame]], inertia, bodies.local[inertia.frame])
     acceleration: list[Scalar] = [0.0] * r.numel()
+    right = [as_expression(x) for x in ca.densify(r).elements()]
     for cluster in reversed(clusters.values()):
-        _towards_root(cluster, r)
+        _towards_root(cluster, right)
     twists: dict[str, Vector] = {}
     for cluster in clusters.values():
         start = _moved(twists[cluster.parent.frame], cluster.joint) if cluster.parent else [0.0] * 3
@@ -96,7 +98,7 @@ def _add_inertia(cluster: Cluster, inertia: Inertia, local: Pose) -> None:
     J = inertia.second_moment + 2 * (ahead[0] * bx + ahead[1] * by) + m * (ahead[0] * ahead[0] + ahead[1] * ahead[1])
     x, y = rotated(cluster.turn.cos, cluster.turn.sin, 0.0, bx + m * ahead[0], by + m * ahead[1])
     for (i, j), value in {(0, 0): m, (1, 1): m, (0, 2): -y, (1, 2): x, (2, 2): J}.items():
-        cluster.inertia[i][j] = _add(cluster.inertia[i][j], value)
+        cluster.inertia[i][j] = plus(cluster.inertia[i][j], value)
 
 
 class _OneMoves:
@@ -128,7 +130,7 @@ def _direction(kinematics: Kinematics, edge: Edge, mover: str) -> Vector:
 # -------------------------------------------------------------------- the two sweeps
 
 
-def _towards_root(cluster: Cluster, r: ca.SX) -> None:
+def _towards_root(cluster: Cluster, r: Vector) -> None:
     I, p = cluster.inertia, cluster.load
     for index, s in reversed(cluster.directions):
         U = [_dot([I[min(i, j)][max(i, j)] for j in range(3)], s) for i in range(3)]
@@ -139,10 +141,10 @@ def _towards_root(cluster: Cluster, r: ca.SX) -> None:
         if axis is not None:
             p[axis] = r[index]  # along an axis the load is exactly what r says, and the reduced inertia zero
         for i in (k for k in range(3) if k != axis):
-            scaled = _mul(U[i], inverse)
-            p[i] = _add(p[i], _mul(scaled, u))
+            scaled = times(U[i], inverse)
+            p[i] = plus(p[i], times(scaled, u))
             for j in range(i, 3):
-                I[i][j] = _minus(I[i][j], _mul(scaled, U[j]))
+                I[i][j] = minus(I[i][j], times(scaled, U[j]))
         for k in range(3):
             if axis is not None:
                 I[min(k, axis)][max(k, axis)] = 0.0
@@ -152,7 +154,7 @@ def _towards_root(cluster: Cluster, r: ca.SX) -> None:
 
 def _axis(s: Vector) -> int | None:
     """k when s is the k-th unit vector."""
-    nonzero = [k for k, x in enumerate(s) if not _is_zero(x)]
+    nonzero = [k for k, x in enumerate(s) if not is_zero(x)]
     return nonzero[0] if len(nonzero) == 1 and isinstance(s[nonzero[0]], float) and s[nonzero[0]] == 1.0 else None
 
 
@@ -162,49 +164,30 @@ def _hand_over(cluster: Cluster, parent: Cluster) -> None:
     I = cluster.inertia
     fx, fy, torque = cluster.load
     # X^T I X with X = [[1, 0, -dy], [0, 1, dx], [0, 0, 1]]
-    xz = _add(_minus(I[0][2], _mul(I[0][0], dy)), _mul(I[0][1], dx))
-    yz = _add(_minus(I[1][2], _mul(I[0][1], dy)), _mul(I[1][1], dx))
-    zz = _minus(_add(_minus(_add(I[2][2], _mul(I[1][2], dx)), _mul(I[0][2], dy)), _mul(yz, dx)), _mul(xz, dy))
+    xz = plus(minus(I[0][2], times(I[0][0], dy)), times(I[0][1], dx))
+    yz = plus(minus(I[1][2], times(I[0][1], dy)), times(I[1][1], dx))
+    zz = minus(plus(minus(plus(I[2][2], times(I[1][2], dx)), times(I[0][2], dy)), times(yz, dx)), times(xz, dy))
     for (i, j), value in {(0, 0): I[0][0], (0, 1): I[0][1], (1, 1): I[1][1], (0, 2): xz, (1, 2): yz, (2, 2): zz}.items():
-        parent.inertia[i][j] = _add(parent.inertia[i][j], value)
-    moved = [fx, fy, _minus(_add(torque, _mul(fy, dx)), _mul(fx, dy))]
-    parent.load = [_add(a, b) for a, b in zip(parent.load, moved, strict=True)]
+        parent.inertia[i][j] = plus(parent.inertia[i][j], value)
+    moved = [fx, fy, minus(plus(torque, times(fy, dx)), times(fx, dy))]
+    parent.load = [plus(a, b) for a, b in zip(parent.load, moved, strict=True)]
 
 
 def _from_root(cluster: Cluster, twist: Vector, acceleration: list[Scalar]) -> Vector:
     for index, s, U, inverse, u in reversed(cluster.solved):
-        a = _mul(_minus(u, _dot(U, twist)), inverse)
+        a = times(minus(u, _dot(U, twist)), inverse)
         acceleration[index] = a
-        twist = [_add(x, _mul(y, a)) for x, y in zip(twist, s, strict=True)]
+        twist = [plus(x, times(y, a)) for x, y in zip(twist, s, strict=True)]
     return twist
 
 
 def _moved(twist: Vector, joint: tuple[Scalar, Scalar]) -> Vector:
     vx, vy, w = twist
-    return [_minus(vx, _mul(w, joint[1])), _add(vy, _mul(w, joint[0])), w]
-
-
-# -------------------------------------------------------------------- scalars; the numbers 0 and 1 cost nothing
-
-
-def _is_zero(x: Scalar) -> bool:
-    return (isinstance(x, float | int) and x == 0) or (isinstance(x, ca.SX) and x.is_zero())
-
-
-def _add(a: Scalar, b: Scalar) -> Scalar:
-    return b if _is_zero(a) else a if _is_zero(b) else a + b
-
-
-def _minus(a: Scalar, b: Scalar) -> Scalar:
-    return a if _is_zero(b) else -b if _is_zero(a) else a - b
-
-
-def _mul(a: Scalar, b: Scalar) -> Scalar:
-    return 0.0 if _is_zero(a) or _is_zero(b) else a * b
+    return [minus(vx, times(w, joint[1])), plus(vy, times(w, joint[0])), w]
 
 
 def _dot(a: Vector, b: Vector) -> Scalar:
     total: Scalar = 0.0
     for x, y in zip(a, b, strict=True):
-        total = _add(total, _mul(x, y))
+        total = plus(total, times(x, y))
     return total

@@ -10,6 +10,7 @@ from lagrangia.diagnostics import Report, Span
 from lagrangia.evaluation import Value, scalars_of
 from lagrangia.flat import Energy, Work
 from lagrangia.kinematics import Kinematics
+from lagrangia.scalars import as_expression
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Energies:
     @staticmethod
     def total(terms: tuple[Term, ...]) -> ca.SX:
         """Sum by halves, which keeps the tree of additions shallow."""
-        return _balanced_sum([ca.SX(t.value) for t in terms])
+        return _balanced_sum([as_expression(t.value) for t in terms])
 
 
 def build_energies(kinematics: Kinematics) -> Energies:

@@ -11,12 +11,13 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra import CasadiAlgebra, Dual, Scalar, rate_of, value_of
+from lagrangia.algebra import CasadiAlgebra, Dual, Scalar, minus, plus, rate_of, times, value_of
 from lagrangia.closures import cut_coordinate
 from lagrangia.diagnostics import fail
 from lagrangia.edges import Edge, Step
 from lagrangia.evaluation import Evaluator, Value, scalars_of
 from lagrangia.graph import ComponentGraph
+from lagrangia.scalars import symbol
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,14 +117,16 @@ class Kinematics:
         if level > 0:
             fail("L0911", "the rate of a reaction is not known", self.graph.model.frames[name].span)
         if name not in self.reactions:
-            self.reactions[name] = (ca.SX.sym(f"{name}.x"), ca.SX.sym(f"{name}.y"), ca.SX.sym(f"{name}.torque"))
+            self.reactions[name] = (symbol(f"{name}.x"), symbol(f"{name}.y"), symbol(f"{name}.torque"))
         fx, fy, torque = self.reactions[name]
         return torque if attribute == "reaction_torque" else (fx, fy)
 
     def without_accelerations(self) -> "Kinematics":
         """The same motion with dv/dt = 0: its second derivatives are what the rates alone make."""
         at_rest = dict.fromkeys(self.symbols.accelerations, 0.0)
-        return Kinematics(self.graph, replace(self.symbols, accelerations=at_rest), self.algebra, self.dependents)
+        same = Kinematics(self.graph, replace(self.symbols, accelerations=at_rest), self.algebra, self.dependents)
+        same._poses[1] = self._poses[1]  # rates do not depend on accelerations
+        return same
 
     # ------------------------------------------------------------ poses
 
@@ -183,11 +186,11 @@ def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[
     """R d with d = (x, y). Its rate is R d' + w x (R d), which reuses R d instead of differentiating the cosine and sine."""
     moving = (cos, sin, x, y)
     if not any(isinstance(s, Dual) for s in moving):
-        return cos * x - sin * y, sin * x + cos * y
+        return minus(times(cos, x), times(sin, y)), plus(times(sin, x), times(cos, y))
     c, s, dx, dy = (value_of(m) for m in moving)
     ahead_x, ahead_y = rotated(c, s, value_of(w), dx, dy)
     stretch_x, stretch_y = rotated(c, s, value_of(w), rate_of(x), rate_of(y))
-    return Dual(ahead_x, stretch_x - w * ahead_y), Dual(ahead_y, stretch_y + w * ahead_x)
+    return Dual(ahead_x, minus(stretch_x, times(w, ahead_y))), Dual(ahead_y, plus(stretch_y, times(w, ahead_x)))
 
 
 def _displacement(shift: ca.SX, rate: ca.SX, level: int) -> Scalar:
@@ -197,12 +200,12 @@ def _displacement(shift: ca.SX, rate: ca.SX, level: int) -> Scalar:
 def build_kinematics(graph: ComponentGraph) -> Kinematics:
     """The kinematics of a scene in fresh CasADi symbols."""
     def symbols(names: list[str]) -> dict[str, ca.SX]:
-        return {name: ca.SX.sym(name) for name in names}
+        return {name: symbol(name) for name in names}
 
     names = [c.name for c in graph.coordinates]
-    positions, rates = symbols(names), {name: ca.SX.sym(f"der({name})") for name in names}
-    accelerations = {name: ca.SX.sym(f"der(der({name}))") for name in names}
-    time, tau = ca.SX.sym("t"), ca.SX.sym("tau")
+    positions, rates = symbols(names), {name: symbol(f"der({name})") for name in names}
+    accelerations = {name: symbol(f"der(der({name}))") for name in names}
+    time, tau = symbol("t"), symbol("tau")
     variables = [v for v in graph.model.variables.values() if v.kind in ("parameter", "input")]
     values = {v.name: _shaped(v.name, v.shape, ()) for v in variables}
     inputs = [x for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
@@ -212,5 +215,5 @@ def build_kinematics(graph: ComponentGraph) -> Kinematics:
 
 def _shaped(name: str, shape: tuple[int, ...], index: tuple[int, ...]) -> Value:
     if not shape:
-        return ca.SX.sym(name + (f"[{','.join(map(str, index))}]" if index else ""))
+        return symbol(name + (f"[{','.join(map(str, index))}]" if index else ""))
     return tuple(_shaped(name, shape[1:], (*index, i)) for i in range(1, shape[0] + 1))

@@ -213,8 +213,7 @@ def _stack(kinematics: Kinematics, names: list[str]) -> ca.SX:
 
 def _require_mass(kinematics: Kinematics, momentum: ca.SX, v: ca.SX) -> None:
     """A coordinate whose momentum does not depend on any rate moves no mass, whatever the numbers."""
-    pattern = ca.jacobian_sparsity(momentum, v)
-    massless = sorted(set(range(v.numel())) - set(pattern.row()))
+    massless = [k for k, moves in enumerate(ca.which_depends(momentum, v, 1, True)) if not moves]
     if massless:
         coordinate = kinematics.graph.coordinates[massless[0]]
         others = f" (nor do {', '.join(kinematics.graph.coordinates[k].name for k in massless[1:4])})" if massless[1:] else ""
@@ -237,12 +236,22 @@ def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v:
     tree = eliminate(kinematics, bodies, -h)
     if tree is not None:
         ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
-    pattern = ca.jacobian_sparsity(momentum, v)
-    if tree is None or pattern.nnz() <= _DENSEST * v.numel():
+    if tree is None or _coupled_pairs(kinematics) <= _DENSEST * v.numel():
         ways["dense"] = _dense(momentum, h, v)
     nodes = {way: count_nodes([a], [kinematics.algebra.state]) for way, a in ways.items()}
     best = min(nodes, key=lambda way: nodes[way])
     return ways[best], best, nodes
+
+
+def _coupled_pairs(kinematics: Kinematics) -> int:
+    """Entries that the mass matrix of a tree may have: coordinates on one way to the root are coupled."""
+    above = {root.frame: len(root.attributes) for root in kinematics.graph.roots}
+    count = sum(n * n for n in above.values())
+    for edge in kinematics.graph.edges:
+        own = len(edge.coordinates)
+        count += own * (2 * above[edge.parent] + own)
+        above[edge.child] = above[edge.parent] + own
+    return count
 
 
 def _dense(momentum: ca.SX, h: ca.SX, v: ca.SX) -> ca.SX:
