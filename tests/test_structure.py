@@ -22,7 +22,7 @@ ORDER = """
     folders diagnostics units values
     tree expectations syntax classes meanings instances folding names algorithms flat dimensions walk observables
     scalars algebra evaluation edges graph closures kinematics energies bodies parameters constraints
-    elimination kkt motion reactions initial needs functions freedom
+    elimination kkt motion released reactions initial needs functions freedom
     runtime scene instructions ccode scenes native cache
     pipeline dumps
     solvers simulate casadi_solvers plot trajectory model

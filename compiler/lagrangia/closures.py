@@ -41,6 +41,11 @@ def slide_normal(kinematics: "Kinematics", closure: Closure) -> tuple[Scalar, Sc
     return (a.cos * -dy - a.sin * dx) / length, (a.sin * -dy + a.cos * dx) / length, length
 
 
+def meeting_place(kinematics: "Kinematics", closure: Closure) -> "Pose":
+    """Where the frame b of a closure is held: b itself, or what its joint has fixed to it."""
+    return _ends(kinematics, closure, 0)[1]
+
+
 def _ends(kinematics: "Kinematics", closure: Closure, level: int) -> "tuple[Pose, Pose]":
     """The two poses that a closure brings together; at level 0 the values of those at level 1."""
     at = max(1, level)

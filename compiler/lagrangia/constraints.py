@@ -31,6 +31,7 @@ class Row:
     is_holonomic: bool
     loop: Closure | None
     span: Span
+    part: int = 0  # which of the closure's gaps
 
     def rate(self, kinematics: Kinematics) -> Scalar:
         """d/dt of a holonomic row along the motion; a nonholonomic row itself."""
@@ -49,6 +50,10 @@ class Constraints:
     rows: tuple[Row, ...]
     repeated: tuple[Row, ...] = ()  # linear rows that say nothing new
     absorbed: tuple[Row, ...] = ()  # linear rows that gave a coordinate
+
+    @property
+    def all_rows(self) -> tuple[Row, ...]:
+        return (*self.rows, *self.repeated, *self.absorbed)
 
 
 def reduce_kinematics(kinematics: Kinematics) -> tuple[Kinematics, Constraints]:
@@ -73,7 +78,7 @@ def _rows(kinematics: Kinematics) -> list[Row]:
     rows = []
     for closure in kinematics.graph.closures:
         for k in range(len(gaps(kinematics, closure, 0))):
-            rows.append(Row(partial(_gap, closure, k), True, closure, closure.span))
+            rows.append(Row(partial(_gap, closure, k), True, closure, closure.span, k))
     for equation in kinematics.graph.model.constraints:
         rows += _equation_rows(equation, kinematics)
     return rows

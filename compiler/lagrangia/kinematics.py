@@ -85,7 +85,8 @@ class Kinematics:
 
     def coordinate(self, name: str, level: int) -> Scalar:
         if name in self.dependents:
-            return self._dependent(self.dependents[name], level)
+            given = self._dependent(self.dependents[name], level)
+            return given + _displacement(*self.released[name], level) if name in self.released else given
         q, v, a = (values[name] for values in (self.symbols.positions, self.symbols.rates, self.symbols.accelerations))
         return (q, Dual(q, v), Dual(Dual(q, v), Dual(v, a)))[level]
 
@@ -127,6 +128,11 @@ class Kinematics:
         same = Kinematics(self.graph, replace(self.symbols, accelerations=at_rest), self.algebra, self.dependents)
         same._poses[1] = self._poses[1]  # rates do not depend on accelerations
         return same
+
+    def displaced(self, released: Mapping[str, tuple[ca.SX, ca.SX]]) -> "Kinematics":
+        """The same motion with virtual displacements and their rates: of a frame with all that lies behind it (x, y, angle), of
+        the coordinate of a cut joint, or of a coordinate that a constraint gives."""
+        return Kinematics(self.graph, self.symbols, self.algebra, self.dependents, released)
 
     # ------------------------------------------------------------ poses
 

@@ -1,23 +1,22 @@
-"""Joint reactions, from Lagrange's equations of the released coordinates.
+"""Joint reactions, from Lagrange's equations of the released directions (released.py).
 
-A joint is released by three virtual displacements of what lies behind it (x, y and an angle, in world axes at the joint). Their
-equations, at displacement zero and with the accelerations of the real motion, give the force and the torque that the joint
-exerts:  R = d/dt(dT/dv) - dT/dq + dV/dq + dD/dv - f + (dPhi/dq)^T lambda. Where a loop is cut, the multipliers are the reaction.
+A joint of the tree is released by three virtual displacements of what lies behind it: they give the force and the torque that
+the joint exerts. Where a loop is cut, the multipliers are the reaction, and what acts on the cut coordinate adds to them. Rows
+that only repeat others carry nothing: where constraints are redundant, this is one of the ways in which they can share the load.
 Only what is asked for is built.
 """
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar
 from lagrangia.bodies import Bodies
-from lagrangia.closures import gaps, slide_normal
+from lagrangia.closures import meeting_place, slide_normal
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
 from lagrangia.edges import Closure, Edge
-from lagrangia.energies import build_energies
 from lagrangia.instances import REACTIONS
-from lagrangia.kinematics import Kinematics
-from lagrangia.motion import Motion, inertial_reaction
+from lagrangia.kinematics import Kinematics, Pose
+from lagrangia.motion import Motion
+from lagrangia.released import Released
 from lagrangia.tree import FrameRef
 from lagrangia.walk import nodes
 
@@ -30,18 +29,18 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
     asked = kinematics.reactions
     if not asked:
         return ca.SX(0, 1), ca.SX(0, 1)
-    joints = [edge for edge in kinematics.graph.edges if _is_joint(edge)]
+    joints = [edge for edge in kinematics.graph.edges if _joins(edge.parent, edge.child)]
     edges = {edge.child: (edge, 1.0) for edge in joints} | {edge.parent: (edge, -1.0) for edge in joints}
-    cuts = {closure.b: closure for closure in kinematics.graph.closures}
-    released = _Released(kinematics, bodies, constraints, motion)
-    values = []
+    closures = kinematics.graph.closures
+    cuts = {cut.b: (cut, 1.0) for cut in closures} | {cut.a: (cut, -1.0) for cut in closures if _joins(cut.a, cut.b)}
+    sizes = {edges[frame][0].child: 3 for frame in asked if frame in edges}
+    sizes |= {cuts[frame][0].coordinate: 1 for frame in asked if frame in cuts and cuts[frame][0].coordinate}
     for frame in asked:
-        if frame in cuts:
-            values.append(_of_cut(kinematics, constraints, motion, cuts[frame], released))
-        elif frame in edges:
-            values.append(released.reaction(*edges[frame], frame))
-        else:
+        if frame not in cuts and frame not in edges:
             fail("L0911", f"'{frame.rpartition('.')[0]}' is no joint, so it has no reaction", _asked_at(kinematics, frame))
+    released = Released(kinematics, bodies, constraints, motion, sizes)
+    values = [_of_cut(kinematics, constraints, *cuts[frame], frame, released) if frame in cuts
+              else _of_joint(kinematics, *edges[frame], frame, released) for frame in asked]
     symbols = ca.vertcat(*[s for frame in asked for s in asked[frame]])
     return symbols, ca.substitute(ca.vertcat(*values), kinematics.symbols.tau, ca.SX(1))
 
@@ -53,92 +52,44 @@ def _asked_at(kinematics: Kinematics, frame: str) -> Span:
     return named[0].span if named else kinematics.graph.model.frames[frame].span
 
 
-def _is_joint(edge: Edge) -> bool:
-    """Whether the edge lies between the ports a and b of one component."""
-    path = edge.child.rpartition(".")[0]
-    return {edge.parent, edge.child} == {f"{path}.a", f"{path}.b"}
+def _joins(a: str, b: str) -> bool:
+    """Whether these are the ports a and b of one component."""
+    path = a.rpartition(".")[0]
+    return {a, b} == {f"{path}.a", f"{path}.b"}
+
+
+def _of_joint(kinematics: Kinematics, edge: Edge, sign: float, frame: str, released: Released) -> ca.SX:
+    """Force and torque that a joint of the tree exerts on the side of `frame`, about the origin of `frame`."""
+    return _about(kinematics, frame, kinematics.pose(edge.child, 0), sign * released.force(edge.child))
+
+
+def _about(kinematics: Kinematics, frame: str, here: Pose, force: ca.SX) -> ca.SX:
+    """A force and a torque that act at `here`, the torque taken about the origin of `frame`."""
+    there = kinematics.pose(frame, 0)
+    return ca.vertcat(force[0], force[1], force[2] + (here.x - there.x) * force[1] - (here.y - there.y) * force[0])
 
 
 def _of_cut(
-    kinematics: Kinematics, constraints: Constraints, motion: Motion, closure: Closure, released: "_Released"
+    kinematics: Kinematics, constraints: Constraints, closure: Closure, sign: float, frame: str, released: Released
 ) -> ca.SX:
-    """The multipliers of a cut joint push its gaps shut: -lambda times the gap's slope is the force on b.
+    """The multipliers of a cut joint push its gaps shut: -lambda times the gap's slope is the force on its frame b.
 
-    What acts on the coordinate itself (a spring, a motor in the joint) adds to them.
+    What acts on the coordinate of the joint itself (a spring, a motor in it) adds to them; a joint that is cut with all its
+    coordinates keeps them, and the multipliers are all that holds b.
     """
-    held = motion.constrained
-    rows = [k for k, row in enumerate(constraints.rows) if row.loop is closure]
+    rows = sorted((row for row in constraints.all_rows if row.loop is closure), key=lambda row: row.part)
+    return _about(kinematics, frame, meeting_place(kinematics, closure),
+                  sign * _on_b(kinematics, closure, [-released.multiplier(row) for row in rows], released))
+
+
+def _on_b(kinematics: Kinematics, closure: Closure, forces: list[ca.SX], released: Released) -> ca.SX:
     if closure.kind == "weld":
-        fail("L0912", "not supported yet: the reaction of a joint that closes a loop with all its coordinates", closure.span,
-             "ask for the reaction of another joint of the loop")
-    if held is None or len(rows) != len(gaps(kinematics, closure, 0)):
-        fail("L0912", "not supported yet: the reaction of a cut joint whose equations gave a coordinate", closure.span,
-             "ask for the reaction of another joint of the loop")
-    forces = [-held.symbols[k] for k in rows]
-    drive = released.drive(closure)
+        return ca.vertcat(*forces)
+    assert closure.freedom is not None
+    drive = released.force(closure.coordinate)
     if closure.kind == "hinge":
-        return ca.vertcat(*forces, drive)
+        return ca.vertcat(*forces, drive if closure.freedom.is_inverse else -drive)
     torque, across = forces
     x, y, length = slide_normal(kinematics, closure)
-    along = drive / length
+    along = -drive / length
     return ca.vertcat(across * x + along * y, across * y - along * x, torque)
-
-
-class _Released:
-    """The scene with virtual displacements behind every tree joint that is asked for."""
-
-    def __init__(self, kinematics: Kinematics, bodies: Bodies, constraints: Constraints, motion: Motion) -> None:
-        self.kinematics, self.bodies, self.constraints, self.motion = kinematics, bodies, constraints, motion
-
-    def reaction(self, edge: Edge, sign: float, frame: str) -> ca.SX:
-        """Force and torque that the joint exerts on the side of `frame`, about the origin of `frame`."""
-        shift, rate = ca.SX.sym("shift", 3), ca.SX.sym("rate", 3)
-        free = Kinematics(self.kinematics.graph, self.kinematics.symbols, self.kinematics.algebra, self.kinematics.dependents,
-                          {edge.child: (shift, rate)})
-        force = self._force(free, shift, rate, frame)
-        at_rest = ca.substitute(force, ca.vertcat(shift, rate), ca.SX.zeros(6))
-        if sign > 0:
-            return at_rest
-        here, there = self.kinematics.pose(edge.child, 0), self.kinematics.pose(frame, 0)
-        dx, dy = here.x - there.x, here.y - there.y
-        return -ca.vertcat(at_rest[0], at_rest[1], at_rest[2] + dx * at_rest[1] - dy * at_rest[0])
-
-    def drive(self, closure: Closure) -> ca.SX:
-        """The generalised force that acts on the coordinate of a cut joint, in the sense in which b moves away from a."""
-        assert closure.freedom is not None
-        shift, rate = ca.SX.sym("shift"), ca.SX.sym("rate")
-        free = Kinematics(self.kinematics.graph, self.kinematics.symbols, self.kinematics.algebra, self.kinematics.dependents,
-                          {closure.coordinate: (shift, rate)})
-        force = ca.substitute(self._force(free, shift, rate, closure.b), ca.vertcat(shift, rate), ca.SX.zeros(2))
-        return force if closure.kind == "hinge" and closure.freedom.is_inverse else -force
-
-    def _force(self, free: Kinematics, shift: ca.SX, rate: ca.SX, frame: str) -> ca.SX:
-        energies = build_energies(free)
-        positions: list[Scalar] = [energies.total(energies.potential)]
-        forces: list[Scalar] = [1.0]
-        for inertia in self.bodies.inertias:
-            asked = inertial_reaction(self.kinematics, inertia)
-            moved = inertial_reaction(free, inertia)
-            positions += [place for place, _ in moved]
-            forces += [force for _, force in asked]
-        for load in energies.loads:
-            positions += load.position
-            forces += [-f for f in load.force]
-        total = ca.jtimes(ca.vertcat(*positions), shift, ca.vertcat(*forces), True)
-        total += ca.gradient(energies.total(energies.dissipation), rate)
-        if self.bodies.rest:
-            fail("L0913", "not supported yet: reactions beside kinetic terms that are no rigid body's",
-                 _asked_at(self.kinematics, frame))
-        return total + self._constraint_force(free, shift, rate)
-
-    def _constraint_force(self, free: Kinematics, shift: ca.SX, rate: ca.SX) -> ca.SX:
-        for row in self.constraints.absorbed:
-            if ca.depends_on(ca.SX(row.value(free, 0)), shift):
-                fail("L0912", "not supported yet: reactions beside a linear equation between frames", row.span)
-        held = self.motion.constrained
-        if held is None:
-            return ca.SX.zeros(shift.numel())
-        rows = [ca.SX(row.value(free, 0)) for row in self.constraints.rows]
-        moved = [shift if row.is_holonomic else rate for row in self.constraints.rows]
-        slopes = [ca.gradient(row, by) * held.symbols[k] for k, (row, by) in enumerate(zip(rows, moved, strict=True))]
-        return ca.sum2(ca.horzcat(*slopes))
