@@ -4,8 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import lagrangia as lag
+from random_loops import random_loops
 from reference import Array
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
@@ -172,3 +174,175 @@ def test_a_motion_keeps_its_hinge_in_the_tree(scene: Write) -> None:
     power = run["B.reaction_torque"] * run["der(B.phi)"]
     work = np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(run.time))
     np.testing.assert_allclose(np.diff(run.energy.work).cumsum(), work, atol=1e-4 * np.ptp(work))
+
+
+# ---------------------------------------------------------------- ties
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_body_of_a_random_mechanism_is_in_balance(seed: int, scene: Write) -> None:
+    """Loops of bars, links, a gear and a belt: rows with multipliers and rows that gave a coordinate, all at once."""
+    made = random_loops(seed, 2 + seed % 2)
+    model = scene(made.text)
+    assert model.scene.sizes["n_multipliers"] > 0
+    assert len(model.scene.notes["dependent"]) == 3
+    run = model.simulate(stop=0.5, interval=0.1, tolerance=1e-11)
+    for body in made.bodies:
+        assert_balance(run, body.name, body.m, body.I, body.held)
+
+
+def wheels(tie: str, place: str) -> str:
+    return f"""model M
+      Revolute left(a = world), right(a = shift(world, {place}));
+      Disc small(m = 1, r = 0.1, center = left.b), large(m = 2, r = 0.2, center = right.b);
+      {tie} tie(r_a = 0.1, r_b = 0.2, a = left.b, b = right.b, carrier = world);
+      AppliedTorque drive(on = small.center, torque = 2);
+    end M;"""
+
+
+def test_bearings_carry_the_tooth_force(scene: Write) -> None:
+    """F = I_b alpha_b/r_b with alpha_a = torque/(I_a + I_b r_a^2/r_b^2): it turns the large wheel and lies on both bearings."""
+    run = scene(wheels("Gear", "{0, 0.3}")).simulate(stop=1, interval=0.5)
+    inertia, other = 1 * 0.1**2 / 2, 2 * 0.2**2 / 2
+    tooth = other * (2 / (inertia + other / 4)) / 2 / 0.2
+    np.testing.assert_allclose(run["tie.reaction"], [[-tooth, 0]] * 3, atol=1e-10)
+    np.testing.assert_allclose(run["tie.reaction_torque"], -tooth * 0.2, atol=1e-10)
+    np.testing.assert_allclose(run["left.reaction"], [[-tooth, 1 * g]] * 3, atol=1e-10)
+    np.testing.assert_allclose(run["right.reaction"], [[tooth, 2 * g]] * 3, atol=1e-10)
+
+
+def test_bearings_carry_the_slanting_strands_of_a_belt(scene: Write) -> None:
+    """The strands slant by sin psi = (r_a - r_b)/d: so much of the difference of their tensions lies across the axles' line."""
+    run = scene(wheels("Belt", "{0.5, 0}")).simulate(stop=1, interval=0.5)
+    inertia, other = 1 * 0.1**2 / 2, 2 * 0.2**2 / 2
+    difference = other * (2 / (inertia + other / 4)) / 2 / 0.2
+    across = difference * (0.1 - 0.2) / 0.5
+    np.testing.assert_allclose(run["tie.reaction_torque"], difference * 0.2, atol=1e-10)
+    np.testing.assert_allclose(run["tie.reaction"], [[0, across]] * 3, atol=1e-10)
+    np.testing.assert_allclose(run["right.reaction"], [[0, 2 * g - across]] * 3, atol=1e-10)
+
+
+def test_wheels_on_one_axle_have_no_tooth_force_but_a_torque(scene: Write) -> None:
+    run = scene(wheels("Gear", "{0, 0}")).simulate(stop=1, interval=0.5)
+    np.testing.assert_allclose(run["right.reaction"], [[0, 2 * g]] * 3, atol=1e-10)
+    assert np.abs(run["tie.reaction_torque"]).min() > 1
+
+
+def test_a_planet_hangs_on_its_carrier(scene: Write) -> None:
+    """A sun held still, a planet on an arm: Newton and Euler for planet and arm, the tooth force a reaction of the gear."""
+    run = scene("""model M
+      Revolute axle(a = world, phi(start = 0.3)), pin(a = arm.b);
+      Bar arm(m = 1, L = 0.3, a = axle.b); Disc planet(m = 2, r = 0.2, center = pin.b);
+      Gear gear(r_a = 0.1, r_b = 0.2, a = world, b = planet.center, carrier = arm.center);
+    end M;""").simulate(stop=1, interval=0.1, tolerance=1e-10)
+    assert_balance(run, "arm", *bar(1, 0.3), {"axle": 1, "pin": -1})
+    assert_balance(run, "planet", 2, 2 * 0.2**2 / 2, {"pin": 1, "gear": 1})
+    np.testing.assert_allclose(run["axle.reaction_torque"], 0, atol=1e-10)
+    np.testing.assert_allclose(run["pin.reaction_torque"], 0, atol=1e-10)
+    along = np.stack([np.cos(run["axle.phi"]), np.sin(run["axle.phi"])], axis=1)
+    np.testing.assert_allclose((run["gear.reaction"] * along).sum(axis=1), 0, atol=1e-10)
+
+
+def test_friction_holds_a_rolling_disc_back(scene: Write) -> None:
+    """On a slope a disc needs the friction m g sin/3, and m g cos from below."""
+    m, slope = 2, np.radians(30)
+    run = scene("""model M
+      Rolling wheel(r = 0.1, base = turn(world, -30[deg])); Disc disc(m = 2, r = 0.1, center = wheel.center);
+    end M;""").simulate(stop=1, interval=0.5)
+    down, up = np.array([np.cos(slope), -np.sin(slope)]), np.array([np.sin(slope), np.cos(slope)])
+    friction = m * g * np.sin(slope) / 3
+    np.testing.assert_allclose(run["wheel.reaction"], [m * g * np.cos(slope) * up - friction * down] * 3, atol=1e-10)
+    np.testing.assert_allclose(run["wheel.reaction_torque"], -friction * 0.1, atol=1e-10)
+
+
+def test_a_link_pulls_along_itself(scene: Write) -> None:
+    """The tension of a pendulum's thread: m g cos + m v^2/L."""
+    run = scene("""model M
+      PointMass ball(m = 2, center(x(start = 0.6), y(start = -0.8))); Link rod(L = 1, a = world, b = ball.center);
+      output Force F[2] = rod.reaction;
+    end M;""").simulate(stop=1, interval=0.1, tolerance=1e-11)
+    r, v = run["ball.center.r"], run["ball.center.v"]
+    tension = 2 * (-g * r[:, 1] + (v**2).sum(axis=1))
+    np.testing.assert_allclose(run["F"], -tension[:, None] * r, atol=1e-8)
+
+
+# ---------------------------------------------------------------- rows that gave a coordinate, welds, other inertias
+
+
+def test_a_slider_whose_equations_gave_coordinates(scene: Write) -> None:
+    """Two sliders carry a mass along a third one at 45 degrees, which bears m g cos 45."""
+    run = scene("""model M
+      Prismatic flat(a = world), steep(a = flat.b, along = {0, 1}), slanting(a = world, b = steep.b, along = {1, 1});
+      PointMass block(m = 1, center = steep.b);
+    end M;""").simulate(stop=1, interval=0.5)
+    np.testing.assert_allclose(run["slanting.reaction"], [[-g / 2, g / 2]] * 3, atol=1e-10)
+    np.testing.assert_allclose(run["flat.reaction"], 0, atol=1e-10)
+
+
+SLOT = """model Slot "Slider and hinge in one"
+  Frame a, b; coordinate Length s; coordinate Angle phi;
+equation
+  b = turn(shift(a, {s, 0.1}), phi);
+end Slot;
+"""
+
+
+def test_a_joint_that_closes_its_loop_as_a_whole(scene: Write) -> None:
+    """A rod between two slots: the one with a spring on its coordinate is cut with both coordinates, which stay."""
+    model = scene(SLOT + """model M
+      Slot one(a = world, s(start = -0.5), phi(start = 0.5)), two(a = turn(world, 90[deg]), b = rod, s(start = 0.5));
+      Frame rod = shift(one.b, {1, 0});
+      Body lump(m = 2, I = 0.3, center = shift(one.b, {0.5, 0})); Spring spring(k = 5, stretch = two.s);
+    end M;""")
+    assert [cut.kind for cut in model.compilation.graph.closures] == ["weld"]
+    run = model.simulate(stop=1, interval=0.1, tolerance=1e-11)
+    assert_balance(run, "lump", 2, 0.3, {"one": 1, "two": 1})
+    np.testing.assert_allclose(run["two.reaction"][:, 1], -5 * run["two.s"], atol=1e-8)
+    np.testing.assert_allclose(run["two.reaction_torque"], 0, atol=1e-8)
+
+
+def test_a_second_weld_carries_nothing(scene: Write) -> None:
+    run = scene("""model M
+      Weld left(a = world), right(a = shift(world, {1, 0}), b = beam.b); Bar beam(m = 2, L = 1, a = left.b);
+      Revolute hinge(a = beam.center); Bar hung(m = 1, L = 1, a = hinge.b);
+    end M;""").simulate(stop=1, interval=0.5)
+    assert_balance(run, "beam", *bar(2, 1), {"left": 1, "right": 1, "hinge": -1})
+    np.testing.assert_allclose(run["right.reaction"], 0, atol=1e-12)
+
+
+def test_reactions_beside_a_geared_rotor(scene: Write) -> None:
+    """A rotor that turns with 3 phi_1 - phi_2 asks the hinges for the torques of its own Lagrange terms."""
+    run = scene("""model Rotor "Turns with a difference of two angles"
+      parameter Inertia I; Angle of;
+    energy
+      kinetic I*der(of)^2/2;
+    end Rotor;
+    model M
+      Revolute hinge(a = world), elbow(a = upper.b, phi(start = 0.5));
+      Bar upper(m = 1, L = 1, a = hinge.b), lower(m = 1, L = 1, a = elbow.b);
+      Rotor rotor(I = 1, of = 3*hinge.phi - elbow.phi);
+    end M;""").simulate(stop=1, interval=0.1, tolerance=1e-11)
+    assert_balance(run, "upper", *bar(1, 1), {"hinge": 1, "elbow": -1})
+    assert_balance(run, "lower", *bar(1, 1), {"elbow": 1})
+    spin = 3 * run["der(der(hinge.phi))"] - run["der(der(elbow.phi))"]
+    np.testing.assert_allclose(run["hinge.reaction_torque"], -3 * spin, atol=1e-8)
+    np.testing.assert_allclose(run["elbow.reaction_torque"], spin, atol=1e-8)
+
+
+def test_reactions_beside_a_kinetic_energy_of_two_bodies(scene: Write) -> None:
+    """T = m |v_1 + v_2|^2/8 is that of a mass m half way between two points: reactions as with the mass itself on a bar."""
+    text = """model Between "A mass half way between two points"
+      parameter Mass m; Frame a, b;
+    energy
+      kinetic m*dot(a.v + b.v, a.v + b.v)/8;
+      potential -m*dot(world.gravity, a.r + b.r)/2;
+    end Between;
+    model M
+      Revolute hinge(a = world, phi(start = 0.3)), elbow(a = upper.b, phi(start = 0.5));
+      Bar upper(m = 1, L = 1, a = hinge.b), lower(m = 1, L = 1, a = elbow.b);
+      {};
+    end M;"""
+    runs = [scene(text.format(lump)).simulate(stop=1, interval=0.1, tolerance=1e-11) for lump in
+            ("Between lump(m = 2, a = lower.a, b = lower.b)", "PointMass lump(m = 2, center = lower.center)")]
+    for joint in ("hinge", "elbow"):
+        np.testing.assert_allclose(runs[0][f"{joint}.reaction"], runs[1][f"{joint}.reaction"], atol=1e-7)

@@ -142,7 +142,7 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv",
         help="an input: a constant, or a table with a column time")
     add("--outputs", metavar="NAME,NAME,...", help="quantities to report besides coordinates, rates and outputs")
-    add("--reactions", action="store_true", help="report the force and torque of every joint")
+    add("--reactions", action="store_true", help="report the force and torque of every joint and tie")
     add("-o", "--output", metavar="FILE", help="the result (FILE.csv; - for standard output); by default NAME.csv in this folder")
     add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
     add("--plot-quantities", metavar="NAME,NAME,...", help="what the picture shows; all coordinates by default")

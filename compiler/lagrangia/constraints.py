@@ -32,6 +32,7 @@ class Row:
     loop: Closure | None
     span: Span
     part: int = 0  # which of the closure's gaps
+    component: str = ""  # that states the equation
 
     def rate(self, kinematics: Kinematics) -> Scalar:
         """d/dt of a holonomic row along the motion; a nonholonomic row itself."""
@@ -102,7 +103,7 @@ def _equation_rows(equation: Equation, kinematics: Kinematics) -> list[Row]:
         is_holonomic = not ca.depends_on(ca.SX(gap), rates)
         if not is_holonomic and ca.depends_on(ca.jacobian(ca.SX(gap), rates), rates):
             fail("L0412", "a constraint on velocities must be linear in them", equation.span)
-        return Row(value, is_holonomic, None, equation.span)
+        return Row(value, is_holonomic, None, equation.span, component=equation.component)
 
     if not isinstance(left, tuple):
         return [row(None, left - right)]

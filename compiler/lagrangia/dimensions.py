@@ -270,7 +270,7 @@ class _Checker:
             case "sqrt":
                 base = found[0].dimension
                 return ANY if base is None else Quantity(power(base, Fraction(1, 2)), found[0].is_soft)
-            case "abs" | "norm" | "floor" | "ceil" | "rotate" | "element":
+            case "abs" | "norm" | "floor" | "ceil" | "rotate" | "virtual" | "element":
                 return found[0]
             case "sign":
                 return PURE

@@ -33,8 +33,10 @@ class Leaves(Protocol):
 class Evaluator:
     """Evaluates expressions of one flat model; values of variables are kept, so that each is computed once a level."""
 
-    def __init__(self, model: FlatModel, algebra: Algebra, leaves: Leaves) -> None:
-        self.model, self.leaves = model, leaves
+    def __init__(self, model: FlatModel, algebra: Algebra, leaves: Leaves, virtual: Callable[[Scalar], Scalar] | None = None
+                 ) -> None:
+        """`virtual` gives what virtual displacements change of a scalar: nothing, without it."""
+        self.model, self.leaves, self.virtual = model, leaves, virtual
         self.algebras: list[Algebra] = [algebra]
         for _ in range(_HIGHEST_LEVEL):
             self.algebras.append(DualAlgebra(self.algebras[-1]))
@@ -346,7 +348,13 @@ def _item(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) 
     return vector[int(k) - 1]
 
 
+def _virtual(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:
+    """virtual(x): zero, but that its virtual displacement is that of x."""
+    return _map(evaluator.virtual or (lambda x: 0.0), arguments[0])
+
+
 _VECTOR_FUNCTIONS: Mapping[str, Callable[[Evaluator, list[Value], int, Span], Value]] = {
     "dot": _dot, "cross": _cross, "norm": _norm, "rotate": _rotate, "min": _extreme("fmin"), "max": _extreme("fmax"),
     "sum": _total, "product": _product_of, "table": _table, "element": _item,
+    "virtual": _virtual,
 }

@@ -86,6 +86,7 @@ class Equation:
     left: Flat
     right: Flat
     span: Span
+    component: str = ""
 
 
 @dataclass(frozen=True)
@@ -348,7 +349,8 @@ class _Flattening:
             case Equality(left, right, _, _) if kind == "initial":
                 self.initial.append(Equation(self.names.flatten(left, scope), self.names.flatten(right, scope), place))
             case Equality(left, right, _, _):
-                self._add_equation(self.names.flatten(left, scope), self.names.flatten(right, scope), place)
+                sides = self.names.flatten(left, scope), self.names.flatten(right, scope)
+                self._add_equation(*sides, scope.instance.path, place)
             case CallEquation(call, _):
                 self._add_call(call, scope, place)
             case EnergyTerm(what, value, _, _):
@@ -361,14 +363,14 @@ class _Flattening:
             case _:
                 fail("L0222", "an algorithm belongs into a function", clause.span)
 
-    def _add_equation(self, left: Flat, right: Flat, span: Span) -> None:
+    def _add_equation(self, left: Flat, right: Flat, component: str, span: Span) -> None:
         if is_frame(left) != is_frame(right):
             wrong = right if is_frame(left) else left
             fail("L0221", "a frame cannot equal a number", wrong.span, "use shift(frame, {x, y}) or turn(frame, angle)")
         if is_frame(left):
             self.frame_equations.append(FrameEquation(left, right, span))
         else:
-            self.equations.append(Equation(left, right, span))
+            self.equations.append(Equation(left, right, span, component))
 
     def _add_call(self, call: Expression, scope: Scope, span: Span) -> None:
         if not isinstance(call, Call):

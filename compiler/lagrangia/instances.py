@@ -3,7 +3,7 @@
 A modification is kept with the scope it was written in (`Bound`), so that names in it mean what they mean there.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import prod
 from typing import Any, Protocol, TypeAlias
@@ -14,11 +14,16 @@ from lagrangia.meanings import explain
 from lagrangia.tree import Argument, ClassDefinition, Clause, Declaration, Expression, Extends
 
 ATTRIBUTES = frozenset({"unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "quantity", "stateSelect"})
-REACTIONS = frozenset({"reaction", "reaction_torque"})  # of a component with the ports a and b
+REACTIONS = frozenset({"reaction", "reaction_torque"})  # on the held port of a component
 FRAME_ATTRIBUTES = frozenset({"r", "phi", "v", "w", "x", "y"})
 _ROLES = frozenset({"parameter", "constant", "input", "output", "coordinate"})
 _MOST_ELEMENTS = 1_000_000
 _MOST_COMPONENTS = 100_000
+
+
+def held_port(frames: Sequence[str]) -> str | None:
+    """The frame of a component that its reaction acts on: b of a and b, else the last one declared; None with fewer than two."""
+    return "b" if {"a", "b"} <= set(frames) else frames[-1] if len(frames) > 1 else None
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ dimensions.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import casadi as ca
@@ -66,12 +67,15 @@ class Kinematics:
     algebra: CasadiAlgebra
     dependents: Mapping[str, Dependent] = field(default_factory=dict)
     released: Mapping[str, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # virtual displacements, rates
+    moved: Mapping[str, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # those of single frames, nothing behind them
     reactions: dict[str, tuple[ca.SX, ca.SX, ca.SX]] = field(default_factory=dict)  # symbols of those that outputs ask for
     evaluator: Evaluator = field(init=False)
     _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])
 
     def __post_init__(self) -> None:
-        self.evaluator = Evaluator(self.graph.model, self.algebra, self)
+        displacements = [x for pair in (*self.released.values(), *self.moved.values()) for x in pair]
+        virtual = partial(_change, displacements) if displacements else None
+        self.evaluator = Evaluator(self.graph.model, self.algebra, self, virtual)
 
     # ------------------------------------------------------------ leaves of expressions
 
@@ -129,10 +133,12 @@ class Kinematics:
         same._poses[1] = self._poses[1]  # rates do not depend on accelerations
         return same
 
-    def displaced(self, released: Mapping[str, tuple[ca.SX, ca.SX]]) -> "Kinematics":
+    def displaced(
+        self, released: Mapping[str, tuple[ca.SX, ca.SX]], moved: Mapping[str, tuple[ca.SX, ca.SX]] | None = None
+    ) -> "Kinematics":
         """The same motion with virtual displacements and their rates: of a frame with all that lies behind it (x, y, angle), of
-        the coordinate of a cut joint, or of a coordinate that a constraint gives."""
-        return Kinematics(self.graph, self.symbols, self.algebra, self.dependents, released)
+        the coordinate of a cut joint, or of a coordinate that a constraint gives. `moved`: of frames alone."""
+        return Kinematics(self.graph, self.symbols, self.algebra, self.dependents, released, moved or {})
 
     # ------------------------------------------------------------ poses
 
@@ -144,7 +150,8 @@ class Kinematics:
             self._place_all(level)
         if name not in self._poses[level]:
             fail("L0401", f"the frame '{name}' is joined to nothing", self.graph.model.frames[name].span)
-        return self._poses[level][name]
+        pose = self._poses[level][name]
+        return self._displaced(pose, *self.moved[name], level) if name in self.moved else pose
 
     def _place_all(self, level: int) -> None:
         poses = self._poses[level]
@@ -201,6 +208,15 @@ def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[
 
 def _displacement(shift: ca.SX, rate: ca.SX, level: int) -> Scalar:
     return (shift, Dual(shift, rate), Dual(Dual(shift, rate), Dual(rate, 0.0)))[level]
+
+
+def _change(displacements: list[ca.SX], value: Scalar) -> Scalar:
+    """What virtual displacements and their rates add to a value."""
+    while isinstance(value, Dual):
+        value = value.value
+    if not isinstance(value, ca.SX):
+        return 0.0
+    return value - ca.substitute([value], displacements, [ca.SX.zeros(x.numel()) for x in displacements])[0]
 
 
 def build_kinematics(graph: ComponentGraph) -> Kinematics:

@@ -9,7 +9,7 @@ from typing import Any, NoReturn, cast
 from lagrangia.classes import ClassTable
 from lagrangia.diagnostics import Report, Span, fail, nearest, suggest
 from lagrangia.folding import fold, folded
-from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS, Bound, FrameSlot, Instance, Member, Scope, Slot
+from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS, Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
 from lagrangia.meanings import explain
 from lagrangia.tree import (
     Array,
@@ -36,7 +36,7 @@ from lagrangia.units import Unit, known_units, parse_unit
 # Number of arguments of each function of the kernel; None: any number, at least one.
 FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
     **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp",
-                     "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der"), (1,)),
+                     "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der", "virtual"), (1,)),
     **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "turn"), (2,)),
     "table": (3,), "min": None, "max": None, "sum": None, "product": None,
 }
@@ -298,7 +298,7 @@ class Names:
         if inner is None:
             if member.frame is not None and rest[0].name in FRAME_ATTRIBUTES:
                 return self._frame(node, at + 1, member.frame, scope)
-            if rest[0].name in REACTIONS and {"a", "b"} <= member.members.keys():
+            if rest[0].name in REACTIONS and held_port(_frames(member)) is not None:
                 return self._reaction(node, at + 1, member, scope)
             self._no_member(member, rest[0].name, rest[0].span)
         return self._follow(node, at + 1, inner, scope, member)
@@ -337,8 +337,8 @@ class Names:
         return FrameRef(frame.path, part.name, index, node.span)
 
     def _reaction(self, node: Reference, at: int, joint: Instance, scope: Scope) -> Flat:
-        """`hinge.reaction`: the force of a joint on its port b; `hinge.reaction_torque`."""
-        part, port = node.parts[at], joint.members["b"]
+        """`hinge.reaction`: the force of a joint on its held port, b of a and b; `hinge.reaction_torque`."""
+        part, port = node.parts[at], joint.members[held_port(_frames(joint)) or ""]
         if not isinstance(port, FrameSlot) or at + 1 < len(node.parts):
             self._no_member(joint, part.name, part.span)
         index = tuple(self.integer(s, scope, "a subscript") for s in part.subscripts)
@@ -402,3 +402,8 @@ def _in_si(node: Number) -> Number:
         return node
     unit = read_unit(node.unit, node.span)
     return Number(node.value * unit.factor + unit.offset, node.unit, node.span, False)
+
+
+def _frames(instance: Instance) -> list[str]:
+    """The names of a component's own frames, as declared."""
+    return [name for name, member in instance.members.items() if isinstance(member, FrameSlot)]

@@ -4,7 +4,7 @@ import re
 
 from lagrangia.diagnostics import Span, fail, suggest
 from lagrangia.flat import FlatModel
-from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS
+from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS, held_port
 from lagrangia.tree import Call, Flat, FrameRef, Ref
 
 _INDEXED = re.compile(r"(.*)\[([\d,]+)\]")
@@ -47,6 +47,6 @@ def _reaction(model: FlatModel, text: str, span: Span) -> Flat | None:
     match = _INDEXED.fullmatch(text)
     path, index = (match[1], (int(match[2]),)) if match and match[2] in ("1", "2") else (text, ())
     joint, _, attribute = path.rpartition(".")
-    if attribute in REACTIONS and f"{joint}.a" in model.frames and f"{joint}.b" in model.frames:
-        return FrameRef(f"{joint}.b", attribute, index, span)
-    return None
+    frames = [name.rpartition(".")[2] for name in model.frames if name.rpartition(".")[0] == joint and not name.endswith("]")]
+    port = held_port(frames) if attribute in REACTIONS else None
+    return FrameRef(f"{joint}.{port}", attribute, index, span) if port is not None else None

@@ -77,12 +77,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             motion = build_motion(kinematics, energies, constraints)
         with _timed(seconds, "functions"):
             initial = build_initial(kinematics, constraints)
-            declared = tuple(v.name for v in flat.variables.values() if v.is_output)
-            lost = (*(c.name for c in kinematics.graph.dependent_coordinates), *kinematics.graph.cut_coordinates)
-            reactions = _all_reactions(kinematics.graph) if ALL_REACTIONS in outputs else []
-            asked = (name for name in (*outputs, *reactions) if name != ALL_REACTIONS)
-            reported = (*declared, *asked, *lost, *(f"der({name})" for name in lost))
-            functions = build_functions(kinematics, motion, constraints, initial, tuple(dict.fromkeys(reported)))
+            functions = build_functions(kinematics, motion, constraints, initial, _reported(kinematics.graph, outputs))
         with _timed(seconds, "freedom"):
             freedom = find_freedom(kinematics, motion, constraints, initial)
         with _timed(seconds, "scene"):
@@ -91,11 +86,15 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
                        seconds)
 
 
-def _all_reactions(graph: "ComponentGraph") -> list[str]:
-    """The force and torque of every joint with the ports a and b."""
-    ends = [(edge.parent, edge.child) for edge in graph.edges if not edge.is_rigid] + [(cut.a, cut.b) for cut in graph.closures]
-    joints = sorted({a.rpartition(".")[0] for a, b in ends if {a, b} == {f"{a.rpartition('.')[0]}.{port}" for port in "ab"}})
-    return [f"{joint}.{what}" for joint in joints for what in ("reaction", "reaction_torque")]
+def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, ...]:
+    """Declared outputs, those asked for, and coordinates that are no longer among the coordinates, with their rates."""
+    from lagrangia.reactions import all_reactions
+
+    declared = (v.name for v in graph.model.variables.values() if v.is_output)
+    lost = (*(c.name for c in graph.dependent_coordinates), *graph.cut_coordinates)
+    reactions = all_reactions(graph) if ALL_REACTIONS in outputs else []
+    names = dict.fromkeys((*declared, *outputs, *reactions, *lost, *(f"der({name})" for name in lost)))
+    return tuple(name for name in names if name != ALL_REACTIONS)
 
 
 def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> "tuple[Syntax, FlatModel]":

@@ -9,7 +9,7 @@ motion, Lagrange's equation of the released direction gives the force that holds
 Nothing but the given rows holds the given coordinates, so R vanishes for them:  J_given,given^T lambda_given = -(the rest of R).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
@@ -30,7 +30,7 @@ class Released:
         self.kinematics, self.bodies, self.constraints, self.motion = kinematics, bodies, constraints, motion
         given = dict.fromkeys(kinematics.dependents, 1) if constraints.absorbed else {}
         self.places, start = {}, 0
-        for name, size in (sizes | given).items():
+        for name, size in {**sizes, **given}.items():
             self.places[name], start = slice(start, start + size), start + size
         shift, rate = ca.SX.sym("shift", start), ca.SX.sym("rate", start)
         free = kinematics.displaced({name: (shift[place], rate[place]) for name, place in self.places.items()})
@@ -84,3 +84,20 @@ class Released:
                 rows = ca.vertcat(*[self.constraints.rows[k].value(free, 0) for k in chosen])
                 total += ca.jtimes(rows, moved, held.symbols[chosen], True)
         return total
+
+
+def forces_of_ties(
+    kinematics: Kinematics, constraints: Constraints, released: Released, ties: Mapping[str, Sequence[Row]]
+) -> dict[str, ca.SX]:
+    """What the rows of each tie exert on its frame: -lambda times the slope of the row when that frame alone is displaced."""
+    shift, rate = ca.SX.sym("shift", 3 * len(ties)), ca.SX.sym("rate", 3 * len(ties))
+    places = {frame: slice(3 * k, 3 * k + 3) for k, frame in enumerate(ties)}
+    lone = kinematics.displaced({}, {frame: (shift[place], rate[place]) for frame, place in places.items()})
+    forces = {}
+    for frame, rows in ties.items():
+        force = ca.SX.zeros(3)
+        for row in rows:
+            moved = (shift if row.is_holonomic else rate)[places[frame]]
+            force -= released.multiplier(row) * ca.gradient(ca.SX(row.value(lone, 0)), moved)
+        forces[frame] = ca.substitute([force], [shift, rate], [ca.SX.zeros(shift.numel())] * 2)[0]
+    return forces

@@ -27,7 +27,8 @@ kinetic, potential         terms of T and V in J;  dissipation: of D in W (the i
 work F on r                a term of the virtual work: F in N on a position, N.m on an angle
 expression = expression    between positions: a constraint. Linear ones (rolling, gears, prescribed motion) remove a coordinate;
                            the others, and closed loops of joints, are kept exactly. Linear in der(...): nonholonomic.
-hinge.reaction             in outputs: force (2) of a joint on its port b, in world axes; hinge.reaction_torque about b
+hinge.reaction             in outputs: force (2) of a joint, or of a tie as Gear, Belt, Link or Rope, on its port b (without one, on
+                           the last frame it declares), in world axes; hinge.reaction_torque about it
 initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3
 parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
                            are structural: they decide what the scene consists of
@@ -51,6 +52,7 @@ table(x, {x1, x2, ...}, {y1, y2, ...})                   straight lines between 
 step(x) pulse(t, start, width) pulse_train(t, start, width, period) ramp(t, start, duration)
 if c then a else b  in a formula; a condition on time alone is met exactly: the integrator stops there
 time, pi
+virtual(x)          zero, but with the virtual displacement of x: says in an equation where its force acts (see Gear)
 
 Functions of your own:
 
@@ -81,7 +83,8 @@ casadi:cvodes, casadi:idas    integrators of SUNDIALS through CasADi: an indepen
 Closed loops and constraints: accelerations and multipliers from one sparse linear system, written out and factored without
 pivoting (kkt.py); after every step the positions, then the velocities are projected back, so that the residual stays at rounding
 level. Redundant constraints, massless links and singular positions are part of the game. `lag check` tells degrees of freedom,
-loops and what is redundant. --reactions reports the force and torque of every joint.
+loops and what is redundant. --reactions reports the force and torque of every joint and tie, by
+Lagrange's equations of released directions (released.py). Where constraints are redundant, those told as repeated carry nothing.
 
 Every run keeps the energy account: T + V + dissipated - work of sources - what it began with is zero, but for errors; the
 largest residual is printed. A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says
