@@ -27,8 +27,8 @@ kinetic, potential         terms of T and V in J;  dissipation: of D in W (the i
 work F on r                a term of the virtual work: F in N on a position, N.m on an angle
 expression = expression    between positions: a constraint. Linear ones (rolling, gears, prescribed motion) remove a coordinate;
                            the others, and closed loops of joints, are kept exactly. Linear in der(...): nonholonomic.
-hinge.reaction             in outputs: force (2) of a joint, or of a tie as Gear, Belt, Link or Rope, on its port b (without one, on
-                           the last frame it declares), in world axes; hinge.reaction_torque about it
+hinge.reaction             in outputs: force (2), in world axes, of a joint or a tie (Gear, Belt, Link, Rope) on its port b, or on
+                           its last frame when it has no b; hinge.reaction_torque: about that frame's origin
 initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3
 parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
                            are structural: they decide what the scene consists of
