@@ -19,14 +19,64 @@ PACKAGE = ROOT / "compiler" / "lagrangia"
 
 # A module imports only modules that stand before it: down this list is down the pipeline, from text to the command line.
 ORDER = """
-    folders diagnostics units values
-    tree expectations syntax classes meanings instances folding names algorithms flat dimensions walk observables
-    scalars algebra evaluation edges graph closures kinematics energies bodies parameters constraints
-    elimination kkt motion released reactions initial needs functions freedom
-    runtime scene instructions ccode scenes native cache
-    pipeline dumps
-    solvers simulate casadi_solvers plot trajectory model
-    topics commands cli __init__
+    folders
+    diagnostics
+    units
+    values
+    tree
+    expectations
+    syntax
+    classes
+    meanings
+    instances
+    folding
+    names
+    algorithms
+    flat
+    dimensions
+    walk
+    observables
+    scalars
+    algebra
+    evaluation
+    edges
+    graph
+    closures
+    kinematics
+    energies
+    bodies
+    parameters
+    constraints
+    elimination
+    kkt
+    motion
+    released
+    reactions
+    initial
+    functions
+    freedom
+    runtime
+    scene
+    instructions
+    ccode
+    scenes
+    spectrum
+    needs
+    native
+    cache
+    pipeline
+    dumps
+    solvers
+    explain
+    simulate
+    casadi_solvers
+    plot
+    trajectory
+    model
+    topics
+    commands
+    cli
+    __init__
 """.split()
 EXCEPTIONS = {
     ("cli", "__init__"): "`lag --version` prints the version, which is written in one place",

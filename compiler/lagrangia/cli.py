@@ -80,6 +80,12 @@ def _check(options: argparse.Namespace) -> int:
     return check_command(options)
 
 
+def _explain(options: argparse.Namespace) -> int:
+    from lagrangia.commands import explain_command
+
+    return explain_command(options)
+
+
 def _help(options: argparse.Namespace) -> int:
     from lagrangia.topics import TOPICS, topic_text
 
@@ -107,6 +113,12 @@ def _parser() -> argparse.ArgumentParser:
     _add_simulate(_add(commands, "simulate", _simulate, "compute the motion of a scene"))
     check = _add(commands, "check", _check, "look for errors without running")
     check.add_argument("files", nargs="+", type=Path, metavar="FILE")
+    explain = _add(commands, "explain", _explain, "say what a scene needs of a general simulation, and what it skips")
+    explain.add_argument("file", type=Path, metavar="FILE")
+    explain.add_argument("--model", metavar="NAME", help="the model; the last of the file by default")
+    explain.add_argument("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE",
+                         help="a structural parameter: -p n=20")
+    explain.add_argument("--json", action="store_true", help="the same for programs")
     topics = _add(commands, "help", _help, "longer texts: the language, the library, the solver")
     topics.add_argument("topic", nargs="?")
     return parser

@@ -39,6 +39,18 @@ def check_command(options: Namespace) -> int:
     return 2 if wrong else 0
 
 
+def explain_command(options: Namespace) -> int:
+    from lagrangia.explain import as_json, as_text
+    from lagrangia.needs import find_needs
+
+    given = [_assignment(text, "-p") for text in options.parameter]
+    model = _load(options, given, ())
+    c = model.compilation
+    needs = find_needs(c.kinematics, c.constraints, c.energies, c.motion, c.initial, c.scene)
+    print((as_json if options.json else as_text)(model.scene, needs))
+    return 0
+
+
 def _describe(scene: Any) -> str:
     """Degrees of freedom, coordinates, loops and redundant constraints."""
     notes = scene.notes
@@ -98,7 +110,7 @@ def _load(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, 
 def _structural_names(options: Namespace) -> set[str]:
     from lagrangia.cache import find_scene
 
-    found = find_scene(options.file, options.model, {}, _names(options.outputs))
+    found = find_scene(options.file, options.model, {}, _names(getattr(options, "outputs", None)))
     if found is not None:
         return set(found.structural)
     from lagrangia.pipeline import flatten_file
@@ -336,4 +348,4 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
     return columns.pop("time"), columns
 
 
-__all__ = ["check_command", "read_table", "simulate_command"]
+__all__ = ["check_command", "explain_command", "read_table", "simulate_command"]

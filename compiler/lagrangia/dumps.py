@@ -145,7 +145,8 @@ def _motion(compilation: Compilation) -> str:
 def _needs(compilation: Compilation) -> str:
     from lagrangia.needs import find_needs
 
-    needs = find_needs(compilation.kinematics, compilation.energies, compilation.motion, compilation.initial)
+    c = compilation
+    needs = find_needs(c.kinematics, c.constraints, c.energies, c.motion, c.initial, c.scene)
     return "\n".join(f"{need.what:22} {'yes' if need.is_needed else 'no ':3}  {need.why}" for need in needs)
 
 

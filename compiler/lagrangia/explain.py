@@ -1,0 +1,49 @@
+"""`lag explain`: the table of needs, and the solver that follows from it, as text and as JSON."""
+
+import json
+import textwrap
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from lagrangia.runtime import Solver
+from lagrangia.scene import Scene
+from lagrangia.solvers import WAYS, name_of
+
+if TYPE_CHECKING:
+    from lagrangia.needs import Need
+
+_WIDTH = 118
+
+
+def solver_of(scene: Scene) -> str:
+    """The name of the solver that `auto` takes."""
+    return name_of(Solver(scene.sizes.get("solver", 0)) or Solver.ERK)
+
+
+def as_json(scene: Scene, needs: Sequence["Need"]) -> str:
+    chosen = solver_of(scene)
+    solvers = {name: {"title": way.title, "can_run": name not in scene.refused, "reason": scene.refused.get(name, "")}
+               for name, way in WAYS.items()}
+    return json.dumps({"model": scene.name, "solver": chosen, "solvers": solvers, "needs": [asdict(n) for n in needs]}, indent=2)
+
+
+def as_text(scene: Scene, needs: Sequence["Need"]) -> str:
+    chosen = solver_of(scene)
+    lines = [f"{scene.name}: solver {chosen}, {WAYS[chosen].title}", ""]
+    for title, wanted in (("needed", True), ("not needed", False)):
+        rows = [need for need in needs if need.is_needed is wanted]
+        lines += [title, *(line for need in rows for line in _row(need)), ""]
+    others = [name for name in WAYS if name != chosen]
+    if others:
+        lines.append("other solvers")
+        lines += [f"  {name:13} {scene.refused[name] if name in scene.refused else WAYS[name].title}" for name in others]
+    return "\n".join(lines).rstrip()
+
+
+def _row(need: "Need") -> list[str]:
+    figure = (f"costs {need.cost}" if need.cost else "") if need.is_needed else (f"saves {need.saving}" if need.saving else "")
+    parts = [need.why, figure, need.place]
+    text = "; ".join(part for part in parts if part)
+    wrapped = textwrap.wrap(text, _WIDTH - 26, break_long_words=False) or [""]
+    return [f"  {need.what:23} {wrapped[0]}", *(" " * 26 + line for line in wrapped[1:])]

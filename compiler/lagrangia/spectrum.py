@@ -1,0 +1,55 @@
+"""The spectrum of the motion near its start: how fast its fastest and slowest parts are."""
+
+import math
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from lagrangia.initial import InitialConditions
+from lagrangia.kinematics import Kinematics
+from lagrangia.motion import Motion
+from lagrangia.parameters import default_parameters
+
+_STILL = 1e-6  # eigenvalues this much smaller than the largest are those of rigid-body motion
+_STIFF_SPAN = 1e3  # how much faster decay must be than the rest
+_DAMPED = 0.9  # of |lambda|: what decays faster than it swings
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """|lambda| of dx/dt = A x at the start, 1/s; `decay` is the fastest rate that dies away, `swing` the fastest
+    that swings."""
+
+    slowest: float
+    fastest: float
+    decay: float
+    swing: float
+
+    def is_stiff(self, horizon: float) -> bool:
+        """Whether what dies away at once would dictate the steps: it is much faster than what swings and than the horizon."""
+        return self.decay > _STIFF_SPAN * max(self.swing, 1 / horizon) if horizon > 0 else False
+
+
+def find_spectrum(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> Spectrum | None:
+    """At the guesses and with the parameters as declared; None when the accelerations have no value there."""
+    n, modes = motion.q.numel(), kinematics.algebra.modes
+    slopes = ca.jacobian(motion.acceleration, ca.vertcat(motion.q, motion.v))
+    p, defaults = default_parameters(kinematics)
+    start = ca.substitute([initial.q, initial.v], [p], [ca.SX(defaults)]) if p.numel() else [initial.q, initial.v]
+    values = [m.value for m in modes]
+    if modes:
+        slopes = ca.substitute([slopes], [m.symbol for m in modes], values)[0]
+    function = ca.Function("slopes", [motion.t, motion.q, motion.v, motion.u, motion.p], [slopes])
+    instant = kinematics.graph.model.experiment.start
+    numbers = function(instant, ca.evalf(start[0]), ca.evalf(start[1]), 0, defaults).full()
+    if not np.all(np.isfinite(numbers)):
+        return None
+    matrix = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), numbers])
+    found = np.linalg.eigvals(matrix)
+    sizes = np.abs(found)
+    moving = sizes > _STILL * max(sizes.max(), math.ulp(0.0))
+    slowest = float(sizes[moving].min()) if moving.any() else 0.0
+    dies = -found.real > _DAMPED * sizes
+    decay, swing = (float(sizes[which].max(initial=0.0)) for which in (dies, ~dies))
+    return Spectrum(slowest, float(sizes.max()), decay, swing)
