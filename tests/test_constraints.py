@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from reference import integrate
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
 Write = Callable[[str], lag.Model]
@@ -134,6 +135,49 @@ MASSLESS = """model M
   Bar crank(m = 1, L = 0.4, a = O.b), rocker(m = 1.5, L = 0.8, a = C.b);
   {coupler}
 end M;"""
+
+
+LADDER = """model Ladder
+  parameter Integer n = 4; parameter Mass m[2*n+1];
+  Revolute foot[n+1](each phi(start = 90[deg])), left[n](each phi(start = -90[deg])), right[n];
+  Bar crank[n+1](m = m[1:n+1], each L = 1), coupler[n](m = m[n+2:2*n+1], each L = 1);
+equation
+  for i in 1:n+1 loop connect(foot[i].a, shift(world, {i, 0})); connect(foot[i].b, crank[i].a); end for;
+  for i in 1:n loop
+    connect(left[i].a, crank[i].b); connect(left[i].b, coupler[i].a);
+    connect(right[i].a, crank[i+1].b); connect(right[i].b, coupler[i].b);
+  end for;
+initial equation
+  foot[1].phi = 90[deg]; foot[1].w = -1;
+end Ladder;"""
+
+
+def ladder(scene: Write, masses: np.ndarray) -> lag.Model:
+    values = ", ".join(map(repr, masses.tolist()))
+    return scene(LADDER.replace("n = 4", f"n = {len(masses) // 2}").replace("m[2*n+1]", f"m[2*n+1] = {{{values}}}"))
+
+
+def test_a_ladder_of_uneven_masses_is_as_exact_as_a_pendulum(scene: Write) -> None:
+    """All cranks turn alike: sum(m_crank/3 + m_coupler) phi'' = -g sum(m_crank/2 + m_coupler) cos phi; folded flat on the way."""
+    n = 12
+    masses = 10 ** np.random.default_rng(3).uniform(-9, 9, 2 * n + 1)
+    cranks, couplers = masses[: n + 1].sum(), masses[n + 1 :].sum()
+    run = ladder(scene, masses).simulate(stop=2, interval=0.1, tolerance=1e-12)
+    pull = -9.81 * (cranks / 2 + couplers) / (cranks / 3 + couplers)
+    phi, _ = integrate(lambda t, q, v: pull * np.cos(q), [np.pi / 2], [-1], run.time)
+    assert phi[0].min() < -np.pi / 4
+    for k in range(1, n + 2):
+        np.testing.assert_allclose(run[f"foot[{k}].phi"], phi[0], rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("span", [0, 9], ids=["even", "uneven"])
+def test_what_a_loop_costs_does_not_grow_with_their_number(span: int, scene: Write) -> None:
+    def cost(n: int) -> int:
+        masses = 10 ** np.random.default_rng(n).uniform(-span, span, 2 * n + 1)
+        return int(ladder(scene, masses).scene.notes["acceleration_nodes"])
+
+    first, second, third = map(cost, (4, 8, 16))
+    assert third - second == pytest.approx(2 * (second - first), rel=0.1)
 
 
 def test_a_massless_bar_in_a_loop_is_a_link(scene: Write) -> None:

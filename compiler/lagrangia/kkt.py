@@ -6,11 +6,14 @@
 is factored as L D L^T with -E in place of 0, E a small diagonal, and one step of iterative refinement takes E's effect out. With
 E no pivot can vanish: where constraints repeat each other, or a mechanism passes a singular position, the multipliers stay
 bounded and J x = b is kept as far as it can be. Where M itself is singular (massless links in a loop) J^T W J is added to it,
-which changes nothing on the motions that the constraints allow. The coordinates are eliminated first, then the multipliers, each
-ordered by minimum degree. Source: Vanderbei, Symmetric quasi-definite matrices (1995); Golub and Van Loan, section 3.5.
+which changes nothing on the motions that the constraints allow; W is the mass of the coordinates in a row, by the row's own
+scale, so that a light mechanism beside a heavy one keeps its digits. Each multiplier is eliminated after all its coordinates:
+after all coordinates at all where M is sparse (rounding at singular positions is least then), as soon as may be where J^T W J
+has filled M in. Source: Vanderbei, Symmetric quasi-definite matrices (1995); Golub and Van Loan, section 3.5.
 """
 
 from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 from itertools import pairwise
 
 import casadi as ca
@@ -52,17 +55,18 @@ def factor(M: ca.SX, J: ca.SX, is_singular: bool) -> KKT:
     weight = None
     if is_singular:
         squares = ca.densify((J * J) @ ca.SX.ones(n))
-        weight = ca.trace(M) / n / squares
+        mass = ca.DM(J.sparsity(), 1) @ ca.vertcat(*[M[k, k] for k in range(n)])
+        weight = ca.densify(mass) / squares
         M = M + J.T @ (ca.diag(weight) @ J)
     diagonal = ca.vertcat(*[M[k, k] for k in range(n)])
     small = _SMALL * ((J * J) @ (1 / diagonal))
     K = ca.blockcat([[M, J.T], [J, -ca.diag(small)]])
-    order = _order(M.sparsity(), J.sparsity())
+    order = (_front if is_singular else _levels)(M.sparsity(), J.sparsity())
     D, upper, _ = ca.ldl(K[list(order), list(order)], False)
     return KKT(M, J, weight, order, D, upper)
 
 
-def _order(M: ca.Sparsity, J: ca.Sparsity) -> tuple[int, ...]:
+def _levels(M: ca.Sparsity, J: ca.Sparsity) -> tuple[int, ...]:
     """Coordinates by minimum degree on M, then multipliers by minimum degree on the pattern of J M^-1 J^T."""
     n = M.size1()
     _, members, starts = M.scc()
@@ -71,3 +75,38 @@ def _order(M: ca.Sparsity, J: ca.Sparsity) -> tuple[int, ...]:
     reach = ca.DM(ca.Sparsity.triplet(n, n, [i for i, _ in pairs], [j for _, j in pairs]), 1)
     rows = ca.DM(J, 1)
     return (*M.amd(), *(n + k for k in ca.mtimes([rows, reach, rows.T]).sparsity().amd()))
+
+
+def _front(M: ca.Sparsity, J: ca.Sparsity) -> tuple[int, ...]:
+    """Minimum degree on the whole matrix, a multiplier not before the last of its coordinates, when its pivot is as large as it
+    will be. A row of loops is so eliminated loop by loop: what is filled in grows with their number, also where M couples them.
+    """
+    n, m = M.size1(), J.size1()
+    neighbours: list[set[int]] = [set() for _ in range(n + m)]
+    for i, j in zip(*M.get_triplet(), strict=True):
+        neighbours[i] |= {j} - {i}
+    users: list[list[int]] = [[] for _ in range(n)]
+    waiting = [0] * (n + m)  # coordinates that a multiplier waits for
+    for r, k in zip(*J.get_triplet(), strict=True):
+        neighbours[n + r].add(k)
+        neighbours[k].add(n + r)
+        users[k].append(n + r)
+        waiting[n + r] += 1
+    queue = [(len(neighbours[k]), k) for k in range(n + m) if not waiting[k]]
+    heapify(queue)
+    order: list[int] = []
+    left = set(range(n + m))
+    while queue:
+        degree, k = heappop(queue)
+        if k not in left or degree != len(neighbours[k]):
+            continue  # it has been taken, or stands in the queue with its present degree, too
+        left.remove(k)
+        order.append(k)
+        for user in users[k] if k < n else ():
+            waiting[user] -= 1
+        for other in neighbours[k]:
+            neighbours[other] |= neighbours[k]
+            neighbours[other] -= {k, other}
+            if not waiting[other]:
+                heappush(queue, (len(neighbours[other]), other))
+    return tuple(order)
