@@ -7,6 +7,7 @@ dT/dv. The accelerations come from the dense M, or by elimination along the tree
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 
@@ -50,7 +51,12 @@ class Motion:
     dissipated_power: ca.SX  # taken out by dampers
     source_power: ca.SX  # put in by loads and moving supports
     way: str  # "dense" or "tree"
-    nodes: dict[str, int]  # of each way that was tried
+    counted: dict[str, int]  # nodes of each way, where there was a choice
+
+    @cached_property
+    def nodes(self) -> dict[str, int]:
+        """Nodes of each way that was tried. Counting takes as long as a good part of the compilation: only when asked."""
+        return self.counted or {self.way: count_nodes([self.acceleration], [self.q, self.v, self.a, self.u])}
 
 
 @dataclass(frozen=True)
@@ -85,17 +91,17 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     source = ca.dot(force, v) - tau * dL_dt + tau * ca.gradient(D, tau)
     H = ca.dot(v, momentum) - T + V if ca.depends_on(T, tau) else T + V
     T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
-    constrained = None
+    constrained, counted = None, dict[str, int]()
     if constraints.rows:
         acceleration, constrained = _constrain(kinematics, constraints, momentum, h, q, v)
-        way, nodes = "constrained", {"constrained": count_nodes([acceleration], [kinematics.algebra.state])}
+        way = "constrained"
         source = source + _power_of_constraints(kinematics, constrained)
     else:
         _require_mass(kinematics, momentum, v)
-        acceleration, way, nodes = _solve(kinematics, bodies, momentum, h, v)
+        acceleration, way, counted = _solve(kinematics, bodies, momentum, h, v)
     names = kinematics.graph.model.variables
     p, u = (_stack(kinematics, [n for n, x in names.items() if x.kind == kind]) for kind in ("parameter", "input"))
-    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, nodes)
+    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, counted)
 
 
 def mass_matrix(motion: Motion) -> ca.SX:
@@ -238,6 +244,9 @@ def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v:
         ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
     if tree is None or _coupled_pairs(kinematics) <= _DENSEST * v.numel():
         ways["dense"] = _dense(momentum, h, v)
+    if len(ways) == 1:
+        (way,) = ways
+        return ways[way], way, {}
     nodes = {way: count_nodes([a], [kinematics.algebra.state]) for way, a in ways.items()}
     best = min(nodes, key=lambda way: nodes[way])
     return ways[best], best, nodes

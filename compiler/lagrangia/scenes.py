@@ -75,9 +75,9 @@ def _freedom(kinematics: Kinematics, motion: Motion, freedom: Freedom) -> dict[s
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
     n = motion.q.numel()
-    rhs = count_operations(tapes["rhs"])
-    return {"rhs_operations": rhs, "acceleration_nodes": motion.nodes[motion.way], "ways": motion.nodes, "way": motion.way,
-            "nodes_per_coordinate": round(motion.nodes[motion.way] / n, 1)}
+    nodes = count_operations(tapes["rhs"], output=0)
+    return {"rhs_operations": count_operations(tapes["rhs"]), "acceleration_nodes": nodes, "way": motion.way,
+            "ways": motion.counted or {motion.way: nodes}, "nodes_per_coordinate": round(nodes / n, 1)}
 
 
 def _per_second(unit: str) -> str:
