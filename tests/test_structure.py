@@ -73,8 +73,16 @@ ORDER = """
     plot
     trajectory
     model
+    bench_problem
+    bench_reference
+    bench_peers
+    bench_heyoka
+    bench
+    bench_table
+    bench_plot
     topics
     commands
+    bench_command
     cli
     __init__
 """.split()

@@ -43,8 +43,8 @@ def explain_command(options: Namespace) -> int:
     from lagrangia.explain import as_json, as_text
     from lagrangia.needs import find_needs
 
-    given = [_assignment(text, "-p") for text in options.parameter]
-    model = _load(options, given, ())
+    given = [assignment(text, "-p") for text in options.parameter]
+    model = load_model(options, given, ())
     c = model.compilation
     needs = find_needs(c.kinematics, c.constraints, c.energies, c.motion, c.initial, c.scene)
     print((as_json if options.json else as_text)(model.scene, needs))
@@ -75,29 +75,29 @@ def simulate_command(options: Namespace) -> int:
         require_format(options.plot)
     begin = time.perf_counter()
     outputs = _names(options.outputs) + ((ALL_REACTIONS,) if options.reactions else ())
-    given = [_assignment(text, "-p") for text in options.parameter]
-    model = _load(options, given, outputs)
+    given = [assignment(text, "-p") for text in options.parameter]
+    model = load_model(options, given, outputs)
     scene = model.scene
     if options.dump is not None:
         from lagrangia.dumps import dump
 
         print(dump(model.compilation, options.dump))
         return 0
-    at = None if options.at is None else [_number(text, "--at") for text in options.at.split(",")]
+    at = None if options.at is None else [number(text, "--at") for text in options.at.split(",")]
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
                       at=at, max_step=options.max_step, max_steps=options.max_steps,
                       solver=options.solver)
-    parameters = _values([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural],
-                         {p.name: p.unit for p in scene.parameters})
+    parameters = values_with_units([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural],
+                                   {p.name: p.unit for p in scene.parameters})
     units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
     units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
-    initial = _values([_assignment(text, "--initial") for text in options.initial], units)
+    initial = values_with_units([assignment(text, "--initial") for text in options.initial], units)
     values = check_values(scene, parameters, initial, _inputs(options.input, scene))
     compiled = time.perf_counter() - begin
     return _run(options, model, experiment, values, compiled)
 
 
-def _load(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
+def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
     """The model; parameters that turn out to be structural are compiled in."""
     names = {name for name, _ in given}
     structural = {}
@@ -283,21 +283,21 @@ def _names(text: str | None) -> tuple[str, ...]:
     return tuple(name.strip() for name in re.split(r",(?![^\[]*\])", text or "") if name.strip())
 
 
-def _assignment(text: str, option: str) -> tuple[str, str]:
+def assignment(text: str, option: str) -> tuple[str, str]:
     name, equals, value = text.partition("=")
     if not equals or not name.strip() or not value.strip():
         fail("L0706", f"'{text}' after {option} is not of the form NAME=VALUE")
     return name.strip(), value.strip()
 
 
-def _number(text: str, option: str) -> float:
+def number(text: str, option: str) -> float:
     try:
         return float(text)
     except ValueError:
         fail("L0706", f"'{text}' after {option} is no number")
 
 
-def _values(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, float]:
+def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, float]:
     """Values in SI units; `world.gravity={0,0}` sets the elements of an array."""
     found: dict[str, Any] = {}
     for name, text in given:
@@ -317,7 +317,8 @@ def _values(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, fl
 def _inputs(given: list[str], scene: Any) -> Any:
     """Constants by name, or one table from a CSV file with a column `time`."""
     files = [text for text in given if "=" not in text or Path(text).suffix == ".csv"]
-    constants = _values([_assignment(text, "-u") for text in given if text not in files], {p.name: p.unit for p in scene.inputs})
+    units = {p.name: p.unit for p in scene.inputs}
+    constants = values_with_units([assignment(text, "-u") for text in given if text not in files], units)
     if not files:
         return constants
     if len(files) > 1:
@@ -348,4 +349,7 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
     return columns.pop("time"), columns
 
 
-__all__ = ["check_command", "explain_command", "read_table", "simulate_command"]
+__all__ = [
+    "assignment", "check_command", "explain_command", "load_model", "number", "read_table", "simulate_command",
+    "values_with_units",
+]

@@ -93,6 +93,24 @@ which, and what it took. Compiled scenes are kept in a cache folder ($LAGRANGIA_
 Environment: LAGRANGIA_CACHE, LAGRANGIA_CC (a C compiler's command, or none), CC, NO_COLOR, LAGRANGIA_TRACEBACK=1.
 """
 
+_BENCH = """\
+lag bench FILE integrates the scene with every solver at every tolerance and prints the time it took and the error it had.
+
+time     processor time of the integration alone: compiled, warm, from the assembled start; the median of --repeat runs
+error    of the coordinates, at --points output times: the largest, relative to the largest of the coordinates of its unit
+         (at least 1e-3 m or rad), against a reference by a method that is not among the solvers: extrapolation of order 20 in
+         extended precision, whose own error is estimated and printed
+ours     every solver of --solver in lag simulate that can run the scene, on the same native code
+casadi:  erk (5(4)) and rosenbrock, the whole integration written out as C and compiled; cvodes (BDF), adams (CVODES' other
+         methods) and idas with compiled equations
+scipy:   DOP853, Radau, LSODA with compiled equations and Jacobian, called through pointers
+heyoka   Taylor series of an order that follows from the tolerance; our equations become its expressions
+
+Every solver integrates the same accelerations, with parameters and inputs as numbers; where sources jump or bend in time it
+starts anew. Nobody but us keeps closed loops closed: their errors show it. A solver whose package is missing is skipped:
+pip install "lagrangia[bench]" brings all. The last table compares the fastest of ours with the fastest other at each error.
+"""
+
 _ERRORS = """\
 error[L0203]: Spring has no parameter 'd', with file, line and caret, what was expected and what to do. Codes by phase:
 L00xx files and command line   L01xx syntax   L02xx names, modifications, arrays   L03xx units and dimensions
@@ -133,6 +151,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "units": ("units and dimensions", lambda: _UNITS),
     "solver": ("how a scene is run, tolerance, cache, environment", lambda: _SOLVER),
     "python": ("the Python interface", lambda: _PYTHON),
+    "bench": ("run time against error: what is measured, and how", lambda: _BENCH),
     "errors": ("diagnostics and exit codes", lambda: _ERRORS),
 }
 
