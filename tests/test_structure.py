@@ -41,6 +41,7 @@ ORDER = """
     evaluation
     edges
     graph
+    joints
     closures
     kinematics
     energies
@@ -72,6 +73,7 @@ ORDER = """
     casadi_solvers
     plot
     trajectory
+    statics
     model
     bench_problem
     bench_reference

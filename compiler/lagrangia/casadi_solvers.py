@@ -55,6 +55,9 @@ class _Run:
         self.y = self._start(table)
 
     def _start(self, table: Any) -> np.ndarray:
+        if not self.compilation.motion.q.numel():
+            fail("L0909", "not supported yet: a scene without coordinates, with CasADi's integrators", None,
+                 "the run time takes it: it needs a C compiler (pip install ziglang)")
         if self.compilation.motion.constrained:
             fail("L0909", "not supported yet: constraints that stay in the equations, with CasADi's integrators", None,
                  "closed loops and the like need the run time: a C compiler (pip install ziglang)")

@@ -15,7 +15,8 @@ from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.plot import require_format
 from lagrangia.simulate import Experiment, Progress, check_values, plan
 from lagrangia.solvers import is_casadi, name_of
-from lagrangia.trajectory import CsvWriter, columns
+from lagrangia.statics import is_static, reaction_table
+from lagrangia.trajectory import ENERGIES, CsvWriter, columns
 from lagrangia.values import read_value
 
 _BAR_AFTER = 2.0  # seconds
@@ -61,7 +62,8 @@ def _describe(scene: Any) -> str:
     lines = [f"{scene.name}: {degrees} degree{'s' if degrees != 1 else ''} of freedom{still}"]
     held = scene.sizes["n_multipliers"]
     closed = f", {notes['loops']} closed loop{'s' if notes['loops'] != 1 else ''}" if notes["loops"] else ""
-    lines.append(f"  coordinates {shown}" + (f"; {held} constraints{closed}" if held else ""))
+    if names:
+        lines.append(f"  coordinates {shown}" + (f"; {held} constraints{closed}" if held else ""))
     if notes["dependent"]:
         lines.append(f"  given by others: {', '.join(notes['dependent'][:8])}")
     if notes["degrees_at_start"] > degrees:
@@ -77,6 +79,8 @@ def simulate_command(options: Namespace) -> int:
     outputs = _names(options.outputs) + ((ALL_REACTIONS,) if options.reactions else ())
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, outputs)
+    if is_static(model.scene) and not options.reactions:
+        model = load_model(options, given, (*outputs, ALL_REACTIONS))
     scene = model.scene
     if options.dump is not None:
         from lagrangia.dumps import dump
@@ -138,12 +142,14 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     progress, portions = model.start(experiment, values, bar)
     loaded = time.perf_counter() - begin
     keep: list[Sequence[float]] = []
+    last: Sequence[float] = ()
     failure: RunError | None = None
     target = options.output or f"{options.file.stem}.csv"
     with _writer(target, scene) as writer:
         try:
             for portion in portions:
                 writer(portion)
+                last = portion[-len(columns(scene)) - ENERGIES :]
                 if options.plot is not None:
                     keep.append(portion)
         except RunError as error:
@@ -153,6 +159,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
         _plot(options, model, progress, keep, values)
     if not options.quiet:
         _summarise(options, model, progress, target, compiled, loaded)
+        _tell_reactions(scene, last, sys.stdout if target != "-" else sys.stderr)
     if progress.interrupted:
         print(f"interrupted at t = {progress.time:.6g}; the {progress.rows} rows before are kept", file=sys.stderr)
         return 1
@@ -174,7 +181,7 @@ class _writer:
             return self.file.write
         shown = columns(self.scene)
         print(",".join(c.name for c in shown))
-        width = len(shown) + 5
+        width = len(shown) + ENERGIES
         return lambda rows: print("\n".join(",".join(map(repr, rows[k : k + len(shown)])) for k in range(0, len(rows), width)))
 
     def __exit__(self, *exception: Any) -> None:
@@ -204,7 +211,7 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
 
     say(f"{scene.name}: {scene.description}" if scene.description else scene.name)
     names = ", ".join(c.name for c in scene.coordinates[:6]) + (", ..." if scene.n > 6 else "")
-    say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''} ({names}), "
+    say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''}{f' ({names})' if names else ''}, "
         f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
     engine = model.engine if not is_casadi(options.solver) else None
     solver = "" if engine else f"casadi:{options.solver.partition(':')[2] or 'cvodes'}"
@@ -224,6 +231,13 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
     say(f"  {progress.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""))
     if options.stats:
         _tell(model, progress, compiled, loaded, say)
+
+
+def _tell_reactions(scene: Any, row: Sequence[float], out: Any) -> None:
+    """What a scene that cannot move is computed for."""
+    if is_static(scene) and row:
+        print(f"  no freedom is left, so it stands still; on the port b of each joint act, at t = {row[0]:g} s", file=out)
+        print("\n".join(f"    {line}" for line in reaction_table(scene, row)), file=out)
 
 
 def _tell(model: Model, progress: Progress, compiled: float, loaded: float, say: Callable[[str], None]) -> None:

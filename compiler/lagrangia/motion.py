@@ -18,6 +18,7 @@ from lagrangia.diagnostics import Span, fail
 from lagrangia.elimination import eliminate
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
+from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.kkt import factor
 from lagrangia.parameters import default_parameters
@@ -73,18 +74,18 @@ class ConstrainedMotion:
 
 
 def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints) -> Motion:
-    """Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates."""
+    """Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates and joints."""
     symbols = kinematics.symbols
-    q, v, a = (ca.vertcat(*s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
+    q, v, a = (ca.vertcat(ca.SX(0, 1), *s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
     t, tau = symbols.time, symbols.tau
-    if q.numel() == 0:
+    if q.numel() == 0 and not all_reactions(kinematics.graph):
         fail("L0505", "nothing can move: the scene has no coordinate", kinematics.graph.model.span,
              "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
     bodies = find_bodies(kinematics, energies)
     T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
     n = q.numel()
     slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
-    momentum, dL_dt = slopes[:n], slopes[n]
+    momentum, dL_dt = slopes[:n, 0], slopes[n]
     force, damping = _generalised_force(energies, q), ca.gradient(D, v)
     h = _inertial_force(kinematics, energies, bodies, q, v) + damping
     dissipated = ca.dot(v, damping) + tau * ca.gradient(D, tau)
@@ -273,7 +274,7 @@ def _dense(momentum: ca.SX, h: ca.SX, v: ca.SX) -> ca.SX:
 def count_nodes(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:
     """Operations that depend on the arguments, common subexpressions counted once."""
     rest = ca.symvar(ca.veccat(*expressions, *arguments))
-    moving = ca.vertcat(*arguments)
+    moving = ca.SX(ca.vertcat(*arguments))
     movers = {s.__hash__() for s in ca.symvar(moving)}
     fixed = [s for s in rest if s.__hash__() not in movers]
     shared = ca.cse(ca.veccat(*expressions))

@@ -60,7 +60,9 @@ def _initial_places(initial: InitialConditions) -> tuple[str, ...]:
 
 
 def _is_driven(kinematics: Kinematics, motion: Motion) -> bool:
-    """Whether a constraint prescribes a motion in time."""
+    """Whether a support moves, or a constraint prescribes a motion in time."""
+    if any(edge.moves_with_time for edge in kinematics.graph.edges):
+        return True
     rows = [ca.SX(dependent.constant[0]) for dependent in kinematics.dependents.values()]
     rows += [motion.constrained.phi] if motion.constrained else []
     return bool(rows) and ca.depends_on(ca.vertcat(*rows), motion.t)
@@ -77,7 +79,7 @@ def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
     n = motion.q.numel()
     nodes = count_operations(tapes["rhs"], output=0)
     return {"rhs_operations": count_operations(tapes["rhs"]), "acceleration_nodes": nodes, "way": motion.way,
-            "ways": motion.counted or {motion.way: nodes}, "nodes_per_coordinate": round(nodes / n, 1)}
+            "ways": motion.counted or {motion.way: nodes}, "nodes_per_coordinate": round(nodes / max(n, 1), 1)}
 
 
 def _per_second(unit: str) -> str:
