@@ -85,6 +85,7 @@ pivoting (kkt.py); after every step the positions, then the velocities are proje
 level. Redundant constraints, massless links and singular positions are part of the game. `lag check` tells degrees of freedom,
 loops and what is redundant. --reactions reports the force and torque of every joint and tie, by
 Lagrange's equations of released directions (released.py). Where constraints are redundant, those told as repeated carry nothing.
+A scene that cannot move is statics: its reactions are told without being asked for.
 
 Every run keeps the energy account: T + V + dissipated - work of sources - what it began with is zero, but for errors; the
 largest residual is printed. A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says
