@@ -76,6 +76,15 @@ void lag_inputs_at(const LagInputs *inputs, double t, double *u)
         u[i] = u0[i] + x * (u1[i] - u0[i]);
 }
 
+void lag_inputs_slope(const LagInputs *inputs, double *slope)
+{
+    const int n = inputs->n, left = inputs->left, is_held = left < 0 || left >= inputs->rows - 1;
+    for (int i = 0; i < n; ++i) {
+        const double *u0 = inputs->values + (is_held ? 0 : left * n + i);
+        slope[i] = is_held ? 0 : (u0[n] - u0[0]) / (inputs->times[left + 1] - inputs->times[left]);
+    }
+}
+
 double lag_inputs_next(const LagInputs *inputs, double t)
 {
     const int next = rows_until(inputs, t);

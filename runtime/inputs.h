@@ -20,6 +20,9 @@ void lag_inputs_enter(LagInputs *inputs, double t);
 /* Values at t by the present segment: at a jump, those of its own side. */
 void lag_inputs_at(const LagInputs *inputs, double t, double *u);
 
+/* Slopes in the present segment. */
+void lag_inputs_slope(const LagInputs *inputs, double *slope);
+
 /* The first corner after t, or infinity. */
 double lag_inputs_next(const LagInputs *inputs, double t);
 

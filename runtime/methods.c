@@ -6,16 +6,28 @@ int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
     return asked != LAG_SOLVER_AUTO ? asked : LAG_SOLVER_ERK;
 }
 
+int lag_methods_permit(const LagModel *model, int32_t solver)
+{
+    switch (solver) {
+    case LAG_SOLVER_ERK: return 1;
+    case LAG_SOLVER_LINEAR: return model->linear_pattern != NULL;
+    default: return 0;
+    }
+}
+
 void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,
                         LagArena *arena)
 {
-    if (lag_methods_first(settings, model) == LAG_SOLVER_ERK)
-        lag_dop853.layout(&methods->dop853, motion, arena);
+    const int32_t solver = lag_methods_first(settings, model);
+    if (!lag_methods_permit(model, solver))
+        return;
+    lag_methods_choose(methods, solver);
+    methods->table->layout(methods->self, motion, arena);
 }
 
 void lag_methods_choose(LagMethods *methods, int32_t solver)
 {
     methods->solver = solver;
-    methods->table = &lag_dop853;
-    methods->self = &methods->dop853;
+    methods->table = solver == LAG_SOLVER_LINEAR ? &lag_linear_method : &lag_dop853;
+    methods->self = solver == LAG_SOLVER_LINEAR ? (void *)&methods->linear : (void *)&methods->dop853;
 }

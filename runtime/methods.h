@@ -3,6 +3,7 @@
 #define LAG_METHODS_H
 
 #include "dop853.h"
+#include "linear_method.h"
 #include "run.h"
 
 typedef struct {
@@ -10,10 +11,14 @@ typedef struct {
     const LagMethod *table; /* its functions */
     void *self;             /* its own struct, one of those below */
     LagDop853 dop853;
+    LagLinearMethod linear;
 } LagMethods;
 
 /* The solver to begin with. */
 int32_t lag_methods_first(const LagSettings *settings, const LagModel *model);
+
+/* Whether the model can be run by it. */
+int lag_methods_permit(const LagModel *model, int32_t solver);
 
 /* The methods that a run with these settings may use take their memory. */
 void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,

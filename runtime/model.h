@@ -56,6 +56,7 @@ typedef struct {
     const int *fixed;           /* 2 n: LAG_START_..., of q then v */
     const int *event_kind;      /* n_events */
     int outputs_need_acceleration; /* a or lambda */
+    const int *linear_pattern;     /* NULL unless the equations are linear: see linear_system.h */
     int solver;                    /* LAG_SOLVER_...: the one that fits the equations best */
 
     LagFunction parameters; /* given, mask          -> p               given values kept, dependent ones computed */
@@ -69,6 +70,8 @@ typedef struct {
     LagFunction energies;   /* t, q, v, u, d, c     -> {T, V, H}       H - H(0) + dissipated - work = 0 */
     LagFunction place;      /* t, q, u, d, c        -> dq, phi         one Newton correction of q, and Phi(q, t) */
     LagFunction steer;      /* t, q, v, u, d, c     -> dv, rate        the same for v, and J v + dPhi/dt */
+    LagFunction linear;     /* p, d                 -> numbers of the linear equations; always a tape */
+    LagFunction waves;      /* t, p, d              -> states of its loads; always a tape */
 } LagModel;
 
 #endif

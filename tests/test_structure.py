@@ -41,7 +41,6 @@ ORDER = """
     evaluation
     edges
     graph
-    joints
     closures
     kinematics
     energies
@@ -54,6 +53,10 @@ ORDER = """
     released
     reactions
     initial
+    linearity
+    waves
+    loads
+    linear_form
     functions
     freedom
     runtime
@@ -73,18 +76,9 @@ ORDER = """
     casadi_solvers
     plot
     trajectory
-    statics
     model
-    bench_problem
-    bench_reference
-    bench_peers
-    bench_heyoka
-    bench
-    bench_table
-    bench_plot
     topics
     commands
-    bench_command
     cli
     __init__
 """.split()

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from lagrangia.runtime import Op, Tape
 
+_DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
 _PIECE = 1500  # instructions in one C function
 
 _TEMPLATES: Mapping[int, str] = {
@@ -27,19 +28,21 @@ _TEMPLATES: Mapping[int, str] = {
 def write_c(
     name: str, sizes: Mapping[str, int], tapes: Mapping[str, Tape],
     coordinate_kind: Sequence[int], fixed: Sequence[int], event_kind: Sequence[int],
+    patterns: Mapping[str, Sequence[int]],
 ) -> str:
     """The C source of a scene. Equal input gives equal text."""
-    lines = [f"/* {_comment(name)}: generated, do not edit. */", "#include <math.h>", '#include "model.h"', ""]
+    lines = [f"/* {_comment(name)}: generated, do not edit. */", "#include <math.h>", '#include "tape.h"', ""]
     for label, tape in tapes.items():
-        lines += _function(label, tape)
+        lines += _data(label, tape) if label in _DATA else _function(label, tape)
+    lines += [_ints(name, places) for name, places in patterns.items()]
     lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
     lines += ["LAG_API extern const LagModel lag_model;", "const LagModel lag_model = {"]
     lines += [f"    .{key} = {value}," for key, value in sizes.items()]
     lines += ["    .coordinate_kind = coordinate_kind,", "    .fixed = fixed_start,", "    .event_kind = event_kind,"]
+    lines += [f"    .{name} = {name}," for name in patterns]
     for label, tape in tapes.items():
-        lines.append(
-            f"    .{label} = {{{len(tape.in_sizes)}, {len(tape.out_sizes)}, {label}_in, {label}_out, {_work(tape)}, {label}, 0}},"
-        )
+        work, how = (tape.n_work, f"0, &{label}_tape") if label in _DATA else (_work(tape), f"{label}, 0")
+        lines.append(f"    .{label} = {{{len(tape.in_sizes)}, {len(tape.out_sizes)}, {label}_in, {label}_out, {work}, {how}}},")
     return "\n".join([*lines, "};", ""])
 
 
@@ -49,6 +52,17 @@ def _comment(text: str) -> str:
 
 def _ints(name: str, values: Sequence[int]) -> str:
     return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"
+
+
+def _data(label: str, tape: Tape) -> list[str]:
+    """A function that the run time interprets in its own arithmetic."""
+    numbers = ", ".join(map(_number, tape.constants)) or "0"
+    sizes = f"{len(tape.code) // 4}, {len(tape.constants)}"
+    return [_ints(f"{label}_in", tape.in_sizes), _ints(f"{label}_out", tape.out_sizes),
+            f"static const int32_t {label}_code[] = {{{', '.join(map(str, tape.code)) or '0'}}};",
+            f"static const double {label}_constants[] = {{{numbers}}};",
+            f"static const LagTape {label}_tape = {{{sizes}, {label}_code, {label}_constants}};",
+            ""]
 
 
 def _is_long(tape: Tape) -> bool:

@@ -154,7 +154,7 @@ def _c(compilation: Compilation) -> str:
     from lagrangia.ccode import write_c
 
     scene = compilation.scene
-    return write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind)
+    return write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns)
 
 
 def _short(value: Any) -> str:

@@ -13,6 +13,7 @@ from lagrangia.algebra import Mode, Scalar
 from lagrangia.constraints import Constraints
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
+from lagrangia.linear_form import LinearForm, find_linear_form
 from lagrangia.motion import Motion, mass_matrix
 from lagrangia.observables import observe
 from lagrangia.parameters import all_parameters, default_parameters, scalars
@@ -28,6 +29,8 @@ class Functions:
     event_kinds: tuple[int, ...]
     n_power: int
     outputs_need_acceleration: bool
+    patterns: Mapping[str, tuple[int, ...]]
+    refused: Mapping[str, str]  # solvers that cannot run the scene, and why
 
 
 def build_functions(
@@ -67,7 +70,16 @@ def build_functions(
     if modes:
         table |= _mode_functions(motion, modes)
     needs = ca.depends_on(y, ca.vertcat(a, symbols)) if y.numel() else False
-    return Functions(table, names, tuple(mode.kind for mode in modes), power.numel(), needs)
+    patterns, refused = _add_linear(table, find_linear_form(kinematics, motion))
+    return Functions(table, names, tuple(mode.kind for mode in modes), power.numel(), needs, patterns, refused)
+
+
+def _add_linear(table: dict[str, ca.Function], form: LinearForm | str) -> tuple[dict[str, tuple[int, ...]], dict[str, str]]:
+    """The patterns of a linear scene, and why the solver `linear` cannot run one that is none."""
+    if isinstance(form, str):
+        return {}, {"linear": form}
+    table |= {"linear": form.values, "waves": form.waves}
+    return {"linear_pattern": form.pattern}, {}
 
 
 def people_functions(

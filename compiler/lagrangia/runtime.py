@@ -40,6 +40,7 @@ class Solver(IntEnum):
 
     AUTO = 0
     ERK = 1
+    LINEAR = 2
 
 
 class Op(IntEnum):
@@ -195,6 +196,7 @@ _SIZES = (
 )
 _FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
+    "linear", "waves",
 )
 
 
@@ -205,6 +207,7 @@ class _Model(c.Structure):
         ("fixed", _Ints),
         ("event_kind", _Ints),
         ("outputs_need_acceleration", c.c_int),
+        ("linear_pattern", _Ints),
         ("solver", c.c_int),
         *((name, _Function) for name in _FUNCTIONS),
     )
@@ -307,11 +310,17 @@ class Model:
         coordinate_kind: Sequence[int],
         fixed: Sequence[int],
         event_kind: Sequence[int] = (),
+        patterns: Mapping[str, Sequence[int]] | None = None,
     ) -> Self:
-        """A model from plain data. `sizes` has the names of LagModel's integers, those left out are 0; likewise `functions`."""
+        """A model from plain data. `sizes` has the names of LagModel's integers, those left out are 0; likewise `functions`.
+
+        `patterns` are lists of places by the names of their members of LagModel.
+        """
         struct = _Model(coordinate_kind=_ints(coordinate_kind), fixed=_ints(fixed), event_kind=_ints(event_kind))
         for name, size in sizes.items():
             setattr(struct, name, size)
+        for name, places in (patterns or {}).items():
+            setattr(struct, name, _ints(places))
         for name, tape in functions.items():
             setattr(struct, name, _function_of(tape))
         return cls(struct, None)

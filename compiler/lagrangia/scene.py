@@ -54,6 +54,7 @@ class Scene:
     event_kind: tuple[int, ...]
     initial_places: tuple[str, ...]  # where the initial equations are written
     notes: Mapping[str, Any]  # figures for --stats
+    patterns: Mapping[str, tuple[int, ...]]  # lists of places of LagModel
     refused: Mapping[str, str]  # solvers that cannot run this scene, and why
     tapes: Mapping[str, Tape]
 
@@ -85,6 +86,7 @@ def from_json(text: str) -> Scene:
         plain[name] = tuple(kind(**item) for item in plain[name])
     for name in ("coordinate_kind", "fixed", "event_kind", "initial_places"):
         plain[name] = tuple(plain[name])
+    plain["patterns"] = {name: tuple(places) for name, places in plain["patterns"].items()}
     plain["tapes"] = {name: _unpack(tape) for name, tape in plain["tapes"].items()}
     return Scene(**plain)
 

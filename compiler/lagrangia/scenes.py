@@ -49,7 +49,8 @@ def build_scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
         tuple(kinds[c.unit] for c in graph.coordinates), tuple(map(int, initial.fixed)), functions.event_kinds,
-        _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, freedom), {}, tapes,
+        _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, freedom), functions.patterns,
+        functions.refused, tapes,
     )
 
 
@@ -60,9 +61,7 @@ def _initial_places(initial: InitialConditions) -> tuple[str, ...]:
 
 
 def _is_driven(kinematics: Kinematics, motion: Motion) -> bool:
-    """Whether a support moves, or a constraint prescribes a motion in time."""
-    if any(edge.moves_with_time for edge in kinematics.graph.edges):
-        return True
+    """Whether a constraint prescribes a motion in time."""
     rows = [ca.SX(dependent.constant[0]) for dependent in kinematics.dependents.values()]
     rows += [motion.constrained.phi] if motion.constrained else []
     return bool(rows) and ca.depends_on(ca.vertcat(*rows), motion.t)
@@ -77,9 +76,9 @@ def _freedom(kinematics: Kinematics, motion: Motion, freedom: Freedom) -> dict[s
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
     n = motion.q.numel()
-    nodes = count_operations(tapes["rhs"], output=0)
-    return {"rhs_operations": count_operations(tapes["rhs"]), "acceleration_nodes": nodes, "way": motion.way,
-            "ways": motion.counted or {motion.way: nodes}, "nodes_per_coordinate": round(nodes / max(n, 1), 1)}
+    rhs = count_operations(tapes["rhs"])
+    return {"rhs_operations": rhs, "acceleration_nodes": motion.nodes[motion.way], "ways": motion.nodes, "way": motion.way,
+            "nodes_per_coordinate": round(motion.nodes[motion.way] / n, 1)}
 
 
 def _per_second(unit: str) -> str:

@@ -21,6 +21,7 @@ class Way:
 
 WAYS: Mapping[str, Way] = {
     "erk": Way(Solver.ERK, "explicit Runge-Kutta 8(5,3) of Dormand and Prince"),
+    "linear": Way(Solver.LINEAR, "matrix exponential, exact for linear scenes"),
 }
 
 

@@ -1,0 +1,46 @@
+/* A linear scene as x' = A x with x = (q, v, w): M v' = F x and w' = G w, in double-doubles.
+ *
+ * The model's `linear_pattern` says where the numbers of `linear` lie:
+ *     n_w, n_inputs, changes, n_forms   states of loads, how many of them begin with inputs and their slopes; whether numbers
+ *                                       depend on modes; forms: 0, or 2 for the powers x' Q x of the account
+ *     order[n]                          order in which M is eliminated
+ *     start[n + 1], column[]            rows below the diagonal of M's factor L in this order
+ *     start[rows + 1], column[]         rows of F (n), of G (n_w), of each form (2 n + n_w)
+ * and `linear` gives the diagonal of M in this order, its entries in the places of L, and those of F, G and the forms.
+ */
+#ifndef LAG_LINEAR_SYSTEM_H
+#define LAG_LINEAR_SYSTEM_H
+
+#include "dd_vector.h"
+#include "inputs.h"
+#include "model.h"
+
+typedef struct {
+    int rows;
+    const int *start, *column;
+    LagDD *value;
+} LagSparse;
+
+typedef struct {
+    const LagModel *model;
+    int n, n_w, n_inputs, changes, n_forms, size;
+    const int *order;
+    LagSparse lower, F, G, form[2];
+    LagDD *diagonal; /* of M, then of D in M = L D L' */
+    LagDD *values, *waves, *work, *right;
+    double *p, *d; /* what the numbers belong to */
+    int is_built;
+} LagLinearSystem;
+
+void lag_linear_system_layout(LagLinearSystem *s, const LagModel *model, LagArena *arena);
+
+/* The numbers at these parameters and modes. *is_new: they changed. Returns 0 when M is not positive definite or not finite. */
+int lag_linear_system_build(LagLinearSystem *s, const double *p, const double *d, int *is_new);
+
+/* w at the time t of the present segment; u[n_inputs] is scratch. */
+void lag_linear_system_loads(LagLinearSystem *s, const LagInputs *inputs, double t, const double *d, double *u, LagDDs w);
+
+/* dx = A x */
+void lag_linear_system_slope(LagLinearSystem *s, LagDDs x, LagDDs dx);
+
+#endif
