@@ -1,217 +1,229 @@
-/* Gauss-Newton with shortest corrections: P. Deuflhard, Newton Methods for Nonlinear Problems (2004), 4.4.
+/* Positions first, then rates where the positions are.
  *
- * Unknowns are measured by the guesses of their kind, equations by the length of their gradient in those
- * units, so that a residual is the distance to the solution set and units do not matter. Each correction solves the
- * linearised equations by the QR factors of the transposed Jacobian: the shortest one, and dependent equations (redundant
- * constraints) drop out by pivoting; they are satisfied along with the others or reported. Long corrections are cut, so that
- * a mechanism near a dead centre is not thrown to a far solution, and halved until the sum of squares falls.
+ * What nobody guessed follows the guesses; where that is enough, they hold. Else a solution is found near by (newton.c), then
+ * moved along the solution set to where it is nearest to the guess in the mass metric at the guess: steps of a projected
+ * gradient, each brought back to the set, as long as the distance falls. What cannot be solved in the mass metric is tried once
+ * more with every value measured by its size.
  *
- * Where that leads nowhere, steepest descent does, unless the gradient vanishes: then a small push, always the same one,
- * leaves the critical point. The iteration ends when nothing falls any more.
+ * An assembly may be singular although others are regular: a parallelogram folded flat. Where the guesses leave values open,
+ * these are tried elsewhere, and an assembly is preferred in which more of the equations are independent.
  */
 #include "assemble.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "function.h"
 #include "linear.h"
 
-static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5;
-static const double FREE = 10, CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
-enum { MOST_ITERATIONS = 100, MOST_PUSHES = 3 };
+static const double GOLDEN_RATIO = 0.6180339887498949, CLOSE = 1e-7, SHORTEST_LEAN = 0.1, FALL = 1e-13;
+static const double SINGULAR = 1e-5, SPREAD = 1, MOVED = 1e-9;
+enum { MOST_ITERATIONS = 100, MOST_PUSHES = 3, MOST_LEANS = 30, MOST_RETURNS = 20, MOST_TRIES = 4 };
 
 void lag_assembly_layout(LagAssembly *s, LagArena *arena)
 {
-    const size_t equations = (size_t)s->model->n_initial, unknowns = 2 * (size_t)s->model->n;
-    s->g = lag_take(arena, equations);
-    s->jacobian = lag_take(arena, equations * unknowns);
-    s->transposed = lag_take(arena, equations * unknowns);
-    s->length = lag_take(arena, equations);
-    s->right = lag_take(arena, equations);
-    s->diagonal = lag_take(arena, equations);
-    s->scale = lag_take(arena, unknowns);
+    const size_t unknowns = s->model->n_initial > 0 ? 2 * (size_t)s->model->n : 0;
+    lag_newton_layout(&s->newton, s->model, arena);
     s->reach = lag_take(arena, unknowns);
-    s->step = lag_take(arena, unknowns);
+    s->guess = lag_take(arena, unknowns);
+    s->found = lag_take(arena, unknowns);
     s->kept = lag_take(arena, unknowns);
-    s->trial = lag_take(arena, unknowns);
-    s->pivot = (int *)lag_take(arena, equations);
+    s->best = lag_take(arena, unknowns);
+    s->lean = lag_take(arena, unknowns);
 }
 
-static int evaluate(LagAssembly *s, const double *p, const double *x, double *work)
+static void copy(const LagAssembly *s, const double *from, double *to)
 {
-    const double *in[] = {x, x + s->model->n, p};
-    double *out[] = {s->g, s->jacobian};
-    return lag_call(&s->model->initial, in, out, work);
+    memcpy(to, from, 2 * (size_t)s->model->n * sizeof *to);
 }
 
-/* Fills `transposed` and `length` from the Jacobian. */
-static void scale_equations(LagAssembly *s)
-{
-    const int equations = s->model->n_initial, unknowns = 2 * s->model->n;
-    for (int i = 0; i < equations; ++i) {
-        double *row = s->transposed + i * unknowns, length2 = 0;
-        for (int j = 0; j < unknowns; ++j) {
-            row[j] = s->jacobian[i + j * equations] * s->scale[j];
-            length2 += row[j] * row[j];
-        }
-        s->length[i] = i >= s->active ? INFINITY : length2 > 0 ? sqrt(length2) : 1;
-        for (int j = 0; j < unknowns; ++j)
-            row[j] /= s->length[i];
-    }
-}
+static int is_angle(const LagAssembly *s, int j) { return s->model->coordinate_kind[j] == LAG_KIND_ANGLE; }
 
-/* The largest scaled residual; infinity when not all are finite. */
-static double residual(const LagAssembly *s, int *worst)
+/* From -0.5 to 0.5, different for each value. */
+static double spread(int j, int turn) { return fmod((j + 1) * GOLDEN_RATIO + turn * GOLDEN_RATIO * GOLDEN_RATIO, 1) - 0.5; }
+
+/* The largest of its kind. */
+static double largest_like(const LagAssembly *s, const double *x, int j)
 {
+    const int *kind = s->model->coordinate_kind;
     double largest = 0;
-    for (int i = 0; i < s->model->n_initial; ++i) {
-        const double size = fabs(s->g[i]) / s->length[i];
-        if (size > largest || isnan(size)) {
-            largest = isnan(size) ? INFINITY : size;
-            *worst = i;
-        }
-    }
+    for (int i = 0; i < s->model->n; ++i)
+        if (kind[i] == kind[j])
+            largest = fmax(largest, fabs(x[i]));
     return largest;
 }
 
-/* Sum of the squares of the scaled residuals. */
-static double sum_of_squares(const LagAssembly *s)
+/* What a radian moves, or the gap if that is larger, where an equation ties other values to angles: raises their reach.
+ * Notes in `tied` which ones those are. */
+static void reach_by_equation(LagAssembly *s, int i, double *tied)
 {
-    double sum = 0;
-    for (int i = 0; i < s->model->n_initial; ++i)
-        sum += (s->g[i] / s->length[i]) * (s->g[i] / s->length[i]);
-    return sum;
-}
-
-static void correction(LagAssembly *s)
-{
-    const int equations = s->model->n_initial, unknowns = 2 * s->model->n;
-    for (int i = 0; i < equations; ++i)
-        s->right[i] = -s->g[i] / s->length[i];
-    const int rank = lag_qr(s->transposed, unknowns, equations, s->diagonal, s->pivot, DEPENDENT);
-    lag_qr_shortest(s->transposed, unknowns, rank, s->diagonal, s->pivot, s->right, s->step);
-    double longest = 0;
-    for (int j = 0; j < unknowns; ++j)
-        longest = fmax(longest, fabs(s->step[j]) * s->scale[j] / s->reach[j]);
-    for (int j = 0; longest > LONGEST_STEP && j < unknowns; ++j)
-        s->step[j] *= LONGEST_STEP / longest;
-}
-
-/* The step down the gradient to the minimum of the linearised sum of squares. Returns 0 at a critical point. */
-static int steepest(LagAssembly *s)
-{
-    const int equations = s->model->n_initial, unknowns = 2 * s->model->n;
-    double length2 = 0, change2 = 0;
-    memset(s->step, 0, (size_t)unknowns * sizeof *s->step);
-    for (int i = 0; i < equations; ++i)
-        for (int j = 0; j < unknowns; ++j)
-            s->step[j] -= s->transposed[i * unknowns + j] * s->g[i] / s->length[i];
-    for (int j = 0; j < unknowns; ++j)
-        length2 += s->step[j] * s->step[j];
-    for (int i = 0; i < equations; ++i) {
-        double change = 0;
-        for (int j = 0; j < unknowns; ++j)
-            change += s->transposed[i * unknowns + j] * s->step[j];
-        change2 += change * change;
+    const int n = s->model->n, equations = s->model->n_initial;
+    const double *row = s->newton.jacobian + i;
+    double turned = 0, shifted = 0;
+    for (int j = 0; j < n; ++j) {
+        double *slope = is_angle(s, j) ? &turned : &shifted;
+        *slope = fmax(*slope, fabs(row[j * equations]));
     }
-    if (!(length2 > CRITICAL * CRITICAL * sum_of_squares(s)))
-        return 0;
-    for (int j = 0; j < unknowns; ++j)
-        s->step[j] *= length2 / change2;
-    return 1;
+    for (int j = 0; j < n; ++j) {
+        if (is_angle(s, j) || !(turned > 0) || !(fabs(row[j * equations]) > 0))
+            continue;
+        tied[j] = 1;
+        s->reach[j] = fmax(s->reach[j], fmax(turned, fabs(s->newton.g[i])) / shifted);
+    }
 }
 
-/* Goes along the step as far as the sum of squares falls. Returns 0 when it does not fall at all. */
-static int descend(LagAssembly *s, const double *p, double *x, double *work)
+/* An angle is measured by 1; another value by itself and by the lever of the angles it is tied to, else by the largest of its
+ * kind. The levers are those of a general position near the guess. Rates are measured by the same, or by what they begin with. */
+static void set_reach(LagAssembly *s, const double *p, const double *x, double *work)
 {
-    const double before = sum_of_squares(s);
-    for (double part = 1; part > SHORTEST_STEP; part /= 2) {
-        for (int j = 0; j < 2 * s->model->n; ++j)
-            s->trial[j] = x[j] + part * s->scale[j] * s->step[j];
-        if (evaluate(s, p, s->trial, work) == 0 && sum_of_squares(s) < before) {
-            memcpy(x, s->trial, 2 * (size_t)s->model->n * sizeof *x);
-            return 1;
+    const int n = s->model->n;
+    copy(s, x, s->kept);
+    memset(s->lean, 0, (size_t)n * sizeof *s->lean);
+    for (int j = 0; j < n; ++j) {
+        s->reach[j] = is_angle(s, j) ? 1 : fabs(x[j]);
+        s->kept[j] += is_angle(s, j) ? spread(j, 0) : 0;
+    }
+    if (lag_newton_evaluate(&s->newton, p, s->kept, work) == 0)
+        for (int i = 0; i < s->model->n_initial_positions; ++i)
+            reach_by_equation(s, i, s->lean);
+    for (int j = 0; j < n; ++j) {
+        if (!(s->lean[j] > 0) && !is_angle(s, j))
+            s->reach[j] = largest_like(s, x, j);
+        s->reach[j] = s->reach[j] > 0 && isfinite(s->reach[j]) ? s->reach[j] : 1;
+    }
+    for (int j = 0; j < n; ++j)
+        s->reach[n + j] = fmax(largest_like(s, x + n, j), s->reach[j]);
+    lag_newton_survey(&s->newton, s->reach);
+}
+
+/* Goes from a solution x to the one nearest to the guess. */
+static void approach(LagAssembly *s, const double *p, double *x, double *work)
+{
+    LagNewton *newton = &s->newton;
+    for (int i = 0; i < MOST_LEANS && lag_newton_lean(newton, s->guess, x) > CLOSE; ++i) {
+        const double before = lag_newton_distance2(newton, s->guess, x);
+        int nearer = 0;
+        copy(s, newton->step, s->lean);
+        copy(s, x, s->kept);
+        for (double part = 1; part > SHORTEST_LEAN && !nearer; part /= 2) {
+            for (int j = 0; j < 2 * s->model->n; ++j)
+                x[j] = s->kept[j] + part * s->lean[j];
+            nearer = lag_newton_solve(newton, p, MOST_RETURNS, 0, x, work) < 0
+                && lag_newton_distance2(newton, s->guess, x) < (1 - FALL) * before;
+        }
+        if (!nearer) {
+            copy(s, s->kept, x);
+            lag_newton_evaluate(newton, p, x, work);
+            return;
         }
     }
-    evaluate(s, p, x, work);
-    return 0;
 }
 
-/* Moves every free position by a different amount, of either sign. Rates are a linear matter: they are never stuck. */
-static void push(LagAssembly *s, const double *p, double *x, double *work)
+/* Moves what nobody guessed, the guesses held. Returns 1 when that is enough. */
+static int follow(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
-    for (int j = 0; j < s->model->n; ++j)
-        x[j] += PUSH * (s->scale[j] > 0 ? s->reach[j] : 0) * (fmod((j + 1) * GOLDEN_RATIO, 1) - 0.5);
-    evaluate(s, p, x, work);
-}
-
-/* One step nearer to a solution. Returns 0 where none is found. */
-static int improve(LagAssembly *s, const double *p, double size, double *x, double *work)
-{
-    correction(s);
-    if (descend(s, p, x, work))
-        return 1;
-    scale_equations(s);
-    return size > SATISFIED && steepest(s) && descend(s, p, x, work);
-}
-
-/* An angle is measured by 1, another value by the largest of its kind; what nobody guessed moves FREE times as easily. */
-static void set_scales(LagAssembly *s, const int *fixed, const double *x)
-{
-    const int n = s->model->n, *kind = s->model->coordinate_kind;
-    for (int j = 0; j < 2 * n; ++j) {
-        const int first = j < n ? 0 : n;
-        double largest = 0;
-        for (int i = first; i < first + n; ++i)
-            if (kind[i - first] == kind[j - first])
-                largest = fmax(largest, fabs(x[i]));
-        s->reach[j] = kind[j - first] == LAG_KIND_ANGLE || largest == 0 ? 1 : largest;
-        s->scale[j] = fixed[j] == LAG_START_FIXED ? 0 : fixed[j] == LAG_START_FREE ? FREE * s->reach[j] : s->reach[j];
+    LagNewton *newton = &s->newton;
+    double *scale = s->lean;
+    int free = 0, others = 0;
+    copy(s, newton->scale, scale);
+    for (int j = 0; j < 2 * s->model->n; ++j) {
+        const int is_free = fixed[j] == LAG_START_FREE, is_position = j < s->model->n && scale[j] > 0;
+        free |= is_free && is_position;
+        others |= !is_free && is_position;
+        newton->scale[j] = is_free ? scale[j] : 0;
     }
+    int worst = 0;
+    if (free && others) {
+        lag_newton_measure(newton, p, fixed, x, 0, work);
+        worst = lag_newton_solve(newton, p, MOST_RETURNS, 0, x, work);
+    }
+    copy(s, scale, newton->scale);
+    return worst < 0;
 }
 
-/* Satisfies the first `active` equations by moving the unknowns first .. last-1. Returns -1, or the worst equation. */
+/* Satisfies the first `active` equations by moving the unknowns first .. last-1 from x. Returns -1, or the worst equation. */
 static int solve(LagAssembly *s, const double *p, const int *fixed, int active, int first, int last, double *x, double *work)
 {
-    int worst = 0, pushes = 0;
-    double size = INFINITY;
-    s->active = active;
-    set_scales(s, fixed, x);
+    LagNewton *newton = &s->newton;
+    newton->active = active;
     for (int j = 0; j < 2 * s->model->n; ++j)
-        if (j < first || j >= last)
-            s->scale[j] = 0;
-    if (evaluate(s, p, x, work) != 0)
-        return 0;
-    for (int i = 0; i < MOST_ITERATIONS; ++i) {
-        scale_equations(s);
-        size = residual(s, &worst);
-        if (!(size > 0 && size < INFINITY))
-            break;
-        if (improve(s, p, size, x, work))
-            continue;
-        if (size <= SATISFIED || pushes++ == MOST_PUSHES)
-            break;
-        push(s, p, x, work);
+        newton->scale[j] = j < first || j >= last || fixed[j] == LAG_START_FIXED ? 0 : s->reach[j];
+    if (first == 0 && follow(s, p, fixed, x, work))
+        return -1;
+    copy(s, x, s->found);
+    lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, 1, work);
+    int worst = lag_newton_solve(newton, p, MOST_ITERATIONS, MOST_PUSHES, x, work);
+    if (worst >= 0) {
+        copy(s, s->found, x);
+        lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, 0, work);
+        worst = lag_newton_solve(newton, p, MOST_ITERATIONS, MOST_PUSHES, x, work);
     }
-    return size <= SATISFIED ? -1 : worst;
+    if (worst < 0)
+        approach(s, p, x, work);
+    return worst;
 }
 
-/* Positions first, by what is said of positions; then rates where they are, which is a linear matter; all together only when
- * that does not do: an equation that ties rates to positions. */
+/* The number of independent equations of positions at x, their gradients compared with those at a general position. */
+static int rank_at(LagAssembly *s, const double *p, const double *x, double *work)
+{
+    const int n = s->model->n, equations = s->model->n_initial, positions = s->model->n_initial_positions;
+    LagNewton *newton = &s->newton;
+    if (lag_newton_evaluate(newton, p, x, work) != 0)
+        return 0;
+    for (int i = 0; i < positions; ++i) {
+        const double length = newton->general_length[i];
+        for (int j = 0; j < n; ++j)
+            newton->transposed[i * n + j] = length > 0 ? newton->jacobian[i + j * equations] * s->reach[j] / length : 0;
+    }
+    return lag_qr(newton->transposed, n, positions, newton->diagonal, newton->pivot, SINGULAR);
+}
+
+/* Whether the positions are no longer the guesses, and some of them could be guessed otherwise. */
+static int is_open(const LagAssembly *s, const int *fixed, const double *x)
+{
+    int moved = 0, open = 0;
+    for (int j = 0; j < s->model->n; ++j) {
+        moved |= fabs(x[j] - s->guess[j]) > MOVED * s->reach[j];
+        open |= fixed[j] == LAG_START_FREE;
+    }
+    return moved && open;
+}
+
+/* From a singular assembly to a regular one, if there is one that the guesses do not speak against. */
+static void prefer_regular(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+{
+    const int n = s->model->n, positions = s->model->n_initial_positions;
+    const int rank = is_open(s, fixed, x) ? rank_at(s, p, x, work) : positions;
+    copy(s, x, s->best);
+    for (int turn = 1; rank < positions && turn <= MOST_TRIES; ++turn) {
+        copy(s, s->guess, x);
+        for (int j = 0; j < n; ++j)
+            x[j] += fixed[j] == LAG_START_FREE ? SPREAD * s->reach[j] * spread(j, turn) : 0;
+        if (solve(s, p, fixed, positions, 0, n, x, work) < 0 && rank_at(s, p, x, work) > rank)
+            return;
+        copy(s, s->best, x);
+    }
+}
+
+/* Rates where the positions are are a linear matter; all together only when that does not do: an equation that ties rates to
+ * positions. */
 int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
     const int n = s->model->n, all = s->model->n_initial, positions = s->model->n_initial_positions;
     if (all == 0)
         return -1;
+    copy(s, x, s->guess);
+    set_reach(s, p, x, work);
     if (positions > 0) {
         const int worst = solve(s, p, fixed, positions, 0, n, x, work);
-        if (worst >= 0 || positions == all)
+        if (worst >= 0)
             return worst;
-        memcpy(s->kept, x, 2 * (size_t)n * sizeof *x);
+        prefer_regular(s, p, fixed, x, work);
+        if (positions == all)
+            return -1;
+        copy(s, x, s->best);
         if (solve(s, p, fixed, all, n, 2 * n, x, work) < 0)
             return -1;
-        memcpy(x, s->kept, 2 * (size_t)n * sizeof *x);
+        copy(s, s->best, x);
     }
     return solve(s, p, fixed, all, 0, 2 * n, x, work);
 }

@@ -4,17 +4,15 @@
 
 #include "arena.h"
 #include "model.h"
+#include "newton.h"
 
 typedef struct {
     const LagModel *model;
-    double *g, *jacobian; /* n_initial, n_initial x 2 n column-major */
-    double *transposed;   /* 2 n x n_initial: scaled */
-    double *length;       /* n_initial: size of an equation's scaled gradient */
-    double *right, *diagonal;
-    double *scale, *step, *trial; /* 2 n; scale 0: this value may not move */
-    double *reach, *kept;         /* 2 n: natural size of a value; a state to come back to */
-    int *pivot;
-    int active;                   /* so many equations are looked at */
+    LagNewton newton;
+    double *reach;                /* 2 n: natural size of a value */
+    double *guess;                /* 2 n */
+    double *found, *kept, *best;  /* 2 n: states to come back to: of a solution, of a step, of an assembly */
+    double *lean;                 /* 2 n: a step */
 } LagAssembly;
 
 void lag_assembly_layout(LagAssembly *assembly, LagArena *arena);

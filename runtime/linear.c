@@ -7,6 +7,7 @@
 #include "linear.h"
 
 #include <math.h>
+#include <string.h>
 
 /* In four independent chains, which processors run side by side. */
 static double dot(const double *a, const double *b, int n)
@@ -77,13 +78,41 @@ int lag_qr(double *a, int rows, int cols, double *diagonal, int *pivot, double t
     return most;
 }
 
-void lag_qr_shortest(const double *qr, int rows, int rank, const double *diagonal, const int *pivot, const double *b,
-                     double *x)
+/* y of R' y = b in the sense of least squares, R having more columns than rows: by the QR factors of R'. */
+static void solve_transposed(const double *qr, int rows, int cols, int rank, const double *diagonal, const int *pivot,
+                             const double *b, const double *weight, LagLeastSquares *s)
 {
-    for (int j = 0; j < rank; ++j) /* R' y = b */
+    for (int k = 0; k < rank; ++k)
+        for (int i = 0; i < cols; ++i)
+            s->a[i + k * cols] = weight[pivot[i]] * (i > k ? qr[i * rows + k] : i == k ? diagonal[k] : 0);
+    for (int i = 0; i < cols; ++i)
+        s->b[i] = weight[pivot[i]] * b[pivot[i]];
+    lag_qr(s->a, cols, rank, s->diagonal, s->pivot, 0);
+    for (int j = 0; j < rank; ++j) {
+        const double *u = s->a + j * cols + j;
+        reflect(u, dot(u, u, cols - j), s->b + j, cols - j);
+    }
+    for (int j = rank - 1; j >= 0; --j) {
+        double rest = s->b[j];
+        for (int k = j + 1; k < rank; ++k)
+            rest -= s->a[k * cols + j] * s->y[s->pivot[k]];
+        s->y[s->pivot[j]] = rest / s->diagonal[j];
+    }
+}
+
+void lag_qr_nearest(const double *qr, int rows, int cols, int rank, const double *diagonal, const int *pivot, const double *b,
+                    const double *weight, LagLeastSquares *scratch, double *x)
+{
+    for (int j = 0; j < rank; ++j) { /* Q' x: its last entries stay, */
+        const double *u = qr + j * rows + j;
+        reflect(u, dot(u, u, rows - j), x + j, rows - j);
+    }
+    if (rank < cols) { /* its first ones are told by R' y = b */
+        solve_transposed(qr, rows, cols, rank, diagonal, pivot, b, weight, scratch);
+        memcpy(x, scratch->y, (size_t)rank * sizeof *x);
+    }
+    for (int j = 0; rank == cols && j < rank; ++j)
         x[j] = (b[pivot[j]] - dot(qr + j * rows, x, j)) / diagonal[j];
-    for (int j = rank; j < rows; ++j)
-        x[j] = 0;
     for (int j = rank - 1; j >= 0; --j) { /* x = Q y */
         const double *u = qr + j * rows + j;
         reflect(u, dot(u, u, rows - j), x + j, rows - j);

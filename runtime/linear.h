@@ -6,8 +6,15 @@
  * Returns the rank: columns that are shorter than `tolerance` times the first pivot count as dependent. */
 int lag_qr(double *a, int rows, int cols, double *diagonal, int *pivot, double tolerance);
 
-/* The shortest x[rows] with A' x = b for the `rank` independent columns of A; qr as left by lag_qr. */
-void lag_qr_shortest(const double *qr, int rows, int rank, const double *diagonal, const int *pivot, const double *b,
-                     double *x);
+/* Scratch for dependent columns: a[cols * cols], the others [cols]. */
+typedef struct {
+    double *a, *b, *y, *diagonal;
+    int *pivot;
+} LagLeastSquares;
+
+/* Moves x[rows] to the nearest place with A' x = b, in the sense of weighted least squares where columns of A are dependent;
+ * qr as left by lag_qr. */
+void lag_qr_nearest(const double *qr, int rows, int cols, int rank, const double *diagonal, const int *pivot, const double *b,
+                    const double *weight, LagLeastSquares *scratch, double *x);
 
 #endif

@@ -63,6 +63,7 @@ typedef struct {
     LagFunction hoist;      /* p                    -> c */
     LagFunction start;      /* p                    -> q, v            guesses */
     LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   column-major, n_initial x 2 n */
+    LagFunction momentum;   /* q, v, p              -> M v             at the start; absent: start values have no mass */
     LagFunction events;     /* p                    -> a, b            event arguments a + b t */
     LagFunction modes;      /* t, p                 -> d */
     LagFunction rhs;        /* t, q, v, u, d, c     -> a, power, lambda */

@@ -52,7 +52,7 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     guess(run, q_given, v_given);
     const int worst = lag_assemble(&run->assembly, run->p, run->fixed, run->start, run->work);
     if (worst >= 0)
-        return lag_fail(run, LAG_INITIAL_FAILED, worst, 0, run->assembly.g[worst]);
+        return lag_fail(run, LAG_INITIAL_FAILED, worst, 0, run->assembly.newton.g[worst]);
     memcpy(run->motion.y, run->start, 2 * (size_t)run->model->n * sizeof *run->start);
     lag_scale_note(&run->scale, run->motion.y);
     lag_segment_enter(run);

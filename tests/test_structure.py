@@ -58,6 +58,8 @@ ORDER = """
     loads
     linear_form
     functions
+    assembly
+    assemblies
     freedom
     runtime
     scene

@@ -66,7 +66,7 @@ def _describe(scene: Any) -> str:
         lines.append(f"  given by others: {', '.join(notes['dependent'][:8])}")
     if notes["degrees_at_start"] > degrees:
         lines.append(f"  the start is a singular position: {notes['degrees_at_start']} degrees of freedom there")
-    lines += [f"  {text}" for text in notes["repeated"]]
+    lines += [f"  {text}" for text in (*notes["repeated"], *notes["assemblies"])]
     return "\n".join(lines)
 
 

@@ -67,6 +67,7 @@ def build_functions(
         table["steer"] = ca.Function("steer", state, [dv, rate], labels, ["dv", "rate"])
     if initial.residual_spans:
         table["initial"] = _initial_function(motion, initial)
+        table["momentum"] = _momentum_function(kinematics, motion)
     if modes:
         table |= _mode_functions(motion, modes)
     needs = ca.depends_on(y, ca.vertcat(a, symbols)) if y.numel() else False
@@ -143,14 +144,20 @@ def with_reactions(y: ca.SX, kinematics: Kinematics, motion: Motion, constraints
 
 def at_declared_values(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
     """The expressions at the start time, the parameters as declared, inputs zero: functions of q and v alone."""
+    p, values = default_parameters(kinematics)
+    found: list[ca.SX] = ca.substitute(at_start(kinematics, expressions), [p], [ca.SX(values)])
+    return found
+
+
+def at_start(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
+    """The expressions at the start time, inputs zero: functions of q, v and p."""
     symbols, model = kinematics.symbols, kinematics.graph.model
     modes = kinematics.algebra.modes
     if modes:
         expressions = ca.substitute(expressions, [m.symbol for m in modes], [m.value for m in modes])
-    p, values = default_parameters(kinematics)
     inputs = [x for n, v in model.variables.items() if v.kind == "input" for _, x in scalars(n, symbols.values[n])]
-    numbers = [ca.SX(model.experiment.start), ca.SX(1), *[ca.SX(0)] * len(inputs), ca.SX(values)]
-    found: list[ca.SX] = ca.substitute(expressions, [symbols.time, symbols.tau, *inputs, p], numbers)
+    numbers = [ca.SX(model.experiment.start), ca.SX(1), *[ca.SX(0)] * len(inputs)]
+    found: list[ca.SX] = ca.substitute(expressions, [symbols.time, symbols.tau, *inputs], numbers)
     return found
 
 
@@ -185,6 +192,13 @@ def _initial_function(motion: Motion, initial: InitialConditions) -> ca.Function
     q, v, p = motion.q, motion.v, motion.p
     jacobian = ca.densify(ca.jacobian(initial.residuals, ca.vertcat(q, v)))
     return ca.Function("initial", [q, v, p], [initial.residuals, ca.vec(jacobian)], ["q", "v", "p"], ["g", "J"])
+
+
+def _momentum_function(kinematics: Kinematics, motion: Motion) -> ca.Function:
+    """M v at the start time, inputs zero: the metric in which start values are near to their guesses."""
+    q, v, p = motion.q, motion.v, motion.p
+    momentum = at_start(kinematics, [ca.jtimes(motion.momentum, v, v)])
+    return ca.Function("momentum", [q, v, p], ca.cse([ca.densify(x) for x in momentum]), ["q", "v", "p"], ["Mv"])
 
 
 def _mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:

@@ -79,7 +79,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             initial = build_initial(kinematics, constraints)
             functions = build_functions(kinematics, motion, constraints, initial, _reported(kinematics.graph, outputs))
         with _timed(seconds, "freedom"):
-            freedom = find_freedom(kinematics, motion, constraints, initial)
+            freedom = find_freedom(kinematics, motion, constraints, initial, functions)
         with _timed(seconds, "scene"):
             scene = build_scene(kinematics, motion, initial, functions, freedom)
     return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, initial, functions, scene,

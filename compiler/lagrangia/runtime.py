@@ -195,7 +195,7 @@ _SIZES = (
     "n_holonomic", "n_multipliers", "n_initial_positions",
 )
 _FUNCTIONS = (
-    "parameters", "hoist", "start", "initial", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
+    "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
     "linear", "waves",
 )
 

@@ -70,6 +70,8 @@ def _is_driven(kinematics: Kinematics, motion: Motion) -> bool:
 def _freedom(kinematics: Kinematics, motion: Motion, freedom: Freedom) -> dict[str, object]:
     return {"degrees_of_freedom": freedom.degrees, "degrees_at_start": freedom.now, "loops": len(kinematics.graph.closures),
             "is_driven": _is_driven(kinematics, motion), "repeated": list(freedom.repeated),
+            "assemblies": [item.text for item in freedom.alternatives],
+            "given_by_loops": [name for item in freedom.alternatives for name in item.coordinates],
             "dependent": [c.name for c in kinematics.graph.dependent_coordinates],
             "problem": freedom.problem.render() if freedom.problem else ""}
 
