@@ -159,6 +159,32 @@ def test_reactions_adds_those_of_every_joint(lag: Lag) -> None:
                      for what in ("reaction[1]", "reaction[2]", "reaction_torque")]
 
 
+ARCH = """model Arch "Two bars and a load"
+  Revolute left(a = world, phi(start = 40[deg])), right(a = shift(world, {2, 0}), phi(start = 140[deg])), apex(a = l.b, b = r.b);
+  Bar l(m = 4, L = 1.25, a = left.b), r(m = 4, L = 1.25, a = right.b);
+  AppliedForce load(at = l.b, force = {0, -100});
+end Arch;"""
+CANTILEVER = """model Cantilever
+  Weld wall(a = world); Bar beam(m = 2, L = 1, a = wall.b); AppliedForce load(at = beam.b, force = {0, -100[N/s]*time});
+end Cantilever;"""
+
+
+@pytest.mark.parametrize(("text", "told"), [
+    (ARCH, {"apex": (92.8267, -50, 0), "left": (92.8267, 89.24, 0), "right": (-92.8267, 89.24, 0)}),
+    (CANTILEVER, {"wall": (0, 119.62, 109.81)}),
+], ids=["arch", "cantilever"])
+def test_a_scene_that_cannot_move_tells_its_reactions(text: str, told: dict[str, tuple], lag: Lag) -> None:
+    Path("still.lag").write_text(text)
+    out = lag("simulate", "still.lag", "--stop", "1").out
+    _head, _, below = out.partition("no freedom is left, so it stands still")
+    assert below.splitlines()[1].split() == ["F_x", "[N]", "F_y", "[N]", "M", "[N.m]"]
+    found = {words[0]: tuple(map(float, words[1:])) for words in map(str.split, below.splitlines()[2:]) if words}
+    assert found == told
+    torques = [name for name in table("still.csv") if name.endswith("reaction_torque")]
+    assert torques == [f"{joint}.reaction_torque" for joint in told]
+    assert "0 degrees of freedom, so it stands still: statics" in lag("check", "still.lag").out
+
+
 def test_integrators_of_casadi_refuse_constraints(lag: Lag) -> None:
     outcome = lag("simulate", EXAMPLES / "four_bar.lag", "--solver", "casadi:cvodes")
     assert outcome.code == 2

@@ -151,6 +151,30 @@ def test_an_arch_of_three_hinges_stands_still(scene: Write) -> None:
     np.testing.assert_allclose(run["apex.b.y"], h, rtol=1e-12)
 
 
+def test_a_cantilever_has_no_coordinate_but_a_reaction(scene: Write) -> None:
+    """m g + P and m g L/2 + P L in the wall, with a load P = 50 t."""
+    m, L = 2, 1.5
+    model = scene("""model M
+      Weld wall(a = world); Bar beam(m = 2, L = 1.5, a = wall.b);
+      AppliedForce load(at = beam.b, force = {0, -50[N/s]*time});
+    end M;""")
+    assert model.coordinate_names == ()
+    assert (model.scene.notes["degrees_of_freedom"], model.scene.notes["is_driven"]) == (0, False)
+    run = model.simulate(at=[0, 0.3, 2])
+    P = 50 * run.time
+    np.testing.assert_allclose(run["wall.reaction"], np.stack([0 * P, m * g + P], axis=1), atol=1e-12)
+    np.testing.assert_allclose(run["wall.reaction_torque"], m * g * L / 2 + P * L, rtol=1e-14)
+
+
+def test_a_prescribed_support_is_no_statics(scene: Write) -> None:
+    run = scene("""model M
+      Weld arm(a = turn(world, 3[rad/s]*time)); PointMass ball(m = 2, center = shift(arm.b, {0.5, 0}));
+      World world(gravity = {0, 0});
+    end M;""")
+    assert run.scene.notes["is_driven"]
+    assert np.hypot(*run.simulate(at=[0, 0.5, 1])["arm.reaction"].T) == pytest.approx([2 * 0.5 * 9] * 3)
+
+
 def test_declared_outputs_and_units(scene: Write) -> None:
     model = scene("""model M Revolute hinge(a = world); Bar bar(m = 1, L = 1, a = hinge.b);
       output Force F[2] = hinge.reaction; output Torque M = hinge.reaction_torque; end M;""")

@@ -444,10 +444,13 @@ static int rod_start(const double *const *in, double *const *out, double *work)
 static const int rod_kind[] = {1, 1}, rod_fixed[] = {0, 0, 0, 0};
 static const LagModel rod = {.n = 2, .n_holonomic = 1, .n_multipliers = 1, .coordinate_kind = rod_kind, .fixed = rod_fixed,
     .start = {.code = rod_start}, .rhs = {.code = rod_rhs}, .place = {.code = rod_place}, .steer = {.code = rod_steer}};
-static int swing(const LagSettings *settings, const double *times)
+static int held(const double *const *in, double *const *out, double *work)
+{ (void)work; out[0][0] = *in[0]; return 0; }
+static const LagModel still = {.n_outputs = 1, .coordinate_kind = rod_kind, .fixed = rod_fixed, .outputs = {.code = held}};
+static int swing(const LagModel *rod, const LagSettings *settings, const double *times)
 {
-    double *rows = malloc(5 * (size_t)lag_run_row_width(&rod) * sizeof *rows);
-    LagRun *run = lag_run_new(&rod, settings);
+    double *rows = malloc(5 * (size_t)lag_run_row_width(rod) * sizeof *rows);
+    LagRun *run = lag_run_new(rod, settings);
     int done = 0;
     const int failed = lag_run_start(run, NULL, NULL) != LAG_OK || lag_run_advance(run, times, 5, rows, &done, 0) != LAG_OK
         || lag_run_statistics(run)->constraint_residual > 1e-14;
@@ -469,7 +472,7 @@ int main(void)
             return 1;
     lag_run_free(run);
     free(rows);
-    return swing(&settings, times);
+    return swing(&rod, &settings, times) || swing(&still, &settings, times);
 }
 """
 

@@ -41,6 +41,7 @@ ORDER = """
     evaluation
     edges
     graph
+    joints
     closures
     kinematics
     energies
@@ -78,9 +79,18 @@ ORDER = """
     casadi_solvers
     plot
     trajectory
+    statics
     model
+    bench_problem
+    bench_reference
+    bench_peers
+    bench_heyoka
+    bench
+    bench_table
+    bench_plot
     topics
     commands
+    bench_command
     cli
     __init__
 """.split()

@@ -17,6 +17,7 @@ from lagrangia.scalars import symbol as make_symbol
 
 Scalar = Any  # float | ca.SX | Dual
 
+_NUMBERS = (float, int)
 # Keeps the square root in distances differentiable where two points coincide: the direction is then zero, not NaN.
 TINY = 1e-300
 
@@ -185,11 +186,11 @@ class Dual:
         return Dual(other, 0.0) / self
 
 
-# Sums and products in which the number 0 costs nothing.
+# Sums and products in which the numbers 0 and 1 cost nothing.
 
 
 def is_zero(x: Scalar) -> bool:
-    return bool(x == 0) if isinstance(x, float | int) else isinstance(x, ca.SX) and bool(x.is_zero())
+    return isinstance(x, _NUMBERS) and x == 0
 
 
 def plus(a: Scalar, b: Scalar) -> Scalar:
@@ -201,7 +202,11 @@ def minus(a: Scalar, b: Scalar) -> Scalar:
 
 
 def times(a: Scalar, b: Scalar) -> Scalar:
-    return 0.0 if is_zero(a) or is_zero(b) else a * b
+    if isinstance(a, _NUMBERS):
+        return 0.0 if a == 0 else b if a == 1 else a * b
+    if isinstance(b, _NUMBERS):
+        return 0.0 if b == 0 else a if b == 1 else a * b
+    return a * b
 
 
 def value_of(x: Scalar) -> Scalar:

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar
+from lagrangia.algebra import Scalar, minus
 from lagrangia.energies import Energies, Term
 from lagrangia.evaluation import Evaluator, Value
 from lagrangia.flat import FlatModel
 from lagrangia.graph import ComponentGraph
 from lagrangia.kinematics import Kinematics, Pose
-from lagrangia.scalars import as_expression, symbol
+from lagrangia.scalars import scalars_in, symbol
 from lagrangia.tree import Call, FrameRef, Ref, Time
 from lagrangia.walk import nodes
 
@@ -61,8 +61,8 @@ def find_bodies(kinematics: Kinematics, energies: Energies) -> Bodies:
     turned = _hessians([candidate.energy for candidate in candidates], twist)
     straight = ca.substitute([turned], [*angle], [ca.SX(1), ca.SX(0)])[0]
     rigid = _are_rigid(straight, turned, angle, kinematics)
-    columns = [[as_expression(x) for x in straight[:, k].elements()] for k in range(6)]
-    inertias = [Inertia(c.frame, columns[0][k], columns[4][k], -columns[2][k], columns[5][k])
+    columns = [scalars_in(straight[:, k]) for k in range(6)]
+    inertias = [Inertia(c.frame, columns[0][k], columns[4][k], minus(0.0, columns[2][k]), columns[5][k])
                 for k, c in enumerate(candidates) if rigid[k]]
     solved = {id(c.term) for c, is_rigid in zip(candidates, rigid, strict=True) if is_rigid}
     return Bodies(tuple(inertias), tuple(term for term in energies.kinetic if id(term) not in solved), home, local)

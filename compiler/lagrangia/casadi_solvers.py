@@ -55,6 +55,9 @@ class _Run:
         self.y = self._start(table)
 
     def _start(self, table: Any) -> np.ndarray:
+        if not self.compilation.motion.q.numel():
+            fail("L0909", "not supported yet: a scene without coordinates, with CasADi's integrators", None,
+                 "the run time takes it: it needs a C compiler (pip install ziglang)")
         if self.compilation.motion.constrained:
             fail("L0909", "not supported yet: constraints that stay in the equations, with CasADi's integrators", None,
                  "closed loops and the like need the run time: a C compiler (pip install ziglang)")
@@ -68,10 +71,10 @@ class _Run:
 
     def rows(self, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
         begin = time.perf_counter()
-        corners = self._corners()
+        corners = switching_times(self.compilation, self.experiment, self.p, self.values.input_times)
         now = self.experiment.start
         for times in self.experiment.times():
-            for target, wanted in _segments(now, times, corners):
+            for target, wanted in segments(now, times, corners):
                 try:
                     found = self._advance(now, target, wanted)
                 except RuntimeError as error:
@@ -103,23 +106,6 @@ class _Run:
         return Statistics(0, 0, 0, 0, 0, 0.0, 0.0, self.residual, self.scale, 0, False)
 
     # ------------------------------------------------------------ segments
-
-    def _corners(self) -> list[float]:
-        """Times at which the equations jump or bend, inside the experiment."""
-        begin, end = self.experiment.start, self.experiment.stop
-        found = set(self.values.input_times) if len(self.values.input_times) > 1 else set()
-        table = self.compilation.functions.table
-        if "events" in table:
-            a, b = (np.array(x).ravel() for x in table["events"](self.p))
-            for offset, slope, kind in zip(a, b, self.compilation.functions.event_kinds, strict=True):
-                if slope == 0:
-                    continue
-                if kind == 0:
-                    found.add(-offset / slope)
-                else:
-                    ends = sorted((offset + slope * begin, offset + slope * end))
-                    found |= {(k - offset) / slope for k in range(math.ceil(ends[0]), math.floor(ends[1]) + 1)}
-        return sorted(t for t in found if begin < t < end)
 
     def _inputs(self, t: Any, now: float, target: float) -> Any:
         """u(t) on a segment: linear between the table's rows, held outside."""
@@ -177,7 +163,27 @@ class _Run:
         return np.array(rows)
 
 
-def _segments(now: float, times: list[float], corners: list[float]) -> Iterator[tuple[float, list[float]]]:
+def switching_times(
+    compilation: Compilation, experiment: Experiment, p: np.ndarray, input_times: Sequence[float] = (0.0,)
+) -> list[float]:
+    """Times at which the equations jump or bend, inside the experiment; p are all parameters."""
+    begin, end = experiment.start, experiment.stop
+    found = set(input_times) if len(input_times) > 1 else set()
+    table = compilation.functions.table
+    if "events" in table:
+        a, b = (np.array(x).ravel() for x in table["events"](p))
+        for offset, slope, kind in zip(a, b, compilation.functions.event_kinds, strict=True):
+            if slope == 0:
+                continue
+            if kind == 0:
+                found.add(-offset / slope)
+            else:
+                ends = sorted((offset + slope * begin, offset + slope * end))
+                found |= {(k - offset) / slope for k in range(math.ceil(ends[0]), math.floor(ends[1]) + 1)}
+    return sorted(t for t in found if begin < t < end)
+
+
+def segments(now: float, times: list[float], corners: list[float]) -> Iterator[tuple[float, list[float]]]:
     """(end of the segment, wanted times in it), cut at the corners; a time on a corner belongs before it."""
     left = list(times)
     for corner in [c for c in corners if now < c < times[-1]]:

@@ -86,6 +86,12 @@ def _explain(options: argparse.Namespace) -> int:
     return explain_command(options)
 
 
+def _bench(options: argparse.Namespace) -> int:
+    from lagrangia.bench_command import bench_command
+
+    return bench_command(options)
+
+
 def _help(options: argparse.Namespace) -> int:
     from lagrangia.topics import TOPICS, topic_text
 
@@ -119,6 +125,7 @@ def _parser() -> argparse.ArgumentParser:
     explain.add_argument("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE",
                          help="a structural parameter: -p n=20")
     explain.add_argument("--json", action="store_true", help="the same for programs")
+    _add_bench(_add(commands, "bench", _bench, "measure run time against error, beside other solvers"))
     topics = _add(commands, "help", _help, "longer texts: the language, the library, the solver")
     topics.add_argument("topic", nargs="?")
     return parser
@@ -165,6 +172,20 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("--quiet", action="store_true", help="say nothing but errors")
     add("--dump", metavar="PHASE",
         help="print what a phase makes, and stop: syntax, flat, graph, kinematics, energies, motion, needs, c")
+
+
+def _add_bench(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("file", type=Path, metavar="FILE")
+    add("--model", metavar="NAME", help="the model; the last of the file by default")
+    add("--stop", type=float, metavar="T", help="stop time in s")
+    add("--points", type=int, default=10, metavar="N", help="output times, at equal distances (10)")
+    add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter: -p L=2 -p n=20")
+    add("--tolerances", metavar="TOL,TOL,...", help="given to every solver; 1e-2 to 1e-13 by default")
+    add("--solvers", metavar="NAME,NAME,...", help="erk, casadi:erk, ..., scipy:Radau, heyoka; casadi means all of it")
+    add("--repeat", type=int, default=15, metavar="N", help="runs whose median counts (15)")
+    add("-o", "--output", metavar="FILE", help="the points as a table (.csv, .json)")
+    add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
 
 
 if __name__ == "__main__":

@@ -15,7 +15,8 @@ from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.plot import require_format
 from lagrangia.simulate import Experiment, Progress, check_values, plan
 from lagrangia.solvers import is_casadi, name_of
-from lagrangia.trajectory import CsvWriter, columns
+from lagrangia.statics import is_static, reaction_table
+from lagrangia.trajectory import ENERGIES, CsvWriter, columns
 from lagrangia.values import read_value
 
 _BAR_AFTER = 2.0  # seconds
@@ -43,8 +44,8 @@ def explain_command(options: Namespace) -> int:
     from lagrangia.explain import as_json, as_text
     from lagrangia.needs import find_needs
 
-    given = [_assignment(text, "-p") for text in options.parameter]
-    model = _load(options, given, ())
+    given = [assignment(text, "-p") for text in options.parameter]
+    model = load_model(options, given, ())
     c = model.compilation
     needs = find_needs(c.kinematics, c.constraints, c.energies, c.motion, c.initial, c.scene)
     print((as_json if options.json else as_text)(model.scene, needs))
@@ -61,7 +62,8 @@ def _describe(scene: Any) -> str:
     lines = [f"{scene.name}: {degrees} degree{'s' if degrees != 1 else ''} of freedom{still}"]
     held = scene.sizes["n_multipliers"]
     closed = f", {notes['loops']} closed loop{'s' if notes['loops'] != 1 else ''}" if notes["loops"] else ""
-    lines.append(f"  coordinates {shown}" + (f"; {held} constraints{closed}" if held else ""))
+    if names:
+        lines.append(f"  coordinates {shown}" + (f"; {held} constraints{closed}" if held else ""))
     if notes["dependent"]:
         lines.append(f"  given by others: {', '.join(notes['dependent'][:8])}")
     if notes["degrees_at_start"] > degrees:
@@ -75,29 +77,31 @@ def simulate_command(options: Namespace) -> int:
         require_format(options.plot)
     begin = time.perf_counter()
     outputs = _names(options.outputs) + ((ALL_REACTIONS,) if options.reactions else ())
-    given = [_assignment(text, "-p") for text in options.parameter]
-    model = _load(options, given, outputs)
+    given = [assignment(text, "-p") for text in options.parameter]
+    model = load_model(options, given, outputs)
+    if is_static(model.scene) and not options.reactions:
+        model = load_model(options, given, (*outputs, ALL_REACTIONS))
     scene = model.scene
     if options.dump is not None:
         from lagrangia.dumps import dump
 
         print(dump(model.compilation, options.dump))
         return 0
-    at = None if options.at is None else [_number(text, "--at") for text in options.at.split(",")]
+    at = None if options.at is None else [number(text, "--at") for text in options.at.split(",")]
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
                       at=at, max_step=options.max_step, max_steps=options.max_steps,
                       solver=options.solver)
-    parameters = _values([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural],
-                         {p.name: p.unit for p in scene.parameters})
+    parameters = values_with_units([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural],
+                                   {p.name: p.unit for p in scene.parameters})
     units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
     units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
-    initial = _values([_assignment(text, "--initial") for text in options.initial], units)
+    initial = values_with_units([assignment(text, "--initial") for text in options.initial], units)
     values = check_values(scene, parameters, initial, _inputs(options.input, scene))
     compiled = time.perf_counter() - begin
     return _run(options, model, experiment, values, compiled)
 
 
-def _load(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
+def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
     """The model; parameters that turn out to be structural are compiled in."""
     names = {name for name, _ in given}
     structural = {}
@@ -138,12 +142,14 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     progress, portions = model.start(experiment, values, bar)
     loaded = time.perf_counter() - begin
     keep: list[Sequence[float]] = []
+    last: Sequence[float] = ()
     failure: RunError | None = None
     target = options.output or f"{options.file.stem}.csv"
     with _writer(target, scene) as writer:
         try:
             for portion in portions:
                 writer(portion)
+                last = portion[-len(columns(scene)) - ENERGIES :]
                 if options.plot is not None:
                     keep.append(portion)
         except RunError as error:
@@ -153,6 +159,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
         _plot(options, model, progress, keep, values)
     if not options.quiet:
         _summarise(options, model, progress, target, compiled, loaded)
+        _tell_reactions(scene, last, sys.stdout if target != "-" else sys.stderr)
     if progress.interrupted:
         print(f"interrupted at t = {progress.time:.6g}; the {progress.rows} rows before are kept", file=sys.stderr)
         return 1
@@ -174,7 +181,7 @@ class _writer:
             return self.file.write
         shown = columns(self.scene)
         print(",".join(c.name for c in shown))
-        width = len(shown) + 5
+        width = len(shown) + ENERGIES
         return lambda rows: print("\n".join(",".join(map(repr, rows[k : k + len(shown)])) for k in range(0, len(rows), width)))
 
     def __exit__(self, *exception: Any) -> None:
@@ -204,7 +211,7 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
 
     say(f"{scene.name}: {scene.description}" if scene.description else scene.name)
     names = ", ".join(c.name for c in scene.coordinates[:6]) + (", ..." if scene.n > 6 else "")
-    say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''} ({names}), "
+    say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''}{f' ({names})' if names else ''}, "
         f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
     engine = model.engine if not is_casadi(options.solver) else None
     solver = "" if engine else f"casadi:{options.solver.partition(':')[2] or 'cvodes'}"
@@ -224,6 +231,13 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
     say(f"  {progress.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""))
     if options.stats:
         _tell(model, progress, compiled, loaded, say)
+
+
+def _tell_reactions(scene: Any, row: Sequence[float], out: Any) -> None:
+    """What a scene that cannot move is computed for."""
+    if is_static(scene) and row:
+        print(f"  no freedom is left, so it stands still; on the port b of each joint act, at t = {row[0]:g} s", file=out)
+        print("\n".join(f"    {line}" for line in reaction_table(scene, row)), file=out)
 
 
 def _tell(model: Model, progress: Progress, compiled: float, loaded: float, say: Callable[[str], None]) -> None:
@@ -283,21 +297,21 @@ def _names(text: str | None) -> tuple[str, ...]:
     return tuple(name.strip() for name in re.split(r",(?![^\[]*\])", text or "") if name.strip())
 
 
-def _assignment(text: str, option: str) -> tuple[str, str]:
+def assignment(text: str, option: str) -> tuple[str, str]:
     name, equals, value = text.partition("=")
     if not equals or not name.strip() or not value.strip():
         fail("L0706", f"'{text}' after {option} is not of the form NAME=VALUE")
     return name.strip(), value.strip()
 
 
-def _number(text: str, option: str) -> float:
+def number(text: str, option: str) -> float:
     try:
         return float(text)
     except ValueError:
         fail("L0706", f"'{text}' after {option} is no number")
 
 
-def _values(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, float]:
+def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, float]:
     """Values in SI units; `world.gravity={0,0}` sets the elements of an array."""
     found: dict[str, Any] = {}
     for name, text in given:
@@ -317,7 +331,8 @@ def _values(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, fl
 def _inputs(given: list[str], scene: Any) -> Any:
     """Constants by name, or one table from a CSV file with a column `time`."""
     files = [text for text in given if "=" not in text or Path(text).suffix == ".csv"]
-    constants = _values([_assignment(text, "-u") for text in given if text not in files], {p.name: p.unit for p in scene.inputs})
+    units = {p.name: p.unit for p in scene.inputs}
+    constants = values_with_units([assignment(text, "-u") for text in given if text not in files], units)
     if not files:
         return constants
     if len(files) > 1:
@@ -348,4 +363,7 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
     return columns.pop("time"), columns
 
 
-__all__ = ["check_command", "explain_command", "read_table", "simulate_command"]
+__all__ = [
+    "assignment", "check_command", "explain_command", "load_model", "number", "read_table", "simulate_command",
+    "values_with_units",
+]

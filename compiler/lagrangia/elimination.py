@@ -20,7 +20,7 @@ from lagrangia.bodies import Bodies, Inertia
 from lagrangia.edges import Edge
 from lagrangia.evaluation import Evaluator, Value
 from lagrangia.kinematics import Kinematics, Pose, rotated
-from lagrangia.scalars import as_expression
+from lagrangia.scalars import scalars_in
 
 Vector = list[Scalar]  # vx, vy, w or fx, fy, torque
 
@@ -54,7 +54,7 @@ def eliminate(kinematics: Kinematics, bodies: Bodies, r: ca.SX) -> ca.SX | None:
     for inertia in bodies.inertias:
         _add_inertia(clusters[bodies.home[inertia.frame]], inertia, bodies.local[inertia.frame])
     acceleration: list[Scalar] = [0.0] * r.numel()
-    right = [as_expression(x) for x in ca.densify(r).elements()]
+    right = scalars_in(ca.densify(r))
     for cluster in reversed(clusters.values()):
         _towards_root(cluster, right)
     twists: dict[str, Vector] = {}
@@ -93,11 +93,11 @@ def _add_inertia(cluster: Cluster, inertia: Inertia, local: Pose) -> None:
     if cluster.is_ground:
         return
     m = inertia.mass
-    ahead = local.x, local.y
+    ahead = [local.x, local.y]
     bx, by = rotated(local.cos, local.sin, 0.0, inertia.moment_x, inertia.moment_y)
-    J = inertia.second_moment + 2 * (ahead[0] * bx + ahead[1] * by) + m * (ahead[0] * ahead[0] + ahead[1] * ahead[1])
-    x, y = rotated(cluster.turn.cos, cluster.turn.sin, 0.0, bx + m * ahead[0], by + m * ahead[1])
-    for (i, j), value in {(0, 0): m, (1, 1): m, (0, 2): -y, (1, 2): x, (2, 2): J}.items():
+    J = plus(inertia.second_moment, plus(times(2.0, _dot(ahead, [bx, by])), times(m, _dot(ahead, ahead))))
+    x, y = rotated(cluster.turn.cos, cluster.turn.sin, 0.0, plus(bx, times(m, ahead[0])), plus(by, times(m, ahead[1])))
+    for (i, j), value in {(0, 0): m, (1, 1): m, (0, 2): minus(0.0, y), (1, 2): x, (2, 2): J}.items():
         cluster.inertia[i][j] = plus(cluster.inertia[i][j], value)
 
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
 
-from lagrangia.algebra import TINY, Algebra, DualAlgebra, Scalar, rate_of
+from lagrangia.algebra import TINY, Algebra, DualAlgebra, Scalar, minus, plus, rate_of, times
 from lagrangia.algorithms import FlatFunction
 from lagrangia.diagnostics import Span, fail
 from lagrangia.flat import FlatModel
@@ -104,9 +104,9 @@ class Evaluator:
         a, b = self.value(node.left, level, local), self.value(node.right, level, local)
         match node.operator:
             case "+":
-                return _zip(lambda x, y: x + y, a, b, node.span)
+                return _zip(plus, a, b, node.span)
             case "-":
-                return _zip(lambda x, y: x - y, a, b, node.span)
+                return _zip(minus, a, b, node.span)
             case "*":
                 return self._product(a, b, node.span)
             case "/":
@@ -127,10 +127,10 @@ class Evaluator:
     def _product(self, a: Value, b: Value, span: Span) -> Value:
         """Scalar times anything; of two vectors the inner product."""
         if isinstance(a, tuple) and isinstance(b, tuple):
-            return _sum(_zip(lambda x, y: x * y, a, b, span))
+            return _sum(_zip(times, a, b, span))
         if isinstance(a, tuple):
-            return _map(lambda x: x * b, a)
-        return _map(lambda y: a * y, b)
+            return _map(lambda x: times(x, b), a)
+        return _map(lambda y: times(a, y), b)
 
     def _power(self, base: Scalar, exponent: Scalar, level: int) -> Scalar:
         """Whole and half powers by multiplication and sqrt: a C compiler calls pow for the others, which is slow."""
@@ -280,7 +280,7 @@ def _need_vectors(arguments: list[Value], count: int, span: Span, size: int | No
 def _dot(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
     _need_vectors(arguments, 2, span)
     a, b = arguments
-    return _sum(_zip(lambda x, y: x * y, a, b, span))
+    return _sum(_zip(times, a, b, span))
 
 
 def _cross(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:

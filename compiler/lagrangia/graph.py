@@ -5,7 +5,7 @@ three coordinates of its own; a part without mass is an error, or is left out wh
 """
 
 from collections import Counter, deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from lagrangia.diagnostics import Report, Span, fail
@@ -116,6 +116,8 @@ class _Building:
     def _keep_reactions_out(self) -> None:
         """Reactions follow from the motion: nothing that makes the motion may depend on them, and their rates are not known."""
         model = self.model
+        if not self._speaks_of_reactions():
+            return
         equations: list[FrameEquation | Equation] = [*model.frame_equations, *model.constraints, *model.initial_equations]
         stated: list[tuple[Iterable[Flat], str, Span]] = [((e.left, e.right), "an equation", e.span) for e in equations]
         stated += [((e.value,), f"a {e.kind} energy", e.span) for e in model.energies]
@@ -129,6 +131,22 @@ class _Building:
             if isinstance(node, Call) and node.function == "der" and self._joints_of_reactions(node.arguments):
                 self.report.error("L0911", "the rate of a reaction is not known", node.span)
         self.report.raise_errors()
+
+    def _speaks_of_reactions(self) -> bool:
+        return any(isinstance(node, FrameRef) and node.attribute in REACTIONS for node in nodes(*self._expressions()))
+
+    def _expressions(self) -> Iterator[Flat]:
+        """All that the model states."""
+        model = self.model
+        for variable in model.variables.values():
+            yield from (part for part in (variable.binding, variable.start) if part is not None)
+        equations: list[FrameEquation | Equation] = [*model.frame_equations, *model.constraints, *model.initial_equations]
+        for equation in equations:
+            yield from (equation.left, equation.right)
+        for energy in model.energies:
+            yield energy.value
+        for work in model.works:
+            yield from (work.force, work.position)
 
     def _joints_of_reactions(self, expressions: Iterable[Flat]) -> list[str]:
         found = leaves(expressions, self.bindings)

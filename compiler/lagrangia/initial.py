@@ -50,6 +50,7 @@ class _Starts:
         self.number = {c.name: k for k, c in enumerate(self.coordinates)}
         self.n = len(self.coordinates)
         self.report = Report()
+        self.moving = ca.vertcat(kinematics.algebra.state, kinematics.symbols.time)
         # q in 0 .. n-1, v in n .. 2n-1
         self.values: list[Scalar] = [0.0] * (2 * self.n)
         self.fixed: dict[int, Span | None] = {}
@@ -195,8 +196,7 @@ class _Starts:
         return ca.vertcat(*symbols.positions.values(), *symbols.rates.values())
 
     def _moves(self, value: Value) -> bool:
-        moving = ca.vertcat(self.kinematics.algebra.state, self.kinematics.symbols.time)
-        return isinstance(value, ca.SX) and ca.depends_on(value, moving)
+        return isinstance(value, ca.SX) and ca.depends_on(value, self.moving)
 
 
 def _counted(count: int) -> str:

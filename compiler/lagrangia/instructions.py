@@ -9,6 +9,9 @@ from lagrangia.runtime import Op, Tape
 
 # An operation has the same name in CasADi and in runtime/tape.h.
 _MOVES = (Op.INPUT, Op.OUTPUT, Op.CONST)
+_UNARY = frozenset(Op[name] for name in (
+    "ASSIGN", "NEG", "SQ", "TWICE", "INV", "SQRT", "SIN", "COS", "TAN", "ASIN", "ACOS", "ATAN", "EXP", "LOG", "FABS", "SIGN",
+    "FLOOR", "CEIL", "NOT", "SINH", "COSH", "TANH", "ASINH", "ACOSH", "ATANH", "ERF"))
 _OPS: Mapping[int, Op] = {getattr(ca, f"OP_{op.name}"): op for op in Op if op not in _MOVES}
 
 
@@ -37,6 +40,23 @@ def tape_of(function: ca.Function) -> Tape:
     return Tape(sizes_in, sizes_out, max(1, function.sz_w()), code, constants)
 
 
-def count_operations(tape: Tape) -> int:
-    """Instructions that compute something."""
-    return sum(1 for k in range(0, len(tape.code), 4) if tape.code[k] not in _MOVES)
+def count_operations(tape: Tape, output: int | None = None) -> int:
+    """Instructions that compute something; those alone that one of the outputs needs."""
+    code = tape.code
+    if output is None:
+        return sum(1 for op in code[::4] if op not in _MOVES)
+    needed: set[int] = set()
+    count = 0
+    for k in range(len(code) - 4, -4, -4):
+        op, out, a, b = code[k : k + 4]
+        if op == Op.OUTPUT:
+            if out == output:
+                needed.add(a)
+        elif out in needed:
+            needed.remove(out)
+            if op not in _MOVES:
+                count += 1
+                needed.add(a)
+                if op not in _UNARY:
+                    needed.add(b)
+    return count

@@ -71,6 +71,7 @@ class Kinematics:
     reactions: dict[str, tuple[ca.SX, ca.SX, ca.SX]] = field(default_factory=dict)  # symbols of those that outputs ask for
     evaluator: Evaluator = field(init=False)
     _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])
+    _still: "Kinematics | None" = None
 
     def __post_init__(self) -> None:
         displacements = [x for pair in (*self.released.values(), *self.moved.values()) for x in pair]
@@ -128,10 +129,11 @@ class Kinematics:
 
     def without_accelerations(self) -> "Kinematics":
         """The same motion with dv/dt = 0: its second derivatives are what the rates alone make."""
-        at_rest = dict.fromkeys(self.symbols.accelerations, 0.0)
-        same = Kinematics(self.graph, replace(self.symbols, accelerations=at_rest), self.algebra, self.dependents)
-        same._poses[1] = self._poses[1]  # rates do not depend on accelerations
-        return same
+        if self._still is None:
+            at_rest = dict.fromkeys(self.symbols.accelerations, 0.0)
+            self._still = Kinematics(self.graph, replace(self.symbols, accelerations=at_rest), self.algebra, self.dependents)
+            self._still._still = self._still
+        return self._still
 
     def displaced(
         self, released: Mapping[str, tuple[ca.SX, ca.SX]], moved: Mapping[str, tuple[ca.SX, ca.SX]] | None = None
@@ -146,15 +148,23 @@ class Kinematics:
         """Raises LagError L0401 for a frame that is joined to nothing."""
         if level == 0:
             return self.pose(name, 1).map(value_of)
+        pose = self.poses(level).get(name)
+        if pose is None:
+            fail("L0401", f"the frame '{name}' is joined to nothing", self.graph.model.frames[name].span)
+        return self._displaced(pose, *self.moved[name], level) if name in self.moved else pose
+
+    def poses(self, level: int) -> Mapping[str, Pose]:
+        """Of all frames; the level is 1 or 2."""
         if not self._poses[level]:
             self._place_all(level)
-        if name not in self._poses[level]:
-            fail("L0401", f"the frame '{name}' is joined to nothing", self.graph.model.frames[name].span)
-        pose = self._poses[level][name]
-        return self._displaced(pose, *self.moved[name], level) if name in self.moved else pose
+        return self._poses[level]
 
     def _place_all(self, level: int) -> None:
         poses = self._poses[level]
+        if level == 1 and not (self.released or self.moved):
+            # the inertial forces need the second level in any case, and it has the first one in it
+            poses |= {name: pose.map(value_of) for name, pose in self.without_accelerations().poses(2).items()}
+            return
         for root in self.graph.roots:
             poses[root.frame] = self._root_pose(root.frame, root.attributes, level)
         for edge in self.graph.edges:

@@ -28,6 +28,8 @@ class LinearForm:
 
 def find_linear_form(kinematics: Kinematics, motion: Motion) -> LinearForm | str:
     """The form, or the reason why the scene is not linear."""
+    if not motion.q.numel():
+        return "nothing in it moves"
     if motion.constrained is not None:
         return "it is held by constraints that are not substituted away"
     modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])

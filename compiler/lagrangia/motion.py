@@ -7,6 +7,7 @@ dT/dv. The accelerations come from the dense M, or by elimination along the tree
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 
@@ -17,6 +18,7 @@ from lagrangia.diagnostics import Span, fail
 from lagrangia.elimination import eliminate
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
+from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.kkt import factor
 from lagrangia.parameters import default_parameters
@@ -50,7 +52,12 @@ class Motion:
     dissipated_power: ca.SX  # taken out by dampers
     source_power: ca.SX  # put in by loads and moving supports
     way: str  # "dense" or "tree"
-    nodes: dict[str, int]  # of each way that was tried
+    counted: dict[str, int]  # nodes of each way, where there was a choice
+
+    @cached_property
+    def nodes(self) -> dict[str, int]:
+        """Nodes of each way that was tried. Counting takes as long as a good part of the compilation: only when asked."""
+        return self.counted or {self.way: count_nodes([self.acceleration], [self.q, self.v, self.a, self.u])}
 
 
 @dataclass(frozen=True)
@@ -67,35 +74,35 @@ class ConstrainedMotion:
 
 
 def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints) -> Motion:
-    """Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates."""
+    """Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates and joints."""
     symbols = kinematics.symbols
-    q, v, a = (ca.vertcat(*s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
+    q, v, a = (ca.vertcat(ca.SX(0, 1), *s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
     t, tau = symbols.time, symbols.tau
-    if q.numel() == 0:
+    if q.numel() == 0 and not all_reactions(kinematics.graph):
         fail("L0505", "nothing can move: the scene has no coordinate", kinematics.graph.model.span,
              "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
     bodies = find_bodies(kinematics, energies)
     T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
     n = q.numel()
     slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
-    momentum, dL_dt = slopes[:n], slopes[n]
+    momentum, dL_dt = slopes[:n, 0], slopes[n]
     force, damping = _generalised_force(energies, q), ca.gradient(D, v)
     h = _inertial_force(kinematics, energies, bodies, q, v) + damping
     dissipated = ca.dot(v, damping) + tau * ca.gradient(D, tau)
     source = ca.dot(force, v) - tau * dL_dt + tau * ca.gradient(D, tau)
     H = ca.dot(v, momentum) - T + V if ca.depends_on(T, tau) else T + V
     T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
-    constrained = None
+    constrained, counted = None, dict[str, int]()
     if constraints.rows:
         acceleration, constrained = _constrain(kinematics, constraints, momentum, h, q, v)
-        way, nodes = "constrained", {"constrained": count_nodes([acceleration], [kinematics.algebra.state])}
+        way = "constrained"
         source = source + _power_of_constraints(kinematics, constrained)
     else:
         _require_mass(kinematics, momentum, v)
-        acceleration, way, nodes = _solve(kinematics, bodies, momentum, h, v)
+        acceleration, way, counted = _solve(kinematics, bodies, momentum, h, v)
     names = kinematics.graph.model.variables
     p, u = (_stack(kinematics, [n for n, x in names.items() if x.kind == kind]) for kind in ("parameter", "input"))
-    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, nodes)
+    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, counted)
 
 
 def mass_matrix(motion: Motion) -> ca.SX:
@@ -238,6 +245,9 @@ def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v:
         ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
     if tree is None or _coupled_pairs(kinematics) <= _DENSEST * v.numel():
         ways["dense"] = _dense(momentum, h, v)
+    if len(ways) == 1:
+        (way,) = ways
+        return ways[way], way, {}
     nodes = {way: count_nodes([a], [kinematics.algebra.state]) for way, a in ways.items()}
     best = min(nodes, key=lambda way: nodes[way])
     return ways[best], best, nodes
@@ -264,7 +274,7 @@ def _dense(momentum: ca.SX, h: ca.SX, v: ca.SX) -> ca.SX:
 def count_nodes(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:
     """Operations that depend on the arguments, common subexpressions counted once."""
     rest = ca.symvar(ca.veccat(*expressions, *arguments))
-    moving = ca.vertcat(*arguments)
+    moving = ca.SX(ca.vertcat(*arguments))
     movers = {s.__hash__() for s in ca.symvar(moving)}
     fixed = [s for s in rest if s.__hash__() not in movers]
     shared = ca.cse(ca.veccat(*expressions))

@@ -88,7 +88,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
 
 def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, ...]:
     """Declared outputs, those asked for, and coordinates that are no longer among the coordinates, with their rates."""
-    from lagrangia.reactions import all_reactions
+    from lagrangia.joints import all_reactions
 
     declared = (v.name for v in graph.model.variables.values() if v.is_output)
     lost = (*(c.name for c in graph.dependent_coordinates), *graph.cut_coordinates)

@@ -49,7 +49,7 @@ def draw(scene: Scene, time: "np.ndarray", curves: "Sequence[tuple[Column, np.nd
     axes[-1].set_xlabel("time [s]")
     axes[0].set_title(scene.description or scene.name, fontsize=11)
     if path is not None:
-        _save(figure, Path(path))
+        save(figure, Path(path))
     return figure
 
 
@@ -57,7 +57,8 @@ def _what(members: list[tuple[Column, Any]]) -> str:
     return members[0][0].name if len(members) == 1 else ""
 
 
-def _save(figure: Any, path: Path) -> None:
+def save(figure: Any, path: Path) -> None:
+    """Writes beside the target first. Raises LagError L0004 when the picture cannot be written."""
     path = path.resolve()
     temporary = path.with_name(f".{path.stem[:100]}.part{path.suffix}")
     try:

@@ -13,8 +13,8 @@ from lagrangia.closures import meeting_place, slide_normal
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
 from lagrangia.edges import Closure, Edge
-from lagrangia.graph import ComponentGraph
-from lagrangia.instances import REACTIONS, held_port
+from lagrangia.instances import REACTIONS
+from lagrangia.joints import component_of, cuts_of, joints_of
 from lagrangia.kinematics import Kinematics, Pose
 from lagrangia.motion import Motion
 from lagrangia.released import Released, forces_of_ties
@@ -30,11 +30,11 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
     asked = kinematics.reactions
     if not asked:
         return ca.SX(0, 1), ca.SX(0, 1)
-    edges, cuts = _joints(kinematics.graph), _cuts(kinematics.graph)
-    ties = {frame: [row for row in constraints.all_rows if row.loop is None and row.component == _component(frame)]
+    edges, cuts = joints_of(kinematics.graph), cuts_of(kinematics.graph)
+    ties = {frame: [row for row in constraints.all_rows if row.loop is None and row.component == component_of(frame)]
             for frame in asked if frame not in cuts and frame not in edges}
     for frame in (frame for frame, rows in ties.items() if not rows):
-        fail("L0911", f"'{_component(frame)}' is no joint, so it has no reaction", _asked_at(kinematics, frame))
+        fail("L0911", f"'{component_of(frame)}' is no joint, so it has no reaction", _asked_at(kinematics, frame))
     sizes = {edges[frame][0].child: 3 for frame in asked if frame in edges}
     sizes |= {cuts[frame][0].coordinate: 1 for frame in asked if frame in cuts and cuts[frame][0].coordinate}
     released = Released(kinematics, bodies, constraints, motion, sizes)
@@ -48,46 +48,11 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
     return symbols, ca.substitute(ca.vertcat(*[values[frame] for frame in asked]), kinematics.symbols.tau, ca.SX(1))
 
 
-def all_reactions(graph: ComponentGraph) -> list[str]:
-    """The force and torque of every joint and of every equation between the ports of one component."""
-    held = {*_joints(graph), *_cuts(graph)}
-    stating = {equation.component for equation in graph.model.constraints}
-    frames: dict[str, list[str]] = {}
-    for frame in graph.model.frames:
-        if frame not in graph.unused_frames and not frame.endswith("]"):
-            frames.setdefault(_component(frame), []).append(frame.rpartition(".")[2])
-    ports = {path: held_port(names) for path, names in frames.items() if path}
-    found = sorted(path for path, port in ports.items() if port and (f"{path}.{port}" in held or path in stating))
-    return [f"{path}.{what}" for path in found for what in ("reaction", "reaction_torque")]
-
-
-def _component(frame: str) -> str:
-    return frame.rpartition(".")[0]
-
-
-def _joints(graph: ComponentGraph) -> dict[str, tuple[Edge, float]]:
-    """The edges of the tree that are joints, by the frames on their two sides, and the side: 1 where the edge leads to."""
-    joints = [edge for edge in graph.edges if _joins(edge.parent, edge.child, edge.is_rigid)]
-    return {edge.child: (edge, 1.0) for edge in joints} | {edge.parent: (edge, -1.0) for edge in joints}
-
-
-def _cuts(graph: ComponentGraph) -> dict[str, tuple[Closure, float]]:
-    """The same of the joints that close loops."""
-    cuts = [cut for cut in graph.closures if _joins(cut.a, cut.b, cut.kind == "weld")]
-    return {cut.b: (cut, 1.0) for cut in cuts} | {cut.a: (cut, -1.0) for cut in cuts}
-
-
 def _asked_at(kinematics: Kinematics, frame: str) -> Span:
     """Where an output names the reaction; the frame's declaration when it was asked for by name."""
     bindings = [v.binding for v in kinematics.graph.model.variables.values() if v.binding is not None]
     named = [x for x in nodes(*bindings) if isinstance(x, FrameRef) and x.name == frame and x.attribute in REACTIONS]
     return named[0].span if named else kinematics.graph.model.frames[frame].span
-
-
-def _joins(a: str, b: str, is_rigid: bool) -> bool:
-    """Whether two frames are the two sides of a joint: frames of one component, its ports a and b when nothing moves."""
-    path = _component(a)
-    return {a, b} == {f"{path}.a", f"{path}.b"} or (not is_rigid and path == _component(b) != "")
 
 
 def _of_joint(kinematics: Kinematics, edge: Edge, sign: float, frame: str, released: Released) -> ca.SX:

@@ -11,16 +11,18 @@ from typing import Any
 import casadi as ca
 
 _MOST_CONSTANTS = 10_000  # few numbers stand in many expressions
+_NUMBERS = (float, int)
+_OPERANDS = (ca.SX, float, int)
 _binary, _unary = ca.SX.binary, ca.SX.unary
 
 
 def _operators(operation: int) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
     """The operator and its reflection. What is no number and no ca.SX answers by an operator of its own (Dual)."""
     def forward(self: Any, other: Any) -> Any:
-        return apply(operation, self, other) if isinstance(other, ca.SX | float | int) else NotImplemented
+        return apply(operation, self, other) if isinstance(other, _OPERANDS) else NotImplemented
 
     def reflected(self: Any, other: Any) -> Any:
-        return apply(operation, other, self) if isinstance(other, ca.SX | float | int) else NotImplemented
+        return apply(operation, other, self) if isinstance(other, _OPERANDS) else NotImplemented
 
     return forward, reflected
 
@@ -42,12 +44,19 @@ def symbol(name: str) -> Expression:
 
 
 def as_expression(x: Any) -> Expression:
-    """A number or a ca.SX as an Expression; what is one already, itself."""
+    """A number as an Expression; a ca.SX becomes one."""
+    if x.__class__ is ca.SX:
+        x.__class__ = Expression
     if x.__class__ is Expression:
         return x
-    if isinstance(x, float | int) and x != 0:  # 0.0 and -0.0 are one key
+    if isinstance(x, _NUMBERS) and x != 0:  # 0.0 and -0.0 are one key
         return _constant(float(x))
     return _wrapped(x)
+
+
+def scalars_in(column: ca.SX) -> list[Any]:
+    """The elements of a column: Expressions, and the float 0 for what is identically zero."""
+    return [0.0 if x.is_zero() else as_expression(x) for x in column.elements()]
 
 
 def apply(operation: int, a: Any, b: Any) -> Any:

@@ -61,7 +61,9 @@ def _initial_places(initial: InitialConditions) -> tuple[str, ...]:
 
 
 def _is_driven(kinematics: Kinematics, motion: Motion) -> bool:
-    """Whether a constraint prescribes a motion in time."""
+    """Whether a support moves, or a constraint prescribes a motion in time."""
+    if any(edge.moves_with_time for edge in kinematics.graph.edges):
+        return True
     rows = [ca.SX(dependent.constant[0]) for dependent in kinematics.dependents.values()]
     rows += [motion.constrained.phi] if motion.constrained else []
     return bool(rows) and ca.depends_on(ca.vertcat(*rows), motion.t)
@@ -78,9 +80,9 @@ def _freedom(kinematics: Kinematics, motion: Motion, freedom: Freedom) -> dict[s
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
     n = motion.q.numel()
-    rhs = count_operations(tapes["rhs"])
-    return {"rhs_operations": rhs, "acceleration_nodes": motion.nodes[motion.way], "ways": motion.nodes, "way": motion.way,
-            "nodes_per_coordinate": round(motion.nodes[motion.way] / n, 1)}
+    nodes = count_operations(tapes["rhs"], output=0)
+    return {"rhs_operations": count_operations(tapes["rhs"]), "acceleration_nodes": nodes, "way": motion.way,
+            "ways": motion.counted or {motion.way: nodes}, "nodes_per_coordinate": round(nodes / max(n, 1), 1)}
 
 
 def _per_second(unit: str) -> str:

@@ -261,6 +261,13 @@ def simulate(
     Raises LagError for values the scene cannot have, at once; the iterator raises RunError when the run cannot go on, after the
     rows computed so far. KeyboardInterrupt ends the rows and marks the progress.
     """
+    run = start_run(scene, engine, experiment, values)
+    progress = Progress(experiment, parameters=run.parameters)
+    return progress, _rows(scene, run, progress, watch)
+
+
+def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Values) -> Run:
+    """A run of the run time, assembled and ready to advance; to be closed. Raises LagError, RunError."""
     settings = Settings(experiment.start, experiment.stop, experiment.tolerance, experiment.max_step, 0.0, experiment.max_steps,
                         number_of(experiment.solver, scene))
     run = engine.runtime.run(engine.model, settings)
@@ -275,8 +282,7 @@ def simulate(
     except BaseException:
         run.close()
         raise
-    progress = Progress(experiment, parameters=run.parameters)
-    return progress, _rows(scene, run, progress, watch)
+    return run
 
 
 def _rows(scene: Scene, run: Run, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
@@ -299,7 +305,7 @@ def _rows(scene: Scene, run: Run, progress: Progress, watch: Callable[[Progress]
                 if watch is not None:
                     watch(progress)
                 if rows.status not in (Status.OK, Status.PAUSED):
-                    raise RunError(_explain(scene, run.failure))
+                    raise RunError(explain(scene, run.failure))
 
 
 def _fail_start(scene: Scene, failure: Failure) -> None:
@@ -309,10 +315,10 @@ def _fail_start(scene: Scene, failure: Failure) -> None:
         report.error("L0606", f"the initial equations cannot all hold: one misses by {failure.value:.3g}", None,
                      f"written at {where}", "change it, or the start values it is solved from")
         raise LagError(report.errors)
-    raise RunError(_explain(scene, failure))
+    raise RunError(explain(scene, failure))
 
 
-def _explain(scene: Scene, failure: Failure) -> str:
+def explain(scene: Scene, failure: Failure) -> str:
     """When, where and what to try."""
     column = (scene.rates if failure.rate else scene.coordinates)[failure.index] if 0 <= failure.index < scene.n else None
     where = f" ({column.name})" if column else ""
@@ -327,4 +333,7 @@ def _explain(scene: Scene, failure: Failure) -> str:
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
 
 
-__all__ = ["CompilerError", "Engine", "Experiment", "Progress", "Values", "check_values", "load_engine", "plan", "simulate"]
+__all__ = [
+    "CompilerError", "Engine", "Experiment", "Progress", "Values", "check_values", "explain", "load_engine", "plan",
+    "simulate", "start_run",
+]

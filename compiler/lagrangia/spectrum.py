@@ -48,8 +48,8 @@ def find_spectrum(kinematics: Kinematics, motion: Motion, initial: InitialCondit
     matrix = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), numbers])
     found = np.linalg.eigvals(matrix)
     sizes = np.abs(found)
-    moving = sizes > _STILL * max(sizes.max(), math.ulp(0.0))
+    moving = sizes > _STILL * max(sizes.max(initial=0.0), math.ulp(0.0))
     slowest = float(sizes[moving].min()) if moving.any() else 0.0
     dies = -found.real > _DAMPED * sizes
     decay, swing = (float(sizes[which].max(initial=0.0)) for which in (dies, ~dies))
-    return Spectrum(slowest, float(sizes.max()), decay, swing)
+    return Spectrum(slowest, float(sizes.max(initial=0.0)), decay, swing)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from lagrangia.simulate import Progress
 
 _ENERGIES = ("kinetic", "potential", "total", "dissipated", "work")
+ENERGIES = 5  # T, V, H, dissipated, work: the last of each row
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class Trajectory:
 
     @property
     def energy(self) -> EnergyAccount:
-        T, V, H, dissipated, work = self.rows[:, -5:].T
+        T, V, H, dissipated, work = self.rows[:, -ENERGIES:].T
         moved = T + V - H  # what supports that move with time have put in beside the balance of H
         return EnergyAccount(T, V, dissipated, work + moved - moved[:1], H - H[:1] + dissipated - work)
 

@@ -1,0 +1,91 @@
+"""Work against precision: the run time of every solver on a scene, against the true error it reaches.
+
+Each solver integrates the same equations from the same start to the same output times. Times are the processor's time of this
+process, so that other work on the machine counts little; the median of several runs. The error is that of the positions.
+"""
+
+import statistics
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from lagrangia.bench_heyoka import prepare_heyoka
+from lagrangia.bench_peers import (
+    CASADI_METHODS,
+    SCIPY_METHODS,
+    Prepared,
+    Solver,
+    Unsuitable,
+    prepare_casadi,
+    prepare_ours,
+    prepare_scipy,
+)
+from lagrangia.bench_problem import Problem
+from lagrangia.bench_reference import Reference
+from lagrangia.native import CompilerError
+from lagrangia.solvers import WAYS
+
+TOLERANCES = tuple(10.0**-k for k in range(2, 14))
+_MOST_SECONDS = 0.6  # for the repetitions of one point
+_LONGEST = 5.0  # a solver whose run takes longer is not asked for more digits
+
+
+def all_solvers() -> tuple[Solver, ...]:
+    """In the order of the table."""
+    return (
+        *(Solver(name, "lagrangia", partial(prepare_ours, name)) for name in WAYS),
+        *(Solver(f"casadi:{name}", "casadi", partial(prepare_casadi, name)) for name in CASADI_METHODS),
+        *(Solver(f"scipy:{name}", "scipy", partial(prepare_scipy, name)) for name in SCIPY_METHODS),
+        Solver("heyoka", "heyoka", prepare_heyoka),
+    )
+
+
+@dataclass(frozen=True)
+class Point:
+    solver: str
+    tolerance: float
+    seconds: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Skipped:
+    solver: str
+    reason: str
+
+
+def measure(problem: Problem, reference: Reference, solvers: Sequence[Solver], tolerances: Sequence[float] = TOLERANCES,
+            repeat: int = 15) -> "Iterator[Point | Skipped]":
+    """A point each solver and tolerance, as it is measured; a solver that cannot go on is skipped with its reason."""
+    for solver in solvers:
+        if solver.version is None:
+            yield Skipped(solver.name, "not installed")
+            continue
+        for tolerance in sorted(tolerances, reverse=True):
+            try:
+                prepared = solver.prepare(problem, tolerance)
+                result, seconds = _measure(prepared, repeat)
+            except (Unsuitable, ArithmeticError, RuntimeError, CompilerError) as failure:
+                yield Skipped(solver.name, f"tolerance {tolerance:.0e}: {str(failure).splitlines()[-1]}")
+                if isinstance(failure, Unsuitable):
+                    break
+                continue
+            yield Point(solver.name, tolerance, seconds, problem.error(prepared.read(result), reference.positions))
+            if seconds > _LONGEST:
+                yield Skipped(solver.name, f"tighter than {tolerance:.0e}: takes too long")
+                break
+
+
+def _measure(prepared: Prepared, repeat: int) -> tuple[object, float]:
+    """What the run returned, and the median of its seconds; the first run warms up and does not count, unless it is long."""
+    clock: Callable[[], float] = time.process_time
+    found: list[float] = []
+    total = 0.0
+    while len(found) <= repeat and (total < _MOST_SECONDS or not found):
+        token = prepared.begin()
+        begin = clock()
+        result = prepared.run(token)
+        found.append(clock() - begin)
+        total += found[-1]
+    return result, statistics.median(found[1:] if len(found) > 1 else found)

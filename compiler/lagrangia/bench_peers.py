@@ -1,0 +1,190 @@
+"""The solvers a benchmark measures: ours, CasADi's and SciPy's. heyoka's is in bench_heyoka.py.
+
+A solver prepares a run at a tolerance: everything that is done once (compiling, setting options) happens there. `Prepared.run` is
+what is timed: the integration from the start to the last output time, and nothing else. `Prepared.read` makes positions of what
+the run returned.
+"""
+
+import shlex
+from array import array
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from lagrangia.bench_problem import Piece, Problem
+from lagrangia.native import build, find_compiler
+from lagrangia.runtime import Run, Status
+from lagrangia.simulate import check_values, explain, start_run
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_MOST_STEPS = 10_000_000
+_LEVEL = "-O3"
+# erk: explicit Runge-Kutta 5(4); rosenbrock: order 5(4); cvodes, idas: BDF of SUNDIALS; adams: Adams' methods of CVODES.
+CASADI_METHODS = ("erk", "rosenbrock", "cvodes", "adams", "idas")
+SCIPY_METHODS = ("DOP853", "Radau", "LSODA")
+_EXPORT = "#define GCC_HASCLASSVISIBILITY\n"  # so that CasADi marks what is seen from outside
+
+
+class Unsuitable(Exception):
+    """The solver cannot represent the scene, with the reason."""
+
+
+@dataclass(frozen=True)
+class Prepared:
+    run: Callable[[Any], Any]  # of what `begin` made
+    read: "Callable[[Any], NDArray[Any]]"  # (len(times), n) of what `run` returned
+    begin: Callable[[], Any] = field(default=lambda: None)  # before each run, not timed
+
+
+@dataclass(frozen=True)
+class Solver:
+    """`prepare(problem, tolerance)` raises Unsuitable. `package` must be installed."""
+
+    name: str
+    package: str
+    prepare: Callable[[Problem, float], Prepared]
+
+    @property
+    def version(self) -> str | None:
+        """None when its package is not installed."""
+        try:
+            return version(self.package)
+        except PackageNotFoundError:
+            return "from its sources" if self.is_ours else None
+
+    @property
+    def is_ours(self) -> bool:
+        return self.package == "lagrangia"
+
+
+# -------------------------------------------------------------------- ours
+
+
+def prepare_ours(solver: str, problem: Problem, tolerance: float) -> Prepared:
+    scene, engine, times = problem.model.scene, problem.model.engine, array("d", problem.times)
+    if solver in scene.refused:
+        raise Unsuitable(scene.refused[solver])
+    if engine is None:
+        raise Unsuitable("no C compiler was found")
+    experiment = replace(problem.experiment, tolerance=tolerance, solver=solver)
+    values = check_values(scene, problem.parameters)
+
+    def advance(run: Run) -> Any:
+        rows = run.advance(times)
+        if rows.status is not Status.OK:
+            raise ArithmeticError(explain(scene, run.failure))
+        return rows.values
+
+    def read(rows: Any) -> "NDArray[Any]":
+        return np.asarray(rows).reshape(len(times), -1)[:, 1 : 1 + problem.n]
+
+    return Prepared(advance, read, lambda: start_run(scene, engine, experiment, values))
+
+
+# -------------------------------------------------------------------- CasADi
+
+
+def prepare_casadi(name: str, problem: Problem, tolerance: float) -> Prepared:
+    """erk and rosenbrock are written out as C with their equations; cvodes and idas call compiled equations."""
+    solvers = [Pointer(_integrator(name, piece, tolerance)) for piece in problem.pieces]
+
+    def run(_: Any) -> "list[NDArray[Any]]":
+        y, portions = problem.start, []
+        for solve in solvers:
+            portions.append(solve(y).reshape(-1, y.size))
+            y = portions[-1][-1]
+        return portions
+
+    return Prepared(run, problem.collect)
+
+
+def _integrator(name: str, piece: Piece, tolerance: float) -> ca.Function:
+    """A function of the start that gives the states on the piece's grid as columns."""
+    t, y = ca.SX.sym("t"), ca.SX.sym("y", piece.slope.numel_in(1))
+    options: dict[str, Any] = {"abstol": tolerance, "reltol": tolerance, "max_num_steps": _MOST_STEPS}
+    is_written_out = name in ("erk", "rosenbrock")
+    if not is_written_out:
+        compiler = find_compiler()
+        if compiler is None:
+            raise Unsuitable("no C compiler was found")
+        options |= {"jit": True, "compiler": "shell",
+                    "jit_options": {"compiler": shlex.join(compiler.command), "flags": [_LEVEL], "verbose": False}}
+    if name == "adams":
+        options |= {"linear_multistep_method": "adams", "nonlinear_solver_iteration": "functional"}
+    method = {"adams": "cvodes"}.get(name, name)
+    integrator = ca.integrator("run", method, {"t": t, "x": y, "ode": piece.slope(t, y)}, piece.begin, piece.grid, options)
+    x = ca.MX.sym("x", y.numel())
+    function = ca.Function("run", [x], [integrator(x0=x)["xf"]])
+    return compiled(function) if is_written_out else function
+
+
+def compiled(function: ca.Function, level: str = _LEVEL) -> ca.Function:
+    """The same function, compiled by the C compiler."""
+    generator = ca.CodeGenerator("function.c", {"casadi_int": "long long int"})
+    generator.add(function, True)
+    return ca.external(function.name(), str(build("function", _EXPORT + generator.dump(), level=level)))
+
+
+# -------------------------------------------------------------------- SciPy
+
+
+def prepare_scipy(method: str, problem: Problem, tolerance: float) -> Prepared:
+    """The equations, and for implicit methods their Jacobian, are compiled and called through pointers."""
+    from scipy.integrate import solve_ivp
+
+    is_implicit = method == "Radau"
+    pieces = [(p, Pointer(compiled(p.slope)), {"jac": _jacobian(p)} if is_implicit else {}) for p in problem.pieces]
+
+    def run(_: Any) -> Any:
+        y, portions = problem.start, []
+        for piece, slope, extra in pieces:
+            found = solve_ivp(slope, (piece.begin, piece.end), y, method, t_eval=piece.grid, rtol=max(tolerance, 2.3e-14),
+                              atol=tolerance, **extra)
+            if not found.success:
+                raise ArithmeticError(found.message)
+            portions.append(found.y)
+            y = found.y[:, -1]
+        return portions
+
+    return Prepared(run, lambda portions: problem.collect([states.T for states in portions]))
+
+
+def _jacobian(piece: Piece) -> "Callable[[float, NDArray[Any]], NDArray[Any]]":
+    t, y = ca.SX.sym("t"), ca.SX.sym("y", piece.slope.numel_in(1))
+    jacobian = ca.densify(ca.jacobian(piece.slope(t, y), y))
+    by_columns = Pointer(compiled(ca.Function("jacobian", [t, y], [ca.cse(jacobian)])))
+    return lambda t, y: by_columns(t, y).T
+
+
+class Pointer:
+    """A function of numbers and vectors with one output, called through C pointers: 2 us, where CasADi's own call takes 10.
+
+    The output comes as CasADi stores it, by columns: its rows are the columns of a matrix; a single column comes as a vector.
+    """
+
+    def __init__(self, function: ca.Function) -> None:
+        self._function = function
+        self._buffer, self._evaluate = function.buffer()
+        self._in = [np.zeros(function.numel_in(k)) for k in range(function.n_in())]
+        rows, columns = function.size_out(0)
+        self._out = np.zeros((columns, rows) if columns > 1 else rows)
+        for k, vector in enumerate(self._in):
+            self._buffer.set_arg(k, memoryview(vector.data))
+        self._buffer.set_res(0, memoryview(self._out.data))
+
+    def __call__(self, *values: Any) -> "NDArray[Any]":
+        for vector, value in zip(self._in, values, strict=True):
+            vector[:] = value
+        self._evaluate()
+        if self._buffer.ret():
+            raise ArithmeticError(f"{self._function.name()} gave up")
+        return self._out.copy()
+
+
+__all__ = ["Pointer", "Prepared", "Solver", "Unsuitable", "compiled"]

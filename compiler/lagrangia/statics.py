@@ -1,0 +1,29 @@
+"""Scenes that cannot move: what is asked of them is the forces in their joints."""
+
+from collections.abc import Sequence
+
+from lagrangia.instances import REACTIONS
+from lagrangia.scene import Scene
+from lagrangia.trajectory import columns
+
+
+def is_static(scene: Scene) -> bool:
+    """No degree of freedom is left, and no motion is prescribed."""
+    return scene.notes["degrees_of_freedom"] == 0 and not scene.notes["is_driven"]
+
+
+def reaction_table(scene: Scene, row: Sequence[float]) -> list[str]:
+    """The reactions in one row of results, a line for each joint or tie, with their units."""
+    found: dict[str, list[float]] = {}
+    for column, value in zip(columns(scene), row, strict=False):
+        joint, _, what = column.name.rpartition(".")
+        if what.partition("[")[0] in REACTIONS:
+            found.setdefault(joint, []).append(value)
+    whole = {joint: values for joint, values in found.items() if len(values) == 3}
+    width = max((len(joint) for joint in whole), default=0)
+    lines = [f"{'':{width}}{'F_x [N]':>14}{'F_y [N]':>14}{'M [N.m]':>14}"]
+    largest = max((abs(x) for values in whole.values() for x in values), default=0.0)
+    for joint, values in whole.items():
+        shown = (0.0 if abs(x) < 1e-12 * largest else x for x in values)  # rounding
+        lines.append(f"{joint:{width}}" + "".join(f"{x:>14.6g}" for x in shown))
+    return lines if whole else []
