@@ -27,8 +27,7 @@ from lagrangia.native import CompilerError
 from lagrangia.solvers import WAYS
 
 TOLERANCES = tuple(10.0**-k for k in range(2, 14))
-_MOST_SECONDS = 0.6  # for the repetitions of one point
-_LONGEST = 5.0  # a solver whose run takes longer is not asked for more digits
+_MOST_SECONDS = 1.0  # for the repetitions of one point
 
 
 def all_solvers() -> tuple[Solver, ...]:
@@ -56,8 +55,11 @@ class Skipped:
 
 
 def measure(problem: Problem, reference: Reference, solvers: Sequence[Solver], tolerances: Sequence[float] = TOLERANCES,
-            repeat: int = 15) -> "Iterator[Point | Skipped]":
-    """A point each solver and tolerance, as it is measured; a solver that cannot go on is skipped with its reason."""
+            repeat: int = 15, longest: float = 20.0) -> "Iterator[Point | Skipped]":
+    """A point each solver and tolerance, as it is measured; a solver that cannot go on is skipped with its reason.
+
+    A solver whose run takes longer than `longest` seconds is asked for no more digits.
+    """
     for solver in solvers:
         if solver.version is None:
             yield Skipped(solver.name, "not installed")
@@ -72,7 +74,7 @@ def measure(problem: Problem, reference: Reference, solvers: Sequence[Solver], t
                     break
                 continue
             yield Point(solver.name, tolerance, seconds, problem.error(prepared.read(result), reference.positions))
-            if seconds > _LONGEST:
+            if seconds > longest:
                 yield Skipped(solver.name, f"tighter than {tolerance:.0e}: takes too long")
                 break
 

@@ -91,8 +91,11 @@ def prepare_ours(solver: str, problem: Problem, tolerance: float) -> Prepared:
 
 
 def prepare_casadi(name: str, problem: Problem, tolerance: float) -> Prepared:
-    """erk and rosenbrock are written out as C with their equations; cvodes and idas call compiled equations."""
-    solvers = [Pointer(_integrator(name, piece, tolerance)) for piece in problem.pieces]
+    """erk and rosenbrock are written out as C with their equations; cvodes and idas call compiled equations.
+
+    idas gets closed loops as the index-1 system M a + h + J^T lambda = 0, J a + bias = 0, a and lambda algebraic.
+    """
+    solvers = [Pointer(_integrator(name, piece, problem, tolerance)) for piece in problem.pieces]
 
     def run(_: Any) -> "list[NDArray[Any]]":
         y, portions = problem.start, []
@@ -104,7 +107,7 @@ def prepare_casadi(name: str, problem: Problem, tolerance: float) -> Prepared:
     return Prepared(run, problem.collect)
 
 
-def _integrator(name: str, piece: Piece, tolerance: float) -> ca.Function:
+def _integrator(name: str, piece: Piece, problem: Problem, tolerance: float) -> ca.Function:
     """A function of the start that gives the states on the piece's grid as columns."""
     t, y = ca.SX.sym("t"), ca.SX.sym("y", piece.slope.numel_in(1))
     options: dict[str, Any] = {"abstol": tolerance, "reltol": tolerance, "max_num_steps": _MOST_STEPS}
@@ -118,10 +121,28 @@ def _integrator(name: str, piece: Piece, tolerance: float) -> ca.Function:
     if name == "adams":
         options |= {"linear_multistep_method": "adams", "nonlinear_solver_iteration": "functional"}
     method = {"adams": "cvodes"}.get(name, name)
-    integrator = ca.integrator("run", method, {"t": t, "x": y, "ode": piece.slope(t, y)}, piece.begin, piece.grid, options)
+    equations = {"t": t, "x": y, "ode": piece.slope(t, y)}
+    guess: dict[str, Any] = {}
+    if name == "idas" and problem.is_constrained:
+        equations, z0 = _implicit(problem, t, y)
+        guess, options = {"z0": z0}, options | {"calc_ic": True, "suppress_algebraic": True}
+    integrator = ca.integrator("run", method, equations, piece.begin, piece.grid, options)
     x = ca.MX.sym("x", y.numel())
-    function = ca.Function("run", [x], [integrator(x0=x)["xf"]])
+    function = ca.Function("run", [x], [integrator(x0=x, **guess)["xf"]])
     return compiled(function) if is_written_out else function
+
+
+def _implicit(problem: Problem, t: ca.SX, y: ca.SX) -> tuple[dict[str, ca.SX], Any]:
+    """The equations with accelerations and multipliers unknown, and a guess of these."""
+    n, functions = problem.n, problem.model.functions()
+    p = problem.model.parameter_values(problem.parameters)
+    u = ca.DM(list(check_values(problem.model.scene).input_values))
+    M, h, J, bias = (functions[name](t, y[:n], y[n:], u, p) for name in ("M", "h", "J", "bias"))
+    a, forces = ca.SX.sym("a", n), ca.SX.sym("forces", J.size1())
+    alg = ca.vertcat(M @ a + h + J.T @ forces, J @ a + bias)
+    z0 = ca.vertcat(*[functions[name](problem.pieces[0].begin, problem.start[:n], problem.start[n:], u, p)
+                      for name in ("rhs", "lambda")])
+    return {"t": t, "x": y, "z": ca.vertcat(a, forces), "ode": ca.vertcat(y[n:], a), "alg": alg}, z0
 
 
 def compiled(function: ca.Function, level: str = _LEVEL) -> ca.Function:
