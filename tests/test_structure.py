@@ -50,6 +50,7 @@ ORDER = """
     constraints
     elimination
     kkt
+    evenness
     motion
     released
     reactions
@@ -63,6 +64,7 @@ ORDER = """
     assemblies
     freedom
     runtime
+    interpret
     scene
     instructions
     ccode

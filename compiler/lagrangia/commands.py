@@ -97,6 +97,7 @@ def simulate_command(options: Namespace) -> int:
     units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
     initial = values_with_units([assignment(text, "--initial") for text in options.initial], units)
     values = check_values(scene, parameters, initial, _inputs(options.input, scene))
+    model = model.suited(values)
     compiled = time.perf_counter() - begin
     return _run(options, model, experiment, values, compiled)
 

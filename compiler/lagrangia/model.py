@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.cache import find_scene, keep_scene
 from lagrangia.diagnostics import RunError
+from lagrangia.interpret import evaluate
 from lagrangia.native import Build
 from lagrangia.scene import Scene
-from lagrangia.simulate import Engine, check_values, load_engine, plan, simulate, start_building
+from lagrangia.simulate import Engine, Values, check_values, load_engine, plan, simulate, start_building
 from lagrangia.solvers import is_casadi
 from lagrangia.trajectory import Trajectory, collect
 
@@ -34,13 +35,16 @@ class Model:
     """A compiled scene. Parameters are numbers of each run: changing one compiles nothing."""
 
     def __init__(self, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
-                 outputs: Sequence[str] = ()) -> None:
+                 outputs: Sequence[str] = (), for_any_mass: bool = False) -> None:
+        """`for_any_mass`: with formulas that hold whatever the masses; see `suited`."""
+        self.for_any_mass = for_any_mass
+        self._robust: Model | None = None
         self.path, self.model, self.structural, self.outputs = path, model, dict(structural or {}), tuple(outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
         self._runtime_build: Build | None = None
         self._has_engine = False
-        found = find_scene(path, model, self.structural, self.outputs)
+        found = find_scene(path, model, self.structural, self.outputs, for_any_mass)
         self.is_cached = found is not None
         self.scene: Scene = found if found is not None else self._compile_and_keep()
 
@@ -48,7 +52,7 @@ class Model:
         self._runtime_build = start_building()  # goes on beside the compilation
         scene = self.compilation.scene
         imports = [(self.path.parent / item.path) for item in self.compilation.syntax.imports]
-        keep_scene(scene, self.path, self.model, self.structural, self.outputs, imports)
+        keep_scene(scene, self.path, self.model, self.structural, self.outputs, imports, self.for_any_mass)
         return scene
 
     @property
@@ -57,7 +61,7 @@ class Model:
         if self._compilation is None:
             from lagrangia.pipeline import compile_file
 
-            self._compilation = compile_file(self.path, self.model, self.structural, self.outputs)
+            self._compilation = compile_file(self.path, self.model, self.structural, self.outputs, self.for_any_mass)
         return self._compilation
 
     @property
@@ -90,7 +94,8 @@ class Model:
                           at=None if at is None else [float(t) for t in at], max_step=max_step, max_steps=max_steps,
                           solver=solver)
         values = check_values(self.scene, parameters, initial, inputs)
-        progress, portions = self.start(experiment, values)
+        suited = self.suited(values)
+        progress, portions = suited.start(experiment, values)
         kept: list[Sequence[float]] = []
         failure: RunError | None = None
         try:
@@ -98,11 +103,26 @@ class Model:
         except RunError as error:
             failure = error
         trajectory = Trajectory(self.scene, collect(self.scene, kept), progress,
-                                self.observer(np.array(progress.parameters), values))
+                                suited.observer(np.array(progress.parameters), values))
         if failure is not None:
             failure.trajectory = trajectory
             raise failure
         return trajectory
+
+    def suited(self, values: Values) -> "Model":
+        """This model, or the same scene in formulas that hold for all masses, where those given are uneven or leave parts of a
+        loop without any: these formulas are half as long again, so that they are used where they are needed.
+        """
+        scene = self.scene
+        declared = check_values(scene)
+        if scene.evenness is None or (values.parameters, values.mask) == (declared.parameters, declared.mask):
+            return self
+        (parameters,) = evaluate(scene.tapes["parameters"], values.parameters, values.mask)
+        if all(x > 1 for x in evaluate(scene.evenness, parameters)[0]):
+            return self
+        if self._robust is None:
+            self._robust = Model(self.path, self.model, self.structural, self.outputs, for_any_mass=True)
+        return self._robust
 
     def start(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""

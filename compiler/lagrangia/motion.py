@@ -18,16 +18,13 @@ from lagrangia.diagnostics import Span, fail
 from lagrangia.elimination import eliminate
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
+from lagrangia.evenness import find_evenness, is_even
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.kkt import factor
-from lagrangia.parameters import default_parameters
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
-# Smallest pivot of the scaled mass matrix that still counts as mass, and the largest ratio of the masses that one constraint
-# ties together that J M^-1 J^T bears.
-_SINGULAR, _UNEVEN = 1e-11, 1e6
 
 
 @dataclass(frozen=True)
@@ -71,10 +68,14 @@ class ConstrainedMotion:
     symbols: ca.SX  # of the multipliers, for outputs
     place: ca.SX  # dq, one Newton correction onto Phi = 0 in the mass metric
     steer: ca.SX  # dv, the correction of the rates
+    evenness: ca.SX  # of p, above 1 all over where these formulas hold; empty where they hold for all masses
 
 
-def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints) -> Motion:
-    """Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates and joints."""
+def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints, for_any_mass: bool = False) -> Motion:
+    """`for_any_mass`: formulas that hold where parameters make M singular or uneven, too; they cost half as much again.
+
+    Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates and joints.
+    """
     symbols = kinematics.symbols
     q, v, a = (ca.vertcat(ca.SX(0, 1), *s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
     t, tau = symbols.time, symbols.tau
@@ -94,7 +95,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
     constrained, counted = None, dict[str, int]()
     if constraints.rows:
-        acceleration, constrained = _constrain(kinematics, constraints, momentum, h, q, v)
+        acceleration, constrained = _constrain(kinematics, constraints, momentum, h, q, v, for_any_mass)
         way = "constrained"
         source = source + _power_of_constraints(kinematics, constrained)
     else:
@@ -111,7 +112,7 @@ def mass_matrix(motion: Motion) -> ca.SX:
 
 
 def _constrain(
-    kinematics: Kinematics, constraints: Constraints, momentum: ca.SX, h: ca.SX, q: ca.SX, v: ca.SX
+    kinematics: Kinematics, constraints: Constraints, momentum: ca.SX, h: ca.SX, q: ca.SX, v: ca.SX, for_any_mass: bool
 ) -> tuple[ca.SX, ConstrainedMotion]:
     """Accelerations and multipliers from the index-1 system, and the projections onto the constraints."""
     symbols, remaining = kinematics.symbols, kinematics.without_accelerations()
@@ -121,36 +122,16 @@ def _constrain(
     bias, settled = ca.substitute([bias, rate], [symbols.tau], [ca.SX(1)])
     J, M = ca.jacobian(settled, v), ca.jacobian(momentum, v)
     m, k = J.size1(), phi.numel()
-    kkt = factor(M, J, _is_uneven(kinematics, M, J))
+    evenness = find_evenness(kinematics, M, J)
+    is_robust = for_any_mass or not is_even(kinematics, evenness)
+    kkt = factor(M, J, is_robust)
     acceleration, multipliers = kkt.solve(-h, -bias)
     steer, _ = kkt.solve(ca.SX.zeros(q.numel()), -settled, refine=False)
-    holonomic = kkt if k == m else factor(M, J[:k, :], _is_uneven(kinematics, M, J))
+    holonomic = kkt if k == m else factor(M, J[:k, :], is_robust)
     place = holonomic.solve(ca.SX.zeros(q.numel()), -phi, refine=False)[0] if k else ca.SX.zeros(q.numel())
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(m)])
-    return acceleration, ConstrainedMotion(phi, J, settled, multipliers, lambdas, place, steer)
-
-
-def _is_uneven(kinematics: Kinematics, M: ca.SX, J: ca.SX) -> bool:
-    """Whether some coordinates that a constraint ties together move next to no mass, or none, at general positions and with the
-    parameters as declared: M loses rank there, or J M^-1 J^T its digits."""
-    p, defaults = default_parameters(kinematics)
-    known = {x.__hash__() for x in ca.symvar(p)}
-    free = [s for s in ca.symvar(ca.veccat(M, J)) if s.__hash__() not in known]
-    values = ca.DM([0.3 + 0.41 * (k % 7) for k in range(len(free))])
-    everything = ca.vertcat(*free, p)
-    numbers = [ca.densify(x) for x in (M, J)]
-    if everything.numel():
-        numbers = ca.substitute(numbers, [everything], [ca.SX(ca.vertcat(values, defaults))])
-    mass, slopes = (ca.evalf(x) for x in numbers)
-    diagonal = ca.diag(mass).full().ravel()
-    if not min(diagonal) > 0:
-        return True
-    scale = ca.DM(diagonal) ** 0.5
-    if not float(ca.mmin(ca.ldl(mass / (scale @ scale.T), True)[0])) > _SINGULAR:
-        return True
-    shares = slopes.full() ** 2 / diagonal
-    spreads = [row[row > 0] for row in shares]
-    return any(spread.size and spread.max() > _UNEVEN * spread.min() for spread in spreads)
+    return acceleration, ConstrainedMotion(phi, J, settled, multipliers, lambdas, place, steer,
+                                           ca.SX(0, 1) if is_robust else evenness)
 
 
 def _power_of_constraints(kinematics: Kinematics, constrained: ConstrainedMotion) -> ca.SX:

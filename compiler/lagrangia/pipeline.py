@@ -50,7 +50,7 @@ class Compilation:
 
 
 def compile_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
-                 outputs: tuple[str, ...] = ()) -> Compilation:
+                 outputs: tuple[str, ...] = (), for_any_mass: bool = False) -> Compilation:
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
     from lagrangia.constraints import reduce_kinematics
     from lagrangia.dimensions import check_dimensions
@@ -74,7 +74,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             kinematics, constraints = reduce_kinematics(build_kinematics(graph))
             energies = build_energies(kinematics)
         with _timed(seconds, "motion"):
-            motion = build_motion(kinematics, energies, constraints)
+            motion = build_motion(kinematics, energies, constraints, for_any_mass)
         with _timed(seconds, "functions"):
             initial = build_initial(kinematics, constraints)
             functions = build_functions(kinematics, motion, constraints, initial, _reported(kinematics.graph, outputs))

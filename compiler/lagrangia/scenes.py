@@ -50,8 +50,15 @@ def build_scene(
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
         tuple(kinds[c.unit] for c in graph.coordinates), tuple(map(int, initial.fixed)), functions.event_kinds,
         _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, freedom), functions.patterns,
-        functions.refused, tapes,
+        functions.refused, tapes, _evenness(motion),
     )
+
+
+def _evenness(motion: Motion) -> Tape | None:
+    held = motion.constrained
+    if held is None or not held.evenness.numel() or not ca.depends_on(held.evenness, motion.p):
+        return None
+    return tape_of(ca.Function("evenness", [motion.p], [ca.cse(held.evenness)]))
 
 
 def _initial_places(initial: InitialConditions) -> tuple[str, ...]:
