@@ -19,7 +19,7 @@ from lagrangia.initial import FIXED, FREE, InitialConditions
 from lagrangia.kinematics import Kinematics
 
 _STARTS, _ITERATIONS, _LONGEST = 16, 40, 1.0
-_LARGEST_BLOCK, _MOST_WORK, _FEWEST_BLOCKS, _MOST_BLOCKS = 8, 400, 2, 12
+_LARGEST_BLOCK, _MOST_WORK, _FEWEST_BLOCKS, _MOST_BLOCKS = 8, 120, 2, 12
 _SOLVED, _SAME, _INDEPENDENT, _NOTHING = 1e-11, 1e-5, 1e-7, 1e-12
 _MOST_TOLD, _MOST_SHOWN = 3, 6
 _EASE = 10.0  # how much rather a coordinate that nobody guessed is a dependent one
