@@ -4,12 +4,12 @@ A long function is cut into pieces that share the work vector: compilers take ti
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from lagrangia.runtime import Op, Tape
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
-_PIECE = 1500  # instructions in one C function
+_PIECE = 3000  # instructions in one C function
 
 _TEMPLATES: Mapping[int, str] = {
     Op.ASSIGN: "{a}", Op.ADD: "{a} + {b}", Op.SUB: "{a} - {b}", Op.MUL: "{a} * {b}", Op.DIV: "{a} / {b}", Op.NEG: "-{a}",
@@ -23,6 +23,7 @@ _TEMPLATES: Mapping[int, str] = {
     Op.IF_ELSE_ZERO: "({a} != 0.0 ? {b} : 0.0)", Op.SINH: "sinh({a})", Op.COSH: "cosh({a})", Op.TANH: "tanh({a})",
     Op.ASINH: "asinh({a})", Op.ACOSH: "acosh({a})", Op.ATANH: "atanh({a})", Op.ERF: "erf({a})",
 }
+_BINARY = frozenset(op for op, template in _TEMPLATES.items() if "{b}" in template)
 
 
 def write_c(
@@ -77,33 +78,73 @@ def _work(tape: Tape) -> int:
 def _function(label: str, tape: Tape) -> list[str]:
     head = [_ints(f"{label}_in", tape.in_sizes), _ints(f"{label}_out", tape.out_sizes)]
     signature = "(const double *const *in, double *const *out, double *w)"
-    if not _is_long(tape):
-        names = sorted({tape.code[k + 1] for k in range(0, len(tape.code), 4) if tape.code[k] != Op.OUTPUT})
-        local = [f"    double {', '.join(f'w{n}' for n in names[i : i + 20])};" for i in range(0, len(names), 20)]
-        body = [f"    {line}" for line in _statements(tape, 0, len(tape.code) // 4, "w{}")]
-        return [*head, f"static int {label}{signature}", "{", "    (void)in; (void)out; (void)w;", *local, *body, "    return 0;",
-                "}", ""]
     count = len(tape.code) // 4
+    if not _is_long(tape):
+        body = _body(tape, 0, count, set())
+        opening = [f"static int {label}{signature}", "{", "    (void)in; (void)out; (void)w;"]
+        return [*head, *opening, *body, "    return 0;", "}", ""]
+    starts = range(0, count, _PIECE)
+    needed = _needed_after(tape, [*starts[1:], count])
     pieces, calls = [], []
-    for number, start in enumerate(range(0, count, _PIECE)):
-        body = [f"    {line}" for line in _statements(tape, start, min(count, start + _PIECE), "w[{}]")]
+    for number, (start, later) in enumerate(zip(starts, needed, strict=True)):
+        body = _body(tape, start, min(count, start + _PIECE), later)
         pieces += [f"static void {label}_{number}{signature}", "{", "    (void)in; (void)out;", *body, "}", ""]
         calls.append(f"    {label}_{number}(in, out, w);")
     return [*head, *pieces, f"static int {label}{signature}", "{", *calls, "    return 0;", "}", ""]
 
 
-def _statements(tape: Tape, start: int, stop: int, name: str) -> Iterator[str]:
-    code, constants = tape.code, tape.constants
+def _needed_after(tape: Tape, ends: Sequence[int]) -> list[set[int]]:
+    """The places of the work vector that hold, at each of these instructions, something still to be read."""
+    found: list[set[int]] = []
+    needed: set[int] = set()
+    stops = set(ends)
+    for k in range(len(tape.code) // 4, -1, -1):
+        if k in stops:
+            found.append(set(needed))
+        if k > 0:
+            op, out, a, b = tape.code[4 * k - 4 : 4 * k]
+            if op != Op.OUTPUT:
+                needed.discard(out)
+            needed.update(_operands(op, a, b))
+    return found[::-1]
+
+
+def _operands(op: int, a: int, b: int) -> tuple[int, ...]:
+    """The places that an instruction reads."""
+    if op in (Op.INPUT, Op.CONST):
+        return ()
+    return (a, b) if op in _BINARY else (a,)
+
+
+def _body(tape: Tape, start: int, stop: int, later: set[int]) -> list[str]:
+    """The statements from start to stop on local variables: read from the work vector at first use, and stored when they are
+    needed `later`."""
+    local: set[int] = set()
+    written: set[int] = set()
+    lines = []
     for k in range(4 * start, 4 * stop, 4):
-        op, out, a, b = code[k : k + 4]
-        if op == Op.INPUT:
-            yield f"{name.format(out)} = in[{a}][{b}];"
-        elif op == Op.OUTPUT:
-            yield f"out[{out}][{b}] = {name.format(a)};"
-        elif op == Op.CONST:
-            yield f"{name.format(out)} = {_number(constants[a])};"
-        else:
-            yield f"{name.format(out)} = {_TEMPLATES[op].format(a=name.format(a), b=name.format(b))};"
+        op, out, a, b = tape.code[k : k + 4]
+        for place in _operands(op, a, b):
+            if place not in local:
+                local.add(place)
+                lines.append(f"    w{place} = w[{place}];")
+        if op != Op.OUTPUT:
+            local.add(out)
+            written.add(out)
+        lines.append(f"    {_statement(op, out, a, b, tape.constants)}")
+    names = sorted(local)
+    declared = [f"    double {', '.join(f'w{n}' for n in names[i : i + 20])};" for i in range(0, len(names), 20)]
+    return [*declared, *lines, *(f"    w[{place}] = w{place};" for place in sorted(written & later))]
+
+
+def _statement(op: int, out: int, a: int, b: int, constants: Sequence[float]) -> str:
+    if op == Op.INPUT:
+        return f"w{out} = in[{a}][{b}];"
+    if op == Op.OUTPUT:
+        return f"out[{out}][{b}] = w{a};"
+    if op == Op.CONST:
+        return f"w{out} = {_number(constants[a])};"
+    return f"w{out} = {_TEMPLATES[op].format(a=f'w{a}', b=f'w{b}')};"
 
 
 def _number(value: float) -> str:
