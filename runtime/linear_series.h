@@ -1,8 +1,8 @@
 /* exp(A h) x by its Taylor series, term by term: no matrix but A itself. For steps of all lengths of large sparse systems, and
  * for what is left beside the rungs of a ladder.
  *
- * In steps of |A h| <= 2, and until terms are below 5e-26 of what they are added to. Powers are integrated by Gauss's
- * quadrature over the series: with ten nodes to 1e-18 of the largest power.
+ * In steps of |A h| <= 2.5, and until terms are below 1e-21 of what they are added to; those below 1e-4 are plain doubles. Powers are integrated by Gauss's
+ * quadrature over the series: with ten nodes to 5e-17 of the largest power.
  */
 #ifndef LAG_LINEAR_SERIES_H
 #define LAG_LINEAR_SERIES_H

@@ -36,6 +36,8 @@ void lag_linear_system_layout(LagLinearSystem *s, const LagModel *model, LagAren
     s->waves = take(arena, (size_t)s->n_w);
     s->work = take(arena, n_work);
     s->right = take(arena, (size_t)s->n);
+    s->inverse = take(arena, (size_t)s->n);
+    s->rough = lag_take(arena, (size_t)s->n);
     s->p = lag_take(arena, (size_t)model->n_parameters);
     s->d = lag_take(arena, (size_t)model->n_modes);
 }
@@ -72,6 +74,8 @@ static int factor(LagLinearSystem *s)
         if (!(pivot.hi > 0) || !isfinite(pivot.hi))
             return 0;
     }
+    for (int k = 0; k < s->n; ++k)
+        s->inverse[k] = lag_dd_div(lag_dd(1), s->diagonal[k]);
     return 1;
 }
 
@@ -126,7 +130,7 @@ static void solve(LagLinearSystem *s)
         for (int e = L->start[k]; e < L->start[k + 1]; ++e)
             a[k] = lag_dd_sub(a[k], lag_dd_mul(L->value[e], a[L->column[e]]));
     for (int k = 0; k < s->n; ++k)
-        a[k] = lag_dd_div(a[k], s->diagonal[k]);
+        a[k] = lag_dd_mul(a[k], s->inverse[k]);
     for (int k = s->n - 1; k >= 0; --k)
         for (int e = L->start[k]; e < L->start[k + 1]; ++e)
             a[L->column[e]] = lag_dd_sub(a[L->column[e]], lag_dd_mul(L->value[e], a[k]));
@@ -145,4 +149,38 @@ void lag_linear_system_slope(LagLinearSystem *s, LagDDs x, LagDDs dx)
     }
     for (int i = 0; i < s->n_w; ++i)
         lag_dds_set(dx, 2 * n + (size_t)i, row_times(&s->G, i, lag_dds_from(x, 2 * n)));
+}
+
+static double rough_row_times(const LagSparse *matrix, int row, const double *x)
+{
+    double sum = 0;
+    for (int e = matrix->start[row]; e < matrix->start[row + 1]; ++e)
+        sum += matrix->value[e].hi * x[matrix->column[e]];
+    return sum;
+}
+
+static void solve_roughly(const LagLinearSystem *s, double *a)
+{
+    const LagSparse *L = &s->lower;
+    for (int k = 0; k < s->n; ++k)
+        for (int e = L->start[k]; e < L->start[k + 1]; ++e)
+            a[k] -= L->value[e].hi * a[L->column[e]];
+    for (int k = 0; k < s->n; ++k)
+        a[k] *= s->inverse[k].hi;
+    for (int k = s->n - 1; k >= 0; --k)
+        for (int e = L->start[k]; e < L->start[k + 1]; ++e)
+            a[L->column[e]] -= L->value[e].hi * a[k];
+}
+
+void lag_linear_system_rough_slope(const LagLinearSystem *s, const double *x, double *dx)
+{
+    const size_t n = (size_t)s->n;
+    memcpy(dx, x + n, n * sizeof *x);
+    for (int k = 0; k < s->n; ++k)
+        s->rough[k] = rough_row_times(&s->F, s->order[k], x);
+    solve_roughly(s, s->rough);
+    for (int k = 0; k < s->n; ++k)
+        dx[n + (size_t)s->order[k]] = s->rough[k];
+    for (int i = 0; i < s->n_w; ++i)
+        dx[2 * n + (size_t)i] = rough_row_times(&s->G, i, x + 2 * n);
 }

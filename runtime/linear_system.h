@@ -27,7 +27,9 @@ typedef struct {
     const int *order;
     LagSparse lower, F, G, form[2];
     LagDD *diagonal; /* of M, then of D in M = L D L' */
+    LagDD *inverse;  /* of D */
     LagDD *values, *waves, *work, *right;
+    double *rough; /* n: scratch */
     double *p, *d; /* what the numbers belong to */
     int is_built;
 } LagLinearSystem;
@@ -42,5 +44,8 @@ void lag_linear_system_loads(LagLinearSystem *s, const LagInputs *inputs, double
 
 /* dx = A x */
 void lag_linear_system_slope(LagLinearSystem *s, LagDDs x, LagDDs dx);
+
+/* The same in doubles. */
+void lag_linear_system_rough_slope(const LagLinearSystem *s, const double *x, double *dx);
 
 #endif

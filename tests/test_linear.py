@@ -220,6 +220,40 @@ end D;""")
     assert np.asarray(model.simulate(stop=1e4, solver="linear").energy.dissipated)[-1] == pytest.approx(2.0, rel=1e-12)
 
 
+# ---------------------------------------------------------------- many masses
+
+def row(n: int, mass: tuple[float, float], c: float) -> str:
+    """Springs of 1 N/m between n masses and two walls, with dampers beside them; the mass matrix has three diagonals."""
+    inner, beside = mass
+    lines = [f"model Row\n  parameter Real c = {c};", *(f"  coordinate Real x{i};" for i in range(1, n + 1)), "energy"]
+    for i in range(n + 1):
+        change = f"x{i + 1} - x{i}" if 0 < i < n else "x1" if i == 0 else f"x{n}"
+        lines += [f"  potential ({change})^2/2;", f"  dissipation c*der({change})^2/2;"]
+        if 0 < i < n and beside:
+            lines.append(f"  kinetic {beside}*der(x{i})*der(x{i + 1});")
+    return "\n".join([*lines, *(f"  kinetic {inner}*der(x{i})^2/2;" for i in range(1, n + 1)), "end Row;"])
+
+
+@pytest.mark.parametrize("mass", [(1.0, 0.0), (2 / 3, 1 / 6)], ids=["lumped", "consistent"])
+@pytest.mark.parametrize("c", [0.0, 0.02])
+def test_modes_of_a_long_row(mass: tuple[float, float], c: float, scene: Scene) -> None:
+    """x_j = sin(j a), a = k pi/(n + 1): oscillates with w^2 = 2 (1 - cos a)/(m + 2 m' cos a), damped by c w^2/2."""
+    n, times = 150, [0.3, 1.0, 2.0, 3.0, 250.0]
+    model = scene(row(n, mass, c))
+    for k in (1, 40, 150):
+        a = k * mp.pi / (n + 1)
+        shape = [mp.sin(j * a) for j in range(1, n + 1)]
+        square = 2 * (1 - mp.cos(a)) / (mp.mpf(mass[0]) + 2 * mp.mpf(mass[1]) * mp.cos(a))
+        decay, speed = mp.mpf(c) * square / 2, mp.sqrt(square - (mp.mpf(c) * square / 2) ** 2)
+        found = states(model, times, initial={f"x{j + 1}": float(x) for j, x in enumerate(shape)})
+        for t, there in zip(times, found, strict=True):
+            factor = mp.exp(-decay * t) * (mp.cos(speed * t) + decay / speed * mp.sin(speed * t))
+            exact = np.array([float(factor * x) for x in shape])
+            assert np.abs(there[:n] - exact).max() <= max(bound(float(speed), t), 1e-12), (k, t)
+    run = model.simulate(stop=40, interval=1, solver="linear", initial={"x5": 1.0})
+    assert np.abs(run.energy.residual).max() < 1e-14
+
+
 # ---------------------------------------------------------------- pieces, inputs, portions
 
 PIECES = """model P

@@ -9,7 +9,7 @@ from enum import IntEnum
 
 import casadi as ca
 
-from lagrangia.scalars import apply, apply_to_one
+from lagrangia.scalars import Expression, apply, apply_to_one, as_expression
 
 
 class Degree(IntEnum):
@@ -62,9 +62,11 @@ class _Walk:
         self.least = Degree.MODE if factors_are_loads else Degree.TIME  # of loads in products
 
     def run(self, expressions: ca.SX, arguments: list[ca.SX]) -> Rewritten:
-        function = ca.Function("walk", arguments, [ca.cse(ca.densify(expressions))])
+        is_timed = ca.depends_on(expressions, ca.vertcat(*arguments[1:3]))
+        shared = ca.cse(ca.densify(expressions)) if is_timed else ca.densify(expressions)  # one symbol for equal loads
+        function = ca.Function("walk", arguments, [shared])
         degrees = (Degree.LINEAR, Degree.TIME, Degree.MODE, Degree.PARAMETER)
-        elements = [ca.vertsplit(x) if x.numel() else [] for x in arguments]
+        elements = [_elements(x) for x in arguments]
         work: dict[int, _Node] = {}
         results: list[_Node] = [_Node(Degree.PARAMETER, ca.SX(0))] * expressions.numel()
         for k in range(function.n_instructions()):
@@ -72,7 +74,7 @@ class _Walk:
             if op == ca.OP_INPUT:
                 work[outputs[0]] = _Node(degrees[inputs[0]], elements[inputs[0]][inputs[1]])
             elif op == ca.OP_CONST:
-                work[outputs[0]] = _Node(Degree.PARAMETER, ca.SX(function.instruction_constant(k)))
+                work[outputs[0]] = _Node(Degree.PARAMETER, as_expression(function.instruction_constant(k)))
             elif op == ca.OP_OUTPUT:
                 results[outputs[1]] = work[inputs[0]]
             else:
@@ -130,6 +132,14 @@ class _Walk:
         if high == Degree.QUADRATIC:
             raise NotLinear("its equations multiply more than two of the quantities that move")
         return Degree.QUADRATIC
+
+
+def _elements(vector: ca.SX) -> list[Expression]:
+    """Its scalars, with quick operators and without copies."""
+    found: list[Expression] = ca.vertsplit(vector) if vector.numel() else []
+    for scalar in found:
+        scalar.__class__ = Expression
+    return found
 
 
 def _keeps_degree(op: int, nodes: list[_Node]) -> bool:
