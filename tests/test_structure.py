@@ -84,8 +84,8 @@ ORDER = """
     statics
     model
     bench_problem
-    bench_reference
     bench_peers
+    bench_reference
     bench_heyoka
     bench
     bench_table

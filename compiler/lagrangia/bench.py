@@ -81,7 +81,8 @@ def measure(problem: Problem, reference: Reference, solvers: Sequence[Solver], t
 
 def _measure(prepared: Prepared, repeat: int) -> tuple[object, float]:
     """What the run returned, and the median of its seconds; the first run warms up and does not count, unless it is long."""
-    clock: Callable[[], float] = time.process_time
+    is_fine = time.get_clock_info("process_time").resolution < 1e-6  # not so on Windows
+    clock: Callable[[], float] = time.process_time if is_fine else time.perf_counter
     found: list[float] = []
     total = 0.0
     while len(found) <= repeat and (total < _MOST_SECONDS or not found):
