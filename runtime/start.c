@@ -40,6 +40,8 @@ static void clear(LagRun *run)
     memset(run->motion.y, 0, size);
     memset(run->motion.carry, 0, size);
     lag_scale_reset(&run->scale);
+    run->troubled = run->careful = 0; /* a run does not depend on what this memory was used for before */
+    run->calm_step = 0;
 }
 
 LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)

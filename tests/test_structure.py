@@ -64,6 +64,7 @@ ORDER = """
     assemblies
     freedom
     runtime
+    batch
     interpret
     scene
     instructions
@@ -79,6 +80,16 @@ ORDER = """
     explain
     simulate
     casadi_solvers
+    targets
+    sweep_measures
+    sweep_values
+    sweep_plan
+    sweep_journal
+    sweep_pieces
+    sweep_threads
+    sweep_dask
+    sweep_table
+    sweep
     plot
     trajectory
     statics
@@ -92,6 +103,7 @@ ORDER = """
     bench_plot
     topics
     commands
+    sweep_command
     bench_command
     cli
     __init__

@@ -74,6 +74,12 @@ def _simulate(options: argparse.Namespace) -> int:
     return simulate_command(options)
 
 
+def _sweep(options: argparse.Namespace) -> int:
+    from lagrangia.sweep_command import sweep_command
+
+    return sweep_command(options)
+
+
 def _check(options: argparse.Namespace) -> int:
     from lagrangia.commands import check_command
 
@@ -117,6 +123,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
     commands = parser.add_subparsers(dest="name", required=True, metavar="COMMAND", parser_class=_Parser)
     _add_simulate(_add(commands, "simulate", _simulate, "compute the motion of a scene"))
+    _add_sweep(_add(commands, "sweep", _sweep, "run a scene many times, with other parameters and start values"))
     check = _add(commands, "check", _check, "look for errors without running")
     check.add_argument("files", nargs="+", type=Path, metavar="FILE")
     explain = _add(commands, "explain", _explain, "say what a scene needs of a general simulation, and what it skips")
@@ -186,6 +193,37 @@ def _add_bench(parser: argparse.ArgumentParser) -> None:
     add("--repeat", type=int, default=15, metavar="N", help="runs whose median counts (15)")
     add("-o", "--output", metavar="FILE", help="the points as a table (.csv, .json)")
     add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
+
+
+def _add_sweep(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("file", type=Path, metavar="FILE")
+    add("--model", metavar="NAME", help="the model to run; the last of the file by default")
+    add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUES",
+        help="-p m=1,2,5 -p k1=100:2000:50 (from:to:step) -p 'c=linspace(1,2,11)' -p 'L=normal(1,0.01)'; all combinations")
+    add("--initial", action="append", default=[], metavar="NAME=VALUES", help="start values of a coordinate or rate, likewise")
+    add("--runs", type=Path, metavar="FILE.csv", help="a table of parameters and start values, with a line for each run")
+    add("--together", action="store_true", help="lists side by side instead of all their combinations")
+    add("--samples", type=int, metavar="N", help="how many samples of the random values are taken")
+    add("--sampling", default="random", metavar="WAY", help="random, or lhs: a Latin hypercube")
+    add("--seed", type=int, default=0, metavar="N", help="of the random values; the same seed gives the same values")
+    add("--outputs", metavar="MEASURE,...",
+        help="what is kept of each run: max(y), at(0.5, y), 'first_time(y > 3)', ... (lag help sweep); by default final values")
+    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv", help="an input, the same in all runs")
+    add("--start", type=float, metavar="T", help="start time in s")
+    add("--stop", type=float, metavar="T", help="stop time in s")
+    add("--tolerance", type=float, metavar="TOL", help="error allowed, relative to the size of each coordinate (1e-8)")
+    add("--interval", type=float, metavar="DT", help="how closely the motion is looked at, at least")
+    add("--solver", default="auto", metavar="NAME", help="as of lag simulate, but for those of CasADi")
+    add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")
+    add("--max-steps", type=int, default=0, metavar="N", help="a run fails after so many steps")
+    add("--seconds-per-run", type=float, default=0.0, metavar="S", help="a run fails after so much time")
+    add("--jobs", type=int, metavar="N", help="threads; as many as there are cores by default")
+    add("--dask", metavar="ADDRESS", help="run on the cluster of this Dask scheduler: tcp://host:8786")
+    add("-o", "--output", metavar="FILE", help="the table (.csv, .parquet; - for standard output); by default NAME_sweep.csv")
+    add("--restart", action="store_true", help="begin anew, whatever an interrupted sweep has left in FILE.part")
+    add("--dry-run", action="store_true", help="only say which runs there would be")
+    add("--quiet", action="store_true", help="say nothing but errors")
 
 
 if __name__ == "__main__":

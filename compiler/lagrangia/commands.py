@@ -96,7 +96,7 @@ def simulate_command(options: Namespace) -> int:
     units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
     units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
     initial = values_with_units([assignment(text, "--initial") for text in options.initial], units)
-    values = check_values(scene, parameters, initial, _inputs(options.input, scene))
+    values = check_values(scene, parameters, initial, read_inputs(options.input, scene))
     model = model.suited(values)
     compiled = time.perf_counter() - begin
     return _run(options, model, experiment, values, compiled)
@@ -107,15 +107,15 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
     names = {name for name, _ in given}
     structural = {}
     if names:
-        known = _structural_names(options)
+        known = _structural_names(options, outputs)
         structural = {name: _structural(value) for name, value in given if name in known}
     return Model(options.file, options.model, structural, outputs)
 
 
-def _structural_names(options: Namespace) -> set[str]:
+def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:
     from lagrangia.cache import find_scene
 
-    found = find_scene(options.file, options.model, {}, _names(getattr(options, "outputs", None)))
+    found = find_scene(options.file, options.model, {}, outputs)
     if found is not None:
         return set(found.structural)
     from lagrangia.pipeline import flatten_file
@@ -299,6 +299,7 @@ def _names(text: str | None) -> tuple[str, ...]:
 
 
 def assignment(text: str, option: str) -> tuple[str, str]:
+    """`NAME=VALUE`. Raises LagError L0706."""
     name, equals, value = text.partition("=")
     if not equals or not name.strip() or not value.strip():
         fail("L0706", f"'{text}' after {option} is not of the form NAME=VALUE")
@@ -329,7 +330,7 @@ def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> di
     return found
 
 
-def _inputs(given: list[str], scene: Any) -> Any:
+def read_inputs(given: list[str], scene: Any) -> Any:
     """Constants by name, or one table from a CSV file with a column `time`."""
     files = [text for text in given if "=" not in text or Path(text).suffix == ".csv"]
     units = {p.name: p.unit for p in scene.inputs}
@@ -365,6 +366,6 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
 
 
 __all__ = [
-    "assignment", "check_command", "explain_command", "load_model", "number", "read_table", "simulate_command",
+    "assignment", "check_command", "explain_command", "load_model", "number", "read_inputs", "read_table", "simulate_command",
     "values_with_units",
 ]

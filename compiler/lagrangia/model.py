@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from lagrangia.pipeline import Compilation
+    from lagrangia.sweep_table import Sweep
 
 
 def load(path: str | os.PathLike[str], *, model: str | None = None, **structural: Any) -> "Model":
@@ -123,6 +124,41 @@ class Model:
         if self._robust is None:
             self._robust = Model(self.path, self.model, self.structural, self.outputs, for_any_mass=True)
         return self._robust
+
+    def simulate_many(
+        self, *, parameters: Mapping[str, Any] | None = None, initial: Mapping[str, Any] | None = None,
+        outputs: Sequence[str] = (), runs: str | os.PathLike[str] | None = None, samples: int | None = None, seed: int = 0,
+        sampling: str = "random", together: bool = False, stop: float | None = None, start: float | None = None,
+        tolerance: float | None = None, interval: float | None = None, inputs: Any = None, solver: str = "auto",
+        max_step: float = 0.0, max_steps: int = 0, seconds_per_run: float = 0.0, jobs: int | None = None, dask: str | None = None,
+        path: str | os.PathLike[str] | None = None, restart: bool = False,
+    ) -> "Sweep":
+        """Many runs on all cores, or on a Dask cluster: all combinations of the values given, nothing compiled again.
+
+        Values are numbers, sequences, or text: "100:2000:50" (from:to:step), "linspace(0, 1, 11)", "normal(100, 5)", which takes
+        `samples`. `runs` is a CSV file with a line for each run; `together` takes sequences side by side. `outputs` are
+        measures: "max(y)", "at(0.5, y)", "first_time(abs(y) > 3)", ...; final values by default (`lag help sweep`). The motion
+        is looked at every `interval` (s) at least. A run that fails is told in `.failures`, and no error. With a `path` (.csv,
+        .parquet) the table is written there, and a sweep that was killed goes on from `path`.part. Raises LagError.
+        """
+        from lagrangia.sweep import run_into
+        from lagrangia.sweep_measures import quantities, read_measure, usual_measures
+        from lagrangia.sweep_plan import Request, build_job
+
+        measures = [read_measure(text) for text in outputs]
+        model = self._with_outputs(quantities(measures))
+        experiment = plan(self.scene, stop=stop, start=start, tolerance=tolerance, interval=interval, max_step=max_step,
+                          max_steps=max_steps, solver=solver)
+        request = Request(parameters or {}, initial or {}, None if runs is None else Path(runs), samples, seed, sampling,
+                          together, inputs, interval, seconds_per_run)
+        job = build_job(model.scene, measures or usual_measures(model.scene), experiment, request)
+        return run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
+
+    def _with_outputs(self, names: Sequence[str]) -> "Model":
+        """This model, or one that reports these names too."""
+        known = {column.name for column in self.scene.outputs}
+        missing = [name for name in names if name not in known and self.scene.slot(name) is None]
+        return Model(self.path, self.model, self.structural, (*self.outputs, *missing)) if missing else self
 
     def start(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""

@@ -374,6 +374,11 @@ class Run:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
+    @property
+    def handle(self) -> int | None:
+        """The LagRun itself, for those who drive it in C."""
+        return self._run
+
     def close(self) -> None:
         self._library.lag_run_free(self._run)
         self._run = None

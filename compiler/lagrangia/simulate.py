@@ -320,6 +320,8 @@ def _fail_start(scene: Scene, failure: Failure) -> None:
 
 def explain(scene: Scene, failure: Failure) -> str:
     """When, where and what to try."""
+    if failure.status is Status.INITIAL_FAILED:
+        return f"the initial equations cannot all hold: one misses by {failure.value:.3g}"
     column = (scene.rates if failure.rate else scene.coordinates)[failure.index] if 0 <= failure.index < scene.n else None
     where = f" ({column.name})" if column else ""
     if failure.status is Status.NOT_FINITE:

@@ -118,6 +118,36 @@ starts anew. Nobody but us keeps closed loops closed: their errors show it. A so
 pip install "lagrangia[bench]" brings all. The last table compares the fastest of ours with the fastest other at each error.
 """
 
+_SWEEP = """\
+lag sweep scene.lag -p k1=100:2000:50 -p m=1,2,5 --initial hinge.phi=10[deg],20[deg] --outputs "max(y), first_time(y > 3)"
+
+runs all combinations of the values, the last one changing fastest, on all cores, and compiles once. Values:
+1,2,5                      a list; vectors too: world.gravity={0,-9.81},{0,-1.62}
+100:2000:50                from:to:step;  linspace(0, 1, 11) and geomspace(1, 1e6, 7) give a number of values
+normal(mean, deviation)    random, with --samples N and --seed; also uniform(low, high), triangular(low, mode, high),
+                           lognormal(median, deviation of the logarithm), loguniform(low, high)
+--sampling lhs             a Latin hypercube
+--runs FILE.csv            a line of names and a line for each run; --together takes lists side by side
+Several of these together: all combinations, the samples last. Each number may carry a unit, or none of a list.
+
+Measures of a quantity y (a coordinate, der(coordinate), an output, a place such as bar.b.y, energy.kinetic, energy.potential,
+energy.dissipated, or abs(...) of one):
+final(y) initial(y) at(0.5, y)                at the end (also y alone), the start, a time
+min(y) max(y) range(y) time_of_min(y) time_of_max(y)
+mean(y) rms(y)                                over the time of the run
+first_time(y > 3) last_time(abs(y) < 0.01)    empty when there is no such time
+They are those of the motion between rows: extremes and crossings are found on the integrator's dense output. What oscillates
+faster than the motion itself needs --interval, which says how closely to look at least. A run ends when all its measures are
+known.
+
+A run that fails is a row with the reason in its last column, and what was known before. Limits: --max-steps, --seconds-per-run.
+While a sweep is under way its results are in FILE.part. If it is interrupted or killed, the same command goes on from there;
+another sweep never does (--restart gives the old one up). The table is CSV, or Parquet for -o FILE.parquet (pyarrow).
+
+--dask tcp://host:8786 runs it on the workers of a Dask scheduler (pip install "lagrangia[dask]", there and here). The scene is
+sent as data and built in each worker's cache; a worker that dies costs no run. In Python: model.simulate_many.
+"""
+
 _ERRORS = """\
 error[L0203]: Spring has no parameter 'd', with file, line and caret, what was expected and what to do. Codes by phase:
 L00xx files and command line   L01xx syntax   L02xx names, modifications, arrays   L03xx units and dimensions
@@ -132,6 +162,8 @@ model = lag.load("chain.lag", n=20)                    # structural parameters a
 run = model.simulate(stop=5, tolerance=1e-10, parameters={"link[1].m": 2.0}, initial={"hinge[1].phi": 1.2})
 run.time, run["hinge[1].phi"], run["link[3].b.y"]      # NumPy arrays: coordinates, rates, or any quantity of the scene
 run.energy.total, run.energy.residual, run.statistics
+many = model.simulate_many(parameters={"link[1].m": [1, 2, 5]}, outputs=["max(hinge[1].phi)"])   # lag help sweep
+many["link[1].m"], many["max(hinge[1].phi)"], many.failures; many.to_pandas(); many.to_parquet("x.parquet")
 run.plot("hinge[1].phi", path="chain.png"); run.to_pandas(); run.to_csv("x.csv")
 model.functions()                                      # CasADi: M, h, rhs, energies, outputs, jacobian of t, q, v, u, p
 model.parameter_names, model.parameter_values()
@@ -157,6 +189,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "functions": ("mathematical functions, sources in time, your own functions", lambda: _FUNCTIONS),
     "units": ("units and dimensions", lambda: _UNITS),
     "solver": ("how a scene is run, tolerance, cache, environment", lambda: _SOLVER),
+    "sweep": ("many runs: values, measures, failures, going on, clusters", lambda: _SWEEP),
     "python": ("the Python interface", lambda: _PYTHON),
     "bench": ("run time against error: what is measured, and how", lambda: _BENCH),
     "errors": ("diagnostics and exit codes", lambda: _ERRORS),

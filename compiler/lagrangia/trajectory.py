@@ -1,15 +1,14 @@
 """Rows of results -> Trajectory: NumPy columns by name, tables and pictures."""
 
-import errno
 import os
-import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
 from lagrangia.diagnostics import fail, suggest
 from lagrangia.scene import Column, Scene
+from lagrangia.targets import Target, quoted
 
 if TYPE_CHECKING:
     import numpy as np
@@ -111,72 +110,19 @@ def columns(scene: Scene) -> tuple[Column, ...]:
     return (Column("time", "s", "", ""), *scene.coordinates, *scene.rates, *scene.outputs)
 
 
-class CsvWriter:
-    """Writes rows as they come, to a file beside the target that takes its name when all is well.
-
-    So a run that is killed leaves an older result as it was. A link is followed; what is no file (a device, a named pipe) is
-    written to directly, for a file must not take its place. Raises LagError L0004 when the place cannot be written.
-    """
+class CsvWriter(Target):
+    """Writes rows as they come. Raises LagError L0004 when the place cannot be written."""
 
     def __init__(self, path: Path, scene: Scene) -> None:
-        self.path, self.scene = path, scene
-        self.target = path.resolve()
-        self.temporary: Path | None = None
         self.shown = len(columns(scene))
         self.width = self.shown + len(_ENERGIES)
-        try:
-            self.stream = self._open()
-        except OSError as error:
-            fail("L0004", f"'{path}' cannot be written: {error.strerror}")
-        self._write(",".join(_quoted(column.name) for column in columns(scene)) + "\n")
-
-    def _open(self) -> TextIO:
-        if self.target.is_dir():
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-        if self.target.exists() and not self.target.is_file():
-            return self.target.open("w", encoding="utf-8", newline="")
-        handle, name = tempfile.mkstemp(prefix=f".{self.target.name[:100]}.", suffix=".part", dir=self.target.parent)
-        self.temporary = Path(name)
-        return os.fdopen(handle, "w", encoding="utf-8", newline="")
-
-    def _write(self, text: str) -> None:
-        """Raises OSError with the name people know: a full disk is no fault of the input."""
-        try:
-            self.stream.write(text)
-        except OSError as error:
-            raise OSError(error.errno, error.strerror, str(self.path)) from None
+        super().__init__(path)
+        self.put(",".join(quoted(column.name) for column in columns(scene)) + "\n")
 
     def write(self, values: Sequence[float]) -> None:
         width, shown = self.width, self.shown
         lines = [",".join(map(repr, values[k : k + shown])) for k in range(0, len(values), width)]
-        self._write("\n".join(lines) + "\n")
-
-    def __enter__(self) -> "CsvWriter":
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
-        try:
-            self.stream.close()
-            if kind is None and self.temporary is not None:
-                _keep_mode(self.target, self.temporary)
-                os.replace(self.temporary, self.target)
-        except OSError as error:
-            if kind is None:
-                raise OSError(error.errno, error.strerror, str(self.path)) from None
-        finally:
-            if self.temporary is not None:
-                self.temporary.unlink(missing_ok=True)
-
-
-def _keep_mode(path: Path, temporary: Path) -> None:
-    """The permissions a newly made file would have, or those of the file that is replaced."""
-    mask = os.umask(0)
-    os.umask(mask)
-    temporary.chmod(path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~mask)
-
-
-def _quoted(name: str) -> str:
-    return f'"{name}"' if "," in name or '"' in name else name
+        self.put("\n".join(lines) + "\n")
 
 
 def collect(scene: Scene, portions: Iterable[Sequence[float]]) -> "np.ndarray":

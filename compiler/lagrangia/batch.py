@@ -1,0 +1,154 @@
+"""Many runs of one model in C, seen from Python: runtime/batch.h and reduce.h field by field.
+
+While a batch advances the interpreter is free (ctypes lets go of its lock), so that one thread a core is enough.
+"""
+
+import ctypes as c
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+from lagrangia.runtime import Model, Run, Runtime, Settings
+
+if TYPE_CHECKING:
+    import numpy as np
+
+_DOUBLES = c.POINTER(c.c_double)
+_INTS = c.POINTER(c.c_int)
+
+
+class Kind(IntEnum):
+    """LAG_REDUCE_... of reduce.h."""
+
+    AT = 0
+    MIN = 1
+    MAX = 2
+    TIME_OF_MIN = 3
+    TIME_OF_MAX = 4
+    RANGE = 5
+    MEAN = 6
+    RMS = 7
+    FIRST_ABOVE = 8
+    FIRST_BELOW = 9
+    LAST_ABOVE = 10
+    LAST_BELOW = 11
+
+
+class Ending(IntEnum):
+    """LAG_RUN_... of batch.h; NOT_RUN stands for a run that has had no turn yet."""
+
+    NOT_RUN = -1
+    DONE = 0
+    FAILED = 1
+    PARAMETER = 2
+    OVERTIME = 3
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """One number of a motion: what of which column of a row, its absolute value or not; `value` is a time or a level.
+
+    `rate` is the column of its rate, where there is one: then most steps need no closer look.
+    """
+
+    kind: Kind
+    column: int
+    absolute: bool = False
+    value: float = 0.0
+    rate: int = -1
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What a batch does; see LagSweep."""
+
+    settings: Settings
+    window: float  # s
+    seconds: float  # s of wall time a run may take, 0: no limit
+    reductions: Sequence[Reduction]
+    varied: Sequence[int]  # parameter k, or n_parameters + k for (q, v)[k]
+    given: Sequence[float]
+    mask: Sequence[float]
+    start: Sequence[float]
+    least: Sequence[float]
+    most: Sequence[float]
+    input_times: Sequence[float] = ()
+    input_values: Sequence[float] = ()
+
+
+class _Reduction(c.Structure):
+    _fields_ = (("kind", c.c_int32), ("column", c.c_int32), ("rate", c.c_int32), ("absolute", c.c_int32), ("value", c.c_double))
+
+
+class _Sweep(c.Structure):
+    _fields_ = (
+        ("t_start", c.c_double), ("t_stop", c.c_double), ("window", c.c_double), ("seconds", c.c_double),
+        ("n_reductions", c.c_int), ("reductions", c.POINTER(_Reduction)),
+        ("n_varied", c.c_int), ("varied", _INTS),
+        ("given", _DOUBLES), ("mask", _DOUBLES), ("start", _DOUBLES), ("least", _DOUBLES), ("most", _DOUBLES),
+    )  # fmt: skip
+
+
+# LagOutcome as a NumPy type: one record a run, in memory, on disk and between machines.
+OUTCOME = [
+    ("kind", "<i4"), ("padding", "<i4"), ("status", "<i4"), ("index", "<i4"), ("rate", "<i4"), ("padding2", "<i4"),
+    ("time", "<f8"), ("value", "<f8"), ("steps", "<i8"), ("energy", "<f8"),
+]  # fmt: skip
+
+
+class Batch:
+    """A run that is driven again and again; use it in a `with` statement, in one thread at a time."""
+
+    def __init__(self, runtime: Runtime, model: Model, sweep: Sweep) -> None:
+        self._library = runtime.library
+        self._declare()
+        self.n_reductions, self.n_varied = len(sweep.reductions), len(sweep.varied)
+        self._run = Run(runtime, model, sweep.settings)
+        if sweep.input_values:
+            self._run.set_inputs(sweep.input_times, sweep.input_values)
+        reductions = (_Reduction * self.n_reductions)(
+            *(_Reduction(int(r.kind), r.column, r.rate, int(r.absolute), r.value) for r in sweep.reductions))
+        vectors = ((c.c_double * len(v))(*v) for v in (sweep.given, sweep.mask, sweep.start, sweep.least, sweep.most))
+        struct = _Sweep(sweep.settings.t_start, sweep.settings.t_stop, sweep.window or math.inf, sweep.seconds,
+                        self.n_reductions, reductions, self.n_varied, (c.c_int * self.n_varied)(*sweep.varied), *vectors)
+        self._batch: int | None = self._library.lag_batch_new(c.byref(model.struct), self._run.handle, c.byref(struct))
+        if not self._batch:
+            self._run.close()
+            raise MemoryError("no memory for a run of this model")
+
+    def _declare(self) -> None:
+        library = self._library
+        library.lag_batch_new.restype, library.lag_batch_new.argtypes = c.c_void_p, (c.c_void_p, c.c_void_p, c.POINTER(_Sweep))
+        library.lag_batch_free.restype, library.lag_batch_free.argtypes = None, (c.c_void_p,)
+        library.lag_batch_advance.restype = c.c_int64
+        library.lag_batch_advance.argtypes = (c.c_void_p, c.c_int64, c.c_void_p, c.c_void_p, c.c_void_p, c.POINTER(c.c_int32))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._library.lag_batch_free(self._batch)
+        self._batch = None
+        self._run.close()
+
+    def advance(self, values: "np.ndarray", stop: Any = None) -> "tuple[np.ndarray, np.ndarray]":
+        """values (runs, n_varied) -> results (done, n_reductions) and outcomes (done,).
+
+        All are done unless `stop` (a ctypes c_int32) is set to 1 by another thread meanwhile.
+        """
+        import numpy as np
+
+        values = np.ascontiguousarray(values, dtype=np.float64)
+        runs = len(values)
+        if values.shape != (runs, self.n_varied):
+            raise ValueError(f"values of the shape {(runs, self.n_varied)} are needed, not {values.shape}")
+        results, outcomes = np.empty((runs, self.n_reductions)), np.zeros(runs, dtype=OUTCOME)
+        done = self._library.lag_batch_advance(self._batch, runs, values.ctypes.data, results.ctypes.data, outcomes.ctypes.data,
+                                               c.byref(stop if stop is not None else c.c_int32(0)))
+        return results[:done], outcomes[:done]

@@ -1,0 +1,55 @@
+"""A job -> its table, here on all cores or on a cluster; in memory, or with a journal from which a killed sweep goes on."""
+
+import os
+import time
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Protocol
+
+from lagrangia.diagnostics import fail
+from lagrangia.simulate import Engine
+from lagrangia.sweep_journal import Journal, Ledger
+from lagrangia.sweep_pieces import Watch
+from lagrangia.sweep_plan import Job
+from lagrangia.sweep_table import Sweep
+from lagrangia.sweep_threads import cores, run_on_threads
+
+
+class Loaded(Protocol):
+    """A model, of which only the native code is wanted, and only where it is used."""
+
+    @property
+    def engine(self) -> Engine | None: ...
+
+
+def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None, dask: str | None = None,
+            watch: Watch | None = None) -> Sweep:
+    """What the ledger misses, on so many threads (all cores), or on the cluster of a Dask scheduler.
+
+    KeyboardInterrupt ends it, and marks the table as interrupted. Raises LagError L0712, L0716, L0901.
+    """
+    if jobs is not None and jobs < 1:
+        fail("L0712", f"the number of jobs must be positive, not {jobs}")
+    if dask is not None:
+        from lagrangia.sweep_dask import run_on_dask
+
+        begin = time.perf_counter()
+        is_whole = run_on_dask(job, dask, ledger, watch)
+    else:
+        engine = model.engine
+        if engine is None:
+            fail("L0901", "not supported yet: many runs without a C compiler", None, "pip install ziglang brings one")
+        begin = time.perf_counter()
+        is_whole = run_on_threads(job, engine, ledger, jobs or cores(), watch)
+    return Sweep(job, ledger, time.perf_counter() - begin, not is_whole)
+
+
+def run_into(job: Job, model: Loaded, path: str | os.PathLike[str] | None, *, restart: bool = False, jobs: int | None = None,
+             dask: str | None = None) -> Sweep:
+    """Like `run_job`, and writes the table to the path, if there is one; `path`.part is the journal meanwhile."""
+    with Journal(job, Path(f"{os.fspath(path)}.part"), restart) if path is not None else nullcontext(Ledger(job)) as ledger:
+        sweep = run_job(job, model, ledger, jobs=jobs, dask=dask)
+        if path is not None and not sweep.interrupted and isinstance(ledger, Journal):
+            sweep.write(path)
+            ledger.remove()
+        return sweep

@@ -1,0 +1,173 @@
+"""`lag sweep`: many runs of one scene."""
+
+import sys
+import time
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+from lagrangia.commands import assignment, load_model, read_inputs
+from lagrangia.diagnostics import fail
+from lagrangia.model import Model
+from lagrangia.simulate import plan
+from lagrangia.sweep import run_job
+from lagrangia.sweep_journal import Journal, Ledger
+from lagrangia.sweep_measures import Measure, quantities, read_measure, split_list, usual_measures
+from lagrangia.sweep_plan import Job, Request, build_job
+from lagrangia.sweep_table import Sweep, is_parquet, require_parquet
+from lagrangia.targets import Target
+
+_BAR_AFTER = 2.0  # seconds
+_MOST_SHOWN = 12  # measures in the summary
+_DRY_ROWS = 10
+
+
+def sweep_command(options: Namespace) -> int:
+    """0 when at least one run went well; runs that fail are rows of the table."""
+    if is_parquet(options.output or ""):
+        require_parquet()
+    model, job = _prepare(options)
+    if options.dry_run:
+        return _show(job)
+    target = options.output or f"{options.file.stem}_sweep.csv"
+    if target == "-" or (Path(target).exists() and not Path(target).is_file()):
+        return _finish(options, _run(options, model, job, Ledger(job)), target, None)
+    if not Path(target).exists():
+        Target(Path(target)).abandon()  # better told now than after the runs
+    with Journal(job, Path(f"{target}.part"), options.restart) as journal:
+        if journal.found and not options.quiet:
+            print(f"goes on with {target}.part: {journal.found} of {job.runs} runs are done", file=sys.stderr)
+        return _finish(options, _run(options, model, job, journal), target, journal)
+
+
+def _prepare(options: Namespace) -> tuple[Model, Job]:
+    measures = [read_measure(text) for text in split_list(options.outputs or "")]
+    given = _assignments(options.parameter, "-p")
+    single = [(name, text) for name, text in given.items() if not any(c in text for c in ",:(") or "{" in text]
+    model = load_model(options, single, quantities(measures))
+    scene = model.scene
+    experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
+                      max_step=options.max_step, max_steps=options.max_steps, solver=options.solver)
+    if not (options.seconds_per_run >= 0):
+        fail("L0702", f"the seconds per run must be a positive number, not {options.seconds_per_run}")
+    varied = {name: text for name, text in given.items() if name not in model.structural}
+    request = Request(varied, _assignments(options.initial, "--initial"), options.runs, options.samples, options.seed,
+                      options.sampling, options.together, read_inputs(options.input, scene), options.interval,
+                      options.seconds_per_run)
+    return model, build_job(scene, measures or usual_measures(scene), experiment, request)
+
+
+def _assignments(texts: list[str], option: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for name, value in (assignment(text, option) for text in texts):
+        if name in found:
+            fail("L0712", f"'{name}' is given twice")
+        found[name] = value
+    return found
+
+
+def _run(options: Namespace, model: Model, job: Job, ledger: Ledger) -> Sweep:
+    bar = _Bar(ledger, job.runs, sys.stderr)
+    try:
+        return run_job(job, model, ledger, jobs=options.jobs, dask=options.dask, watch=bar)
+    finally:
+        bar.close()
+
+
+def _finish(options: Namespace, sweep: Sweep, target: str, journal: Journal | None) -> int:
+    entered = sweep.ledger.entered
+    if sweep.interrupted:
+        how = f"kept in {journal.path}; the same command goes on with them" if journal is not None else "lost"
+        print(f"interrupted: {entered} of {sweep.runs} runs are done, and {how}", file=sys.stderr)
+        return 1
+    if target == "-":
+        for text in sweep.lines():
+            sys.stdout.write(text)
+    else:
+        sweep.write(target)
+    if journal is not None:
+        journal.remove()
+    if not options.quiet:
+        _summarise(sweep, target, entered - (journal.found if journal is not None else 0))
+    if not sweep.ok.any():
+        print("error: no run went well" + "".join(f"\n   = {count} runs: {what}" for what, count in sweep.common_failures()),
+              file=sys.stderr)
+        return 1
+    return 0
+
+
+# -------------------------------------------------------------------- what is said
+
+
+def _show(job: Job) -> int:
+    """The runs there would be, without running any."""
+    names = job.variations.names
+    print(f"{job.scene.name}: {job.runs} runs; measures {', '.join(measure.text for measure in job.measures)}")
+    print(",".join(("run", *names)))
+    for k, row in enumerate(job.variations.values(0, min(job.runs, _DRY_ROWS)).tolist()):
+        print(",".join((str(k), *map(repr, row))))
+    if job.runs > _DRY_ROWS:
+        print("...")
+    return 0
+
+
+def _summarise(sweep: Sweep, target: str, now: int) -> None:
+    out = sys.stdout if target != "-" else sys.stderr
+
+    def say(text: str) -> None:
+        print(text, file=out)
+
+    failed = sweep.runs - int(sweep.ok.sum())
+    rate = f" ({now / sweep.seconds:.0f} runs a second)" if now and sweep.seconds > 0 else ""
+    say(f"{sweep.job.scene.name}: {sweep.runs} runs, {failed} failed, in {sweep.seconds:.3g} s{rate}")
+    for what, count in sweep.common_failures() if failed else []:
+        say(f"  {count} failed: {what}")
+    for measure in sweep.job.measures[:_MOST_SHOWN]:
+        say(f"  {measure.text}: {_spread(sweep, measure)}")
+    steps = sweep.ledger.outcomes["steps"].sum()
+    energy = float(sweep.ledger.outcomes["energy"][sweep.ok].max(initial=0.0))
+    say(f"  {steps} steps; the energy accounts close to {energy:.1e} of the largest energy")
+    say(f"  {sweep.runs} rows in {target}")
+
+
+def _spread(sweep: Sweep, measure: Measure) -> str:
+    """Least and largest value, and the runs they come from."""
+    import numpy as np
+
+    values = sweep[measure.text]
+    if not np.isfinite(values).any():
+        return "none"
+    units = sweep.units()
+    unit = units[len(sweep.job.variations.names) + sweep.job.measures.index(measure)]
+    ends = []
+    for k in (int(np.nanargmin(values)), int(np.nanargmax(values))):
+        row = sweep.job.variations.values(k, k + 1)[0].tolist()
+        varied = [f"{name} = {x:.6g}" for name, x in zip(sweep.job.variations.names[:3], row, strict=False)]
+        ends.append(f"{values[k]:.6g}{f' {unit}' if unit else ''} (run {k}{': ' if varied else ''}{', '.join(varied)})")
+    return f"{ends[0]} to {ends[1]}"
+
+
+class _Bar:
+    """A progress bar with the time left, on sweeps over two seconds, where somebody watches."""
+
+    def __init__(self, ledger: Ledger, runs: int, stream: Any) -> None:
+        self.runs, self.stream = runs, stream
+        self.before, self.begin = ledger.entered, time.perf_counter()
+        self.is_shown = False
+
+    def __call__(self, ledger: Ledger) -> None:
+        elapsed, now = time.perf_counter() - self.begin, ledger.entered - self.before
+        if elapsed < _BAR_AFTER or not self.stream.isatty() or not now:
+            return
+        done = ledger.entered / self.runs
+        filled, left = int(30 * done), elapsed * (self.runs - ledger.entered) / now
+        self.stream.write(f"\r[{'#' * filled}{'.' * (30 - filled)}] {100 * done:5.1f} %  {ledger.entered} of {self.runs} runs  "
+                          f"{left:.0f} s left   ")
+        self.stream.flush()
+        self.is_shown = True
+
+    def close(self) -> None:
+        if self.is_shown:
+            self.stream.write("\r" + " " * 90 + "\r")
+
+

@@ -1,0 +1,174 @@
+"""A job -> its results on a Dask cluster: pieces are tasks, and each worker builds or finds the scene's library in its own cache.
+
+A task gets the scene as JSON and the values of its runs; it answers with bytes. A worker that dies takes its pieces with it, and
+Dask gives them to another one; the JSON is itself a task's result, so that it can be had again as well.
+"""
+
+import hashlib
+import json
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from functools import lru_cache
+from typing import Any
+
+from lagrangia.batch import OUTCOME, Batch, Reduction, Sweep
+from lagrangia.diagnostics import RunError, fail
+from lagrangia.folders import data_folder
+from lagrangia.runtime import Settings
+from lagrangia.scene import from_json, to_json
+from lagrangia.simulate import Engine, load_engine
+from lagrangia.sweep_journal import Ledger
+from lagrangia.sweep_pieces import Pace, Pieces, Watch
+from lagrangia.sweep_plan import Job
+
+_PIECE = 1.0  # s: a task costs the scheduler about a millisecond
+_TIMEOUT = 15  # s, to reach the scheduler and the first worker
+_AHEAD = 2  # tasks for each thread of the cluster
+_RETRIES = 2
+
+_loading = threading.Lock()
+
+
+# -------------------------------------------------------------------- in the worker
+
+
+def run_there(text: str, runs: int, values: bytes) -> tuple[bytes, bytes, float]:
+    """Results and outcomes of the runs with these values, and the seconds they took."""
+    import numpy as np
+
+    engine, sweep = _loaded(text)
+    begin = time.perf_counter()
+    with Batch(engine.runtime, engine.model, sweep) as batch:
+        results, outcomes = batch.advance(np.frombuffer(values, dtype="<f8").reshape(runs, len(sweep.varied)))
+    return results.astype("<f8").tobytes(), outcomes.tobytes(), time.perf_counter() - begin
+
+
+def _loaded(text: str) -> tuple[Engine, Sweep]:
+    with _loading:  # the threads of a worker share what one of them has built
+        return _load(text)
+
+
+@lru_cache(maxsize=8)
+def _load(text: str) -> tuple[Engine, Sweep]:
+    plain = json.loads(text)
+    if plain["runtime"] != _runtime_digest():
+        raise RuntimeError("the worker has another version of lagrangia")
+    engine = load_engine(from_json(plain["scene"]))
+    if engine is None:
+        raise RuntimeError("the worker has no C compiler (pip install ziglang brings one)")
+    given = plain["sweep"]
+    given["settings"] = Settings(**given["settings"])
+    given["reductions"] = [Reduction(**reduction) for reduction in given["reductions"]]
+    return engine, Sweep(**given)
+
+
+def _runtime_digest() -> str:
+    """Of the sources of the run time: the same numbers come from the same sources only."""
+    hashed = hashlib.sha256()
+    for file in sorted(data_folder("runtime").glob("*.[ch]")):
+        hashed.update(file.name.encode() + file.read_bytes())
+    return hashed.hexdigest()
+
+
+# -------------------------------------------------------------------- here
+
+
+def pack(job: Job) -> str:
+    """What `run_there` needs of a job."""
+    return json.dumps({"runtime": _runtime_digest(), "scene": to_json(job.scene), "sweep": asdict(job.sweep)})
+
+
+def run_on_dask(job: Job, address: str, ledger: Ledger, watch: Watch | None = None) -> bool:
+    """Runs what the ledger misses on the cluster of the scheduler at this address. False when the keyboard interrupted it.
+
+    Raises LagError L0716 when there is no such cluster, RunError when the workers cannot do it; the ledger keeps what was done.
+    """
+    with _connected(address) as client:
+        tasks = _Tasks(job, client, ledger)
+        try:
+            while tasks.submit():
+                tasks.collect()
+                if watch is not None:
+                    watch(ledger)
+        except KeyboardInterrupt:
+            return False
+        finally:
+            tasks.cancel()
+    return True
+
+
+@contextmanager
+def _connected(address: str) -> "Iterator[Any]":
+    try:
+        from distributed import Client
+    except ImportError:
+        fail("L0716", "--dask needs Dask, which is not installed", None, "pip install dask distributed")
+    try:
+        client = Client(address, timeout=_TIMEOUT, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        fail("L0716", f"there is no Dask scheduler at '{address}': {str(error) or type(error).__name__}", None,
+             "`dask scheduler` starts one, and says its address: tcp://host:8786")
+    with client, client.as_current():  # `wait` looks for the current one
+        try:
+            client.wait_for_workers(1, timeout=_TIMEOUT)
+        except TimeoutError:
+            fail("L0716", f"the Dask scheduler at '{address}' has no workers", None, f"`dask worker {address}` starts one")
+        yield client
+
+
+class _Tasks:
+    """The pieces that are on their way."""
+
+    def __init__(self, job: Job, client: Any, ledger: Ledger) -> None:
+        self.job, self.client, self.ledger = job, client, ledger
+        self.text = client.submit(str, pack(job), pure=False)
+        self.pace = Pace(_PIECE)
+        self.pieces = Pieces(ledger.missing(), self._threads())
+        self.flying: dict[Any, tuple[int, int]] = {}
+
+    def _threads(self) -> int:
+        threads: int = sum(self.client.nthreads().values())
+        return max(1, threads)
+
+    def submit(self) -> bool:
+        """Keeps the cluster busy. False when nothing is left to wait for."""
+        while len(self.flying) < _AHEAD * self._threads():
+            piece = self.pieces.take(self.pace.count)
+            if piece is None:
+                break
+            values = self.job.variations.values(*piece).astype("<f8")
+            future = self.client.submit(run_there, self.text, len(values), values.tobytes(), pure=False, retries=_RETRIES)
+            self.flying[future] = piece
+        return bool(self.flying)
+
+    def collect(self) -> None:
+        """Enters what has arrived, after at most a second."""
+        import numpy as np
+        from distributed import wait
+
+        try:
+            wait(list(self.flying), timeout=1, return_when="FIRST_COMPLETED")
+        except TimeoutError:
+            return
+        for future in [future for future in self.flying if future.done()]:
+            first, last = self.flying.pop(future)
+            results, outcomes, seconds = self._result(future)
+            self.ledger.enter(first, np.frombuffer(results, dtype="<f8").reshape(last - first, len(self.job.measures)),
+                              np.frombuffer(outcomes, dtype=OUTCOME))
+            self.pace.learn(last - first, seconds)
+
+    def _result(self, future: Any) -> tuple[bytes, bytes, float]:
+        if future.status == "error":
+            error = future.exception()
+            raise RunError(f"the workers cannot run it: {type(error).__name__}: {error}") from None
+        if future.status != "finished":
+            raise RunError("the Dask cluster has gone away; the same command continues the sweep")
+        found: tuple[bytes, bytes, float] = future.result()
+        return found
+
+    def cancel(self) -> None:
+        if self.flying:
+            self.client.cancel(list(self.flying))

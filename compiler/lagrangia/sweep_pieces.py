@@ -1,0 +1,44 @@
+"""A sweep in pieces: runs that are handed out together, so many that a piece takes about the same time everywhere."""
+
+import threading
+from collections.abc import Callable, Sequence
+
+from lagrangia.sweep_journal import Ledger
+
+_GROWTH = 4
+_LONGEST = 100_000  # runs
+
+Watch = Callable[[Ledger], None]
+
+
+class Pieces:
+    """Hands out the runs that are missing; may be asked from several threads."""
+
+    def __init__(self, missing: Sequence[tuple[int, int]], workers: int) -> None:
+        self._missing = list(reversed(missing))
+        self._left = sum(last - first for first, last in missing)
+        self._workers = workers
+        self._lock = threading.Lock()
+
+    def take(self, most: int) -> tuple[int, int] | None:
+        """At most so many; shorter towards the end, so that all workers end together."""
+        with self._lock:
+            if not self._missing:
+                return None
+            first, last = self._missing.pop()
+            count = max(1, min(most, last - first, -(-self._left // (2 * self._workers))))
+            if first + count < last:
+                self._missing.append((first + count, last))
+            self._left -= count
+            return first, first + count
+
+
+class Pace:
+    """How many runs take so many seconds, learnt from those before."""
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds, self.count = seconds, 1
+
+    def learn(self, runs: int, seconds: float) -> None:
+        fitting = runs * self.seconds / max(seconds, 1e-6)
+        self.count = max(1, min(int(fitting), self.count * _GROWTH, _LONGEST))

@@ -1,0 +1,240 @@
+"""What is asked of a sweep -> a job: plain data from which any thread or machine computes any of its runs."""
+
+import hashlib
+import json
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangia.batch import Sweep
+from lagrangia.diagnostics import LagError, Report, fail, suggest
+from lagrangia.runtime import Settings
+from lagrangia.scene import Scene, to_json
+from lagrangia.simulate import Experiment, check_values
+from lagrangia.solvers import AUTO, applicable, is_casadi, number_of
+from lagrangia.sweep_measures import Measure, reductions
+from lagrangia.sweep_values import MOST_RUNS, Distribution, Factor, Variations, read_cell, read_runs, read_variation, sample
+
+if TYPE_CHECKING:
+    import numpy as np
+
+WAYS = ("random", "lhs")
+_LOOKS = 50  # windows at least in a run, when no interval says how closely to look
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a person gives. Values are numbers, sequences, arrays, or text as on the command line."""
+
+    parameters: Mapping[str, Any]
+    initial: Mapping[str, Any]
+    runs: Path | None = None  # a table with a line for each run
+    samples: int | None = None
+    seed: int = 0
+    sampling: str = "random"
+    together: bool = False  # lists side by side instead of all their combinations
+    inputs: Any = None
+    interval: float | None = None  # the motion is looked at that closely
+    seconds: float = 0.0  # of wall time a run may take
+
+
+@dataclass(frozen=True)
+class Job:
+    """All runs of a sweep."""
+
+    scene: Scene
+    measures: tuple[Measure, ...]
+    variations: Variations
+    sweep: Sweep
+
+    @property
+    def runs(self) -> int:
+        return self.variations.runs
+
+    def fingerprint(self) -> str:
+        """The same for equal sweeps only: results of different ones are never mixed. Where the model is written, and its
+        descriptions, make no difference."""
+        scene = json.loads(to_json(self.scene))
+        for name in ("description", "notes", "initial_places", "start", "stop", "tolerance", "interval"):
+            scene.pop(name)
+        for item in (*scene["parameters"], *scene["inputs"]):
+            item.pop("place"), item.pop("description")
+        what = [scene, [m.text for m in self.measures], asdict(self.sweep), self.variations.names]
+        hashed = hashlib.sha256(json.dumps(what, sort_keys=True, default=list).encode())
+        for factor in self.variations.factors:
+            hashed.update(repr(factor.values.shape).encode() + factor.values.tobytes())
+        return hashed.hexdigest()[:32]
+
+
+def build_job(scene: Scene, measures: Sequence[Measure], experiment: Experiment, request: Request) -> Job:
+    """Raises LagError for names the scene does not know and values it cannot have."""
+    fixed, factors = _factors(scene, request)
+    variations = Variations(tuple(factors))
+    if variations.runs > MOST_RUNS:
+        fail("L0712", f"the sweep has {variations.runs} runs; at most {MOST_RUNS} are possible", None, "take fewer values")
+    values = check_values(scene, *fixed, request.inputs)
+    if is_casadi(experiment.solver):
+        fail("L0704", f"a sweep runs in the run time's own solvers, not in '{experiment.solver}'", None,
+             f"the solvers are {', '.join((AUTO, *applicable(scene)))}")
+    settings = Settings(experiment.start, experiment.stop, experiment.tolerance, experiment.max_step, 0.0, experiment.max_steps,
+                        number_of(experiment.solver, scene))
+    window = request.interval or (experiment.stop - experiment.start) / _LOOKS
+    least = [-math.inf if p.minimum is None else p.minimum for p in scene.parameters]
+    most = [math.inf if p.maximum is None else p.maximum for p in scene.parameters]
+    has_inputs = bool(scene.inputs)
+    sweep = Sweep(settings, window, request.seconds, reductions(scene, measures, experiment), variations.places,
+                  values.parameters, values.mask, (*values.q, *values.v), least, most,
+                  tuple(values.input_times) if has_inputs else (), tuple(values.input_values) if has_inputs else ())
+    return Job(scene, tuple(measures), variations, sweep)
+
+
+# -------------------------------------------------------------------- names and factors
+
+
+@dataclass(frozen=True)
+class _Name:
+    """Where values of a name go, and their unit; elements: of a vector."""
+
+    name: str
+    kind: str
+    elements: tuple[str, ...]
+    places: tuple[int, ...]
+    unit: str
+
+
+def _resolve(scene: Scene, kind: str, name: str) -> _Name:
+    """Raises LagError L0701, or L0901 for a structural parameter."""
+    place = {p.name: k for k, p in enumerate(scene.parameters)}
+    if kind == "parameter":
+        elements = (name,) if name in place else tuple(n for n in place if re.fullmatch(rf"{re.escape(name)}\[[\d,]+\]", n))
+        if elements:
+            return _Name(name, kind, elements, tuple(place[n] for n in elements), scene.parameters[place[elements[0]]].unit)
+        if name.partition("[")[0] in scene.structural:
+            fail("L0901", f"not supported yet: a sweep over '{name}', which decides what the scene consists of", None,
+                 "sweep once for each of its values")
+        fail("L0701", f"the scene has no parameter '{name}'", None, *filter(None, [suggest(name, [*place, *scene.structural])]))
+    slot = scene.slot(name)
+    if slot is None:
+        known = [*(c.name for c in (*scene.coordinates, *scene.rates)), *scene.aliases]
+        fail("L0701", f"the scene has no coordinate or rate '{name}'", None, *filter(None, [suggest(name, known)]))
+    unit = (*scene.coordinates, *scene.rates)[slot].unit
+    return _Name(name, kind, (name,), (len(scene.parameters) + slot,), unit)
+
+
+def _factors(scene: Scene, request: Request) -> tuple[tuple[dict[str, float], dict[str, float]], list[Factor]]:
+    """Values that are the same in all runs (parameters, start values), and the factors: table, lists, samples."""
+    fixed: tuple[dict[str, float], dict[str, float]] = ({}, {})
+    lists: list[Factor] = []
+    random: list[tuple[_Name, Distribution]] = []
+    names = [(_resolve(scene, "parameter", name), value) for name, value in request.parameters.items()]
+    names += [(_resolve(scene, "initial", name), value) for name, value in request.initial.items()]
+    for name, value in names:
+        found = _values(name, value)
+        if isinstance(found, Distribution):
+            random.append((name, found))
+        elif len(found) == 1:
+            fixed[name.kind == "initial"].update(zip(name.elements, found[0].tolist(), strict=True))
+        else:
+            lists.append(Factor(name.elements, name.places, found))
+    table = [_table(scene, request.runs)] if request.runs is not None else []
+    _check_once([*(name.places for name, _ in names), *(factor.places for factor in table)], scene)
+    factors = [*table, *(_side_by_side(lists) if request.together else lists), *_samples(random, request)]
+    for factor in factors:
+        _check_finite(factor)
+    return fixed, factors
+
+
+def _check_once(claims: Sequence[tuple[int, ...]], scene: Scene) -> None:
+    names = [*(p.name for p in scene.parameters), *(c.name for c in (*scene.coordinates, *scene.rates))]
+    places = [place for claim in claims for place in claim]
+    for place in places:
+        if places.count(place) > 1:
+            fail("L0712", f"'{names[place]}' is given twice")
+
+
+def _check_finite(factor: Factor) -> None:
+    import numpy as np
+
+    for name, column in zip(factor.names, factor.values.T, strict=True):
+        if not np.isfinite(column).all():
+            fail("L0605", f"the values of '{name}' must be finite numbers")
+
+
+def _values(name: _Name, value: Any) -> "np.ndarray | Distribution":
+    """(number of values, elements of the name)."""
+    import numpy as np
+
+    if isinstance(value, str):
+        found = read_variation(name.name, value, name.unit)
+        if isinstance(found, Distribution):
+            if len(name.elements) != 1:
+                fail("L0712", f"'{name.name}' has {len(name.elements)} elements", None, f"choose one, such as {name.elements[0]}")
+            return found
+    else:
+        try:
+            found = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            fail("L0712", f"the values of '{name.name}' must be numbers, not {type(value).__name__}: {value!r}"[:200])
+        if found.ndim == 0 or (found.ndim == 1 and len(name.elements) > 1):
+            found = found[np.newaxis]
+    found = found.reshape(len(found), -1 if found.size else 0)
+    if found.shape[1] != len(name.elements):
+        wanted = "numbers are" if len(name.elements) == 1 else f"vectors of {len(name.elements)} elements are"
+        fail("L0712", f"the values of '{name.name}' do not fit: {wanted} needed")
+    return found
+
+
+def _side_by_side(lists: Sequence[Factor]) -> list[Factor]:
+    """One factor of lists of equal length."""
+    import numpy as np
+
+    if not lists:
+        return []
+    lengths = {factor.names[0]: len(factor.values) for factor in lists}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} has {length}" for name, length in lengths.items())
+        fail("L0712", f"lists side by side must have the same number of values: {told}")
+    names, places = (tuple(x for factor in lists for x in getattr(factor, what)) for what in ("names", "places"))
+    return [Factor(names, places, np.concatenate([factor.values for factor in lists], axis=1))]
+
+
+def _samples(random: Sequence[tuple[_Name, Distribution]], request: Request) -> list[Factor]:
+    if request.sampling not in WAYS:
+        fail("L0712", f"there is no sampling '{request.sampling}'", None, f"the ways are {', '.join(WAYS)}")
+    if request.seed < 0:
+        fail("L0712", f"the seed must not be negative: {request.seed}")
+    if request.samples is not None and not 1 <= request.samples <= MOST_RUNS:
+        fail("L0712", f"the number of samples must lie between 1 and {MOST_RUNS}, not {request.samples}")
+    if not random:
+        if request.samples is not None:
+            fail("L0712", "nothing is random, so there is nothing to take samples of", None,
+                 "say how a value is distributed: k=normal(100,5)")
+        return []
+    if request.samples is None:
+        fail("L0712", f"'{random[0][0].name}' is random, but the number of samples is not given", None, "say --samples 1000")
+    values = sample([distribution for _, distribution in random], request.samples, request.seed, request.sampling)
+    return [Factor(tuple(name.name for name, _ in random), tuple(name.places[0] for name, _ in random), values)]
+
+
+def _table(scene: Scene, path: Path) -> Factor:
+    """Columns are parameters, or else coordinates and rates. Raises LagError L0713."""
+    import numpy as np
+
+    headings, rows = read_runs(path)
+    report = Report()
+    names: list[_Name] = []
+    known = {p.name for p in scene.parameters}
+    for heading in headings:
+        try:
+            names.append(_resolve(scene, "parameter" if heading in known or scene.slot(heading) is None else "initial", heading))
+            if len(names[-1].elements) > 1:
+                fail("L0713", f"{path}: '{heading}' is a vector", None, "give its elements columns of their own")
+        except LagError as error:
+            report.add(error.diagnostics)
+    report.raise_errors()
+    values = [[read_cell(path, line, name.name, cell, name.unit) for name, cell in zip(names, cells, strict=True)]
+              for line, cells in rows]
+    return Factor(tuple(name.name for name in names), tuple(p for name in names for p in name.places), np.array(values))

@@ -1,0 +1,198 @@
+"""The results of a sweep as a table: a row for each run; columns are what was varied, the measures, and why a run failed."""
+
+import math
+import os
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangia.batch import Ending
+from lagrangia.diagnostics import fail, suggest
+from lagrangia.runtime import Failure, Status
+from lagrangia.scene import Scene
+from lagrangia.simulate import explain
+from lagrangia.sweep_journal import Ledger
+from lagrangia.sweep_measures import unit_of
+from lagrangia.sweep_plan import Job
+from lagrangia.targets import Target, quoted
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas
+
+_PORTION = 4096  # rows
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The result of many runs. `sweep["max(y)"]`, `sweep["k"]`: a measure, or what was varied, as an array (runs,) in SI units.
+
+    A measure is NaN where the run failed, or has no such time. `failures` says which runs failed, and why. `interrupted`: some
+    runs had no turn.
+    """
+
+    job: Job
+    ledger: Ledger
+    seconds: float
+    interrupted: bool = False
+
+    @property
+    def runs(self) -> int:
+        return self.job.runs
+
+    @property
+    def names(self) -> list[str]:
+        return [*self.job.variations.names, *(measure.text for measure in self.job.measures)]
+
+    def __getitem__(self, name: str) -> "np.ndarray":
+        """Raises LagError L0701 for a name that the table does not have."""
+        varied = self.job.variations.names
+        if name in varied:
+            return self._varied[:, varied.index(name)]
+        texts = [measure.text for measure in self.job.measures]
+        if name not in texts and f"final({name})" in texts:
+            name = f"final({name})"
+        if name not in texts:
+            fail("L0701", f"the table has no column '{name}'", None, *filter(None, [suggest(name, self.names)]))
+        column: np.ndarray = self.ledger.results[:, texts.index(name)]
+        return column
+
+    @cached_property
+    def _varied(self) -> "np.ndarray":
+        return self.job.variations.values(0, self.runs)
+
+    @property
+    def ok(self) -> "np.ndarray":
+        """Which runs went well: bool (runs,)."""
+        well: np.ndarray = self.ledger.outcomes["kind"] == Ending.DONE
+        return well
+
+    @property
+    def failures(self) -> dict[int, str]:
+        """Run -> why it failed."""
+        return {int(k): self.message(int(k)) for k in (~self.ok).nonzero()[0]}
+
+    def message(self, run: int) -> str:
+        return explain_outcome(self.job.scene, self.ledger.outcomes[run])
+
+    def common_failures(self, most: int = 5) -> list[tuple[str, int]]:
+        """What went wrong in general, and in how many runs."""
+        kinds = self.ledger.outcomes[~self.ok][["kind", "status", "index", "rate"]]
+        told = Counter(kinds.tolist())
+        return [(_in_general(self.job.scene, *key), count) for key, count in told.most_common(most)]
+
+    def _rows(self) -> Iterator[list[tuple[Any, ...]]]:
+        """Cells, None where there is nothing, in portions."""
+        for first in range(0, self.runs, _PORTION):
+            last = min(self.runs, first + _PORTION)
+            values = self.job.variations.values(first, last).tolist()
+            results = self.ledger.results[first:last].tolist()
+            kinds = self.ledger.outcomes["kind"][first:last].tolist()
+            yield [(first + k, *values[k], *((x if math.isfinite(x) else None) for x in results[k]),
+                    None if kinds[k] == Ending.DONE else self.message(first + k)) for k in range(last - first)]
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Comma-separated, with a line of names and all 17 digits that matter; cells are empty where there is no number."""
+        with Target(Path(path)) as target:
+            for text in self.lines():
+                target.put(text)
+
+    def lines(self) -> Iterator[str]:
+        yield ",".join(quoted(name) for name in ("run", *self.names, "failure")) + "\n"
+        for rows in self._rows():
+            yield "".join(",".join("" if x is None else quoted(x) if isinstance(x, str) else repr(x) for x in row) + "\n"
+                          for row in rows)
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
+        """Columns of doubles with nulls where there is no number, units as metadata of the fields; pyarrow must be installed."""
+        pyarrow, parquet = require_parquet()
+        names = ("run", *self.names, "failure")
+        units = ["", *self.units(), ""]
+        types = [pyarrow.int64(), *(pyarrow.float64() for _ in self.names), pyarrow.string()]
+        schema = pyarrow.schema([pyarrow.field(name, kind, metadata={"unit": unit} if unit else None)
+                                 for name, kind, unit in zip(names, types, units, strict=True)])
+        with Target(Path(path), binary=True) as target, parquet.ParquetWriter(target.stream, schema) as writer:
+            for rows in self._rows():
+                columns = zip(*rows, strict=True)
+                arrays = [pyarrow.array(column, kind) for column, kind in zip(columns, types, strict=True)]
+                writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """To Parquet if the name ends in .parquet, else to CSV."""
+        (self.to_parquet if is_parquet(path) else self.to_csv)(path)
+
+    def units(self) -> list[str]:
+        """Of the columns in `names`."""
+        scene = self.job.scene
+        all_units = [p.unit for p in scene.parameters] + [c.unit for c in (*scene.coordinates, *scene.rates)]
+        return [*(all_units[place] for place in self.job.variations.places), *(unit_of(scene, m) for m in self.job.measures)]
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """A table with the run as its index; pandas must be installed."""
+        import pandas
+
+        columns: dict[str, Any] = {name: self[name] for name in self.names}
+        failures = self.failures
+        columns["failure"] = [failures.get(k) for k in range(self.runs)]
+        return pandas.DataFrame(columns, index=pandas.RangeIndex(self.runs, name="run"))
+
+    def __repr__(self) -> str:
+        return f"<{self.runs} runs of {self.job.scene.name}: {', '.join(self.names[:8])}{', ...' if len(self.names) > 8 else ''}>"
+
+
+def is_parquet(path: str | os.PathLike[str]) -> bool:
+    return Path(path).suffix.lower() in (".parquet", ".pq")
+
+
+def require_parquet() -> tuple[Any, Any]:
+    """pyarrow and its Parquet module. Raises LagError L0715."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        fail("L0715", "Parquet files need pyarrow, which is not installed", None, "pip install pyarrow, or write a .csv file")
+    return pyarrow, parquet
+
+
+# -------------------------------------------------------------------- why a run failed
+
+
+def explain_outcome(scene: Scene, outcome: Any) -> str:
+    """When, where and what to try; empty for a run that went well."""
+    kind, index, value, time = Ending(outcome["kind"]), int(outcome["index"]), float(outcome["value"]), float(outcome["time"])
+    if kind is Ending.DONE:
+        return ""
+    if kind is Ending.NOT_RUN:
+        return "not run"
+    if kind is Ending.OVERTIME:
+        return f"out of time at t = {time:.6g}"
+    if kind is Ending.PARAMETER:
+        return _wrong_parameter(scene, index, value)
+    return explain(scene, Failure(Status(outcome["status"]), index, bool(outcome["rate"]), time, value))
+
+
+def _wrong_parameter(scene: Scene, index: int, value: float) -> str:
+    known = scene.parameters[index]
+    unit = f" {known.unit}" if known.unit else ""
+    if not math.isfinite(value):
+        return f"the parameter '{known.name}' has no finite value"
+    if known.minimum is not None and value < known.minimum:
+        return f"the parameter '{known.name}' is {value:g}{unit}, less than its minimum {known.minimum:g}{unit}"
+    return f"the parameter '{known.name}' is {value:g}{unit}, more than its maximum {known.maximum:g}{unit}"
+
+
+def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> str:
+    ending = Ending(kind)
+    if ending is Ending.PARAMETER:
+        return f"the parameter '{scene.parameters[index].name}' is out of its limits"
+    if ending is not Ending.FAILED:
+        return "not run" if ending is Ending.NOT_RUN else "out of time"
+    what = {Status.NOT_FINITE: "the accelerations are not finite", Status.STEP_TOO_SMALL: "the motion cannot be continued",
+            Status.INITIAL_FAILED: "the initial equations cannot all hold",
+            Status.TOO_MANY_STEPS: "the limit of steps is reached"}
+    column = (scene.rates if rate else scene.coordinates)[index].name if 0 <= index < scene.n else ""
+    where = f" ({column})" if column and status != Status.INITIAL_FAILED else ""
+    return what.get(Status(status), Status(status).name.lower().replace("_", " ")) + where

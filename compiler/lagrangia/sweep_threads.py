@@ -1,0 +1,75 @@
+"""A job -> its results, on all cores: one thread and one C batch each, in pieces of the length that takes a fifth of a second."""
+
+import ctypes
+import os
+import queue
+import threading
+import time
+
+from lagrangia.batch import Batch
+from lagrangia.simulate import Engine
+from lagrangia.sweep_journal import Ledger
+from lagrangia.sweep_pieces import Pace, Pieces, Watch
+from lagrangia.sweep_plan import Job
+
+_PIECE = 0.2  # s
+_PAUSE = 0.1  # s between two looks at the keyboard
+
+def cores() -> int:
+    """Those that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Worker(threading.Thread):
+    """Runs pieces until there are none, an error occurs or `stop` is set; answers into a queue, with None at the end."""
+
+    def __init__(self, job: Job, engine: Engine, pieces: Pieces, stop: ctypes.c_int32,
+                 answers: "queue.SimpleQueue[object]") -> None:
+        super().__init__(daemon=True)
+        self.job, self.engine, self.pieces, self.stop, self.answers = job, engine, pieces, stop, answers
+
+    def run(self) -> None:
+        try:
+            with Batch(self.engine.runtime, self.engine.model, self.job.sweep) as batch:
+                pace = Pace(_PIECE)
+                while not self.stop.value and (piece := self.pieces.take(pace.count)) is not None:
+                    begin = time.perf_counter()
+                    self.answers.put((piece[0], *batch.advance(self.job.variations.values(*piece), self.stop)))
+                    pace.learn(piece[1] - piece[0], time.perf_counter() - begin)
+        except BaseException as error:
+            self.answers.put(error)
+        self.answers.put(None)
+
+
+def run_on_threads(job: Job, engine: Engine, ledger: Ledger, threads: int, watch: Watch | None = None) -> bool:
+    """Runs what the ledger misses. False when the keyboard interrupted it: what was computed is in the ledger."""
+    answers: queue.SimpleQueue[object] = queue.SimpleQueue()
+    stop = ctypes.c_int32(0)
+    pieces = Pieces(ledger.missing(), threads)
+    workers = [_Worker(job, engine, pieces, stop, answers) for _ in range(min(threads, job.runs))]
+    for worker in workers:
+        worker.start()
+    failure: BaseException | None = None
+    working = len(workers)
+    try:
+        while working:
+            try:
+                answer = answers.get(timeout=_PAUSE)
+            except queue.Empty:
+                continue
+            except KeyboardInterrupt as interrupt:
+                failure, stop.value = interrupt, 1
+                continue
+            if answer is None:
+                working -= 1
+            elif isinstance(answer, BaseException):
+                failure, stop.value = failure or answer, 1
+            elif isinstance(answer, tuple):
+                ledger.enter(*answer)
+                if watch is not None:
+                    watch(ledger)
+    finally:
+        stop.value = 1  # also when the ledger's disk is full
+    if failure is not None and not isinstance(failure, KeyboardInterrupt):
+        raise failure
+    return failure is None

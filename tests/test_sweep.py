@@ -1,0 +1,289 @@
+"""Many runs: what is varied, what is kept of each run, failures, journals, tables, and the command `lag sweep`."""
+
+import math
+import threading
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import lagrangia as lag
+from lagrangia.native import find_compiler
+from lagrangia.sweep_pieces import Pieces
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
+# s = s0 cos(w t) with w = sqrt(k/m)
+OSCILLATOR = """model Oscillator "a block on a spring"
+  parameter Mass m = 2; parameter Stiffness k = 8; parameter Length s0 = 0.5; parameter Mass half = m/2;
+  Block block(m = m, base = world, along = {1, 0}, s(start = s0));
+  Spring spring(k = k, stretch = block.s);
+  output Length shifted = block.s + 1;
+  output Real swell = time*block.s/1[m.s];
+  output Real quick = sin(40[1/s]*time);
+  output Real square = if time > 1 and time < 2 then 1 else 0;
+  annotation(experiment(StopTime = 4, Tolerance = 1e-11));
+end Oscillator;
+"""
+# s'' = 6 s^2 from s = 1, s' = v0 = 2 is s = 1/(1 - t)^2: infinite at t = 1.
+EXPLOSION = """model Explosion
+  parameter Velocity v0 = 2; parameter Real a = 2;
+  coordinate Length s(start = 1); Velocity v(start = v0) = der(s);
+energy
+  kinetic 1[kg]*v^2/2; potential -a*1[J/m3]*s^3;
+  annotation(experiment(StopTime = 3));
+end Explosion;
+"""
+Scene = Callable[[str], lag.Model]
+
+
+# ---------------------------------------------------------------- what is kept of a run
+
+
+def rms(w: float, stop: float) -> float:
+    """Of 0.5 cos(w t) over 0 .. stop."""
+    return 0.5 * math.sqrt(0.5 + math.sin(2 * w * stop) / (4 * w * stop))
+
+
+def turn_of_swell(w: float) -> float:
+    """The last minimum of t cos(w t) in 0 .. 4."""
+    begin = {2.0: 3.0, 3.0: 9.0}[w]
+    return brentq(lambda x: math.cos(x) - x * math.sin(x), begin, begin + 1, xtol=1e-14) / w
+
+
+def mean_of_absolute(w: float, stop: float) -> float:
+    """Of 0.5 cos(w t): pieces between zeros."""
+    zeros = [0.0, *(math.pi * (k + 0.5) / w for k in range(100) if math.pi * (k + 0.5) / w < stop), stop]
+    return sum(abs(math.sin(w * b) - math.sin(w * a)) for a, b in pairwise(zeros)) * 0.5 / w / stop
+
+
+@pytest.mark.parametrize(
+    ("measure", "expected"),
+    [
+        ("final(block.s)", lambda w: 0.5 * math.cos(4 * w)),
+        ("block.s", lambda w: 0.5 * math.cos(4 * w)),
+        ("initial(block.s)", lambda w: 0.5),
+        ("at(1.3, block.s)", lambda w: 0.5 * math.cos(1.3 * w)),
+        ("at(1300[ms], abs(block.s))", lambda w: abs(0.5 * math.cos(1.3 * w))),
+        ("min(block.s)", lambda w: -0.5),
+        ("max(shifted)", lambda w: 1.5),
+        ("max(abs(der(block.s)))", lambda w: 0.5 * w),
+        ("min(abs(block.s))", lambda w: 0.0),
+        ("time_of_min(swell)", turn_of_swell),
+        ("min(swell)", lambda w: turn_of_swell(w) * 0.5 * math.cos(w * turn_of_swell(w))),
+        ("range(shifted)", lambda w: 1.0),
+        ("mean(block.s)", lambda w: 0.5 * math.sin(4 * w) / (4 * w)),
+        ("mean(abs(block.s))", lambda w: mean_of_absolute(w, 4)),
+        ("rms(block.s)", lambda w: rms(w, 4)),
+        ("first_time(block.s < 0)", lambda w: math.pi / 2 / w),
+        ("first_time(block.s < -501[mm])", lambda w: math.nan),
+        ("first_time(shifted > 1)", lambda w: 0.0),
+        ("first_time(abs(block.s) < 0.1)", lambda w: math.acos(0.2) / w),
+        ("last_time(abs(der(block.s)) > 0.4)", lambda w: 4.0),
+        ("last_time(block.s > 0.25)", lambda w: {2.0: math.pi + math.acos(0.5) / 2, 3.0: 4.0}[w]),
+        ("max(time)", lambda w: 4.0),
+        ("max(energy.kinetic)", lambda w: 0.25 * w * w),
+        ("mean(energy.potential)", lambda w: w * w * rms(w, 4) ** 2),
+        ("rms(square)", lambda w: 0.5),
+        ("first_time(square > 0.5)", lambda w: 1.0),
+        ("last_time(square > 0.5)", lambda w: 2.0),
+        ("max(quick)", lambda w: 1.0),
+    ],
+)
+@pytest.mark.parametrize("k", [8.0, 18.0])
+def test_measures_are_those_of_the_motion(scene: Scene, measure: str, expected: Callable[[float], float], k: float) -> None:
+    """Against the closed solution, far closer than rows on a grid could be."""
+    w = math.sqrt(k / 2)
+    found = scene(OSCILLATOR).simulate_many(parameters={"k": k}, outputs=[measure])
+    assert found.failures == {}
+    assert found[measure][0] == pytest.approx(expected(w), abs=2e-8, nan_ok=True)
+
+
+def top(y: np.ndarray) -> float:
+    """Of the parabola through the largest value and its neighbours."""
+    k = int(y.argmax())
+    if k in (0, len(y) - 1):
+        return float(y[k])
+    before, value, after = y[k - 1 : k + 2]
+    return float(value + (after - before) ** 2 / (8 * (2 * value - before - after)))
+
+
+def test_measures_agree_with_rows_of_chaotic_runs(tmp_path: Path) -> None:
+    """Extremes and crossings against 20 000 rows of the same runs."""
+    model = lag.load(EXAMPLES / "double_pendulum.lag")
+    phi = np.linspace(-1.5, 1.5, 13)
+    texts = ["max(lower.b.y)", "time_of_min(lower.b.x)", "range(der(elbow.phi))", "first_time(lower.b.y > 0.1)",
+             "last_time(abs(elbow.phi) < 1)", "mean(lower.b.y)", "rms(der(shoulder.phi))", "max(abs(elbow.phi))"]
+    table = model.simulate_many(initial={"elbow.phi": phi}, outputs=texts, stop=5, tolerance=1e-9)
+    times = np.linspace(0, 5, 20_001)
+    for k, angle in enumerate(phi):
+        run = model.simulate(at=times.tolist(), tolerance=1e-9, initial={"elbow.phi": float(angle)})
+        x, y, elbow, rate = run["lower.b.x"], run["lower.b.y"], run["elbow.phi"], run["der(shoulder.phi)"]
+        above, near = times[y > 0.1], times[np.abs(elbow) < 1]
+        whip = run["der(elbow.phi)"]
+        expected = [top(y), times[x.argmin()], top(whip) + top(-whip), above[0] if len(above) else math.nan,
+                    near[-1] if len(near) else math.nan, np.trapezoid(y, times) / 5, math.sqrt(np.trapezoid(rate**2, times) / 5),
+                    top(np.abs(elbow))]
+        for text, value in zip(texts, expected, strict=True):
+            slack = 3e-4 if "time" in text else 1e-6 * max(1, abs(value))
+            assert table[text][k] == pytest.approx(value, abs=slack, nan_ok=True), (text, angle)
+
+
+def test_an_interval_shows_what_oscillates_within_a_step(scene: Scene) -> None:
+    model = scene(OSCILLATOR.replace("40[1/s]", "2000[1/s]"))
+    coarse = model.simulate_many(outputs=["rms(quick)"])["rms(quick)"][0]
+    fine = model.simulate_many(outputs=["rms(quick)"], interval=1e-3)["rms(quick)"][0]
+    exact = math.sqrt(0.5 - math.sin(2 * 2000 * 4) / (4 * 2000 * 4))
+    assert fine == pytest.approx(exact, abs=1e-6)
+    assert abs(coarse - exact) > 1e-4, "or the test shows nothing"
+
+
+def test_runs_do_not_depend_on_each_other(tmp_path: Path) -> None:
+    """Bit by bit: in any order, alone or together, on one thread or three; also of constrained scenes, and as simulate has it."""
+    for name, given, chosen in (("double_pendulum", "elbow.phi", "shoulder.phi"), ("four_bar", None, None)):
+        model = lag.load(EXAMPLES / f"{name}.lag")
+        quantity = chosen or model.coordinate_names[0]
+        parameter = next(p for p in model.scene.parameters if p.value and p.minimum is not None)
+        values = (parameter.value or 0) * np.linspace(0.98, 1.02, 12)
+        initial = {given: 1.1} if given else {}
+        outputs = [f"final({quantity})", f"max(der({quantity}))"]
+        options = {"outputs": outputs, "stop": 2.0, "tolerance": 1e-7, "initial": initial}
+        forward, again, backward = (model.simulate_many(parameters={parameter.name: v}, jobs=jobs, **options).ledger.results
+                                    for v, jobs in ((values, 1), (values, 3), (values[::-1], 1)))
+        assert np.isfinite(forward).all()
+        assert forward.tobytes() == again.tobytes() == np.ascontiguousarray(backward[::-1]).tobytes()
+        single = model.simulate(at=[2.0], tolerance=1e-7, parameters={parameter.name: float(values[5])}, initial=initial)
+        assert single[quantity][-1] == forward[5, 0]
+
+
+# ---------------------------------------------------------------- what is varied
+
+
+def test_all_combinations_the_last_changing_fastest(scene: Scene) -> None:
+    table = scene(OSCILLATOR).simulate_many(parameters={"m": [1, 2], "k": "10:30:10"}, initial={"block.s": (0.1, 0.2)})
+    assert table.runs == 12
+    assert table["m"].tolist() == [1.0] * 6 + [2.0] * 6
+    assert table["k"].tolist() == [10.0, 10, 20, 20, 30, 30] * 2
+    assert table["block.s"].tolist() == [0.1, 0.2] * 6
+    w = np.sqrt(table["k"] / table["m"])
+    assert table["final(block.s)"] == pytest.approx(table["block.s"] * np.cos(4 * w), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("100:2000:50", list(range(100, 2001, 50))),
+        ("0:1:0.1", [k / 10 for k in range(11)]),
+        ("3:1:-1", [3, 2, 1]),
+        ("0:1:0.4", [0, 0.4, 0.8]),
+        ("1, 2 ,5", [1, 2, 5]),
+        ("1[kN/m],20[N/cm]", [1000, 2000]),
+        ("linspace(1, 2, 5)", [1, 1.25, 1.5, 1.75, 2]),
+        ("geomspace(1[N/m], 1[kN/m], 4)", [1, 10, 100, 1000]),
+    ],
+)
+def test_values_as_they_are_written(scene: Scene, text: str, expected: list[float]) -> None:
+    table = scene(OSCILLATOR).simulate_many(parameters={"k": text}, stop=0.01)
+    assert table["k"] == pytest.approx(expected, rel=1e-14)
+
+
+def test_dependent_parameters_follow_and_vectors_are_varied_whole(scene: Scene) -> None:
+    model = scene("model P PointMass p(m = 1); end P;")
+    table = model.simulate_many(parameters={"world.gravity": "{0,-9.81},{0,-1.62}"}, outputs=["p.center.y"], stop=2)
+    assert table.names == ["world.gravity[1]", "world.gravity[2]", "final(p.center.y)"]
+    assert table["p.center.y"] == pytest.approx([-2 * 9.81, -2 * 1.62])
+    assert model.simulate_many(parameters={"world.gravity": [[0, -2], [0, -3]]}, outputs=["p.center.y"], stop=2)[
+        "p.center.y"] == pytest.approx([-4, -6])
+
+
+def test_lists_side_by_side_and_a_table(scene: Scene, tmp_path: Path) -> None:
+    model = scene(OSCILLATOR)
+    table = model.simulate_many(parameters={"m": [1, 2, 3], "k": [4, 5, 6]}, together=True)
+    assert table["m"].tolist() == [1, 2, 3]
+    assert table["k"].tolist() == [4, 5, 6]
+    (tmp_path / "runs.csv").write_text("k, block.s\n8,100[mm]\n\n18,0.2\n")
+    table = model.simulate_many(runs=tmp_path / "runs.csv", parameters={"m": [2, 8]}, outputs=["block.s", "max(block.s)"])
+    assert table["k"].tolist() == [8, 8, 18, 18]
+    assert table["max(block.s)"] == pytest.approx([0.1, 0.1, 0.2, 0.2])
+
+
+@pytest.mark.parametrize(
+    ("text", "mean", "deviation"),
+    [
+        ("normal(100, 5)", 100, 5),
+        ("uniform(2, 8)", 5, 6 / math.sqrt(12)),
+        ("triangular(0, 3, 6)", 3, 6 / math.sqrt(24)),
+        ("lognormal(10, 0.2)", 10 * math.exp(0.02), 10 * math.exp(0.02) * math.sqrt(math.exp(0.04) - 1)),
+        ("loguniform(1, 10)", 9 / math.log(10), math.sqrt(99 / 2 / math.log(10) - (9 / math.log(10)) ** 2)),
+    ],
+)
+@pytest.mark.parametrize("sampling", ["random", "lhs"])
+def test_random_values_have_their_distribution(scene: Scene, text: str, mean: float, deviation: float, sampling: str) -> None:
+    model, count = scene(OSCILLATOR), 4000
+    first, again, other = (model.simulate_many(parameters={"k": text, "s0": "uniform(0,1)"}, samples=count, seed=seed, stop=0.01,
+                                               sampling=sampling) for seed in (7, 7, 8))
+    k = first["k"]
+    assert (k == again["k"]).all()
+    assert (k != other["k"]).any()
+    assert k.mean() == pytest.approx(mean, abs=(4 if sampling == "random" else 0.1) * deviation / math.sqrt(count))
+    assert k.std() == pytest.approx(deviation, rel=0.06)
+    assert abs(np.corrcoef(k, first["s0"])[0, 1]) < 0.07
+    if sampling == "lhs":
+        assert np.sort(np.floor(first["s0"] * count)).tolist() == list(range(count))
+
+
+# ---------------------------------------------------------------- failures
+
+
+def test_failures_are_recorded_and_the_rest_goes_on(scene: Scene) -> None:
+    table = scene(EXPLOSION).simulate_many(parameters={"a": [2, -0.1, 0]}, outputs=["at(0.5, s)", "max(s)", "first_time(s > 3)"])
+    assert list(table.failures) == [0]
+    assert "t = 1" in table.failures[0]
+    assert table["at(0.5, s)"][0] == pytest.approx(4, rel=1e-6), "what was known before stays"
+    assert table["first_time(s > 3)"][0] == pytest.approx(1 - 1 / math.sqrt(3), abs=1e-7)
+    assert math.isnan(table["max(s)"][0])
+    assert table["max(s)"][1:] == pytest.approx([21 ** (1 / 3), 7], rel=1e-7)
+    assert table.ok.tolist() == [False, True, True]
+
+
+def test_parameters_out_of_their_limits_fail_alone(scene: Scene) -> None:
+    table = scene(OSCILLATOR).simulate_many(parameters={"m": [1, -1, 2]})
+    assert list(table.failures) == [1]
+    assert "'m' is -1 kg, less than its minimum 0 kg" in table.failures[1]
+
+
+def test_limits_of_steps_and_of_time(scene: Scene) -> None:
+    table = scene(OSCILLATOR).simulate_many(parameters={"k": [1e-3, 1e6]}, max_steps=100)
+    assert "limit of steps" in table.failures[1]
+    assert list(table.failures) == [1]
+    for outputs in (["final(block.s)"], ["max(block.s)"]):
+        table = scene(OSCILLATOR).simulate_many(parameters={"k": [1e-3, 1e12]}, seconds_per_run=0.2, outputs=outputs)
+        assert table.failures[1].startswith("out of time at t = ")
+        assert list(table.failures) == [1]
+
+
+def test_initial_equations_that_cannot_hold(scene: Scene) -> None:
+    model = scene("""model Start parameter Length h = 0.5; Revolute hinge(a = world); Bar bar(m = 1, L = 1, a = hinge.b);
+                  initial equation bar.b.y = h; end Start;""")
+    table = model.simulate_many(parameters={"h": [0.5, 3, -0.5]}, outputs=["initial(bar.b.y)"], stop=0.1)
+    assert list(table.failures) == [1]
+    assert "initial equations" in table.failures[1]
+    assert table["initial(bar.b.y)"][[0, 2]] == pytest.approx([0.5, -0.5], abs=1e-9)
+
+
+def test_pieces_are_handed_out_once() -> None:
+    pieces, taken, lock = Pieces([(0, 10), (15, 400)], 3), [], threading.Lock()
+
+    def work() -> None:
+        while (piece := pieces.take(7)) is not None:
+            with lock:
+                taken.extend(range(*piece))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    assert sorted(taken) == [*range(10), *range(15, 400)]
