@@ -1,6 +1,9 @@
 """Many runs: what is varied, what is kept of each run, failures, journals, tables, and the command `lag sweep`."""
 
 import math
+import re
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from itertools import pairwise
@@ -11,11 +14,14 @@ import pytest
 from scipy.optimize import brentq
 
 import lagrangia as lag
+from lagrangia.batch import Ending, Kind
+from lagrangia.folders import data_folder
 from lagrangia.native import find_compiler
 from lagrangia.sweep_pieces import Pieces
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
+FOLDER = data_folder("runtime")
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
 # s = s0 cos(w t) with w = sqrt(k/m)
 OSCILLATOR = """model Oscillator "a block on a spring"
@@ -273,6 +279,86 @@ def test_initial_equations_that_cannot_hold(scene: Scene) -> None:
     assert list(table.failures) == [1]
     assert "initial equations" in table.failures[1]
     assert table["initial(bar.b.y)"][[0, 2]] == pytest.approx([0.5, -0.5], abs=1e-9)
+
+
+def test_enumerations_match_the_headers() -> None:
+    def names(header: str, prefix: str) -> list[str]:
+        text = re.sub(r"/\*.*?\*/", "", (FOLDER / header).read_text(), flags=re.S)
+        (block,) = (body for body in re.findall(r"enum \{(.*?)\}", text, re.S) if prefix in body)
+        return re.findall(rf"\b{prefix}(\w+)", block)
+
+    assert [kind.name for kind in Kind] == names("reduce.h", "LAG_REDUCE_")
+    assert [ending.name for ending in Ending if ending >= 0] == names("batch.h", "LAG_RUN_")
+
+
+# The oscillator in C: two batches of one model, runs that fail, that have no time, that are out of their limits.
+DRIVER = """
+#include "batch.h"
+#include <math.h>
+static int parameters(const double *const *in, double *const *out, double *work)
+{ (void)work; out[0][0] = in[1][0] != 0 ? in[0][0] : 1; return 0; }
+static int hoist(const double *const *in, double *const *out, double *work)
+{ (void)work; out[0][0] = in[0][0]; return 0; }
+static int start(const double *const *in, double *const *out, double *work)
+{ (void)in; (void)work; out[0][0] = 1; out[1][0] = 0; return 0; }
+static int rhs(const double *const *in, double *const *out, double *work)
+{ (void)work; out[0][0] = in[5][0] < 100 ? -in[5][0]*in[1][0] : NAN; return 0; }
+static const int kind[] = {1}, fixed[] = {0, 0};
+static const LagModel model = {.n = 1, .n_parameters = 1, .n_hoisted = 1, .coordinate_kind = kind, .fixed = fixed,
+    .parameters = {.code = parameters}, .hoist = {.code = hoist}, .start = {.code = start}, .rhs = {.code = rhs}};
+static const LagReduction reductions[] = {{LAG_REDUCE_AT, 1, 2, 0, 3}, {LAG_REDUCE_MAX, 1, 2, 1, 0},
+    {LAG_REDUCE_MEAN, 1, 2, 1, 0},
+    {LAG_REDUCE_FIRST_BELOW, 1, -1, 0, 0}, {LAG_REDUCE_LAST_ABOVE, 2, -1, 1, 0.5}, {LAG_REDUCE_AT, 2, -1, 0, 1}};
+static LagBatch *batch_of(LagRun *run, int n_varied)
+{
+    static const int varied[] = {0, 1};
+    static const double one[] = {1}, none[] = {0}, free_start[] = {NAN, NAN}, least[] = {0}, most[] = {1000};
+    const LagSweep sweep = {.t_stop = 3, .window = 0.3, .n_reductions = 6, .reductions = reductions, .n_varied = n_varied,
+        .varied = varied, .given = one, .mask = none, .start = free_start, .least = least, .most = most};
+    return lag_batch_new(&model, run, &sweep);
+}
+int main(void)
+{
+    const LagSettings settings = {.t_stop = 3, .tolerance = 1e-9};
+    const double values[] = {1, 1, 4, 0.5, -1, 1, 400, 1, 9, 2};
+    double results[5 * 6], again[2 * 6];
+    LagOutcome outcomes[5];
+    const volatile int32_t go = 0, stop = 1;
+    LagRun *run = lag_run_new(&model, &settings), *other = lag_run_new(&model, &settings);
+    LagBatch *two = batch_of(run, 2), *none = batch_of(other, 0);
+    if (lag_batch_advance(two, 5, values, results, outcomes, &go) != 5)
+        return 1;
+    if (outcomes[3].kind != LAG_RUN_FAILED || lag_batch_advance(none, 2, values, again, outcomes + 3, &go) != 2)
+        return 1;
+    if (lag_batch_advance(two, 5, values, results, outcomes, &stop) != 0)
+        return 2;
+    const int kinds[] = {LAG_RUN_DONE, LAG_RUN_DONE, LAG_RUN_PARAMETER};
+    for (int i = 0; i < 3; ++i)
+        if (outcomes[i].kind != kinds[i])
+            return 3;
+    if (fabs(results[0] - cos(3)) > 1e-8 || fabs(results[6 + 3] - acos(0)/2) > 1e-8)
+        return 4;
+    if (!isnan(results[12]) || again[0] != again[6] || isnan(again[0]))
+        return 5;
+    lag_batch_free(two), lag_batch_free(none);
+    lag_run_free(run), lag_run_free(other);
+    return 0;
+}
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
+def test_sanitizers_find_nothing(tmp_path: Path) -> None:
+    compiler = find_compiler()
+    assert compiler is not None
+    driver, program = tmp_path / "driver.c", tmp_path / "driver"
+    driver.write_text(DRIVER)
+    sources = [str(driver), *map(str, sorted(FOLDER.glob("*.c")))]
+    options = ["-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", f"-I{FOLDER}", "-o", str(program)]
+    if subprocess.run([*compiler.command, *options, *sources, "-lm"], capture_output=True, check=False).returncode != 0:
+        pytest.skip("this compiler has no sanitizers")
+    done = subprocess.run([program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_pieces_are_handed_out_once() -> None:
