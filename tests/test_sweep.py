@@ -18,6 +18,7 @@ from lagrangia.batch import Ending, Kind
 from lagrangia.folders import data_folder
 from lagrangia.native import find_compiler
 from lagrangia.sweep_pieces import Pieces
+from test_constraints import MASSLESS
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
@@ -164,6 +165,16 @@ def test_runs_do_not_depend_on_each_other(tmp_path: Path) -> None:
         assert forward.tobytes() == again.tobytes() == np.ascontiguousarray(backward[::-1]).tobytes()
         single = model.simulate(at=[2.0], tolerance=1e-7, parameters={parameter.name: float(values[5])}, initial=initial)
         assert single[quantity][-1] == forward[5, 0]
+
+
+def test_masses_that_vanish_in_some_runs_get_formulas_that_hold(scene: Scene) -> None:
+    bar = "Revolute A(a = crank.b), B(a = coupler.b, b = rocker.b); Bar coupler(m = 1, L = 1, a = A.b);"
+    model = scene(MASSLESS.format(coupler=bar))
+    table = model.simulate_many(parameters={"coupler.m": [1, 0]}, outputs=["O.phi"], stop=2, tolerance=1e-11)
+    assert table.failures == {}
+    for k, m in enumerate((1, 0)):
+        single = model.simulate(at=[2], tolerance=1e-11, parameters={"coupler.m": m})
+        assert table["O.phi"][k] == pytest.approx(single["O.phi"][-1], abs=1e-8)
 
 
 # ---------------------------------------------------------------- what is varied

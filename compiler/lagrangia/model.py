@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +21,10 @@ if TYPE_CHECKING:
     import numpy as np
 
     from lagrangia.pipeline import Compilation
+    from lagrangia.sweep_plan import Job
     from lagrangia.sweep_table import Sweep
+
+_MOST_LOOKED_AT = 20_000  # parameter sets of a sweep, at some 50 us each
 
 
 def load(path: str | os.PathLike[str], *, model: str | None = None, **structural: Any) -> "Model":
@@ -121,6 +125,9 @@ class Model:
         (parameters,) = evaluate(scene.tapes["parameters"], values.parameters, values.mask)
         if all(x > 1 for x in evaluate(scene.evenness, parameters)[0]):
             return self
+        return self._for_all_masses()
+
+    def _for_all_masses(self) -> "Model":
         if self._robust is None:
             self._robust = Model(self.path, self.model, self.structural, self.outputs, for_any_mass=True)
         return self._robust
@@ -151,8 +158,18 @@ class Model:
                           max_steps=max_steps, solver=solver)
         request = Request(parameters or {}, initial or {}, None if runs is None else Path(runs), samples, seed, sampling,
                           together, inputs, interval, seconds_per_run)
-        job = build_job(model.scene, measures or usual_measures(model.scene), experiment, request)
+        model, job = model.suited_to_all(build_job(model.scene, measures or usual_measures(model.scene), experiment, request))
         return run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
+
+    def suited_to_all(self, job: "Job") -> "tuple[Model, Job]":
+        """The model whose formulas hold for the masses of every run, and the job with its scene; see `suited`."""
+        if self.scene.evenness is None:
+            return self, job
+        for number, values in enumerate(job.parameter_sets()):
+            model = self.suited(values) if number < _MOST_LOOKED_AT else self._for_all_masses()
+            if model is not self:
+                return model, replace(job, scene=model.scene)
+        return self, job
 
     def _with_outputs(self, names: Sequence[str]) -> "Model":
         """This model, or one that reports these names too."""

@@ -54,7 +54,7 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     request = Request(varied, _assignments(options.initial, "--initial"), options.runs, options.samples, options.seed,
                       options.sampling, options.together, read_inputs(options.input, scene), options.interval,
                       options.seconds_per_run)
-    return model, build_job(scene, measures or usual_measures(scene), experiment, request)
+    return model.suited_to_all(build_job(scene, measures or usual_measures(scene), experiment, request))
 
 
 def _assignments(texts: list[str], option: str) -> dict[str, str]:

@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,7 @@ from lagrangia.batch import Sweep
 from lagrangia.diagnostics import LagError, Report, fail, suggest
 from lagrangia.runtime import Settings
 from lagrangia.scene import Scene, to_json
-from lagrangia.simulate import Experiment, check_values
+from lagrangia.simulate import Experiment, Values, check_values
 from lagrangia.solvers import AUTO, applicable, is_casadi, number_of
 from lagrangia.sweep_measures import Measure, reductions
 from lagrangia.sweep_values import MOST_RUNS, Distribution, Factor, Variations, read_cell, read_runs, read_variation, sample
@@ -53,6 +53,18 @@ class Job:
     @property
     def runs(self) -> int:
         return self.variations.runs
+
+    def parameter_sets(self) -> Iterator[Values]:
+        """The parameters of all runs, each combination once."""
+        n = len(self.scene.parameters)
+        factors = tuple(f for f in self.variations.factors if any(place < n for place in f.places))
+        varied = Variations(factors)
+        for run in range(varied.runs):
+            given, mask = list(self.sweep.given), list(self.sweep.mask)
+            for place, value in zip(varied.places, varied.values(run, run + 1)[0].tolist(), strict=True):
+                if place < n:
+                    given[place], mask[place] = value, 1.0
+            yield Values(tuple(given), tuple(mask), (), ())
 
     def fingerprint(self) -> str:
         """The same for equal sweeps only: results of different ones are never mixed. Where the model is written, and its
