@@ -20,4 +20,6 @@ static inline double *lag_take(LagArena *arena, size_t count)
     return place;
 }
 
+static inline int *lag_take_ints(LagArena *arena, size_t count) { return (int *)lag_take(arena, (count + 1) / 2); }
+
 #endif

@@ -40,6 +40,17 @@ int lag_accelerations(void *context, double t, const double *q, double *v, doubl
     return accelerations(run, t, run->careful ? bring_back(run, t, q, v) : q, v, a, power);
 }
 
+/* Accelerations and multipliers are evaluated anew: the latest may be those of another state. */
+void lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matrix)
+{
+    const double *q = y, *v = y + run->model->n;
+    const double *in[] = {&t, q, v, run->acceleration, run->multipliers, run->u, run->d, run->c};
+    accelerations(run, t, q, v, run->acceleration, run->power);
+    ++run->motion.evaluations;
+    ++run->statistics.jacobians;
+    lag_implicit_matrix_evaluate(matrix, run->model, in, run->work);
+}
+
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
 {
     const LagModel *model = run->model;

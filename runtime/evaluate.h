@@ -6,6 +6,9 @@
 
 /* A LagRhs. */
 int lag_accelerations(void *run, double t, const double *q, double *v, double *a, double *power);
+
+/* The parts of the matrix of implicit steps at a state. */
+void lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matrix);
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs);
 void lag_energies(LagRun *run, double t, const double *y, double *energies);
 

@@ -21,7 +21,8 @@ typedef struct {
     /* Moves on by one step: lag_step_adaptive for methods that estimate their error. */
     LagStatus (*step)(struct LagRun *run);
 
-    /* Tries a step to t_new; the result is left in motion->other. Returns the error estimate (a step of error <= 1 is good)
+    /* What lag_step_adaptive calls; NULL for methods with a `step` of their own.
+     * Tries a step to t_new; the result is left in motion->other. Returns the error estimate (a step of error <= 1 is good)
      * and the component it is largest in, or infinity when an evaluation is not finite. */
     double (*attempt)(void *self, LagMotion *motion, double t_new, const LagScale *scale, int *worst);
 

@@ -1,5 +1,7 @@
 #include "methods.h"
 
+#include "function.h"
+
 int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
 {
     const int32_t asked = settings->solver != LAG_SOLVER_AUTO ? settings->solver : model->solver;
@@ -11,6 +13,7 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     switch (solver) {
     case LAG_SOLVER_ERK: return 1;
     case LAG_SOLVER_LINEAR: return model->linear_pattern != NULL;
+    case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
     default: return 0;
     }
 }
@@ -28,6 +31,17 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
 void lag_methods_choose(LagMethods *methods, int32_t solver)
 {
     methods->solver = solver;
-    methods->table = solver == LAG_SOLVER_LINEAR ? &lag_linear_method : &lag_dop853;
-    methods->self = solver == LAG_SOLVER_LINEAR ? (void *)&methods->linear : (void *)&methods->dop853;
+    switch (solver) {
+    case LAG_SOLVER_LINEAR:
+        methods->table = &lag_linear_method;
+        methods->self = &methods->linear;
+        break;
+    case LAG_SOLVER_IMPLICIT:
+        methods->table = &lag_radau;
+        methods->self = &methods->radau;
+        break;
+    default:
+        methods->table = &lag_dop853;
+        methods->self = &methods->dop853;
+    }
 }

@@ -4,6 +4,7 @@
 
 #include "dop853.h"
 #include "linear_method.h"
+#include "radau.h"
 #include "run.h"
 
 typedef struct {
@@ -12,6 +13,7 @@ typedef struct {
     void *self;             /* its own struct, one of those below */
     LagDop853 dop853;
     LagLinearMethod linear;
+    LagRadau radau;
 } LagMethods;
 
 /* The solver to begin with. */

@@ -58,6 +58,12 @@ typedef struct {
     int outputs_need_acceleration; /* a or lambda */
     const int *linear_pattern;     /* NULL unless the equations are linear: see linear_system.h */
     int solver;                    /* LAG_SOLVER_...: the one that fits the equations best */
+    int n_entries;        /* of the matrix of implicit steps; 0: there is none */
+    int n_lower, n_upper; /* most entries of its factors; 0: elimination is dense */
+    int n_colours;        /* groups of the matrix's columns without common rows */
+    int rhs_cost, jacobian_cost; /* operations in them */
+    const int *jacobian_pattern; /* of the matrix's columns: starts (size + 1), rows (n_entries), order (size = n + n_multipliers);
+                                  * colours (n) of those of the coordinates */
 
     LagFunction parameters; /* given, mask          -> p               given values kept, dependent ones computed */
     LagFunction hoist;      /* p                    -> c */
@@ -73,6 +79,10 @@ typedef struct {
     LagFunction steer;      /* t, q, v, u, d, c     -> dv, rate        the same for v, and J v + dPhi/dt */
     LagFunction linear;     /* p, d                 -> numbers of the linear equations; always a tape */
     LagFunction waves;      /* t, p, d              -> states of its loads; always a tape */
+    /* The matrix of implicit steps mu S0 + S1 + S2/mu, written out or by its products with directions: derivatives of
+     * M a + h + J^T lambda and of J a + bias (compiler/lagrangia/jacobians.py). One of the two is there, or neither. */
+    LagFunction jacobian;   /* t, q, v, a, lambda, u, d, c         -> S0, S1, S2 */
+    LagFunction tangent;    /* t, q, v, a, lambda, u, d, c, dq, dv -> S0 (dv, 0), S1 (dv, 0) + S2 (dq, 0) */
 } LagModel;
 
 #endif

@@ -14,7 +14,7 @@
 typedef struct LagRun LagRun;
 
 /* Ways to step; LAG_SOLVER_AUTO stands for the one the model names. */
-enum { LAG_SOLVER_AUTO, LAG_SOLVER_ERK, LAG_SOLVER_LINEAR };
+enum { LAG_SOLVER_AUTO, LAG_SOLVER_ERK, LAG_SOLVER_LINEAR, LAG_SOLVER_IMPLICIT };
 
 /* Smaller tolerances are raised to this one. */
 #define LAG_SMALLEST_TOLERANCE 1e-14
@@ -32,6 +32,7 @@ typedef struct {
 typedef struct {
     int64_t steps, rejected, rhs_evaluations, dense_outputs, events;
     int64_t projections; /* Newton corrections of positions and of velocities */
+    int64_t implicit_steps, jacobians, factorisations; /* of the implicit method */
     double smallest_step, largest_step; /* of the accepted steps */
     double energy_residual; /* largest |H - H(0) + dissipated - work| seen */
     double energy_scale;    /* largest of |T|, |V|, |H|, |dissipated|, |work| seen */

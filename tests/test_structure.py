@@ -52,6 +52,7 @@ ORDER = """
     kkt
     evenness
     motion
+    jacobians
     released
     reactions
     initial

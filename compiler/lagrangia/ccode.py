@@ -4,7 +4,7 @@ A long function is cut into pieces that share the work vector: compilers take ti
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from lagrangia.runtime import Op, Tape
 
@@ -29,12 +29,13 @@ _BINARY = frozenset(op for op, template in _TEMPLATES.items() if "{b}" in templa
 def write_c(
     name: str, sizes: Mapping[str, int], tapes: Mapping[str, Tape],
     coordinate_kind: Sequence[int], fixed: Sequence[int], event_kind: Sequence[int],
-    patterns: Mapping[str, Sequence[int]],
+    patterns: Mapping[str, Sequence[int]], interpreted: Collection[str] = (),
 ) -> str:
-    """The C source of a scene. Equal input gives equal text."""
+    """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once."""
+    data = {*_DATA, *interpreted}
     lines = [f"/* {_comment(name)}: generated, do not edit. */", "#include <math.h>", '#include "tape.h"', ""]
     for label, tape in tapes.items():
-        lines += _data(label, tape) if label in _DATA else _function(label, tape)
+        lines += _data(label, tape) if label in data else _function(label, tape)
     lines += [_ints(name, places) for name, places in patterns.items()]
     lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
     lines += ["LAG_API extern const LagModel lag_model;", "const LagModel lag_model = {"]
@@ -42,7 +43,7 @@ def write_c(
     lines += ["    .coordinate_kind = coordinate_kind,", "    .fixed = fixed_start,", "    .event_kind = event_kind,"]
     lines += [f"    .{name} = {name}," for name in patterns]
     for label, tape in tapes.items():
-        work, how = (tape.n_work, f"0, &{label}_tape") if label in _DATA else (_work(tape), f"{label}, 0")
+        work, how = (tape.n_work, f"0, &{label}_tape") if label in data else (_work(tape), f"{label}, 0")
         lines.append(f"    .{label} = {{{len(tape.in_sizes)}, {len(tape.out_sizes)}, {label}_in, {label}_out, {work}, {how}}},")
     return "\n".join([*lines, "};", ""])
 

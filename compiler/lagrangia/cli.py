@@ -172,7 +172,7 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("-o", "--output", metavar="FILE", help="the result (FILE.csv; - for standard output); by default NAME.csv in this folder")
     add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
     add("--plot-quantities", metavar="NAME,NAME,...", help="what the picture shows; all coordinates by default")
-    add("--solver", default="auto", metavar="NAME", help="how to step: auto, erk, linear, ...; see `lag help solver`")
+    add("--solver", default="auto", metavar="NAME", help="how to step: auto, erk, linear, implicit, ...; see `lag help solver`")
     add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")
     add("--max-steps", type=int, default=0, metavar="N", help="give up after so many steps")
     add("--stats", action="store_true", help="say what was done, and in what time")

@@ -12,6 +12,7 @@ import casadi as ca
 from lagrangia.algebra import Mode, Scalar
 from lagrangia.constraints import Constraints
 from lagrangia.initial import InitialConditions
+from lagrangia.jacobians import Jacobian, build_jacobian
 from lagrangia.kinematics import Kinematics
 from lagrangia.linear_form import LinearForm, find_linear_form
 from lagrangia.motion import Motion, mass_matrix
@@ -31,6 +32,7 @@ class Functions:
     outputs_need_acceleration: bool
     patterns: Mapping[str, tuple[int, ...]]
     refused: Mapping[str, str]  # solvers that cannot run the scene, and why
+    sizes: Mapping[str, int]  # of the matrix of implicit steps
 
 
 def build_functions(
@@ -43,36 +45,38 @@ def build_functions(
     nothing = ca.SX(0, 1)
     symbols, multipliers = (held.symbols, held.multipliers) if held else (nothing, nothing)
     corrections = [held.place, held.phi, held.steer, held.rate] if held else [nothing] * 4
-    has_power = not (motion.dissipated_power.is_zero() and motion.source_power.is_zero())
-    power = ca.vertcat(motion.dissipated_power, motion.source_power) if has_power else nothing
-    energy = ca.vertcat(motion.T, motion.V, motion.H)
-    expressions, c, hoisted = _hoist([motion.acceleration, power, multipliers, y, energy, *corrections], motion.p)
-    acceleration, power, multipliers, y, energy, dq, phi, dv, rate = expressions
+    power, energy, jacobian = _power(motion), ca.vertcat(motion.T, motion.V, motion.H), build_jacobian(motion)
+    expressions, c, hoisted = _hoist([motion.acceleration, power, multipliers, y, energy, *corrections, *jacobian.values],
+                                     motion.p)
+    acceleration, power, multipliers, y, energy, dq, phi, dv, rate, *steps = expressions
     modes = kinematics.algebra.modes
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = ca.vertcat(*[mode.symbol for mode in modes])
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
-    table = {
+    full, all_labels = [t, q, v, a, symbols, u, d, c], ["t", "q", "v", "a", "lambda", "u", "d", "c"]
+    table = _implicit_function(jacobian, steps, full, all_labels) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
         "start": ca.Function("start", [motion.p], [initial.q, initial.v], ["p"], ["q", "v"]),
         "rhs": ca.Function("rhs", state, [acceleration, power, multipliers], labels, ["a", "power", "lambda"]),
-        "outputs": ca.Function("outputs", [t, q, v, a, symbols, u, d, c], [y],
-                               ["t", "q", "v", "a", "lambda", "u", "d", "c"], ["y"]),
+        "outputs": ca.Function("outputs", full, [y], all_labels, ["y"]),
         "energies": ca.Function("energies", state, [energy], labels, ["energies"]),
     }
     if held:
         table["place"] = ca.Function("place", [t, q, u, d, c], [dq, phi], ["t", "q", "u", "d", "c"], ["dq", "phi"])
         table["steer"] = ca.Function("steer", state, [dv, rate], labels, ["dv", "rate"])
-    if initial.residual_spans:
-        table["initial"] = _initial_function(motion, initial)
-        table["momentum"] = _momentum_function(kinematics, motion)
-    if modes:
-        table |= _mode_functions(motion, modes)
+    table |= _start_functions(kinematics, motion, initial) | _mode_functions(motion, modes)
     needs = ca.depends_on(y, ca.vertcat(a, symbols)) if y.numel() else False
     patterns, refused = _add_linear(table, find_linear_form(kinematics, motion))
-    return Functions(table, names, tuple(mode.kind for mode in modes), power.numel(), needs, patterns, refused)
+    return Functions(table, names, tuple(mode.kind for mode in modes), power.numel(), needs,
+                     patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes)
+
+
+def _power(motion: Motion) -> ca.SX:
+    """Taken out and put in; empty where there are neither."""
+    has_power = not (motion.dissipated_power.is_zero() and motion.source_power.is_zero())
+    return ca.vertcat(motion.dissipated_power, motion.source_power) if has_power else ca.SX(0, 1)
 
 
 def _add_linear(table: dict[str, ca.Function], form: LinearForm | str) -> tuple[dict[str, tuple[int, ...]], dict[str, str]]:
@@ -188,6 +192,12 @@ def _hoist(expressions: list[ca.SX], p: ca.SX) -> tuple[list[ca.SX], ca.SX, ca.S
     return pieces, ca.vertcat(*symbols), ca.vertcat(*values)
 
 
+def _start_functions(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> dict[str, ca.Function]:
+    if not initial.residual_spans:
+        return {}
+    return {"initial": _initial_function(motion, initial), "momentum": _momentum_function(kinematics, motion)}
+
+
 def _initial_function(motion: Motion, initial: InitialConditions) -> ca.Function:
     q, v, p = motion.q, motion.v, motion.p
     jacobian = ca.densify(ca.jacobian(initial.residuals, ca.vertcat(q, v)))
@@ -201,8 +211,17 @@ def _momentum_function(kinematics: Kinematics, motion: Motion) -> ca.Function:
     return ca.Function("momentum", [q, v, p], ca.cse([ca.densify(x) for x in momentum]), ["q", "v", "p"], ["Mv"])
 
 
+def _implicit_function(jacobian: Jacobian, steps: list[ca.SX], full: list[ca.SX], labels: list[str]) -> dict[str, ca.Function]:
+    """The matrix of implicit steps: written out, or as its products with directions."""
+    if jacobian.parts:
+        return {"jacobian": ca.Function("jacobian", full, steps, labels, ["S0", "S1", "S2"])}
+    return {"tangent": ca.Function("tangent", [*full, *jacobian.along], steps, [*labels, "dq", "dv"], ["w", "r"])}
+
+
 def _mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:
     """Modes at a time, and the arguments a + b t whose crossings are events."""
+    if not modes:
+        return {}
     t, p = motion.t, motion.p
     slopes = [ca.jacobian(mode.argument, t) for mode in modes]
     offsets = [ca.substitute(mode.argument, t, ca.SX(0)) for mode in modes]

@@ -49,6 +49,7 @@ class Model:
         self._engine: Engine | None = None
         self._runtime_build: Build | None = None
         self._has_engine = False
+        self._implicit_engine: Engine | None = None
         found = find_scene(path, model, self.structural, self.outputs, for_any_mass)
         self.is_cached = found is not None
         self.scene: Scene = found if found is not None else self._compile_and_keep()
@@ -179,12 +180,21 @@ class Model:
 
     def start(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""
-        engine = self.engine if not is_casadi(experiment.solver) else None
+        engine = self._engine_for(experiment.solver)
         if engine is None:
             from lagrangia.casadi_solvers import simulate_casadi
 
             return simulate_casadi(self.compilation, experiment, values, watch)
         return simulate(self.scene, engine, experiment, values, watch)
+
+    def _engine_for(self, solver: str) -> Engine | None:
+        if is_casadi(solver):
+            return None
+        if solver != "implicit":
+            return self.engine
+        if self._implicit_engine is None:
+            self._implicit_engine = load_engine(self.scene, self._runtime_build, is_implicit=True)
+        return self._implicit_engine
 
     def observer(self, parameters: "np.ndarray", values: Any) -> Any:
         """Computes any quantity from rows of results."""

@@ -41,6 +41,7 @@ class Solver(IntEnum):
     AUTO = 0
     ERK = 1
     LINEAR = 2
+    IMPLICIT = 3
 
 
 class Op(IntEnum):
@@ -130,6 +131,9 @@ class Statistics:
     constraint_rate_residual: float = 0.0
     solver: Solver = Solver.ERK
     switches: int = 0
+    implicit_steps: int = 0
+    jacobians: int = 0
+    factorisations: int = 0
 
 
 @dataclass(frozen=True)
@@ -196,7 +200,7 @@ _SIZES = (
 )
 _FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
-    "linear", "waves",
+    "linear", "waves", "jacobian", "tangent",
 )
 
 
@@ -209,6 +213,8 @@ class _Model(c.Structure):
         ("outputs_need_acceleration", c.c_int),
         ("linear_pattern", _Ints),
         ("solver", c.c_int),
+        *((name, c.c_int) for name in ("n_entries", "n_lower", "n_upper", "n_colours", "rhs_cost", "jacobian_cost")),
+        ("jacobian_pattern", _Ints),
         *((name, _Function) for name in _FUNCTIONS),
     )
 
@@ -234,6 +240,9 @@ class _Statistics(c.Structure):
         ("dense_outputs", c.c_int64),
         ("events", c.c_int64),
         ("projections", c.c_int64),
+        ("implicit_steps", c.c_int64),
+        ("jacobians", c.c_int64),
+        ("factorisations", c.c_int64),
         ("smallest_step", c.c_double),
         ("largest_step", c.c_double),
         ("energy_residual", c.c_double),

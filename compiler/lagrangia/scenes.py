@@ -45,6 +45,8 @@ def build_scene(
         "n_holonomic": held.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0,
         "outputs_need_acceleration": int(functions.outputs_need_acceleration),
     }
+    sizes |= functions.sizes
+    sizes["rhs_cost"], sizes["jacobian_cost"] = count_operations(tapes["rhs"]), _jacobian_cost(tapes, sizes["n_colours"])
     return Scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
@@ -90,6 +92,11 @@ def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
     nodes = count_operations(tapes["rhs"], output=0)
     return {"rhs_operations": count_operations(tapes["rhs"]), "acceleration_nodes": nodes, "way": motion.way,
             "ways": motion.counted or {motion.way: nodes}, "nodes_per_coordinate": round(nodes / max(n, 1), 1)}
+
+
+def _jacobian_cost(tapes: dict[str, Tape], colours: int) -> int:
+    """Operations: a function for products with directions is called twice a colour."""
+    return count_operations(tapes["jacobian"]) if "jacobian" in tapes else 2 * colours * count_operations(tapes["tangent"])
 
 
 def _per_second(unit: str) -> str:

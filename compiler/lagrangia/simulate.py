@@ -23,6 +23,8 @@ _PAUSE = 0.1  # seconds between two looks at the clock and the keyboard
 # Compiling costs some 0.2 ms an operation, once; a tape costs 1.5 ns an operation more than native code in every evaluation. So
 # compiling pays after 100 000 evaluations. Small scenes are compiled at once, for they are run again and again.
 _LARGEST_NATIVE = 3_000
+# Only implicit steps need Jacobians, and not all the time: longer ones are compiled when such steps are asked for.
+_LARGEST_JACOBIAN = 400
 _MOST_ROWS = 100_000_000
 
 
@@ -229,10 +231,12 @@ def start_building() -> Build | None:
     return start_runtime_build(compiler) if compiler is not None else None
 
 
-def load_engine(scene: Scene, runtime_build: Build | None = None, native: bool | None = None) -> Engine | None:
+def load_engine(scene: Scene, runtime_build: Build | None = None, native: bool | None = None,
+                is_implicit: bool = False) -> Engine | None:
     """The run time with the scene in it: compiled, or as a tape when compiling cannot pay for itself.
 
-    None when there is no C compiler. `native` decides instead of the number of operations.
+    None when there is no C compiler. `native` decides instead of the number of operations. `is_implicit`: implicit
+    steps are sure to be made.
     """
     begin = time.perf_counter()
     runtime_build = runtime_build or start_building()
@@ -244,7 +248,10 @@ def load_engine(scene: Scene, runtime_build: Build | None = None, native: bool |
         model = Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind,
                                  scene.patterns)
         return Engine(Runtime(runtime_build.finish()), model, "tape", time.perf_counter() - begin)
-    source = write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns)
+    jacobians = () if is_implicit else tuple(name for name in ("jacobian", "tangent") if name in scene.tapes)
+    interpreted = [name for name in jacobians if len(scene.tapes[name].code) // 4 > _LARGEST_JACOBIAN]
+    source = write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
+                     interpreted)
     scene_build = start_build("scene", source, include=[data_folder("runtime")], compiler=runtime_build.compiler)
     runtime = Runtime(runtime_build.finish())
     return Engine(runtime, Model.from_library(scene_build.finish()), "native", time.perf_counter() - begin)

@@ -82,6 +82,9 @@ linear  exact, for scenes whose equations are M a + C v + K q = b(t): constant M
         polynomials, sines, cosines and exponentials of time and products of these, in pieces between time events, or inputs
         that are linear between the rows of their table. By the matrix exponential, computed in double-double arithmetic: at any
         stiffness, horizon and distance between rows; the tolerance does not matter. `lag explain` says why a scene is not linear.
+implicit  Radau IIA with 3, 5 or 7 stages, order 5, 9 or 13 (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8), in
+        C, for stiff scenes: springs and dampers far faster than the motion. Exact sparse Jacobians; the number of stages and the
+        length of steps follow Newton's iterations and the error; what is stiff is damped, not resolved.
 casadi:cvodes, casadi:idas    integrators of SUNDIALS through CasADi: an independent check, and the way without a C compiler.
 
 Closed loops and constraints: accelerations and multipliers from one sparse linear system, written out and factored without
