@@ -64,6 +64,25 @@ ORDER = """
     assembly
     assemblies
     freedom
+    sympy_algebra
+    symbolic
+    series
+    equations
+    layout
+    typeset
+    latex
+    mathml
+    notation
+    document
+    presentation
+    textbook
+    structure
+    book
+    forms
+    worked
+    linear_page
+    pages
+    sympy_script
     runtime
     batch
     interpret
@@ -79,6 +98,7 @@ ORDER = """
     dumps
     solvers
     explain
+    equation_sheet
     simulate
     casadi_solvers
     targets
@@ -106,6 +126,7 @@ ORDER = """
     commands
     sweep_command
     bench_command
+    equations_command
     cli
     __init__
 """.split()

@@ -1,4 +1,4 @@
-"""The algebra in which kinematics and energies are evaluated: CasADi here; SymPy comes as a second one.
+"""The algebra in which kinematics and energies are evaluated: CasADi here, SymPy in symbolic.py.
 
 A scalar is a Python float, a symbol of the algebra, or a Dual of such scalars. Python's operators work on all of them; what
 operators cannot say (functions, conditions) goes through the methods of an Algebra.
@@ -23,6 +23,13 @@ TINY = 1e-300
 
 
 class Algebra(Protocol):
+    @property
+    def tiny(self) -> float:
+        """Added under the square root of a distance; see TINY."""
+
+    def number(self, value: float) -> Scalar:
+        """A number of the source as a scalar of the algebra."""
+
     def call(self, function: str, *arguments: Scalar) -> Scalar: ...
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar: ...
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar: ...
@@ -54,6 +61,10 @@ class CasadiAlgebra:
     time: ca.SX
     state: ca.SX  # all symbols that change continuously besides time: q, v, u
     modes: list[Mode] = field(default_factory=list)
+    tiny: float = TINY
+
+    def number(self, value: float) -> Scalar:
+        return value
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         if function in ("floor", "ceil") and self._is_timed(arguments[0]):
@@ -223,6 +234,13 @@ class DualAlgebra:
 
     base: Algebra
 
+    @property
+    def tiny(self) -> float:
+        return self.base.tiny
+
+    def number(self, value: float) -> Scalar:
+        return self.base.number(value)
+
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         if not any(isinstance(a, Dual) for a in arguments):
             return self.base.call(function, *arguments)
@@ -255,25 +273,25 @@ class DualAlgebra:
 _PARTIALS: Mapping[str, Callable[..., list[Callable[[], Scalar]]]] = {
     "sin": lambda g, f, x: [lambda: g.call("cos", x)],
     "cos": lambda g, f, x: [lambda: -g.call("sin", x)],
-    "tan": lambda g, f, x: [lambda: 1.0 + f * f],
-    "asin": lambda g, f, x: [lambda: 1.0 / g.call("sqrt", 1.0 - x * x)],
-    "acos": lambda g, f, x: [lambda: -1.0 / g.call("sqrt", 1.0 - x * x)],
-    "atan": lambda g, f, x: [lambda: 1.0 / (1.0 + x * x)],
+    "tan": lambda g, f, x: [lambda: 1 + f * f],
+    "asin": lambda g, f, x: [lambda: 1 / g.call("sqrt", 1 - x * x)],
+    "acos": lambda g, f, x: [lambda: -1 / g.call("sqrt", 1 - x * x)],
+    "atan": lambda g, f, x: [lambda: 1 / (1 + x * x)],
     "sinh": lambda g, f, x: [lambda: g.call("cosh", x)],
     "cosh": lambda g, f, x: [lambda: g.call("sinh", x)],
-    "tanh": lambda g, f, x: [lambda: 1.0 - f * f],
-    "asinh": lambda g, f, x: [lambda: 1.0 / g.call("sqrt", x * x + 1.0)],
-    "acosh": lambda g, f, x: [lambda: 1.0 / g.call("sqrt", x * x - 1.0)],
-    "atanh": lambda g, f, x: [lambda: 1.0 / (1.0 - x * x)],
+    "tanh": lambda g, f, x: [lambda: 1 - f * f],
+    "asinh": lambda g, f, x: [lambda: 1 / g.call("sqrt", x * x + 1)],
+    "acosh": lambda g, f, x: [lambda: 1 / g.call("sqrt", x * x - 1)],
+    "atanh": lambda g, f, x: [lambda: 1 / (1 - x * x)],
     "exp": lambda g, f, x: [lambda: f],
-    "log": lambda g, f, x: [lambda: 1.0 / x],
-    "log10": lambda g, f, x: [lambda: 1.0 / (x * math.log(10.0))],
-    "sqrt": lambda g, f, x: [lambda: 0.5 / f],
+    "log": lambda g, f, x: [lambda: 1 / x],
+    "log10": lambda g, f, x: [lambda: 1 / (x * g.call("log", g.number(10.0)))],
+    "sqrt": lambda g, f, x: [lambda: g.number(0.5) / f],
     "abs": lambda g, f, x: [lambda: g.call("sign", x)],
     "sign": lambda g, f, x: [lambda: 0.0],
     "floor": lambda g, f, x: [lambda: 0.0],
     "ceil": lambda g, f, x: [lambda: 0.0],
     "atan2": lambda g, f, y, x: [lambda: x / (x * x + y * y), lambda: -y / (x * x + y * y)],
     "mod": lambda g, f, a, b: [lambda: 1.0, lambda: -g.call("floor", a / b)],
-    "pow": lambda g, f, a, b: [lambda: b * g.call("pow", a, b - 1.0), lambda: f * g.call("log", a)],
+    "pow": lambda g, f, a, b: [lambda: b * g.call("pow", a, b - 1), lambda: f * g.call("log", a)],
 }

@@ -98,6 +98,12 @@ def _bench(options: argparse.Namespace) -> int:
     return bench_command(options)
 
 
+def _equations(options: argparse.Namespace) -> int:
+    from lagrangia.equations_command import equations_command
+
+    return equations_command(options)
+
+
 def _help(options: argparse.Namespace) -> int:
     from lagrangia.topics import TOPICS, topic_text
 
@@ -133,6 +139,7 @@ def _parser() -> argparse.ArgumentParser:
                          help="a structural parameter: -p n=20")
     explain.add_argument("--json", action="store_true", help="the same for programs")
     _add_bench(_add(commands, "bench", _bench, "measure run time against error, beside other solvers"))
+    _add_equations(_add(commands, "equations", _equations, "write the equations of motion for people"))
     topics = _add(commands, "help", _help, "longer texts: the language, the library, the solver")
     topics.add_argument("topic", nargs="?")
     return parser
@@ -224,6 +231,21 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
     add("--restart", action="store_true", help="begin anew, whatever an interrupted sweep has left in FILE.part")
     add("--dry-run", action="store_true", help="only say which runs there would be")
     add("--quiet", action="store_true", help="say nothing but errors")
+
+
+def _add_equations(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("file", type=Path, metavar="FILE")
+    add("--model", metavar="NAME", help="the model; the last of the file by default")
+    add("--form", default="lagrange", metavar="FORM",
+        help="lagrange, lagrangian, elastic, energies, matrix, first-order, linear, or worked: the whole derivation")
+    add("--format", default="text", metavar="FORMAT", help="text, markdown, latex, html, or sympy: a Python script")
+    add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
+    add("--numbers", action="store_true", help="put the values of the parameters in")
+    add("--about", metavar="NAME=VALUE,...", help="the point of the linear form; an equilibrium by default")
+    add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter: -p L=2 -p n=3")
+    add("--force", action="store_true", help="write even what is too large to read")
+    add("-o", "--output", metavar="FILE", help="write to a file instead of standard output")
 
 
 if __name__ == "__main__":

@@ -69,15 +69,16 @@ def _along(kinematics: "Kinematics", closure: Closure, a: "Pose", b: "Pose") -> 
 def _slide(kinematics: "Kinematics", freedom: Step, coordinate: str) -> tuple[Value, Value]:
     """Offset and direction of a shift that is linear in its coordinate."""
     model, algebra = kinematics.graph.model, kinematics.algebra
-    origin, ahead = (Evaluator(model, algebra, _Held(kinematics, coordinate, at)).value(freedom.amount) for at in (0.0, 1.0))
-    sign = -1.0 if freedom.is_inverse else 1.0
+    places = (algebra.number(0.0), algebra.number(1.0))
+    origin, ahead = (Evaluator(model, algebra, _Held(kinematics, coordinate, at)).value(freedom.amount) for at in places)
+    sign = -1 if freedom.is_inverse else 1
     return tuple(sign * x for x in origin), tuple(sign * (y - x) for x, y in zip(origin, ahead, strict=True))
 
 
 class _Held:
     """Leaves of an evaluator in which one coordinate has a given number for its value."""
 
-    def __init__(self, kinematics: "Kinematics", coordinate: str, at: float) -> None:
+    def __init__(self, kinematics: "Kinematics", coordinate: str, at: Scalar) -> None:
         self.kinematics, self.coordinate, self.at = kinematics, coordinate, at
 
     def symbol(self, name: str, level: int) -> Value | None:

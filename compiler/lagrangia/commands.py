@@ -108,7 +108,7 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
     structural = {}
     if names:
         known = _structural_names(options, outputs)
-        structural = {name: _structural(value) for name, value in given if name in known}
+        structural = {name: structural_value(value) for name, value in given if name in known}
     return Model(options.file, options.model, structural, outputs)
 
 
@@ -123,7 +123,7 @@ def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:
     return set(flatten_file(options.file, options.model)[1].structural)
 
 
-def _structural(text: str) -> Any:
+def structural_value(text: str) -> Any:
     if text in ("true", "false"):
         return text == "true"
     try:
@@ -367,5 +367,5 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
 
 __all__ = [
     "assignment", "check_command", "explain_command", "load_model", "number", "read_inputs", "read_table", "simulate_command",
-    "values_with_units",
+    "structural_value", "values_with_units",
 ]

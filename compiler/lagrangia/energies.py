@@ -49,6 +49,14 @@ class Energies:
 
 def build_energies(kinematics: Kinematics) -> Energies:
     """Raises LagError (L05xx) for a term that is no scalar or depends on accelerations or on an input where it must not."""
+    energies, report = evaluate_energies(kinematics), Report()
+    _check_dependence(energies, kinematics, report)
+    report.raise_errors()
+    return energies
+
+
+def evaluate_energies(kinematics: Kinematics) -> Energies:
+    """The terms in the algebra of the kinematics, unchecked but for their sizes. Raises LagError L0303."""
     report = Report()
     model = kinematics.graph.model
     terms: dict[str, list[Term]] = {"kinetic": [], "potential": [], "dissipation": []}
@@ -58,10 +66,7 @@ def build_energies(kinematics: Kinematics) -> Energies:
         terms[energy.kind].append(Term(value, energy))
     loads = [_load(work, kinematics.evaluator.value, report) for work in model.works]
     report.raise_errors()
-    energies = Energies(tuple(terms["kinetic"]), tuple(terms["potential"]), tuple(terms["dissipation"]), tuple(loads))
-    _check_dependence(energies, kinematics, report)
-    report.raise_errors()
-    return energies
+    return Energies(tuple(terms["kinetic"]), tuple(terms["potential"]), tuple(terms["dissipation"]), tuple(loads))
 
 
 def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:

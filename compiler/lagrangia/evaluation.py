@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
 
-from lagrangia.algebra import TINY, Algebra, DualAlgebra, Scalar, minus, plus, rate_of, times
+from lagrangia.algebra import Algebra, DualAlgebra, Scalar, minus, plus, rate_of, times
 from lagrangia.algorithms import FlatFunction
 from lagrangia.diagnostics import Span, fail
 from lagrangia.flat import FlatModel
@@ -36,7 +36,7 @@ class Evaluator:
     def __init__(self, model: FlatModel, algebra: Algebra, leaves: Leaves, virtual: Callable[[Scalar], Scalar] | None = None
                  ) -> None:
         """`virtual` gives what virtual displacements change of a scalar: nothing, without it."""
-        self.model, self.leaves, self.virtual = model, leaves, virtual
+        self.model, self.leaves, self.virtual, self._number = model, leaves, virtual, algebra.number
         self.algebras: list[Algebra] = [algebra]
         for _ in range(_HIGHEST_LEVEL):
             self.algebras.append(DualAlgebra(self.algebras[-1]))
@@ -46,9 +46,9 @@ class Evaluator:
     def value(self, node: Flat, level: int = 0, local: Mapping[str, Value] | None = None) -> Value:
         match node:
             case Number(number):
-                return number
+                return self._number(number)
             case Boolean(flag):
-                return float(flag)
+                return self._number(float(flag))
             case Ref(name, index, span):
                 return _element(self.variable(name, level, span), index)
             case FrameRef(name, attribute, index, _):
@@ -138,7 +138,7 @@ class Evaluator:
         if not isinstance(exponent, float | int) or isinstance(base, float | int):
             return algebra.call("pow", base, exponent)
         if exponent < 0:
-            return 1.0 / self._power(base, -exponent, level)
+            return 1 / self._power(base, -exponent, level)
         if exponent == 0.5:
             return algebra.call("sqrt", base)
         if not float(exponent).is_integer() or exponent > _LARGEST_EXPANDED_POWER:
@@ -147,9 +147,9 @@ class Evaluator:
 
     def _whole_power(self, base: Scalar, exponent: int) -> Scalar:
         if exponent == 0:
-            return 1.0
+            return 1
         half = self._whole_power(base, exponent // 2)
-        square = half * half if exponent > 1 else 1.0
+        square = half * half if exponent > 1 else 1
         return square * base if exponent % 2 else square
 
     # ------------------------------------------------------------ functions
@@ -187,7 +187,7 @@ class Evaluator:
         squares = _sum(_map(lambda x: x * x, vector))
         if isinstance(squares, float | int):
             return float(squares) ** 0.5
-        return self.algebras[level].call("sqrt", squares + TINY)
+        return self.algebras[level].call("sqrt", squares + self.algebras[0].tiny)
 
     def _user_function(self, function: FlatFunction, arguments: list[Value], level: int) -> Value:
         known = dict(zip(function.inputs, arguments, strict=True))
@@ -319,7 +319,7 @@ def _total(evaluator: Evaluator, arguments: list[Value], level: int, span: Span)
 
 
 def _product_of(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
-    total: Scalar = 1.0
+    total: Scalar = 1
     for value in _flatten(arguments):
         total = total * value
     return total

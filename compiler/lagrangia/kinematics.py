@@ -64,7 +64,7 @@ class Kinematics:
 
     graph: ComponentGraph
     symbols: Symbols
-    algebra: CasadiAlgebra
+    algebra: CasadiAlgebra  # symbolic.py puts SymPy's in its place
     dependents: Mapping[str, Dependent] = field(default_factory=dict)
     released: Mapping[str, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # virtual displacements, rates
     moved: Mapping[str, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # those of single frames, nothing behind them
@@ -178,7 +178,8 @@ class Kinematics:
 
     def _root_pose(self, frame: str, attributes: tuple[str, ...], level: int) -> Pose:
         place = {a: self.coordinate(f"{frame}.{a}", level) for a in attributes}
-        origin = Pose(place.get("x", 0.0), place.get("y", 0.0), 0.0, 1.0, 0.0)
+        zero, one = self.algebra.number(0.0), self.algebra.number(1.0)
+        origin = Pose(place.get("x", zero), place.get("y", zero), zero, one, zero)
         return self.turned(origin, place["phi"], level) if "phi" in place else origin
 
     def follow(self, edge: Edge, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:

@@ -215,6 +215,18 @@ class Model:
 
         return observe
 
+    def equations(self, form: str = "lagrange", format: str = "text", *, names: Mapping[str, str] | None = None,
+                  parameters: Mapping[str, float] | None = None, numbers: bool = False, force: bool = False) -> str:
+        """The equations of motion for people, as `lag equations` prints them; see `lag help equations`.
+
+        `names` maps names of the model to symbols of your own, {"tilt.phi": "theta"}; with `numbers` the values of the parameters
+        are put in. Raises LagError for an unknown form, format or name.
+        """
+        from lagrangia.equation_sheet import Request, write_equations
+
+        request = Request(form, format, names or {}, dict(parameters or {}), numbers, force)
+        return write_equations(self.path, request, self.model, self.structural)
+
     def functions(self) -> "dict[str, casadi.Function]":
         """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian; p in the order of `parameter_names`.
 

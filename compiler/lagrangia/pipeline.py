@@ -64,7 +64,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.scenes import build_scene
 
     seconds: dict[str, float] = {}
-    with _deep_recursion():
+    with deep_recursion():
         with _timed(seconds, "syntax, flat"):
             syntax, flat = flatten_file(path, model, structural)
             check_dimensions(flat)
@@ -97,12 +97,32 @@ def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, .
     return tuple(name for name in names if name != ALL_REACTIONS)
 
 
+def compile_energies(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None
+                     ) -> "tuple[Kinematics, Constraints]":
+    """What the equations for people begin with: text -> kinematics, and energies that were checked. Raises LagError."""
+    from lagrangia.constraints import reduce_kinematics
+    from lagrangia.dimensions import check_dimensions
+    from lagrangia.energies import build_energies
+    from lagrangia.graph import build_graph
+    from lagrangia.kinematics import build_kinematics
+
+    with deep_recursion():
+        _, flat = flatten_file(path, model, structural)
+        check_dimensions(flat)
+        kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat)))
+        if not kinematics.symbols.positions:
+            fail("L0505", "nothing can move: the scene has no coordinate", flat.span,
+                 "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
+        build_energies(kinematics)
+        return kinematics, constraints
+
+
 def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> "tuple[Syntax, FlatModel]":
     """Text -> syntax -> flat model. Raises LagError."""
     from lagrangia.classes import build_class_table
     from lagrangia.flat import flatten
 
-    with _deep_recursion():
+    with deep_recursion():
         syntax, imported = read_files(path)
         table = build_class_table(library(), [syntax, *imported])
         definition = _choose(syntax, model)
@@ -179,7 +199,7 @@ def _timed(seconds: dict[str, float], what: str) -> Iterator[None]:
 
 
 @contextmanager
-def _deep_recursion() -> Iterator[None]:
+def deep_recursion() -> Iterator[None]:
     """Expressions are trees, and long sums are deep ones: the parser bounds how deep."""
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _DEEPEST_RECURSION))

@@ -186,6 +186,29 @@ def _library() -> str:
     return "\n".join([*lines, "", f"The sources are worth reading: {data_folder('models') / 'library'}"])
 
 
+_EQUATIONS = """\
+lag equations FILE [--form FORM] [--format FORMAT]
+Lagrange's equations as a textbook writes them, derived with SymPy from the same energies that are simulated.
+
+forms     lagrange      d/dt dT/dv - dT/dq + dV/dq + dD/dv = f, written out for every coordinate (the default)
+          lagrangian    by L = T - V               elastic      by L_e = T - V_e, all sources on the right
+          energies      T, V = V_e + V_f, D and the generalised forces, by component and in all
+          matrix        M(q) q'' + h = f           first-order  q' = v, v' = M^-1 (f - h)
+          linear        M, C, K and the load of small motion about an equilibrium, or --about NAME=VALUE,...
+          worked        the whole derivation: coordinates, positions, velocities, energies, every partial derivative
+formats   text, markdown (formulas between dollars), latex, html (one page that needs no network and prints well),
+          sympy (a Python script that builds the expressions)
+
+--names tilt.phi=theta,guide.s=x   symbols of your own (Greek letters by their names, k_1 with a subscript)
+--numbers, -p NAME=VALUE           puts the parameters' values in      -o FILE   writes a file
+
+A coordinate is called by its last name where that is unambiguous, phi of tilt.phi; else with its component, phi_O. Parameters of
+the model keep their names; a component's that is bound to a formula (I = m L^2/12) stays, and the formula is told below.
+Constraints come with multipliers, Phi = 0 and J^T lambda; loads and prescribed coordinates are given functions of time; constants
+of the motion are named. What is too large to read is told so, with its energies and structure; --force writes it all the same.
+From Python: model.equations("worked", "html", names={"tilt.phi": "theta"})
+"""
+
 TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "language": ("models, frames, energies: the language on one page", lambda: _LANGUAGE),
     "library": ("the components and what they state", _library),
@@ -195,6 +218,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "sweep": ("many runs: values, measures, failures, going on, clusters", lambda: _SWEEP),
     "python": ("the Python interface", lambda: _PYTHON),
     "bench": ("run time against error: what is measured, and how", lambda: _BENCH),
+    "equations": ("the equations of motion for people: forms, formats, names", lambda: _EQUATIONS),
     "errors": ("diagnostics and exit codes", lambda: _ERRORS),
 }
 

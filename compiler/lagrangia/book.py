@@ -1,0 +1,245 @@
+"""What all forms share: the equations with their layouts, and the parts that stand in several of them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from lagrangia.document import Block, Display, Heading, Inline, Table, display, paragraph
+from lagrangia.energies import Term
+from lagrangia.equations import Constant, Equations
+from lagrangia.layout import (
+    Grid,
+    Name,
+    Node,
+    Power,
+    Product,
+    Relation,
+    Root,
+    Slope,
+    Total,
+    Words,
+    added,
+    negative,
+    product,
+    total,
+)
+from lagrangia.presentation import Presentation
+from lagrangia.sympy_algebra import Expr, exact_throughout
+from lagrangia.typeset import line, text
+
+WIDEST_MATRIX = 110
+
+
+@dataclass(frozen=True)
+class Book:
+    """`values` are the parameters' numbers by source name, `starts` the coordinates' at the start."""
+
+    equations: Equations
+    presentation: Presentation
+    names: Mapping[Expr, Name]
+    constants: tuple[Constant, ...]
+    values: Mapping[str, float]
+    has_numbers: bool
+
+    @property
+    def q(self) -> tuple[Name, ...]:
+        return tuple(self.names[q] for q in self.equations.scene.q)
+
+    def rate(self, k: int, marks: int = 1) -> Name:
+        return replace(self.q[k], marks=marks)
+
+    def sum(self, expression: Expr) -> Node:
+        return self.presentation.sum(expression)
+
+    def gentle_sum(self, terms: Sequence[Term], whole: Expr) -> Node:
+        """The terms as stated; or collected, where that is shorter."""
+        stated, collected = added(*(self.gentle(term.value) for term in terms)), self.sum(whole)
+        return stated if len(line(stated)) < len(line(collected)) else collected
+
+    def gentle(self, expression: Expr) -> Node:
+        return self.presentation.gentle(exact_throughout(expression))
+
+
+def bold(base: str, marks: int = 0, argument: str = "") -> Name:
+    """A vector or matrix."""
+    return Name(base, "", marks, argument, True)
+
+
+TRANSPOSED_J = Power(bold("J"), Words("T"))
+
+
+def partial(top: str, bottom: Node, sub: str = "") -> Slope:
+    return Slope(Name(top, sub), bottom)
+
+
+def time_derivative(inner: Node) -> Node:
+    return product([Slope(None, Name("t"), True), inner])
+
+
+def equal(left: Node, right: Node) -> Relation:
+    return Relation(left, right)
+
+
+# -------------------------------------------------------------------- blocks
+
+
+def coordinates_table(book: Book) -> list[Block]:
+    model = book.equations.scene.kinematics.graph.model
+    rows: list[tuple[Inline, ...]] = []
+    for name, q in zip(book.equations.scene.names, book.q, strict=True):
+        variable = model.variables.get(name)
+        rows.append((q, name, (variable.unit if variable else _frame_unit(name)), variable.description if variable else
+                     _frame_words(name)))
+    for name, value in book.equations.scene.dependents.items():
+        shown = book.names.get(sp.Symbol(name, real=True), Name(name))
+        variable = model.variables.get(name)
+        rows.append((equal(shown, book.sum(value)), name, variable.unit if variable else "", "given by the others"))
+    return [Table(("", "in the model", "unit", ""), tuple(rows))]
+
+
+def _frame_unit(name: str) -> str:
+    return "rad" if name.endswith(".phi") else "m"
+
+
+def _frame_words(name: str) -> str:
+    return {"x": "of a floating body", "y": "of a floating body", "phi": "angle of a floating body"}[name.rpartition(".")[2]]
+
+
+def parameters_table(book: Book) -> list[Block]:
+    rows: list[tuple[Inline, ...]] = []
+    for p in book.equations.scene.parameters:
+        if p.symbol in book.names:
+            shown: Node = book.names[p.symbol]
+            if p.formula is not None:
+                shown = equal(shown, book.sum(exact_throughout(p.formula)))
+            rows.append((shown, p.name, f"{book.values[p.name]:.6g} {p.unit}".rstrip(), p.description))
+    return [Table(("", "in the model", "value", ""), tuple(rows))] if rows else []
+
+
+def given_functions(book: Book) -> list[Node]:
+    """P(t) = 50 sin 3t, for every given function that is used."""
+    scene = book.equations.scene
+    return [equal(book.names[g.symbol], book.sum(g.value)) for g in scene.given if g.symbol in book.names]
+
+
+def where(book: Book) -> list[Block]:
+    """What a reader needs to know besides the equations: given functions, formulas of parameters, what names mean."""
+    scene = book.equations.scene
+    lines = given_functions(book)
+    lines += [equal(book.names[p.symbol], book.sum(exact_throughout(p.formula))) for p in scene.parameters
+              if p.symbol in book.names and p.formula is not None]
+    lines += [equal(book.names[s], book.sum(value)) for name, value in scene.dependents.items()
+              for s in [sp.Symbol(name, real=True)] if s in book.names]
+    lines += lengths(book)
+    return [paragraph("where"), Display(tuple(lines))] if lines else []
+
+
+def lengths(book: Book) -> list[Node]:
+    """l = sqrt(x^2 + y^2 - ...), for every root that got a name."""
+    return [equal(name, Root(book.sum(base))) for base, name in book.presentation.symbols.lengths.items()]
+
+
+def names_block(book: Book) -> list[Block]:
+    """s = guide.s, where the name on paper is not that of the model."""
+    scene = book.equations.scene
+    pairs: list[Inline] = []
+    for name, q in zip(scene.names, book.q, strict=True):
+        pairs += [", " if pairs else "", q, f" is {name}"]
+    return [paragraph(*pairs, ".")]
+
+
+def generic(book: Book) -> Node:
+    """d/dt dT/dv - dT/dq + dV/dq + dD/dv + J^T lambda = f, without what is not there."""
+    e = book.equations
+    k, rate = Name("q", "k"), Name("q", "k", 1)
+    items: list[tuple[int, Node]] = [(1, time_derivative(partial("T", rate))), (-1, partial("T", k))]
+    items += [(1, partial("V", k))] if e.V_elastic != 0 or e.V_field != 0 else []
+    items += [(1, partial("D", rate))] if e.D != 0 else []
+    items += multiplier_term(book)
+    return equal(total(items), Name("f", "k") if any(f != 0 for f in e.f) else book.sum(sp.S.Zero))
+
+
+def multiplier_term(book: Book) -> list[tuple[int, Node]]:
+    rows = len(book.equations.rows)
+    q = Name("q", "k", 0 if book.equations.scene.holonomic else 1)
+    if not rows:
+        return []
+    if rows == 1:
+        return [(1, product([Name("lambda"), Slope(Name("Phi"), q)]))]
+    return [(1, product([Name("Sigma"), Name("lambda", "i"), Slope(Name("Phi", "i"), q)]))]
+
+
+def constraints_block(book: Book) -> list[Block]:
+    e = book.equations
+    if not e.rows:
+        return []
+    count, zero = len(e.rows), book.sum(sp.S.Zero)
+    names = [Name("Phi", str(k + 1) if count > 1 else "") for k in range(count)]
+    lines = [equal(name, Relation(book.sum(row), zero)) for name, row in zip(names, e.rows, strict=True)]
+    kind = "Constraints" if e.scene.holonomic == count else "Constraints, the last on the rates" if e.scene.holonomic else \
+        "Constraints on the rates"
+    multipliers = [book.presentation.symbols.names[x] for x in e.multipliers]
+    words = "multiplier" if count == 1 else "multipliers"
+    return [paragraph(f"{kind}, with the {words} ", *_joined(multipliers), ":"), Display(tuple(lines))]
+
+
+def _joined(names: Sequence[Node]) -> list[Inline]:
+    return [part for name in names for part in (", ", name)][1:]
+
+
+def constants_block(book: Book, level: int = 2) -> list[Block]:
+    if not book.constants:
+        return []
+    blocks: list[Block] = [Heading("Constants of the motion", level)] if level else []
+    for c in book.constants:
+        if c.name == "momentum":
+            assert c.coordinate is not None
+            q = book.q[c.coordinate]
+            left = Name("p", " ".join(filter(None, (q.base, q.sub))))
+            blocks += [paragraph(q, " is cyclic: its momentum is constant."),
+                       *display([equal(left, equal(partial("T", book.rate(c.coordinate)), book.sum(c.value)))])]
+        else:
+            blocks += _energy_constant(book, c)
+    return blocks
+
+
+def _energy_constant(book: Book, c: Constant) -> list[Block]:
+    e = book.equations
+    V = e.V_elastic + e.V_field
+    if c.name == "Jacobi":
+        return [paragraph("Nothing depends on time and nothing is lost: Jacobi's integral is constant."),
+                *display([equal(Name("H"), book.sum(c.value))])]
+    work = [negative(product([book.sum(f), q])) for f, q in zip(e.f, book.q, strict=True) if f != 0]
+    left: Node = added(Name("T"), *([Name("V")] if V != 0 else []), *work)
+    why = "The loads are constant and nothing is lost" if work else "Nothing depends on time and nothing is lost"
+    return [paragraph(f"{why}: the energy is constant."), *display([equal(Name("E"), Relation(left, book.sum(c.value)))])]
+
+
+def matrix(name: Node, rows: Sequence[Sequence[Node]], entry: str) -> list[Node]:
+    """name = [...], or its entries one by one where the matrix would be too wide."""
+    whole = equal(name, Grid(tuple(tuple(row) for row in rows)))
+    if text(whole).width <= WIDEST_MATRIX:
+        return [whole]
+    zero = total([])
+    found: list[Node] = []
+    is_column = all(len(row) == 1 for row in rows)
+    is_symmetric = not is_column and len(rows) == len(rows[0]) and all(rows[i][j] == rows[j][i] for i in range(len(rows))
+                                                                      for j in range(i))
+    for i, row in enumerate(rows):
+        for j, cell in enumerate(row):
+            if (is_symmetric and j < i) or (cell == zero and not is_column):
+                continue
+            label = str(i + 1) if is_column else f"{i + 1}{j + 1}" if len(rows) < 10 else f"{i + 1} {j + 1}"
+            here: Node = Name(entry, label)
+            if is_symmetric and i != j:
+                here = equal(here, Name(entry, f"{j + 1}{i + 1}" if len(rows) < 10 else f"{j + 1} {i + 1}"))
+            found.append(equal(here, cell))
+    return found
+
+
+def column(items: Sequence[Node]) -> Grid:
+    return Grid(tuple((item,) for item in items))
+
+
+__all__ = ["Book", "Product", "Total", "column", "matrix"]

@@ -1,0 +1,185 @@
+"""`lag equations`: from a file to a page. Imports SymPy, so only what asks for equations imports this."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+
+from lagrangia.book import Book
+from lagrangia.diagnostics import fail, suggest
+from lagrangia.document import Document
+from lagrangia.equations import constants_of_motion, derive, with_values
+from lagrangia.forms import FORMS
+from lagrangia.kinematics import Kinematics
+from lagrangia.linear_page import linear_form, linearize, values_of
+from lagrangia.pages import PRINTERS
+from lagrangia.parameters import all_parameters, scalars
+from lagrangia.pipeline import compile_energies, deep_recursion
+from lagrangia.series import TooLarge
+from lagrangia.structure import structure_page
+from lagrangia.symbolic import SymbolicScene, build_symbolic
+from lagrangia.sympy_script import write_script
+from lagrangia.textbook import name_symbols, presentation_of
+from lagrangia.values import read_value
+from lagrangia.worked import worked_form
+
+ALL_FORMS = (*FORMS, "linear", "worked")
+ALL_FORMATS = (*PRINTERS, "sympy")
+MOST_TERMS = 150  # of the equations on a page that people read
+MOST_KINETIC_TERMS = 60
+MOST_COORDINATES, MOST_FORCED_COORDINATES = 24, 60
+MOST_PRODUCTS, MOST_FORCED_PRODUCTS = 20_000, 5_000_000
+_DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked for. `names` maps source names to names on paper, `about` coordinates to the point of the linear form."""
+
+    form: str = "lagrange"
+    format: str = "text"
+    names: Mapping[str, str] = field(default_factory=dict)
+    parameters: Mapping[str, float | list[float] | str] = field(default_factory=dict)
+    has_numbers: bool = False
+    is_forced: bool = False
+    about: Mapping[str, str] | None = None
+
+
+def write_equations(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> str:
+    """The page. Raises LagError: L0704 for an unknown form or format, L0711 names, L0712 too large, L0713 no equilibrium."""
+    _choose("form", request.form, ALL_FORMS)
+    _choose("format", request.format, ALL_FORMATS)
+    kinematics, constraints = compile_energies(path, model, structural)
+    _check_size(kinematics, request)
+    with deep_recursion():
+        return _written(kinematics, build_symbolic(kinematics, constraints), request)
+
+
+def _check_size(kinematics: Kinematics, request: Request) -> None:
+    n = len(kinematics.symbols.positions)
+    if n > (MOST_FORCED_COORDINATES if request.is_forced else MOST_COORDINATES):
+        fail("L0712", f"the equations of {n} coordinates are too many to read", kinematics.graph.model.span,
+             f"at most {MOST_COORDINATES}; with --force {MOST_FORCED_COORDINATES}",
+             "model.functions() of the Python interface has M, h and the accelerations of any scene")
+
+
+def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request) -> str:
+    values = parameter_values(kinematics, request.parameters)
+    printer = PRINTERS.get(request.format)
+    limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
+    names = name_symbols(scene, request.names)
+    numbered = with_values(scene, {p.symbol: values[p.name] for p in scene.parameters}) if request.has_numbers else scene
+    try:
+        e = derive(numbered, limit, None if request.is_forced else MOST_KINETIC_TERMS)
+        if e.terms > MOST_TERMS and not request.is_forced and request.form != "linear":
+            raise TooLarge(e.terms, e.T)
+        presentation = presentation_of(e, names, 20 * limit, _DIGITS if request.has_numbers else 0)
+        book = Book(e, presentation, names, constants_of_motion(e), values, request.has_numbers)
+        return write_script(book) if printer is None else printer(_page(book, request, kinematics))
+    except TooLarge as large:
+        if not request.is_forced:
+            return _too_large(scene, names, printer, large)
+        fail("L0712", f"the equations are too large even when forced: more than {large.terms} terms in one product", None,
+             "the energies and their structure are printed without --force")
+
+
+def _page(book: Book, request: Request, kinematics: Kinematics) -> Document:
+    if request.form == "worked":
+        return worked_form(book)
+    if request.form == "linear":
+        about = None if request.about is None else _point(book, request.about)
+        return linear_form(book, linearize(book.equations, values_of(book), declared_starts(kinematics), about))
+    return FORMS[request.form](book)
+
+
+def _too_large(scene: SymbolicScene, names: Any, printer: Any, large: TooLarge) -> str:
+    if printer is None:
+        fail("L0712", "the scene is too large for a script that people read", None, "--force writes it all the same")
+    text: str = printer(structure_page(scene, names, large))
+    return text
+
+
+def _choose(what: str, given: str, known: tuple[str, ...]) -> None:
+    if given not in known:
+        fail("L0704", f"there is no {what} '{given}'", None, *filter(None, [suggest(given, known)]),
+             f"the {what}s are {', '.join(known)}")
+
+
+def _point(book: Book, about: Mapping[str, str]) -> dict[str, float]:
+    scene = book.equations.scene
+    model = scene.kinematics.graph.model
+    found = {}
+    for name, text in about.items():
+        if name not in scene.names:
+            fail("L0706", f"--about: there is no coordinate '{name}'", None, *filter(None, [suggest(name, scene.names)]))
+        variable = model.variables.get(name)
+        found[name] = _scalar(name, text, variable.unit if variable else "rad" if name.endswith("phi") else "m")
+    return found
+
+
+def _scalar(name: str, text: str, unit: str) -> float:
+    try:
+        value = read_value(text, unit)
+    except ValueError as error:
+        fail("L0706", f"{name} = {text}: {error}")
+    if isinstance(value, list):
+        fail("L0706", f"{name} = {text}: one number is needed")
+    return value
+
+
+# -------------------------------------------------------------------- numbers
+
+
+def parameter_values(kinematics: Kinematics, given: Mapping[str, float | list[float] | str]) -> dict[str, float]:
+    """All parameters by name in SI units, those given changed and the dependent ones following; g under world.gravity.
+
+    Texts may carry units. Raises LagError L0702 for an unknown name, L0706 for what is no value.
+    """
+    model, symbols = kinematics.graph.model, kinematics.symbols
+    variables = [v for v in model.variables.values() if v.kind == "parameter"]
+    labels = [label for v in variables for label, _ in scalars(v.name, symbols.values[v.name])]
+    units = {label: v.unit for v in variables for label, _ in scalars(v.name, symbols.values[v.name])}
+    chosen: dict[str, float] = {}
+    for name, text in given.items():
+        mine = [label for label in labels if label == name or label.startswith(name + "[")]
+        if not mine:
+            fail("L0702", f"there is no parameter '{name}'", None, *filter(None, [suggest(name, [*labels, *model.structural])]))
+        value = _read(name, text, units[mine[0]])
+        several = value if isinstance(value, list) else [value]
+        if len(several) != len(mine):
+            fail("L0706", f"{name} = {text}: {len(mine)} number{'s are' if len(mine) > 1 else ' is'} needed")
+        chosen |= dict(zip(mine, several, strict=True))
+    n = len(labels)
+    function = ca.Function("parameters", *_arguments(kinematics, n))
+    found = function([chosen.get(label, 0.0) for label in labels], [float(label in chosen) for label in labels])
+    numbers = dict(zip(labels, found.full().ravel().tolist(), strict=True)) if n else {}
+    gravity = [abs(x) for label, x in numbers.items() if label.startswith("world.gravity[") and x]
+    return numbers | ({"world.gravity": gravity[0]} if len(gravity) == 1 else {"world.gravity": 0.0})
+
+
+def _arguments(kinematics: Kinematics, n: int) -> tuple[list[ca.SX], list[ca.SX]]:
+    given, mask, values = all_parameters(kinematics, n)
+    return [given, mask], [values]
+
+
+def _read(name: str, value: float | list[float] | str, unit: str) -> float | list[float]:
+    if not isinstance(value, str):
+        return value
+    try:
+        return read_value(value, unit)
+    except ValueError as error:
+        fail("L0706", f"{name} = {value}: {error}")
+
+
+def declared_starts(kinematics: Kinematics) -> dict[str, float]:
+    """Start values of the coordinates where they are plain numbers: a place to begin a search from."""
+    found = {}
+    for c in kinematics.graph.coordinates:
+        if c.start is not None:
+            value = kinematics.evaluator.value(c.start)
+            if isinstance(value, float | int):
+                found[c.name] = float(value)
+    return found
+

@@ -1,0 +1,164 @@
+"""SymbolicScene -> Lagrange's equations by SymPy's differentiation, every step kept for the reader.
+
+    d/dt(dT/dv) - dT/dq + dV/dq + dD/dv + J^T lambda = f        M(q) dv/dt + h(q, v, t) + J^T lambda = f
+
+Every expression is brought to its normal form (series.py) as soon as it is made, so that the next step works on few terms.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from lagrangia.energies import Energies, Load, Term
+from lagrangia.flat import FlatModel
+from lagrangia.series import Ring, TooLarge
+from lagrangia.symbolic import GRAVITY, SymbolicScene
+from lagrangia.sympy_algebra import Expr, exact, exact_throughout
+from lagrangia.walk import leaves
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A quantity that the motion does not change, and why."""
+
+    name: str  # "momentum" or "energy"
+    coordinate: int | None
+    value: Expr
+    why: str
+
+
+@dataclass(frozen=True)
+class Equations:
+    """All in normal form. Vectors have n entries, M n x n, J m x n; the loads f stand on the right."""
+
+    scene: SymbolicScene
+    ring: Ring
+    T: Expr
+    V_elastic: Expr
+    V_field: Expr
+    D: Expr
+    momenta: tuple[Expr, ...]  # dT/dv
+    momentum_rates: tuple[Expr, ...]  # d/dt dT/dv
+    dT_dq: tuple[Expr, ...]
+    dV_dq: tuple[Expr, ...]
+    dVe_dq: tuple[Expr, ...]
+    dD_dv: tuple[Expr, ...]
+    f: tuple[Expr, ...]
+    M: tuple[tuple[Expr, ...], ...]
+    h: tuple[Expr, ...]
+    rows: tuple[Expr, ...]
+    J: tuple[tuple[Expr, ...], ...]
+    multipliers: tuple[Expr, ...]
+    reactions: tuple[Expr, ...]  # J^T lambda
+
+    @property
+    def n(self) -> int:
+        return len(self.scene.q)
+
+    @property
+    def left(self) -> tuple[Expr, ...]:
+        """M dv/dt + h, sums of what the steps gave."""
+        tidy, n = self.ring.tidy, range(self.n)
+        return tuple(tidy(self.momentum_rates[k] - self.dT_dq[k] + self.dV_dq[k] + self.dD_dv[k]) for k in n)
+
+    @property
+    def terms(self) -> int:
+        """How many terms there are to read."""
+        return sum(len(sp.Add.make_args(x)) for x in (*self.left, *self.f, *self.rows, *self.reactions))
+
+
+def derive(scene: SymbolicScene, most_products: int, most_terms: int | None = None) -> Equations:
+    """Raises TooLarge when more than `most_products` products are needed, or T alone has more than `most_terms` terms."""
+    ring = Ring(most_products)
+    tidy, energies, model = ring.tidy, scene.energies, scene.kinematics.graph.model
+    T, D = (tidy(sum_of(terms)) for terms in (energies.kinetic, energies.dissipation))
+    if most_terms is not None and len(T.args) > most_terms:
+        raise TooLarge(len(T.args), T)
+    field, elastic = (tidy(sum_of(terms)) for terms in split_potential(energies, model))
+    V = tidy(elastic + field)
+    momenta = tuple(tidy(T.diff(v)) for v in scene.v)
+    rates = tuple(tidy(scene.time_rate(p)) for p in momenta)
+
+    def slopes(expression: Expr, of: tuple[Expr, ...]) -> tuple[Expr, ...]:
+        return tuple(tidy(expression.diff(x)) for x in of)
+
+    dT_dq, dV_dq, dVe_dq, dD_dv = slopes(T, scene.q), slopes(V, scene.q), slopes(elastic, scene.q), slopes(D, scene.v)
+    M = tuple(slopes(p, scene.v) for p in momenta)
+    at_rest = dict.fromkeys(scene.a, sp.S.Zero)
+    h = tuple(tidy(rates[k].xreplace(at_rest) - dT_dq[k] + dV_dq[k] + dD_dv[k]) for k in range(len(scene.q)))
+    rows = tuple(tidy(row) for row in scene.rows)
+    J = tuple(slopes(row, scene.q if k < scene.holonomic else scene.v) for k, row in enumerate(rows))
+    multipliers = tuple(sp.Symbol(f"lambda_{k + 1}" if len(rows) > 1 else "lambda", real=True) for k in range(len(rows)))
+    reactions = tuple(tidy(sum((x * row[k] for x, row in zip(multipliers, J, strict=True)), sp.S.Zero))
+                      for k in range(len(scene.q)))
+    f = generalised_force(scene, ring)
+    slopes_of = dT_dq, dV_dq, dVe_dq, dD_dv
+    return Equations(scene, ring, T, elastic, field, D, momenta, rates, *slopes_of, f, M, h, rows, J, multipliers, reactions)
+
+
+def sum_of(terms: tuple[Term, ...]) -> Expr:
+    return sp.Add(*(exact_throughout(term.value) for term in terms))
+
+
+def split_potential(energies: Energies, model: FlatModel) -> tuple[tuple[Term, ...], tuple[Term, ...]]:
+    """Terms of V_f, which speak of gravity, and those of V_e."""
+    bindings = {name: v.binding for name, v in model.variables.items() if v.kind == "variable"}
+
+    def is_field(term: Term) -> bool:
+        return any(getattr(leaf, "name", "") == GRAVITY for leaf in leaves([term.statement.value], bindings))
+
+    return (tuple(t for t in energies.potential if is_field(t)), tuple(t for t in energies.potential if not is_field(t)))
+
+
+def generalised_force(scene: SymbolicScene, ring: Ring) -> tuple[Expr, ...]:
+    """f_k = sum_i F_i . dr_i/dq_k."""
+    return tuple(ring.tidy(sp.Add(*(load_force(load, q) for load in scene.energies.loads))) for q in scene.q)
+
+
+def load_force(load: Load, q: Expr) -> Expr:
+    pairs = zip(load.force, load.position, strict=True)
+    return sp.Add(*(exact_throughout(force) * exact_throughout(r).diff(q) for force, r in pairs))
+
+
+def constants_of_motion(e: Equations) -> tuple[Constant, ...]:
+    """Momenta of cyclic coordinates, and the energy where nothing depends on time and nothing is lost.
+
+    H = sum v dT/dv - T + V is constant when neither T, V nor Phi depends on t, D = 0 and f = 0; it is T + V when T is quadratic
+    in the rates. Constant generalised forces count as potentials -f q.
+    """
+    scene, tidy = e.scene, e.ring.tidy
+    found = []
+    L = e.T - e.V_elastic - e.V_field
+    for k, q in enumerate(scene.q):
+        is_free = e.f[k] == 0 and e.dD_dv[k] == 0 and e.reactions[k] == 0
+        if is_free and tidy(L.diff(q)) == 0 and e.momenta[k] != 0:
+            found.append(Constant("momentum", k, e.momenta[k], "cyclic"))
+    driven = (x for g in scene.given for x in g.moving if g.value.has(scene.t))
+    moving = {*scene.q, *scene.v, scene.t, *scene.inputs.values(), *driven}
+    is_lossless = e.D == 0 and not any(x.free_symbols & moving for x in e.f)
+    holds = all(tidy(scene.explicit_rate(row)) == 0 for row in e.rows[: scene.holonomic])
+    homogeneous = all(row.xreplace(dict.fromkeys(scene.v, sp.S.Zero)) == 0 for row in e.rows[scene.holonomic :])
+    if is_lossless and holds and homogeneous and tidy(scene.explicit_rate(L)) == 0:
+        work = sum((f * q for f, q in zip(e.f, scene.q, strict=True)), sp.S.Zero)
+        H = sum((v * p for v, p in zip(scene.v, e.momenta, strict=True)), sp.S.Zero) - L - work
+        is_energy = tidy(H - e.T - e.V_elastic - e.V_field + work) == 0
+        found.append(Constant("energy" if is_energy else "Jacobi", None, tidy(H), "work" if work != 0 else "conservative"))
+    return tuple(found)
+
+
+def with_values(scene: SymbolicScene, values: Mapping[Expr, float]) -> SymbolicScene:
+    """The scene with numbers in place of parameters."""
+    numbers = {symbol: exact(value) for symbol, value in values.items()}
+
+    def put(x: Expr) -> Expr:
+        return exact_throughout(x).xreplace(numbers)
+
+    def terms(group: tuple[Term, ...]) -> tuple[Term, ...]:
+        return tuple(replace(term, value=put(term.value)) for term in group)
+
+    e = scene.energies
+    loads = tuple(Load(tuple(map(put, x.force)), tuple(map(put, x.position)), x.statement) for x in e.loads)
+    given = tuple(replace(g, rate=put(g.rate), acceleration=put(g.acceleration), value=put(g.value)) for g in scene.given)
+    return replace(scene, energies=Energies(terms(e.kinetic), terms(e.potential), terms(e.dissipation), loads), given=given,
+                   rows=tuple(map(put, scene.rows)), dependents={n: put(x) for n, x in scene.dependents.items()}, parameters=())

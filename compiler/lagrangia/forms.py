@@ -1,0 +1,235 @@
+"""The forms in which people write a mechanism's equations: each a Document made from one Book."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import sympy as sp
+
+from lagrangia.book import (
+    TRANSPOSED_J,
+    Book,
+    bold,
+    column,
+    constants_block,
+    constraints_block,
+    coordinates_table,
+    equal,
+    generic,
+    matrix,
+    multiplier_term,
+    names_block,
+    partial,
+    time_derivative,
+    where,
+)
+from lagrangia.document import Block, Display, Document, Heading, display, paragraph
+from lagrangia.energies import Term
+from lagrangia.equations import load_force, split_potential
+from lagrangia.layout import Grid, Name, Node, Relation, Total, added, product, total
+from lagrangia.presentation import Presentation
+from lagrangia.sympy_algebra import Expr, exact_throughout
+
+
+def title(book: Book) -> str:
+    return book.equations.scene.kinematics.graph.model.name
+
+
+def opening(book: Book) -> list[Block]:
+    description = book.equations.scene.kinematics.graph.model.description
+    return [paragraph(f"{description}.")] if description else []
+
+
+def page(book: Book, blocks: list[Block]) -> Document:
+    return Document(title(book), (*opening(book), *names_block(book), *blocks))
+
+
+# -------------------------------------------------------------------- energies
+
+
+def energies_form(book: Book) -> Document:
+    return page(book, [*energy_blocks(book), *force_blocks(book), *constraints_block(book), *where(book)])
+
+
+def energy_blocks(book: Book) -> list[Block]:
+    """T, V and D, component by component and in all."""
+    e = book.equations
+    energies, model = e.scene.energies, e.scene.kinematics.graph.model
+    field, elastic = split_potential(energies, model)
+    blocks: list[Block] = [Heading("Kinetic energy", 2), *_energy(book, "T", energies.kinetic, e.T)]
+    if e.V_elastic != 0 or e.V_field != 0:
+        blocks += [Heading("Potential energy", 2)]
+    if e.V_elastic != 0 and e.V_field != 0:
+        blocks += display([equal(Name("V"), total([(1, Name("V", "e")), (1, Name("V", "f"))]))])
+    both = e.V_elastic != 0 and e.V_field != 0
+    if e.V_elastic != 0:
+        blocks += [paragraph("Elastic:"), *_energy(book, "V", elastic, e.V_elastic, "e" if both else "")]
+    if e.V_field != 0:
+        blocks += [paragraph("Of gravity:"), *_energy(book, "V", field, e.V_field, "f" if both else "")]
+    if e.D != 0:
+        blocks += [Heading("Dissipation function", 2), *_energy(book, "D", energies.dissipation, e.D)]
+    return blocks
+
+
+def _energy(book: Book, base: str, terms: tuple[Term, ...], whole: Expr, sub: str = "") -> list[Block]:
+    """The terms as they are stated, and their sum."""
+    shown = [term for term in terms if book.equations.ring.tidy(exact_throughout(term.value)) != 0]
+    several: dict[str, list[Term]] = {}
+    for term in shown:
+        several.setdefault(term.component, []).append(term)
+    lines: list[Node] = []
+    names: list[Node] = []
+    for component, mine in several.items():
+        name = Name(base, component_sub(component))
+        names.append(name)
+        lines.append(equal(name, added(*(book.gentle(term.value) for term in mine))))
+    if len(lines) == 1:
+        right = lines[0].right if isinstance(lines[0], Relation) else lines[0]
+        summed = book.sum(whole)
+        return display([equal(Name(base, sub), right if right == summed else Relation(right, summed))])
+    return [*display(lines), *display([equal(Name(base, sub), Relation(added(*names), book.sum(whole)))])]
+
+
+def component_sub(component: str) -> str:
+    return component.replace(".", " ").replace("[", " ").replace("]", "")
+
+
+def force_blocks(book: Book) -> list[Block]:
+    """The generalised forces f_k = sum F . dr/dq_k of the loads."""
+    e = book.equations
+    if not e.scene.energies.loads:
+        return []
+    lines = [equal(force_name(book, k), book.sum(f)) for k, f in enumerate(e.f)]
+    blocks: list[Block] = [Heading("Generalised forces", 2)]
+    several = len(e.scene.energies.loads) > 1
+    for load in e.scene.energies.loads if several else ():
+        parts = [(k, e.ring.tidy(load_force(load, q))) for k, q in enumerate(e.scene.q)]
+        shown = [equal(force_name(book, k), book.sum(x)) for k, x in parts if x != 0]
+        blocks += [paragraph(f"Of {load.statement.component}:"), *display(shown)]
+    return [*blocks, *([paragraph("In all:")] if several else []), Display(tuple(lines))]
+
+
+def force_name(book: Book, k: int) -> Name:
+    q = book.q[k]
+    return Name("f", " ".join(filter(None, (q.base, q.sub))))
+
+
+# -------------------------------------------------------------------- Lagrange's equations
+
+
+def equations_of(book: Book) -> list[Node]:
+    e = book.equations
+    return [book.presentation.equation(e.left[k] + e.reactions[k], e.f[k], k) for k in range(e.n)]
+
+
+def lagrange_form(book: Book) -> Document:
+    return page(book, [paragraph("Lagrange's equations"), Display((generic(book),)), paragraph("give"),
+                       Display(tuple(equations_of(book))), *constraints_block(book), *where(book), *constants_block(book)])
+
+
+def lagrangian_form(book: Book) -> Document:
+    """L = T - V."""
+    e, rate, k = book.equations, Name("q", "k", 1), Name("q", "k")
+    L = e.ring.tidy(e.T - e.V_elastic - e.V_field)
+    items = [(1, time_derivative(partial("L", rate))), (-1, partial("L", k))]
+    items += [(1, partial("D", rate))] if e.D != 0 else []
+    items += multiplier_term(book)
+    right: Node = Name("f", "k") if any(f != 0 for f in e.f) else book.sum(sp.S.Zero)
+    V: list[tuple[int, Node]] = [(-1, Name("V"))] if e.V_elastic != 0 or e.V_field != 0 else []
+    head = equal(Name("L"), Relation(total([(1, Name("T")), *V]), book.sum(L)))
+    D = [equal(Name("D"), book.gentle_sum(e.scene.energies.dissipation, e.D))] if e.D != 0 else []
+    forces = [equal(force_name(book, i), book.sum(f)) for i, f in enumerate(e.f) if f != 0]
+    return page(book, [paragraph("Lagrange's function is"), Display((head, *D, *forces)), paragraph("and its equations"),
+                       Display((equal(total(items), right),)), paragraph("give"), Display(tuple(equations_of(book))),
+                       *constraints_block(book), *where(book), *constants_block(book)])
+
+
+def elastic_form(book: Book) -> Document:
+    """L_e = T - V_e on the left, all that is a source on the right."""
+    e, rate, k = book.equations, Name("q", "k", 1), Name("q", "k")
+    L = e.ring.tidy(e.T - e.V_elastic)
+    left = total([(1, time_derivative(partial("L", rate, "e"))), (-1, partial("L", k, "e"))])
+    sources: list[tuple[int, Node]] = [(1, Name("f", "k"))] if any(f != 0 for f in e.f) else []
+    sources += [(-1, partial("V", k, "f"))] if e.V_field != 0 else []
+    sources += [(-1, partial("D", rate))] if e.D != 0 else []
+    sources += [(-sign, node) for sign, node in multiplier_term(book)]
+    lines = []
+    for i in range(e.n):
+        own = e.ring.tidy(e.momentum_rates[i] - e.dT_dq[i] + e.dVe_dq[i])
+        field = e.ring.tidy(e.dV_dq[i] - e.dVe_dq[i])
+        right = e.ring.tidy(e.f[i] - field - e.dD_dv[i] - e.reactions[i])
+        lines.append(book.presentation.kept(own, right, i))
+    has_elastic = e.V_elastic != 0
+    head = equal(Name("L", "e"), Relation(total([(1, Name("T")), *([(-1, Name("V", "e"))] if has_elastic else [])]), book.sum(L)))
+    return page(book, [Display((head,)), Display((equal(left, Relation(Name("Q", "k"), total(sources))),)), paragraph("give"),
+                       Display(tuple(lines)), *constraints_block(book), *where(book)])
+
+
+# -------------------------------------------------------------------- matrices
+
+
+def matrix_blocks(book: Book) -> list[Block]:
+    """M, h, f and J with the equation that they stand in."""
+    e, p = book.equations, book.presentation
+    M = [[p.coefficient(x) for x in row] for row in e.M]
+    acceleration = column([book.rate(k, 2) for k in range(e.n)])
+    is_constant = not any(p.symbols.moves(x) for row in e.M for x in row)
+    left: list[Node] = [product([bold("M", 0, "" if is_constant else "q"), bold("q", 2)])]
+    left += [bold("h")] if any(x != 0 for x in e.h) else []
+    left += [product([TRANSPOSED_J, bold("lambda")])] if e.rows else []
+    right: Node = bold("f") if any(x != 0 for x in e.f) else book.sum(sp.S.Zero)
+    blocks: list[Block] = [Display((equal(total([(1, x) for x in left]), right),)), paragraph("with")]
+    lines = [equal(bold("q", 2), acceleration), *matrix(bold("M"), M, "M")]
+    lines += matrix(bold("h"), [[book.sum(x)] for x in e.h], "h") if any(x != 0 for x in e.h) else []
+    lines += matrix(bold("f"), [[book.sum(x)] for x in e.f], "f") if any(x != 0 for x in e.f) else []
+    lines += matrix(bold("J"), [[book.sum(x) for x in row] for row in e.J], "J") if e.rows else []
+    return [*blocks, Display(tuple(lines))]
+
+
+def matrix_form(book: Book) -> Document:
+    return page(book, [*matrix_blocks(book), *constraints_block(book), *where(book)])
+
+
+def first_order_form(book: Book) -> Document:
+    """q' = v and v' = M^-1 (f - h); with several coordinates and a full M by its determinant, or M v' = f - h."""
+    e = book.equations
+    named = {v: Name("v", " ".join(filter(None, (q.base, q.sub)))) for v, q in zip(e.scene.v, book.q, strict=True)}
+    names = dict(book.presentation.symbols.names) | named
+    p = replace(book.presentation, symbols=replace(book.presentation.symbols, names=names))
+    rates = [replace(named[v], marks=1) for v in e.scene.v]
+    lines: list[Node] = [equal(book.rate(k), named[v]) for k, v in enumerate(e.scene.v)]
+    right = [e.ring.tidy(f - h - r) for f, h, r in zip(e.f, e.h, e.reactions, strict=True)]
+    is_diagonal = all(e.M[i][j] == 0 for i in range(e.n) for j in range(i))
+    if is_diagonal:
+        lines += [equal(rates[k], p.quotient(right[k], e.M[k][k])) for k in range(e.n)]
+        blocks: list[Block] = [Display(tuple(lines))]
+    elif e.n == 2:
+        (a, b), (_, d) = e.M
+        delta = e.ring.tidy(a * d - b * b)
+        r1, r2 = Name("r", "1"), Name("r", "2")
+        M = [[Name("M", f"{i + 1}{j + 1}") for j in range(2)] for i in range(2)]
+        solved = [total([(1, product([M[1][1], r1])), (-1, product([M[0][1], r2]))]),
+                  total([(1, product([M[0][0], r2])), (-1, product([M[0][1], r1]))])]
+        lines += [equal(rate, p.over(top, Name("Delta"))) for rate, top in zip(rates, solved, strict=True)]
+        squares = total([(1, product([M[0][0], M[1][1]])), (-1, p.square(M[0][1]))])
+        inside = [equal(r1, p.sum(right[0])), equal(r2, p.sum(right[1])), equal(M[0][0], p.coefficient(a)),
+                  equal(M[0][1], p.coefficient(b)), equal(M[1][1], p.coefficient(d)),
+                  equal(Name("Delta"), Relation(squares, p.sum(delta)))]
+        blocks = [Display(tuple(lines)), paragraph("with"), Display(tuple(inside))]
+    else:
+        blocks = _descriptor(book, p, lines, rates, right)
+    return page(book, [*blocks, *constraints_block(book), *where(book)])
+
+
+def _descriptor(book: Book, p: Presentation, lines: list[Node], rates: list[Name], right: list[Expr]) -> list[Block]:
+    M = [[p.coefficient(x) for x in row] for row in book.equations.M]
+    r = [[p.sum(x)] for x in right]
+    whole = [equal(product([bold("M"), bold("v", 1)]), bold("r")), equal(bold("v", 1), column(rates)),
+             *matrix(bold("M"), M, "M"), *matrix(bold("r"), r, "r")]
+    return [Display(tuple(lines)), paragraph("and"), Display(tuple(whole))]
+
+
+FORMS: Mapping[str, Callable[[Book], Document]] = {
+    "energies": energies_form, "lagrange": lagrange_form, "lagrangian": lagrangian_form, "elastic": elastic_form,
+    "matrix": matrix_form, "first-order": first_order_form,
+}
+__all__ = ["FORMS", "Grid", "Total", "coordinates_table"]

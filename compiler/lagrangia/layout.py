@@ -1,0 +1,203 @@
+"""Formulas as they stand on paper: a small tree of products, sums, fractions and matrices, in the order a reader wants.
+
+SymPy orders sums and products to its own liking; here the order is kept. typeset.py prints the tree as text, LaTeX or MathML.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+_LOWER = ("alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho sigmaf sigma tau upsilon phi "
+          "chi psi omega").split()
+GREEK = {name: chr(code) for name, code in zip(_LOWER, range(0x3B1, 0x3CA), strict=True)} | {
+    "ell": "ℓ", "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ", "Phi": "Φ",
+    "Psi": "Ψ", "Omega": "Ω"}
+
+
+@dataclass(frozen=True)
+class Name:
+    """A symbol: theta'', k_1, M(t). `marks` counts the primes or dots; vectors and matrices are bold."""
+
+    base: str
+    sub: str = ""
+    marks: int = 0
+    argument: str = ""
+    is_bold: bool = False
+    prefix: str = ""
+
+
+@dataclass(frozen=True)
+class Words:
+    """Plain text in a formula."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Numeral:
+    """An exact number, or with `digits` a decimal one of so many significant digits."""
+
+    value: Fraction
+    digits: int = 0
+
+
+@dataclass(frozen=True)
+class Product:
+    items: tuple["Node", ...]
+
+
+@dataclass(frozen=True)
+class Total:
+    """A sum of terms, each with its sign."""
+
+    items: tuple[tuple[int, "Node"], ...]
+
+
+@dataclass(frozen=True)
+class Quotient:
+    top: "Node"
+    bottom: "Node"
+
+
+@dataclass(frozen=True)
+class Power:
+    base: "Node"
+    exponent: "Node"
+
+
+@dataclass(frozen=True)
+class Apply:
+    """A function of an argument: sin theta, with `power` sin^2 theta."""
+
+    function: str
+    argument: "Node"
+    power: int = 1
+
+
+@dataclass(frozen=True)
+class Root:
+    inside: "Node"
+
+
+@dataclass(frozen=True)
+class Bracket:
+    inside: "Node"
+
+
+@dataclass(frozen=True)
+class Listing:
+    """(a, b, c)"""
+
+    items: tuple["Node", ...]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A matrix, or a column."""
+
+    rows: tuple[tuple["Node", ...], ...]
+
+
+@dataclass(frozen=True)
+class Cases:
+    """Values with their conditions; the last condition may be None: otherwise."""
+
+    items: tuple[tuple["Node", "Node | None"], ...]
+
+
+@dataclass(frozen=True)
+class Slope:
+    """d top / d bottom; partial unless `is_total`. Without a top it is the operator."""
+
+    top: "Node | None"
+    bottom: "Node"
+    is_total: bool = False
+
+
+@dataclass(frozen=True)
+class Relation:
+    """left = right, or any other symbol between them."""
+
+    left: "Node"
+    right: "Node"
+    symbol: str = "="
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """A formula, or a part of one, as signs and terms in a row: what a long line is broken into."""
+
+    items: tuple[tuple[str, "Node"], ...]
+
+
+Node: TypeAlias = (Name | Words | Numeral | Product | Total | Quotient | Power | Apply | Root | Bracket | Grid | Cases | Slope
+                   | Relation | Pieces | Listing)
+
+_SHORTEST = 12  # of a line that may be broken off
+ZERO, ONE = Numeral(Fraction(0)), Numeral(Fraction(1))
+
+
+def product(items: Sequence[Node]) -> Node:
+    """The product of the items; sums in it get brackets."""
+    items = [Bracket(x) if isinstance(x, Total) else x for x in items]
+    return items[0] if len(items) == 1 else Product(tuple(items)) if items else ONE
+
+
+def total(items: Sequence[tuple[int, Node]]) -> Node:
+    """The sum of signed terms; none is 0."""
+    return Total(tuple(items)) if len(items) > 1 or (items and items[0][0] < 0) else items[0][1] if items else ZERO
+
+
+def added(*nodes: Node) -> Node:
+    """The sum of nodes, sums among them opened, zeros left out."""
+    items: list[tuple[int, Node]] = []
+    for node in nodes:
+        items += node.items if isinstance(node, Total) else () if node == ZERO else [(1, node)]
+    return total(items)
+
+
+def broken(node: Node, size: Callable[[Node], int], width: int) -> list[Node]:
+    """A relation of long sums as lines of no more than `width`, as far as its terms allow."""
+    if size(node) <= width or not isinstance(node, Relation):
+        return [node]
+    pieces = [*_pieces(node.left, ""), *_pieces(node.right, node.symbol)]
+    pieces = [part for piece in pieces for part in (_opened(piece) if size(piece[1]) > width else [piece])]
+    lines: list[list[tuple[str, Node]]] = [[]]
+    length = 0
+    for piece in pieces:
+        this = size(piece[1]) + 3
+        if length > _SHORTEST and length + this > width:
+            lines.append([])
+            length = 4
+        lines[-1].append(piece)
+        length += this
+    return [Pieces(tuple(items)) for items in lines]
+
+
+def _opened(piece: tuple[str, Node]) -> list[tuple[str, Node]]:
+    """A long bracket by its terms."""
+    sign, node = piece
+    bracket = node.items[-1] if isinstance(node, Product) else node
+    if not isinstance(bracket, Bracket) or not isinstance(bracket.inside, Total):
+        return [piece]
+    before = node.items[:-1] if isinstance(node, Product) else ()
+    (_, first), *rest = _pieces(bracket.inside, "")
+    start = Pieces((("", product(before)), ("(", first))) if before else Pieces((("(", first),))
+    *middle, (last_sign, last) = rest
+    return [(sign, start), *middle, (last_sign, Pieces((("", last), (")", Words("")))))]
+
+
+def _pieces(node: Node, first: str) -> list[tuple[str, Node]]:
+    if isinstance(node, Relation):
+        return [*_pieces(node.left, first), *_pieces(node.right, node.symbol)]
+    items = node.items if isinstance(node, Total) else ((1, node),)
+    signs = ["−" if sign < 0 else "+" for sign, _ in items]
+    signs[0] = first + (" −" if first and items[0][0] < 0 else "−" if items[0][0] < 0 else "")
+    return [(sign, Bracket(item) if isinstance(item, Total) else item) for sign, (_, item) in zip(signs, items, strict=True)]
+
+
+def negative(node: Node) -> Node:
+    if node == ZERO:
+        return node
+    return total([(-sign, item) for sign, item in node.items]) if isinstance(node, Total) else Total(((-1, node),))

@@ -1,0 +1,119 @@
+"""Names of the source -> symbols on paper: tilt.phi becomes phi where no other phi is about, hinge[2].phi phi_2, s1.k k_s1."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from lagrangia.diagnostics import fail, suggest
+from lagrangia.layout import GREEK, Name
+
+_ATTRIBUTES = {"force": ("F", ""), "torque": ("M", ""), "s_rel0": ("s", "0"), "phi_rel0": ("phi", "0"), "gravity": ("g", ""),
+               "omega": ("omega", "")}
+_AXES = {"1": "x", "2": "y"}
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A symbol that needs a name on paper. `is_load` names are called after a component of one letter."""
+
+    source: str
+    is_load: bool = False
+    is_function: bool = False  # of time: printed with (t)
+
+
+def name_all(wanted: Iterable[Wanted], given: Mapping[str, str]) -> dict[str, Name]:
+    """A name for each source name, all different; `given` are those that the user chose (source -> text).
+
+    Raises LagError L0711 for a chosen name that is no name, or stands for two things, or for a source name that is unknown.
+    """
+    wanted = list(wanted)
+    _check(wanted, given)
+    names = {source: _split(text) for source, text in given.items()}
+    for item in wanted:
+        if "." not in item.source and item.source not in names:
+            names[item.source] = _split(item.source)
+    rest = [item for item in wanted if item.source not in names]
+    for level in range(3):
+        groups: dict[tuple[str, str], list[Wanted]] = {}
+        for item in rest:
+            groups.setdefault(_candidate(item, level, rest), []).append(item)
+        taken = set(names.values())
+        unique = {items[0].source: key for key, items in groups.items() if len(items) == 1 and key not in taken}
+        names |= unique
+        rest = [item for item in rest if item.source not in unique]
+    names |= {item.source: (item.source, "") for item in rest}
+    functions = {item.source for item in wanted if item.is_function}
+    return {source: Name(base, sub, 0, "t" if source in functions else "") for source, (base, sub) in names.items()}
+
+
+def _check(wanted: list[Wanted], given: Mapping[str, str]) -> None:
+    known = [item.source for item in wanted]
+    for source, text in given.items():
+        if source not in known:
+            hints = filter(None, [suggest(source, known)])
+            fail("L0711", f"--names: there is no symbol '{source}' in the equations", None, *hints)
+        if not _NAME.fullmatch(text):
+            fail("L0711", f"--names: '{text}' is no name", None, "letters and digits, with _ before a subscript: theta, x_1")
+    texts = list(given.values())
+    twice = [text for text in texts if texts.count(text) > 1]
+    others = [text for text in texts if text in known and text not in given and "." not in text]
+    if twice or others:
+        fail("L0711", f"--names: '{(twice or others)[0]}' would stand for two things", None)
+
+
+def _candidate(item: Wanted, level: int, rest: list[Wanted]) -> tuple[str, str]:
+    """The shorter names come first: the attribute alone, with its component, with its whole path."""
+    path, attribute, axis = _parts(item.source)
+    base, sub = _ATTRIBUTES.get(attribute) or _split(attribute)
+    last = _last(path)
+    if item.is_load and re.fullmatch(r"[A-Za-z]\d*", last):
+        base, sub = _split(last)
+        return base, _joined(sub, axis)
+    if level == 0:
+        return base, _joined(sub, axis)
+    if level == 1:
+        return base, _joined(sub, _component(item, rest), axis)
+    return base, _joined(sub, path.replace(".", " ").replace("[", "").replace("]", ""), axis)
+
+
+def _component(item: Wanted, rest: list[Wanted]) -> str:
+    """The component's last name; of an array's elements the number alone, when the others with the attribute are of the array."""
+    path, attribute, _ = _parts(item.source)
+    last = _last(path)
+    match = re.fullmatch(r"(\w+)\[(\d+)\]", last)
+    if match:
+        others = {_last(p) for p, a, _ in (_parts(other.source) for other in rest) if a == attribute}
+        if all(re.fullmatch(rf"{match[1]}\[\d+\]", other) for other in others):
+            return match[2]
+        return f"{match[1]}{match[2]}"
+    return last
+
+
+def _last(path: str) -> str:
+    """The component that a path ends with; the port of a floating body is the body."""
+    parts = path.split(".")
+    return parts[-2] if len(parts) > 1 and parts[-1] in ("center", "at", "on") else parts[-1]
+
+
+def _parts(source: str) -> tuple[str, str, str]:
+    """Path, attribute, and the axis of an element of a vector."""
+    path, _, attribute = source.rpartition(".")
+    match = re.fullmatch(r"(\w+)\[(\d)\]", attribute)
+    return (path, match[1], _AXES.get(match[2], match[2])) if match else (path, attribute, "")
+
+
+def _split(text: str) -> tuple[str, str]:
+    """k1 -> (k, 1), s_rel0 -> (s, rel0), speed -> (speed, "")."""
+    base, _, sub = text.partition("_")
+    match = re.fullmatch(r"([A-Za-z]|[A-Za-z]*[a-z]{2,})(\d+)", base)
+    if match:
+        base, sub = match[1], _joined(match[2], sub)
+    if re.fullmatch(r"[A-Za-z][a-z]", base) and base not in GREEK:
+        base, sub = base[0], _joined(base[1], sub)  # ks is k_s
+    element = re.fullmatch(r"(\w+)\[([\d,]+)\]", base)
+    return (element[1], _joined(element[2], sub)) if element else (base, sub.replace("_", " "))
+
+
+def _joined(*parts: str) -> str:
+    return " ".join(part for part in parts if part)

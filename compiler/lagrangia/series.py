@@ -1,0 +1,334 @@
+"""Normal form of expressions: sums of rational numbers x powers of atoms x the cosine or sine of one sum of angles.
+
+    2 cos a cos b = cos(a - b) + cos(a + b)    2 sin a sin b = cos(a - b) - cos(a + b)    2 sin a cos b = sin(a + b) + sin(a - b)
+
+In it every identity between sines and cosines has become the cancellation of equal terms (the Poisson series of celestial
+mechanics; Deprit and Rom, 1968), so nothing is ever guessed. Roots and quotients of sums are atoms. The work is bounded by a
+count of products, never by a clock.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+
+import sympy as sp
+
+from lagrangia.sympy_algebra import Expr
+
+Powers = tuple[tuple[int, Fraction], ...]  # of atoms, by their numbers
+Angle = tuple[tuple[int, Fraction], ...]  # sum of coefficient x atom
+Key = tuple[Powers, Angle, bool]  # the last: sine
+Series = dict[Key, Fraction]
+
+_ONE, _HALF = Fraction(1), Fraction(1, 2)
+CONSTANT: Key = ((), (), False)
+TIME = sp.Symbol("t", real=True)
+
+
+class TooLarge(Exception):
+    """The normal form would take more products, or have more terms, than allowed: `terms` is how many there are at least.
+
+    `kinetic` is T, where that much is known.
+    """
+
+    def __init__(self, terms: int, kinetic: Expr | None = None) -> None:
+        self.terms, self.kinetic = terms, kinetic
+        super().__init__(f"more than {terms} terms")
+
+
+@dataclass(frozen=True)
+class Term:
+    """number x powers of atoms x trigonometric factors."""
+
+    number: Fraction
+    powers: tuple[tuple[Expr, Fraction], ...]
+    trigonometric: tuple[tuple[Expr, int], ...]  # sin(..) or cos(..) with exponents
+
+    def expression(self) -> Expr:
+        factors = [sp.Pow(atom, _rational(k)) for atom, k in self.powers] + [f**k for f, k in self.trigonometric]
+        return sp.Mul(_rational(self.number), *factors)
+
+
+class Ring:
+    """Numbers the atoms, and counts the work. Sums of `kept` symbols alone stay as they are: phi' + psi'."""
+
+    def __init__(self, most_products: int, kept: frozenset[Expr] = frozenset()) -> None:
+        self.most, self.products, self.kept = most_products, 0, kept
+        self.atoms: list[Expr] = []
+        self.numbers: dict[Expr, int] = {}
+        self.composite: dict[int, Series] = {}  # atoms that are sums: their whole powers are multiplied out
+        self._known: dict[Expr, Series] = {}
+        self.whole = {self._atom(sp.pi)}  # atoms of angles that are not halved: pi, and what depends on time alone
+        self.pi = 0
+
+    def tidy(self, expression: Expr) -> Expr:
+        """The expression in normal form, as few terms as the pairing of sines and cosines gives."""
+        return sp.Add(*(term.expression() for term in self.terms(expression)))
+
+    def terms(self, expression: Expr) -> list[Term]:
+        return self._written(self.series(expression))
+
+    def is_zero(self, expression: Expr) -> bool:
+        return not self.series(expression)
+
+    # ------------------------------------------------------------ expression -> series
+
+    def series(self, expression: Expr) -> Series:
+        """Raises TooLarge."""
+        if expression not in self._known:
+            self._known[expression] = self._series(sp.sympify(expression))
+        return self._known[expression]
+
+    def _series(self, e: Expr) -> Series:
+        if e.is_Rational:
+            return {CONSTANT: Fraction(int(e.p), int(e.q))} if e != 0 else {}
+        if e.is_Symbol or isinstance(e, sp.NumberSymbol):
+            return self._atom_series(e)
+        if e.is_Add and self.kept and all(x.as_coeff_Mul()[1] in self.kept for x in e.args):
+            return self._atom_series(e)
+        if e.is_Add:
+            return _sum(self.series(x) for x in e.args)
+        if e.is_Mul:
+            total: Series = {CONSTANT: _ONE}
+            for x in e.args:
+                total = self.product(total, self.series(x))
+            return total
+        if e.is_Pow:
+            return self._power(e)
+        if isinstance(e, sp.sin | sp.cos):
+            return self._wave(e)
+        return self._opaque(e)
+
+    def _power(self, e: Expr) -> Series:
+        base, exponent = e.args
+        if exponent.is_Integer and exponent > 0:
+            return self._whole_power(self.series(base), int(exponent))
+        if not exponent.is_Rational:
+            return self._opaque(e)
+        inner = self.series(base)
+        k = Fraction(int(exponent.p), int(exponent.q))
+        if len(inner) == 1:
+            ((powers, angle, is_sine), number), = inner.items()
+            if exponent.is_Integer and not angle:
+                return {(tuple((n, x * k) for n, x in powers), (), False): number ** int(exponent)}
+            if angle and exponent.is_Integer:
+                wave = self._number(self._wave_expression(angle, is_sine))
+                whole = self._merged(tuple((n, x * k) for n, x in powers), ((wave, k),))
+                return {(whole, (), False): number ** int(exponent)}
+        tidy = sp.Add(*(t.expression() for t in self._written(inner)))
+        found = sp.Pow(tidy, exponent)
+        if found.is_Pow and found.args == (tidy, exponent) and tidy.is_Add:
+            number_of = self._number(tidy)
+            self.composite[number_of] = inner
+            return {(((number_of, k),), (), False): _ONE}
+        return self._atom_series(found) if found == e or not found.is_Mul else self.series(found)
+
+    def _whole_power(self, base: Series, exponent: int) -> Series:
+        total: Series = {CONSTANT: _ONE}
+        for bit in f"{exponent:b}":
+            total = self.product(total, total)
+            if bit == "1":
+                total = self.product(total, base)
+        return total
+
+    def _wave(self, e: Expr) -> Series:
+        """sin or cos of a sum of multiples of anything that is no sum."""
+        inner = self.series(e.args[0])
+        if any(angle for _, angle, _ in inner):
+            return self._opaque(e)
+        parts: dict[int, Fraction] = {}
+        for (powers, _, _), number in inner.items():
+            atom = sp.Mul(*(sp.Pow(self.atoms[n], _rational(k)) for n, k in powers))
+            where = self._number(atom)
+            parts[where] = parts.get(where, Fraction(0)) + number
+        key, sign = self._oriented(_sorted(parts), isinstance(e, sp.sin))
+        return {} if sign == 0 else {((), *key): Fraction(sign)}
+
+    def _oriented(self, angle: Angle, is_sine: bool) -> tuple[tuple[Angle, bool], int]:
+        """The same wave with its first coefficient positive and whole quarter turns taken out."""
+        sign, parts = 1, dict(angle)
+        turns = parts.pop(self.pi, Fraction(0))
+        if parts and next(iter(sorted(parts.items())))[1] < 0:
+            parts, turns = {n: -x for n, x in parts.items()}, -turns
+            sign = -sign if is_sine else sign
+        quarters = int((turns * 2) // 1)
+        turns -= Fraction(quarters, 2)
+        for _ in range(quarters % 4):  # sin(x + pi/2) = cos x, cos(x + pi/2) = -sin x
+            sign, is_sine = (sign, False) if is_sine else (-sign, True)
+        if turns:
+            parts[self.pi] = turns
+        if not parts:
+            return ((), False), 0 if is_sine else sign
+        return (_sorted(parts), is_sine), sign
+
+    def _opaque(self, e: Expr) -> Series:
+        if e.args and not isinstance(e, sp.Piecewise):
+            e = e.func(*(self.tidy(x) if isinstance(x, sp.Expr) else x for x in e.args))
+        return self._atom_series(e) if not (e.is_Add or e.is_Mul or e.is_Number) else self.series(e)
+
+    def _atom_series(self, e: Expr) -> Series:
+        return {(((self._number(e), _ONE),), (), False): _ONE}
+
+    def _atom(self, e: Expr) -> int:
+        self.numbers[e] = len(self.atoms)
+        if TIME in e.free_symbols:
+            self.whole.add(len(self.atoms))
+        self.atoms.append(e)
+        return self.numbers[e]
+
+    def _number(self, e: Expr) -> int:
+        return self.numbers[e] if e in self.numbers else self._atom(e)
+
+    # ------------------------------------------------------------ products
+
+    def product(self, a: Series, b: Series) -> Series:
+        self.products += len(a) * len(b)
+        if self.products > self.most:
+            raise TooLarge(max(len(a), len(b), len(a) * len(b)))
+        total: Series = {}
+        again: list[Series] = []
+        for (powers_a, angle_a, sine_a), x in a.items():
+            for (powers_b, angle_b, sine_b), y in b.items():
+                powers = self._merged(powers_a, powers_b)
+                waves = self._waves(angle_a, sine_a, angle_b, sine_b)
+                into = total if all(n not in self.composite or k < 1 for n, k in powers) else {}
+                for angle, is_sine, weight in waves:
+                    key = (powers, angle, is_sine)
+                    into[key] = into.get(key, Fraction(0)) + x * y * weight
+                if into is not total:
+                    again.append(self._multiplied_out(powers, into))
+        return _sum([total, *again])
+
+    def _multiplied_out(self, powers: Powers, terms: Series) -> Series:
+        """Whole powers of sums, left when roots met."""
+        whole = {n: int(k) for n, k in powers if n in self.composite and k >= 1}
+        rest = tuple((n, k - whole.get(n, 0)) for n, k in powers if k != whole.get(n, 0))
+        found: Series = {(rest, angle, is_sine): x for (_, angle, is_sine), x in terms.items()}
+        for n, k in whole.items():
+            found = self.product(found, self._whole_power(self.composite[n], k))
+        return found
+
+    @staticmethod
+    def _merged(a: Powers, b: Powers) -> Powers:
+        if not a or not b:
+            return a or b
+        total = dict(a)
+        for n, k in b:
+            total[n] = total.get(n, Fraction(0)) + k
+        return tuple(sorted((n, k) for n, k in total.items() if k))
+
+    def _waves(self, a: Angle, sine_a: bool, b: Angle, sine_b: bool) -> list[tuple[Angle, bool, Fraction]]:
+        if not a or not b:
+            return [(a or b, sine_a or sine_b, _ONE)]
+        plus, minus = _added(a, b, 1), _added(a, b, -1)
+        if sine_a and sine_b:
+            found = [(minus, False, _HALF), (plus, False, -_HALF)]
+        elif sine_a:
+            found = [(plus, True, _HALF), (minus, True, _HALF)]
+        elif sine_b:
+            found = [(plus, True, _HALF), (minus, True, -_HALF)]
+        else:
+            found = [(minus, False, _HALF), (plus, False, _HALF)]
+        turned = []
+        for angle, is_sine, weight in found:
+            key, sign = self._oriented(angle, is_sine)
+            if sign:
+                turned.append((*key, weight * sign))
+        return turned
+
+    # ------------------------------------------------------------ series -> terms
+
+    def _written(self, series: Series) -> list[Term]:
+        groups: dict[Powers, dict[tuple[Angle, bool], Fraction]] = {}
+        for (powers, angle, is_sine), x in series.items():
+            groups.setdefault(powers, {})[angle, is_sine] = x
+        terms = []
+        for powers, waves in groups.items():
+            atoms = tuple((self.atoms[n], k) for n, k in powers)
+            for number, factors in _paired(waves, self.whole):
+                merged: dict[Expr, int] = {}
+                for angle, is_sine in factors:
+                    wave = self._wave_expression(angle, is_sine)
+                    merged[wave] = merged.get(wave, 0) + 1
+                terms.append(Term(number, atoms, tuple(merged.items())))
+        return terms
+
+    def _wave_expression(self, angle: Angle, is_sine: bool) -> Expr:
+        total = sp.Add(*(_rational(k) * self.atoms[n] for n, k in angle))
+        return sp.sin(total) if is_sine else sp.cos(total)
+
+
+# -------------------------------------------------------------------- pairing
+
+_Wave = tuple[Angle, bool]
+
+
+def _paired(waves: dict[_Wave, Fraction], whole: set[int]) -> list[tuple[Fraction, list[_Wave]]]:
+    """1 - cos 2a = 2 sin^2 a, 1 + cos 2a = 2 cos^2 a, sin 2a = 2 sin a cos a; cos p + cos q and its like as products, where
+    that leaves fewer angles in all."""
+    waves, found = dict(waves), []
+    constant: _Wave = ((), False)
+    for wave in sorted(waves):
+        angle, is_sine = wave
+        half = _halved(angle, whole)
+        if half is None or wave not in waves:
+            continue
+        if not is_sine and abs(waves.get(constant, Fraction(0))) == abs(waves[wave]):
+            x, is_square_of_sine = waves.pop(constant), waves[wave] == -waves.get(constant, -waves[wave])
+            is_square_of_sine = waves.pop(wave) == -x
+            found.append((2 * x, [(half, is_square_of_sine)] * 2))
+        elif is_sine and waves[wave].denominator % 2 == 0:
+            found.append((2 * waves.pop(wave), [(half, True), (half, False)]))
+    for one, other in combinations(sorted(waves), 2):
+        if one in waves and other in waves:
+            product = _as_product(one, other, waves[one], waves[other], whole)
+            if product is not None:
+                del waves[one], waves[other]
+                found.append(product)
+    found += [(x, [wave] if wave[0] else []) for wave, x in waves.items()]
+    return found
+
+
+def _as_product(p: _Wave, q: _Wave, x: Fraction, y: Fraction, whole: set[int]) -> tuple[Fraction, list[_Wave]] | None:
+    if p[1] != q[1] or abs(x) != abs(y) or not p[0] or not q[0]:
+        return None
+    half, gap = _halved(_added(p[0], q[0], 1), whole), _halved(_added(p[0], q[0], -1), whole)
+    if not half or not gap or len(half) + len(gap) >= len(p[0]) + len(q[0]):
+        return None
+    turned = gap[0][1] < 0
+    gap = tuple((n, -k) for n, k in gap) if turned else gap
+    flip = -1 if turned else 1  # sin(-gap)
+    if p[1]:  # sin p + sin q = 2 sin cos,  sin p - sin q = 2 cos sin
+        return (2 * x, [(half, True), (gap, False)]) if x == y else (2 * x * flip, [(half, False), (gap, True)])
+    return (2 * x, [(half, False), (gap, False)]) if x == y else (-2 * x * flip, [(half, True), (gap, True)])
+
+
+def _halved(angle: Angle, whole: set[int]) -> Angle | None:
+    """Half the angle, when it has even coefficients and no constant part, and does not belong to a given function of time."""
+    if not angle or any(n in whole or k.denominator != 1 or k.numerator % 2 for n, k in angle):
+        return None
+    return tuple((n, k / 2) for n, k in angle)
+
+
+def _added(a: Angle, b: Angle, sign: int) -> Angle:
+    total = dict(a)
+    for n, k in b:
+        total[n] = total.get(n, Fraction(0)) + sign * k
+    return _sorted(total)
+
+
+def _sorted(parts: dict[int, Fraction]) -> Angle:
+    return tuple(sorted((n, k) for n, k in parts.items() if k))
+
+
+def _sum(series: Iterable[Series]) -> Series:
+    total: Series = {}
+    for one in series:
+        for key, x in one.items():
+            total[key] = total.get(key, Fraction(0)) + x
+    return {key: x for key, x in total.items() if x}
+
+
+def _rational(x: Fraction) -> Expr:
+    return sp.Rational(x.numerator, x.denominator)

@@ -1,0 +1,345 @@
+"""FlatModel and kinematics -> the same energies and constraints in SymPy, with parameters under names that people use.
+
+What a reader wants to see is kept as a symbol, the rest is put in. A parameter of the model itself stays. A component's
+parameter follows its binding (bar.L is L); bound to a number it stays, but for 0 and for directions; bound to a formula it stays
+and the formula is told beside. Loads, prescribed coordinates and user functions of time alone become given functions of time.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, cast
+
+import sympy as sp
+
+from lagrangia.algebra import CasadiAlgebra, Dual, Scalar, value_of
+from lagrangia.algorithms import FlatFunction
+from lagrangia.constraints import Constraints
+from lagrangia.energies import Energies, evaluate_energies
+from lagrangia.evaluation import Evaluator, Value, scalars_of
+from lagrangia.flat import Variable
+from lagrangia.kinematics import Dependent, Kinematics, Symbols
+from lagrangia.parameters import scalars
+from lagrangia.sympy_algebra import Expr, SympyAlgebra, exact_throughout
+from lagrangia.tree import Array, Flat, Number, Ref, Unary
+from lagrangia.walk import nodes
+
+GRAVITY = "world.gravity"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter that stayed a symbol; `formula` is its binding where that is one."""
+
+    name: str
+    symbol: Expr
+    unit: str
+    description: str
+    formula: Expr | None
+
+
+@dataclass(frozen=True)
+class Given:
+    """A function of time that is given: a load, a prescribed coordinate. `rate` and `acceleration` are symbols of their own
+    unless they do not depend on time."""
+
+    name: str
+    symbol: Expr
+    rate: Expr
+    acceleration: Expr
+    value: Expr
+    what: str  # "load", "coordinate" or "function"
+
+    @property
+    def moving(self) -> tuple[Expr, ...]:
+        """Its symbols that stand for functions of time."""
+        labels = (self.name, f"der({self.name})", f"der(der({self.name}))")
+        return tuple(x for x, label in zip((self.symbol, self.rate, self.acceleration), labels, strict=True) if str(x) == label)
+
+
+@dataclass(frozen=True)
+class SymbolicScene:
+    """All of a scene in SymPy. Coordinates, rates and accelerations in the order of the CasADi functions."""
+
+    kinematics: "SymbolicKinematics"
+    names: tuple[str, ...]
+    q: tuple[Expr, ...]
+    v: tuple[Expr, ...]
+    a: tuple[Expr, ...]
+    t: Expr
+    inputs: Mapping[str, Expr]
+    parameters: tuple[Parameter, ...]
+    given: tuple[Given, ...]
+    dependents: Mapping[str, Expr]
+    energies: Energies
+    rows: tuple[Expr, ...]
+    holonomic: int  # the first so many rows are positions, the others rates
+
+    def time_rate(self, expression: Expr) -> Expr:
+        """d/dt along the motion: sum (d/dq) v + (d/dv) a + d/dt."""
+        pairs = [*zip(self.q, self.v, strict=True), *zip(self.v, self.a, strict=True), (self.t, sp.S.One)]
+        pairs += [(g.symbol, g.rate) for g in self.given] + [(g.rate, g.acceleration) for g in self.given if g.rate in g.moving]
+        return sp.Add(*(expression.diff(x) * rate for x, rate in pairs if expression.has(x)))
+
+    def explicit_rate(self, expression: Expr) -> Expr:
+        """The part of d/dt that comes from t and the given functions alone."""
+        held = dict.fromkeys((*self.v, *self.a), sp.S.Zero)
+        return self.time_rate(expression).xreplace(held)
+
+
+def build_symbolic(kinematics: Kinematics, constraints: Constraints) -> SymbolicScene:
+    """The scene of `kinematics` (those that are left after the linear constraints) once more, in SymPy."""
+    symbolic = SymbolicKinematics(kinematics)
+    symbolic = symbolic.reduced(constraints)
+    energies = evaluate_energies(symbolic)
+    rows = tuple(exact_throughout(row.value(symbolic, 0)) for row in constraints.rows)
+    s = symbolic.symbols
+    inputs = {label: x for v in kinematics.graph.model.variables.values() if v.kind == "input"
+              for label, x in scalars(v.name, s.values[v.name])}
+    q, v, a = (tuple(x.values()) for x in (s.positions, s.rates, s.accelerations))
+    parameters, given = tuple(symbolic.table.parameters.values()), tuple(symbolic.given.values())
+    holonomic = sum(row.is_holonomic for row in constraints.rows)
+    return SymbolicScene(symbolic, tuple(s.positions), q, v, a, s.time, inputs, parameters, given, symbolic.dependent_values(),
+                         energies, rows, holonomic)
+
+
+
+# -------------------------------------------------------------------- parameters
+
+
+class _ParameterTable:
+    """Leaves of an evaluator of parameters alone; remembers which stayed symbols."""
+
+    def __init__(self, kinematics: Kinematics, algebra: SympyAlgebra) -> None:
+        self.model = kinematics.graph.model
+        self.evaluator = Evaluator(self.model, algebra, self)
+        self.parameters: dict[str, Parameter] = {}
+        self.known: dict[str, Value] = {}
+
+    def symbol(self, name: str, level: int) -> Value:
+        if name not in self.known:
+            variable = self.model.variables[name]
+            assert variable.binding is not None
+            self.known[name] = self._resolve(variable, variable.binding)
+        return self.known[name]
+
+    def time(self, level: int) -> Scalar:
+        raise AssertionError("a parameter does not depend on time")
+
+    def frame(self, name: str, attribute: str, level: int) -> Value:
+        raise AssertionError("a parameter does not depend on frames")
+
+    def _resolve(self, variable: Variable, binding: Flat) -> Value:
+        if variable.name == GRAVITY:
+            return self._gravity(variable, binding)
+        if isinstance(binding, Array) and len(variable.shape) == 1:
+            return tuple(self._element(variable, f"{variable.name}[{k}]", item) for k, item in enumerate(binding.items, 1))
+        if variable.shape:
+            return self.evaluator.value(binding)
+        if "." not in variable.name:
+            formula = None if _number(binding) is not None else self.evaluator.value(binding)
+            return self._keep(variable, variable.name, formula)
+        number = _number(binding)
+        if number is not None:
+            is_plain = number == 0 or (variable.unit in ("", "1") and number in (1, -1))
+            return self.evaluator.value(binding) if is_plain else self._keep(variable, variable.name, None)
+        value = self.evaluator.value(binding)
+        return value if _is_simple(value) else self._keep(variable, variable.name, value)
+
+    def _element(self, variable: Variable, name: str, item: Flat) -> Value:
+        number = _number(item)
+        if number is None or number in (0, 1, -1):
+            return self.evaluator.value(item)
+        return self._keep(variable, name, None)
+
+    def _gravity(self, variable: Variable, binding: Flat) -> Value:
+        """g along an axis."""
+        items = binding.items if isinstance(binding, Array) else ()
+        numbers = [_number(item) for item in items]
+        pulling = [x for x in numbers if x]
+        if None in numbers or len(pulling) != 1:
+            return tuple(self._element(variable, f"{GRAVITY}[{k}]", item) for k, item in enumerate(items, 1)) if items \
+                else self.evaluator.value(binding)
+        g = self._keep(variable, GRAVITY, None, nonnegative=True)
+        return tuple(g if x and x > 0 else -g if x else sp.S.Zero for x in numbers)
+
+    def _keep(self, variable: Variable, name: str, formula: Expr | None, nonnegative: bool = False) -> Expr:
+        known = nonnegative or (variable.minimum is not None and variable.minimum >= 0)
+        symbol = sp.Symbol(name, real=True, **({"nonnegative": True} if known else {}))
+        self.parameters[name] = Parameter(name, symbol, variable.unit, variable.description, formula)
+        return symbol
+
+
+def _number(node: Flat) -> float | None:
+    match node:
+        case Number(value):
+            return value
+        case Unary("-", Number(value), _):
+            return -value
+    return None
+
+
+def _is_simple(value: Expr) -> bool:
+    """A number times one symbol: 2 L, -r."""
+    rest = value.as_coeff_Mul()[1] if isinstance(value, sp.Expr) else value
+    return isinstance(rest, sp.Symbol | sp.Number | int | float)
+
+
+# -------------------------------------------------------------------- kinematics
+
+
+@dataclass
+class SymbolicKinematics(Kinematics):
+    """The kinematics of a scene in SymPy; its algebra is a SympyAlgebra."""
+
+    given: dict[str, Given] = field(default_factory=dict)
+
+    def __init__(self, base: Kinematics, positions: Iterable[str] | None = None, table: "_ParameterTable | None" = None,
+                 dependents: Mapping[str, Dependent] | None = None, given: dict[str, Given] | None = None) -> None:
+        algebra = SympyAlgebra()
+        self.table = table or _ParameterTable(base, algebra)
+        names = list(base.symbols.positions) if positions is None else list(positions)
+        symbols = _symbols(base, names, self.table)
+        self.given = given if given is not None else {}
+        self.load_variables = _load_variables(base)
+        super().__init__(base.graph, symbols, cast(CasadiAlgebra, algebra), dependents or {})
+
+    def __post_init__(self) -> None:
+        self.evaluator = _TimeEvaluator(self.graph.model, self.algebra, self)
+        self.evaluator.kinematics = self
+
+    def reduced(self, constraints: Constraints) -> "SymbolicKinematics":
+        """With the coordinates given up that the linear constraints give, solved for in SymPy."""
+        lost = [c.name for c in self.graph.dependent_coordinates]
+        if not lost:
+            return self
+        whole = SymbolicKinematics(_without_dependents(self), [*self.symbols.positions, *lost], self.table)
+        unknowns = [whole.symbols.positions[name] for name in lost]
+        solved = _solve_linear([exact_throughout(row.value(whole, 0)) for row in constraints.absorbed], unknowns)
+        reduced = SymbolicKinematics(self, None, self.table, {}, self.given)
+        reduced.dependents = {name: reduced._dependent_of(name, x) for name, x in zip(lost, solved, strict=True)}
+        return reduced
+
+    def _dependent_of(self, name: str, value: Expr) -> Dependent:
+        slopes = {n: value.diff(q) for n, q in self.symbols.positions.items() if value.has(q)}
+        constant = value.xreplace(dict.fromkeys(self.symbols.positions.values(), sp.S.Zero))
+        if not slopes and constant.has(self.symbols.time):
+            given = self.give(name, constant, "coordinate")
+            return Dependent((given.symbol, given.rate, given.acceleration), {})
+        first = self._rate(constant)
+        return Dependent((constant, first, self._rate(first)), slopes)
+
+    def dependent_values(self) -> dict[str, Expr]:
+        """Those that others give; a prescribed coordinate is among the given functions."""
+        return {name: self.coordinate(name, 0) for name in self.dependents if name not in self.given}
+
+    # ------------------------------------------------------------ given functions of time
+
+    def symbol(self, name: str, level: int) -> Value | None:
+        if name in self.load_variables:
+            binding = self.graph.model.variables[name].binding
+            assert binding is not None
+            value = self.evaluator.value(binding, 0)
+            return self._load(name, value, level) if self._is_given(value) else None
+        return super().symbol(name, level)
+
+    def _is_given(self, value: Value) -> bool:
+        moving = {*self.symbols.positions.values(), *self.symbols.rates.values(), *self.symbols.accelerations.values()}
+        return not any(sp.sympify(x).free_symbols & moving for x in scalars_of(value))
+
+    def _load(self, name: str, value: Value, level: int) -> Value:
+        several = sum(sp.sympify(x) != 0 for x in scalars_of(value)) > 1
+
+        def one(label: str, x: Scalar) -> Scalar:
+            x = exact_throughout(x)
+            if x.has(self.symbols.time) or (x.is_number and x != 0) or x.free_symbols & set(self._given_symbols()):
+                given = self.give(label, x, "load")
+                return self._lift(given, level)
+            return x
+
+        if not isinstance(value, tuple):
+            return one(name, value)
+        return tuple(one(f"{name}[{k}]" if several else name, x) for k, x in enumerate(value, 1))
+
+    def give(self, name: str, value: Expr, what: str) -> Given:
+        """A given function of this name, made when it is first asked for."""
+        value = exact_throughout(value)
+        if name not in self.given:
+            value = value.xreplace({g.symbol: g.value for g in self.given.values()})
+            first = value.diff(self.symbols.time)
+            second = first.diff(self.symbols.time)
+            symbols = [sp.Symbol(label, real=True) for label in (name, f"der({name})", f"der(der({name}))")]
+            still = [not x.has(self.symbols.time) for x in (first, second)]
+            rates = [x if is_still else s for x, is_still, s in zip((first, second), still, symbols[1:], strict=True)]
+            self.given[name] = Given(name, symbols[0], rates[0], rates[1], value, what)
+        return self.given[name]
+
+    def _given_symbols(self) -> list[Expr]:
+        return [x for g in self.given.values() for x in g.moving]
+
+    def _rate(self, value: Expr) -> Expr:
+        chain = [pair for g in self.given.values() for pair in zip(g.moving, (g.rate, g.acceleration), strict=False)]
+        return value.diff(self.symbols.time) + sum(value.diff(x) * r for x, r in chain if value.has(x))
+
+    def _lift(self, given: Given, level: int) -> Scalar:
+        g, g1, g2 = given.symbol, given.rate, given.acceleration
+        return (g, Dual(g, g1), Dual(Dual(g, g1), Dual(g1, g2)))[level]
+
+    def time_function(self, function: str, value: Scalar, level: int) -> Scalar:
+        """The value of a user function as a given function, when it depends on time and on nothing else that changes."""
+        plain = sp.sympify(value_of(value_of(value)))
+        if not plain.has(self.symbols.time) or not self._is_given(plain) or plain.free_symbols & set(self._given_symbols()):
+            return value
+        same = [g for g in self.given.values() if g.value == exact_throughout(plain)]
+        names = (f"{function}{k or ''}" for k in range(len(self.given) + 1))
+        given = same[0] if same else self.give(next(n for n in names if n not in self.given), plain, "function")
+        return self._lift(given, level)
+
+
+class _TimeEvaluator(Evaluator):
+    """Keeps what a user function makes of time under the function's name."""
+
+    kinematics: SymbolicKinematics
+
+    def _user_function(self, function: FlatFunction, arguments: list[Value], level: int) -> Value:
+        return self.kinematics.time_function(function.name, super()._user_function(function, arguments, level), level)
+
+
+def _symbols(base: Kinematics, names: list[str], table: _ParameterTable) -> Symbols:
+    def real(name: str) -> Expr:
+        return sp.Symbol(name, real=True)
+
+    values: dict[str, Any] = {}
+    for v in base.graph.model.variables.values():
+        if v.kind == "parameter":
+            values[v.name] = table.symbol(v.name, 0)
+        elif v.kind == "input":
+            values[v.name] = _shaped(v.name, v.shape)
+    return Symbols(real("t"), sp.S.One, {n: real(n) for n in names}, {n: real(f"der({n})") for n in names},
+                   {n: real(f"der(der({n}))") for n in names}, values)
+
+
+def _shaped(name: str, shape: tuple[int, ...]) -> Value:
+    if not shape:
+        return sp.Symbol(name, real=True)
+    return tuple(_shaped(f"{name}[{k}]", shape[1:]) for k in range(1, shape[0] + 1))
+
+
+def _without_dependents(kinematics: Kinematics) -> Kinematics:
+    graph = kinematics.graph
+    return Kinematics(replace(graph, coordinates=(*graph.coordinates, *graph.dependent_coordinates), dependent_coordinates=()),
+                      kinematics.symbols, kinematics.algebra)
+
+
+def _load_variables(base: Kinematics) -> set[str]:
+    variables = base.graph.model.variables
+    named = {node.name for work in base.graph.model.works for node in nodes(work.force) if isinstance(node, Ref)}
+    return {name for name in named if variables[name].kind == "variable" and variables[name].binding is not None}
+
+
+def _solve_linear(rows: list[Expr], unknowns: list[Expr]) -> list[Expr]:
+    """The unknowns from as many independent linear equations, by SymPy's elimination."""
+    solved = sp.solve(rows, unknowns, dict=True)
+    return [sp.expand(solved[0][x]) for x in unknowns]
+
+
+__all__ = ["Given", "Parameter", "SymbolicKinematics", "SymbolicScene", "build_symbolic"]

@@ -1,0 +1,82 @@
+"""The second algebra: SymPy, for people. Numbers are exact, conditions become Piecewise.
+
+Imported only when equations are asked for.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import sympy as sp
+
+from lagrangia.algebra import Scalar
+
+Expr = Any  # sp.Expr, whose type hints are not complete
+
+
+class SympyAlgebra:
+    """Scalars are SymPy expressions; a distance needs no guard against its zero."""
+
+    tiny = 0
+
+    def number(self, value: float) -> Scalar:
+        return exact(value)
+
+    def call(self, function: str, *arguments: Scalar) -> Scalar:
+        return _FUNCTIONS[function](*(sp.sympify(a) for a in arguments))
+
+    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        return _COMPARE[operator](sp.sympify(a), sp.sympify(b))
+
+    def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
+        return sp.Piecewise((then, _truth(condition)), (otherwise, True))
+
+    def logic(self, operator: str, *conditions: Scalar) -> Scalar:
+        return _LOGIC[operator](*(_truth(c) for c in conditions))
+
+
+def _truth(condition: Scalar) -> Any:
+    """A condition may be the number 1 or 0."""
+    return sp.Ne(condition, 0) if isinstance(condition, sp.Expr | float | int) else condition
+
+
+_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
+    **{name: getattr(sp, name) for name in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh",
+                                            "atanh", "exp", "log", "sqrt", "floor", "sign", "atan2")},
+    "log10": lambda x: sp.log(x, 10), "ceil": sp.ceiling, "abs": sp.Abs, "fmin": sp.Min, "fmax": sp.Max, "pow": sp.Pow,
+    "mod": lambda a, b: a - b * sp.floor(a / b),
+}
+_COMPARE: Mapping[str, Callable[[Any, Any], Any]] = {
+    "<": sp.StrictLessThan, "<=": sp.LessThan, ">": sp.StrictGreaterThan, ">=": sp.GreaterThan, "==": sp.Eq, "<>": sp.Ne,
+}
+_LOGIC: Mapping[str, Callable[..., Any]] = {"and": sp.And, "or": sp.Or, "not": sp.Not}
+
+
+@cache
+def exact(value: float) -> Expr:
+    """The number that a person meant: a short decimal, a fraction, or a multiple of pi (angles come in degrees).
+
+    Differs from `value` by a rounding error at most.
+    """
+    if value == int(value) if math.isfinite(value) else False:
+        return sp.Integer(int(value))
+    if not math.isfinite(value):
+        return sp.oo if value > 0 else -sp.oo if value < 0 else sp.nan
+    digits = repr(value).partition("e")[0].replace(".", "").strip("-0")
+    if len(digits) <= 12:
+        return sp.Rational(repr(value))
+    for unit, size in ((sp.S.One, 1.0), (sp.pi, math.pi)):
+        fraction = Fraction(value / size).limit_denominator(3600)
+        if abs(float(fraction) * size - value) <= 4e-16 * abs(value):
+            return sp.Rational(fraction.numerator, fraction.denominator) * unit
+    short = f"{value:.15g}"
+    return sp.Rational(short if len(short) < len(repr(value)) - 2 else repr(value))
+
+
+def exact_throughout(expression: Expr) -> Expr:
+    """The expression without binary fractions."""
+    expression = sp.sympify(expression)
+    floats = expression.atoms(sp.Float)
+    return expression.xreplace({f: exact(float(f)) for f in floats}) if floats else expression

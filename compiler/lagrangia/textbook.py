@@ -1,0 +1,78 @@
+"""Equations -> what every form needs to lay them out: the names on paper, the layouts, the tables of symbols."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import sympy as sp
+
+from lagrangia.equations import Equations
+from lagrangia.layout import Name
+from lagrangia.notation import Wanted, name_all
+from lagrangia.presentation import Presentation, Symbols
+from lagrangia.symbolic import SymbolicScene
+from lagrangia.sympy_algebra import Expr, exact_throughout
+
+_RANKS = {"kg": 0, "kg.m2": 0, "N/m": 0, "N.s/m": 0, "N.m/rad": 0, "N.m.s/rad": 0, "N": 0, "N.m": 0, "m/s2": 1, "m": 2}
+
+
+def used_symbols(scene: SymbolicScene) -> set[Expr]:
+    """All symbols of energies, loads, constraints and given functions."""
+    e = scene.energies
+    parts = [t.value for group in (e.kinetic, e.potential, e.dissipation) for t in group]
+    parts += [x for load in e.loads for x in (*load.force, *load.position)]
+    parts += [*scene.rows, *scene.dependents.values()]
+    found = {s for x in parts for s in exact_throughout(x).free_symbols}
+    for given in scene.given:
+        if found & {given.symbol, given.rate, given.acceleration}:
+            found |= {s for x in (given.symbol, given.rate, given.acceleration, given.value) for s in x.free_symbols}
+    while more := {s for p in scene.parameters if p.symbol in found and p.formula is not None
+                   for s in sp.sympify(p.formula).free_symbols} - found:
+        found |= more
+    return found | set(scene.q)
+
+
+def name_symbols(scene: SymbolicScene, chosen: Mapping[str, str]) -> Mapping[Expr, Name]:
+    """The name on paper of every symbol that is used. Raises LagError L0711."""
+    used = used_symbols(scene)
+    wanted = [Wanted(name) for name in scene.names]
+    wanted += [Wanted(p.name) for p in scene.parameters if p.symbol in used]
+    shown = [g for g in scene.given if used & {g.symbol, g.rate, g.acceleration}]
+    wanted += [Wanted(g.name, g.what == "load", g.what != "coordinate" and g.value.has(scene.t)) for g in shown]
+    wanted += [Wanted(name) for name in scene.dependents]
+    wanted += [Wanted(label, False, True) for label, x in scene.inputs.items() if x in used]
+    names = name_all(wanted, chosen)
+    found: dict[Expr, Name] = {scene.t: Name("t")}
+    found |= {p.symbol: names[p.name] for p in scene.parameters if p.symbol in used}
+    found |= {x: names[label] for label, x in scene.inputs.items() if x in used}
+    found |= {sp.Symbol(name, real=True): names[name] for name in scene.dependents}
+    moving = [(name, symbols) for name, *symbols in zip(scene.names, scene.q, scene.v, scene.a, strict=True)]
+    moving += [(g.name, list(g.moving)) for g in shown]
+    found |= {x: replace(names[name], marks=marks) for name, symbols in moving for marks, x in enumerate(symbols)}
+    return found
+
+
+def presentation_of(e: Equations, names: Mapping[Expr, Name], most_products: int, digits: int = 0) -> Presentation:
+    scene = e.scene
+    named = dict(names) | {x: multiplier_name(k, len(e.multipliers)) for k, x in enumerate(e.multipliers)}
+    moving = {scene.t, *scene.inputs.values(), *(x for g in scene.given for x in g.moving if g.value.has(scene.t))}
+    coordinates = scene.q, scene.v, scene.a
+    symbols = Symbols(named, parameter_ranks(scene), *coordinates, e.multipliers, frozenset(moving), digits, _lengths(e))
+    return Presentation(symbols, most_products)
+
+
+def parameter_ranks(scene: SymbolicScene) -> dict[Expr, int]:
+    """Their order in a product: masses, stiffnesses and loads, then g, then lengths."""
+    return {p.symbol: _RANKS.get(p.unit, 3) for p in scene.parameters} | {g.symbol: 0 for g in scene.given}
+
+
+def _lengths(e: Equations) -> dict[Expr, Name]:
+    """Roots of long sums get a name: l, or l_1, l_2, by what stands under the root."""
+    found: dict[Expr, None] = {}
+    for x in (e.T, e.V_elastic, e.D, *e.left, *e.f, *e.rows):
+        roots = sorted((p for p in x.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.is_Add), key=str)
+        found |= dict.fromkeys(p.base for p in roots if len(p.base.args) > 2)
+    return {base: Name("ell", str(k) if len(found) > 1 else "") for k, base in enumerate(found, 1)}
+
+
+def multiplier_name(k: int, count: int) -> Name:
+    return Name("lambda", str(k + 1) if count > 1 else "")

@@ -1,0 +1,293 @@
+"""`lag equations`: every form in every format, names, numbers, limits, wrong input, and the page in a browser."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+import sympy as sp
+
+from lagrangia.cli import WRONG, main
+from lagrangia.equation_sheet import ALL_FORMATS, ALL_FORMS
+from lagrangia.layout import Bracket, Name, Numeral, Product, Relation, Total, broken
+from lagrangia.notation import Wanted, name_all
+from lagrangia.typeset import line
+from symbolic_scenes import EXAMPLES, derived
+
+GOLDEN = Path(__file__).parent / "golden" / "equations"
+ALL = sorted(EXAMPLES.glob("*.lag"))
+LARGE = ("chain", "scissor_lift")
+
+
+def equations(capsys, name: str, *options: str) -> str:
+    assert main(["equations", str(EXAMPLES / f"{name}.lag"), *options]) == 0
+    told = capsys.readouterr()
+    assert told.err == ""
+    return told.out
+
+
+def refused(capsys, *arguments: str) -> str:
+    assert main(["equations", *arguments]) == WRONG
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert "Traceback" not in told.err
+    return told.err
+
+
+# ---------------------------------------------------------------- texts kept, to be read
+
+
+@pytest.mark.parametrize("name", ["suspended_bar", "disc_and_block_damped", "double_pendulum", "slider_crank", "crank_press",
+                                  "skate", "quarter_car", "spring_pendulum"])
+def test_worked(name: str, capsys, compare) -> None:
+    compare(equations(capsys, name, "--form", "worked"), GOLDEN / f"{name}.worked.txt")
+
+
+@pytest.mark.parametrize("form", [form for form in ALL_FORMS if form != "worked"])
+def test_forms_of_the_suspended_bar(form: str, capsys, compare) -> None:
+    compare(equations(capsys, "suspended_bar", "--form", form), GOLDEN / f"suspended_bar.{form}.txt")
+
+
+@pytest.mark.parametrize("format", ["markdown", "latex", "html", "sympy"])
+def test_formats_of_the_suspended_bar(format: str, capsys, compare) -> None:
+    compare(equations(capsys, "suspended_bar", "--format", format), GOLDEN / f"suspended_bar.{format}.txt")
+
+
+def test_a_chain_is_told_to_be_too_large(capsys, compare) -> None:
+    compare(equations(capsys, "chain"), GOLDEN / "chain.txt")
+    assert "terms" in equations(capsys, "scissor_lift")
+
+
+# ---------------------------------------------------------------- every example
+
+
+@pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
+def test_every_form_of_every_example(path: Path, capsys) -> None:
+    for form in ALL_FORMS:
+        if form == "linear" and derived_rows(path):
+            assert "L0912" in refused(capsys, str(path), "--form", form)
+            continue
+        said = equations(capsys, path.stem, "--form", form)
+        assert not re.search(r"Derivative|Symbol|Rational|\bNone\b|Float|\*\*|der\(", said)
+        assert said.startswith(path.stem.replace("_", "").lower()[:3].capitalize()) or said[0].isupper()
+
+
+def derived_rows(path: Path) -> bool:
+    return path.stem not in LARGE and len(derived(path).equations.rows) > 0
+
+
+@pytest.mark.parametrize("path", [path for path in ALL if path.stem not in LARGE], ids=lambda path: path.stem)
+def test_scripts_build_the_same_equations(path: Path, capsys) -> None:
+    """Executed, and compared by symbolic equality, symbol by symbol."""
+    space: dict[str, object] = {}
+    script = equations(capsys, path.stem, "--format", "sympy")
+    exec(script, space)
+    e = derived(path).equations
+    mine = sp.Matrix([e.left[k] + e.reactions[k] - e.f[k] for k in range(e.n)])
+    theirs = space["equations"]
+    assert isinstance(theirs, sp.MatrixBase)
+    renamed: dict[object, sp.Expr] = {}
+    for theirs_name, ours in (("q", e.scene.q), ("v", e.scene.v), ("a", e.scene.a), ("multipliers", e.multipliers)):
+        renamed |= dict(zip(space.get(theirs_name, ()), ours, strict=True))  # type: ignore[call-overload]
+    commented = re.findall(r"^(\w+) = sp\.Symbol\(.*?\)  # ([^\s,]+)", script, re.MULTILINE)
+    known = {p.name: p.symbol for p in e.scene.parameters} | {str(x): x for g in e.scene.given for x in g.moving}
+    renamed |= {space[name]: known[source] for name, source in commented if source in known}
+    for x, y in zip(theirs, mine, strict=True):
+        assert e.ring.is_zero(x.subs(renamed) - y)
+
+
+@pytest.mark.parametrize("path", [path for path in ALL if path.stem not in LARGE], ids=lambda path: path.stem)
+def test_html_is_well_formed_and_stands_alone(path: Path, capsys) -> None:
+    page = equations(capsys, path.stem, "--form", "worked", "--format", "html")
+    checker = Balanced()
+    checker.feed(page)
+    assert checker.open == []
+    assert "<math" in page
+    assert not re.search(r"<script|<link|src=|href=|url\(|@import|http", page)
+
+
+class Balanced(HTMLParser):
+    """Every element is closed in its turn."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+
+    def handle_starttag(self, tag: str, attributes: object) -> None:
+        if tag not in ("meta",):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attributes: object) -> None:
+        pass
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="there is no pdflatex")
+def test_latex_compiles(tmp_path: Path, capsys) -> None:
+    page = equations(capsys, "slider_crank", "--form", "worked", "--format", "latex")
+    (tmp_path / "page.tex").write_text(page, encoding="utf-8")
+    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "page.tex"]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
+    assert run.returncode == 0, run.stdout.decode(errors="replace")[-2000:]
+
+
+@pytest.mark.parametrize("path", [path for path in ALL if path.stem not in LARGE], ids=lambda path: path.stem)
+def test_latex_is_balanced(path: Path, capsys) -> None:
+    page = equations(capsys, path.stem, "--form", "worked", "--format", "latex")
+    plain = page.replace(r"\{", "").replace(r"\}", "")
+    assert plain.count("{") == plain.count("}")
+    assert page.count(r"\left") == page.count(r"\right")
+    assert page.count(r"\begin{") == page.count(r"\end{")
+    assert page.isascii()
+
+
+# ---------------------------------------------------------------- in a browser
+
+BROWSER = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+
+
+@pytest.mark.skipif(BROWSER is None, reason="there is no Chromium")
+def test_the_worked_page_in_a_browser(tmp_path: Path, capsys) -> None:
+    """Its layout is what was meant: fractions are stacked, nothing is cut off, and it prints on pages."""
+    page = equations(capsys, "suspended_bar", "--form", "worked", "--format", "html")
+    probe = """<script>
+      const box = e => e.getBoundingClientRect(), all = s => [...document.querySelectorAll(s)];
+      const stacked = all('mfrac').every(f => box(f.children[0]).bottom <= box(f.children[1]).top + 1);
+      const wide = all('math').filter(m => box(m).right > innerWidth || box(m).width === 0).length;
+      const high = all('msup').every(s => box(s.children[1]).top < box(s.children[0]).bottom);
+      document.title = JSON.stringify({maths: all('math').length, fractions: all('mfrac').length, stacked, wide, high});
+    </script></body>"""
+    (tmp_path / "page.html").write_text(page.replace("</body>", probe), encoding="utf-8")
+    command = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}",
+               "--window-size=1000,1400"]
+    address = (tmp_path / "page.html").as_uri()
+    run = subprocess.run([*command, "--dump-dom", address], capture_output=True, text=True, timeout=120, check=True)
+    title = re.search(r"<title>(.*?)</title>", run.stdout)
+    assert title is not None
+    found = json.loads(title[1])
+    assert found["maths"] > 40
+    assert found["fractions"] > 30
+    assert (found["stacked"], found["high"], found["wide"]) == (True, True, 0)
+    printed = tmp_path / "page.pdf"
+    subprocess.run([*command, f"--print-to-pdf={printed}", address], capture_output=True, timeout=120, check=True)
+    assert printed.stat().st_size > 10_000
+    assert printed.read_bytes().startswith(b"%PDF")
+
+
+# ---------------------------------------------------------------- names, numbers
+
+
+def test_names_of_ones_own(capsys) -> None:
+    said = equations(capsys, "suspended_bar", "--names", "tilt.phi=theta,guide.s=x")
+    assert "m x'' + (c₁ + c₂) x' + ½ L (c₂ − c₁) θ' cos θ + (k₁ + k₂) x + ½ L (k₂ − k₁) sin θ = P(t)" in said
+    assert "x is guide.s, θ is tilt.phi." in said
+
+
+def test_short_names_where_they_are_unambiguous() -> None:
+    def named(*sources: str) -> list[str]:
+        found = name_all([Wanted(source) for source in sources], {})
+        return [line(found[source]) for source in sources]
+
+    assert named("guide.s", "tilt.phi", "bar.I", "m") == ["s", "φ", "I", "m"]
+    assert named("O.phi", "pin.phi") == ["φ_O", "φ_pin"]
+    assert named("hinge[1].phi", "hinge[2].phi") == ["φ₁", "φ₂"]
+    assert named("hinge[1].phi", "other.phi") == ["φ_hinge1", "φ_other"]
+    assert named("k1", "ks", "md", "speed", "Omega", "s_rel0") == ["k₁", "k_s", "m_d", "speed", "Ω", "s_rel0"]
+    assert named("m", "bob.m") == ["m", "m_bob"]
+    assert named("rod.center.x", "rod.center.phi") == ["x", "φ"]
+    assert named("left.arm.phi", "right.arm.phi") == ["φ_left,arm", "φ_right,arm"]
+    loads = name_all([Wanted("P.force", True, True), Wanted("drive.torque", True), Wanted("push.force", True)], {})
+    assert [line(x) for x in loads.values()] == ["P(t)", "M", "F"]
+
+
+def test_numbers(capsys) -> None:
+    said = equations(capsys, "suspended_bar", "--numbers", "-p", "m=4", "-p", "k1=2[kN/m]")
+    assert "4 s'' + 40 s' + 3500 s − 500 sin φ = P(t)" in said
+    assert "1.33333 φ''" in said  # I follows m
+
+
+def test_a_structural_parameter(capsys) -> None:
+    assert "φ₂" in equations(capsys, "chain", "-p", "n=2")
+    assert "link[3]" not in equations(capsys, "chain", "-p", "n=2")
+
+
+def test_linear_about_a_point(capsys) -> None:
+    said = equations(capsys, "pendulum", "--form", "linear", "--about", "hinge.phi=60[deg]")
+    assert "no equilibrium" in said
+    assert "m L² Δφ'' + ½ m g L Δφ = − ½ √3 m g L" in said
+    assert "φ₀ = − ½ π" in equations(capsys, "double_pendulum", "--form", "linear").replace("φ_shoulder,0", "φ₀")
+
+
+def test_force_writes_everything(capsys) -> None:
+    said = equations(capsys, "chain", "-p", "n=4", "--force", "--form", "matrix")
+    assert "M₄₄" in said
+
+
+# ---------------------------------------------------------------- limits and wrong input
+
+
+@pytest.mark.parametrize(("options", "code"), [
+    (["--form", "matrx"], "L0704"), (["--format", "pdf"], "L0704"), (["--names", "tilt.phi"], "L0706"),
+    (["--names", "tilt.fi=theta"], "L0711"), (["--names", "tilt.phi=2x"], "L0711"),
+    (["--names", "tilt.phi=x,guide.s=x"], "L0711"),
+    (["--names", "tilt.phi=m"], "L0711"), (["--names", "tilt.phi=a,tilt.phi=b"], "L0706"), (["-p", "mass=3"], "L0702"),
+    (["-p", "m=heavy"], "L0706"), (["-p", "m=3[s]"], "L0706"), (["-p", "m"], "L0706"),
+    (["--form", "linear", "--about", "bar=1"], "L0706"), (["--form", "linear", "--about", "tilt.phi=up"], "L0706"),
+    (["--model", "Nothing"], "L0003"),
+])
+def test_wrong_options(options: list[str], code: str, capsys) -> None:
+    assert f"error[{code}]" in refused(capsys, str(EXAMPLES / "suspended_bar.lag"), *options)
+
+
+def test_a_scene_with_too_many_coordinates(capsys) -> None:
+    chain = str(EXAMPLES / "chain.lag")
+    begin = time.perf_counter()
+    assert "L0712" in refused(capsys, chain, "-p", "n=200")
+    assert "L0712" in refused(capsys, chain, "-p", "n=200", "--force")
+    assert time.perf_counter() - begin < 30
+    assert "too many to read" in equations(capsys, "chain", "-p", "n=24")
+    assert "L0712" in refused(capsys, chain, "--format", "sympy")
+
+
+def test_scenes_without_motion_and_files_without_scene(tmp_path: Path, capsys) -> None:
+    (tmp_path / "still.lag").write_text("model Still\n  PointMass m(m = 1, center = world);\nend Still;\n", encoding="utf-8")
+    assert "L0505" in refused(capsys, str(tmp_path / "still.lag"))
+    assert "L0001" in refused(capsys, str(tmp_path / "nowhere.lag"))
+    (tmp_path / "wrong.lag").write_text("model Wrong\n  Sprong s;\nend Wrong;\n", encoding="utf-8")
+    assert "error[L02" in refused(capsys, str(tmp_path / "wrong.lag"))
+
+
+def test_a_file_for_the_page(tmp_path: Path, capsys) -> None:
+    assert equations(capsys, "pendulum", "--format", "html", "-o", str(tmp_path / "page.html")) == ""
+    assert (tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+@pytest.mark.parametrize("name", ["suspended_bar", "disc_and_block", "cart_pole", "double_pendulum"])
+def test_small_scenes_are_quick_from_a_cold_start(name: str) -> None:
+    """CPU seconds, start and imports included: below 2 s on a machine of its own, here with room for slow ones."""
+    program = ("import sys, time; from lagrangia.cli import main; code = main(sys.argv[1:]);"
+               "print(time.process_time(), file=sys.stderr); sys.exit(code)")
+    command = [sys.executable, "-c", program, "equations", str(EXAMPLES / f"{name}.lag")]
+    run = subprocess.run(command, capture_output=True, text=True, check=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
+    assert float(run.stderr.split()[-1]) < 6.0
+
+
+def test_long_lines_are_broken_between_terms() -> None:
+    terms = Total(tuple((1, Product((Name("k", str(i)), Name("x", str(i))))) for i in range(40)))
+    lines = broken(Relation(terms, Numeral(sp.Integer(0))), lambda node: len(line(node)), 80)
+    assert len(lines) > 3
+    assert all(len(line(part)) <= 84 for part in lines)
+    assert line(lines[1]).startswith("+ ")
+    assert line(Bracket(terms)).startswith("(k₀ x₀ + k₁ x₁")
+
+
+def test_every_format_is_there() -> None:
+    assert set(ALL_FORMATS) == {"text", "markdown", "latex", "html", "sympy"}
