@@ -13,10 +13,11 @@ import pytest
 
 import lagrangia as lag
 import test_cases
+from lagrangia.engines import load_engine
 from lagrangia.native import build, find_compiler
 from lagrangia.pipeline import compile_file
 from lagrangia.runtime import Rows, Runtime, Settings, Solver, Status
-from lagrangia.simulate import check_values, load_engine
+from lagrangia.simulate import check_values
 from native_models import FOLDER, OSCILLATOR, compiled
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

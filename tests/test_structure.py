@@ -99,6 +99,7 @@ ORDER = """
     solvers
     explain
     equation_sheet
+    engines
     simulate
     casadi_solvers
     targets

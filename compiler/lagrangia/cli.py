@@ -180,6 +180,8 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
     add("--plot-quantities", metavar="NAME,NAME,...", help="what the picture shows; all coordinates by default")
     add("--solver", default="auto", metavar="NAME", help="how to step: auto, erk, linear, implicit, ...; see `lag help solver`")
+    add("--engine", choices=("auto", "native", "tape"), default="auto",
+        help="compiled, interpreted, or (auto) what costs less time; the reckoning is shown by --stats")
     add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")
     add("--max-steps", type=int, default=0, metavar="N", help="give up after so many steps")
     add("--stats", action="store_true", help="say what was done, and in what time")
@@ -222,6 +224,8 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
     add("--tolerance", type=float, metavar="TOL", help="error allowed, relative to the size of each coordinate (1e-8)")
     add("--interval", type=float, metavar="DT", help="how closely the motion is looked at, at least")
     add("--solver", default="auto", metavar="NAME", help="as of lag simulate, but for those of CasADi")
+    add("--engine", choices=("auto", "native", "tape"), default="auto",
+        help="compiled, interpreted, or (auto) what costs less time; the reckoning is shown by --stats")
     add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")
     add("--max-steps", type=int, default=0, metavar="N", help="a run fails after so many steps")
     add("--seconds-per-run", type=float, default=0.0, metavar="S", help="a run fails after so much time")

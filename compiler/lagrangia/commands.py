@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.diagnostics import LagError, RunError, fail, render_all
+from lagrangia.engines import describe
 from lagrangia.model import Model
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.plot import require_format
@@ -109,7 +110,9 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
     if names:
         known = _structural_names(options, outputs)
         structural = {name: structural_value(value) for name, value in given if name in known}
-    return Model(options.file, options.model, structural, outputs)
+    model = Model(options.file, options.model, structural, outputs)
+    model.native = {"native": True, "tape": False}.get(getattr(options, "engine", "auto"))
+    return model
 
 
 def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:
@@ -250,6 +253,7 @@ def _tell(model: Model, progress: Progress, compiled: float, loaded: float, say:
     say(f"  right-hand side: {notes['rhs_operations']} operations; {scene.sizes['n_hoisted']} values hoisted out of it")
     how = "found in the cache" if model.is_cached else "; ".join(f"{k} {_time(v)}" for k, v in model.compilation.seconds.items())
     say(f"  compiled in {_time(compiled)} ({how}); native code in {_time(loaded)}")
+    say(f"  {describe(scene)}")
     if statistics is not None and statistics.steps:
         say(f"  steps {statistics.smallest_step:.3g} to {statistics.largest_step:.3g} s, {statistics.rejected} rejected, "
             f"{statistics.dense_outputs} dense outputs, {statistics.events} events; "

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.cache import find_scene, keep_scene
 from lagrangia.diagnostics import RunError
+from lagrangia.engines import Engine, load_engine, start_building
 from lagrangia.interpret import evaluate
 from lagrangia.native import Build
 from lagrangia.scene import Scene
-from lagrangia.simulate import Engine, Values, check_values, load_engine, plan, simulate, start_building
+from lagrangia.simulate import Values, check_values, plan, simulate
 from lagrangia.solvers import is_casadi
 from lagrangia.trajectory import Trajectory, collect
 
@@ -50,6 +51,7 @@ class Model:
         self._runtime_build: Build | None = None
         self._has_engine = False
         self._implicit_engine: Engine | None = None
+        self.native: bool | None = None  # native code, a tape, or what costs less time
         found = find_scene(path, model, self.structural, self.outputs, for_any_mass)
         self.is_cached = found is not None
         self.scene: Scene = found if found is not None else self._compile_and_keep()
@@ -72,9 +74,9 @@ class Model:
 
     @property
     def engine(self) -> Engine | None:
-        """The native code, or None when there is no C compiler."""
+        """The run time with the scene in it, or None when there is no C compiler."""
         if not self._has_engine:
-            self._engine, self._has_engine = load_engine(self.scene, self._runtime_build), True
+            self._engine, self._has_engine = load_engine(self.scene, self._runtime_build, self.native), True
         return self._engine
 
     @property
@@ -193,7 +195,7 @@ class Model:
         if solver != "implicit":
             return self.engine
         if self._implicit_engine is None:
-            self._implicit_engine = load_engine(self.scene, self._runtime_build, is_implicit=True)
+            self._implicit_engine = load_engine(self.scene, self._runtime_build, self.native, is_implicit=True)
         return self._implicit_engine
 
     def observer(self, parameters: "np.ndarray", values: Any) -> Any:

@@ -131,9 +131,9 @@ class Build:
 
     def __init__(self, name: str, sources: str | Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler) -> None:
         self.compiler = compiler
-        options = (*_FLAGS, *_PLATFORM_FLAGS, level)
-        self._folder = cache_folder() / f"{name}-{_key(sources, include, options, compiler)}"
-        self._library = self._folder / f"{name}{_SUFFIX}"
+        options = _options(level)
+        self._library = _place(name, sources, include, level, compiler)
+        self._folder = self._library.parent
         self._process: subprocess.Popen[str] | None = None
         if _is_whole(self._library):
             return
@@ -169,6 +169,12 @@ class Build:
             shutil.rmtree(self._workplace, ignore_errors=True)
             self._process = None
         return self._library
+
+    def cancel(self) -> None:
+        """Ends the compiler, if it is still at work."""
+        if self._process is not None and self._process.poll() is None:
+            self._process.kill()
+            shutil.rmtree(self._workplace, ignore_errors=True)
 
     def _install(self) -> None:
         while not _is_whole(self._library):
@@ -216,6 +222,22 @@ def start_runtime_build(compiler: Compiler | None = None, level: str = "-O2") ->
     """The run time, as one library for all scenes."""
     folder = data_folder("runtime")
     return start_build("runtime", sorted(folder.glob("*.c")), include=[folder], level=level, compiler=compiler)
+
+
+def find_build(
+    name: str, sources: str | Sequence[Path], *, include: Sequence[Path], level: str, compiler: Compiler
+) -> Path | None:
+    """The library, if it was built before."""
+    library = _place(name, sources, include, level, compiler)
+    return library if _is_whole(library) else None
+
+
+def _place(name: str, sources: str | Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler) -> Path:
+    return cache_folder() / f"{name}-{_key(sources, include, _options(level), compiler)}" / f"{name}{_SUFFIX}"
+
+
+def _options(level: str) -> tuple[str, ...]:
+    return (*_FLAGS, *_PLATFORM_FLAGS, level)
 
 
 def _key(sources: str | Sequence[Path], include: Sequence[Path], options: Sequence[str], compiler: Compiler) -> str:

@@ -334,6 +334,14 @@ class Model:
             setattr(struct, name, _function_of(tape))
         return cls(struct, None)
 
+    def adopt(self, other: "Model") -> None:
+        """Calls the code of another model of the same scene from now on, where that has some; also in runs under way."""
+        for name in _FUNCTIONS:
+            code = getattr(other.struct, name).code
+            if code:
+                getattr(self.struct, name).code = code
+        self._kept = (self._kept, other)
+
 
 def _function_of(tape: Tape) -> _Function:
     code = bytes(memoryview(tape.code).cast("B"))

@@ -10,21 +10,14 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
-from lagrangia.ccode import write_c
 from lagrangia.diagnostics import LagError, Report, RunError, suggest
-from lagrangia.folders import data_folder
-from lagrangia.native import Build, CompilerError, find_compiler, start_build, start_runtime_build
-from lagrangia.runtime import Failure, Model, Run, Runtime, Settings, Statistics, Status
+from lagrangia.engines import Engine
+from lagrangia.runtime import Failure, Run, Settings, Statistics, Status
 from lagrangia.scene import Scene
 from lagrangia.solvers import AUTO, is_casadi, number_of
 
 _PORTION = 4096  # rows
 _PAUSE = 0.1  # seconds between two looks at the clock and the keyboard
-# Compiling costs some 0.2 ms an operation, once; a tape costs 1.5 ns an operation more than native code in every evaluation. So
-# compiling pays after 100 000 evaluations. Small scenes are compiled at once, for they are run again and again.
-_LARGEST_NATIVE = 3_000
-# Only implicit steps need Jacobians, and not all the time: longer ones are compiled when such steps are asked for.
-_LARGEST_JACOBIAN = 400
 _MOST_ROWS = 100_000_000
 
 
@@ -75,16 +68,6 @@ class Values:
     v: tuple[float, ...]
     input_times: Sequence[float] = (0.0,)
     input_values: Sequence[float] = ()
-
-
-@dataclass(frozen=True)
-class Engine:
-    """A loaded run time and the scene's model in it."""
-
-    runtime: Runtime
-    model: Model
-    how: str  # "native" or "tape"
-    seconds: float  # spent on compiling and loading
 
 
 @dataclass
@@ -222,41 +205,6 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
     report.raise_errors()
 
 
-# -------------------------------------------------------------------- native code
-
-
-def start_building() -> Build | None:
-    """The run time in the making, so that it is ready when the scene is; None when there is no C compiler."""
-    compiler = find_compiler()
-    return start_runtime_build(compiler) if compiler is not None else None
-
-
-def load_engine(scene: Scene, runtime_build: Build | None = None, native: bool | None = None,
-                is_implicit: bool = False) -> Engine | None:
-    """The run time with the scene in it: compiled, or as a tape when compiling cannot pay for itself.
-
-    None when there is no C compiler. `native` decides instead of the number of operations. `is_implicit`: implicit
-    steps are sure to be made.
-    """
-    begin = time.perf_counter()
-    runtime_build = runtime_build or start_building()
-    if runtime_build is None:
-        return None
-    operations = scene.notes["rhs_operations"]
-    is_native = operations <= _LARGEST_NATIVE if native is None else native
-    if not is_native:
-        model = Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind,
-                                 scene.patterns)
-        return Engine(Runtime(runtime_build.finish()), model, "tape", time.perf_counter() - begin)
-    jacobians = () if is_implicit else tuple(name for name in ("jacobian", "tangent") if name in scene.tapes)
-    interpreted = [name for name in jacobians if len(scene.tapes[name].code) // 4 > _LARGEST_JACOBIAN]
-    source = write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
-                     interpreted)
-    scene_build = start_build("scene", source, include=[data_folder("runtime")], compiler=runtime_build.compiler)
-    runtime = Runtime(runtime_build.finish())
-    return Engine(runtime, Model.from_library(scene_build.finish()), "native", time.perf_counter() - begin)
-
-
 # -------------------------------------------------------------------- the run
 
 
@@ -270,7 +218,7 @@ def simulate(
     """
     run = start_run(scene, engine, experiment, values)
     progress = Progress(experiment, parameters=run.parameters)
-    return progress, _rows(scene, run, progress, watch)
+    return progress, _rows(scene, engine, run, progress, watch)
 
 
 def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Values) -> Run:
@@ -292,8 +240,11 @@ def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Valu
     return run
 
 
-def _rows(scene: Scene, run: Run, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
+def _rows(
+    scene: Scene, engine: Engine, run: Run, progress: Progress, watch: Callable[[Progress], None] | None
+) -> Iterator[Sequence[float]]:
     begin = time.perf_counter()
+    start, span = progress.experiment.start, progress.experiment.stop - progress.experiment.start
     with run:
         for times in progress.experiment.times():
             done = 0
@@ -305,6 +256,7 @@ def _rows(scene: Scene, run: Run, progress: Progress, watch: Callable[[Progress]
                     return
                 finally:
                     progress.seconds, progress.statistics, progress.time = time.perf_counter() - begin, run.statistics, run.time
+                engine.look(progress.seconds, (progress.time - start) / span if span > 0 else 1.0)
                 done += rows.count
                 progress.rows += rows.count
                 if rows.count:
@@ -343,6 +295,5 @@ def explain(scene: Scene, failure: Failure) -> str:
 
 
 __all__ = [
-    "CompilerError", "Engine", "Experiment", "Progress", "Values", "check_values", "explain", "load_engine", "plan",
-    "simulate", "start_run",
+    "Engine", "Experiment", "Progress", "Values", "check_values", "explain", "plan", "simulate", "start_run",
 ]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Protocol
 
 from lagrangia.diagnostics import fail
-from lagrangia.simulate import Engine
+from lagrangia.engines import Engine
 from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_pieces import Watch
 from lagrangia.sweep_plan import Job

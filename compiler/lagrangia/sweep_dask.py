@@ -16,10 +16,10 @@ from typing import Any
 
 from lagrangia.batch import OUTCOME, Batch, Reduction, Sweep
 from lagrangia.diagnostics import RunError, fail
+from lagrangia.engines import Engine, load_engine
 from lagrangia.folders import data_folder
 from lagrangia.runtime import Settings
 from lagrangia.scene import from_json, to_json
-from lagrangia.simulate import Engine, load_engine
 from lagrangia.sweep_journal import Ledger
 from lagrangia.sweep_pieces import Pace, Pieces, Watch
 from lagrangia.sweep_plan import Job

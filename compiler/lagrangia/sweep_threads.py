@@ -7,7 +7,7 @@ import threading
 import time
 
 from lagrangia.batch import Batch
-from lagrangia.simulate import Engine
+from lagrangia.engines import Engine
 from lagrangia.sweep_journal import Ledger
 from lagrangia.sweep_pieces import Pace, Pieces, Watch
 from lagrangia.sweep_plan import Job

@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 import lagrangia as lag
-from lagrangia.simulate import Engine, check_values, load_engine, plan, simulate
+from lagrangia.engines import Engine, load_engine
+from lagrangia.simulate import check_values, plan, simulate
 
 ROOT = Path(__file__).resolve().parents[2]
 
