@@ -158,6 +158,18 @@ def test_a_prescribed_coordinate_is_a_given_function_of_time() -> None:
     assert any(x.has(given.symbol) for x in d.equations.h)
 
 
+def test_a_road_is_a_given_function_of_time() -> None:
+    """m2 x2'' = ... + k2 h(t): the bump keeps its name in every energy."""
+    d = derived(EXAMPLES / "quarter_car.lag")
+    (given,) = d.equations.scene.given
+    assert (given.name, given.what) == ("bump", "function")
+    assert given.value.has(sp.Piecewise)
+    assert not any(x.has(sp.Piecewise) for x in (*d.equations.left, d.equations.V_elastic))
+    m, k1, k2, c1, x, y = (d[n] for n in ("m2", "k1", "k2", "c1", "wheel.s", "car.s"))
+    assert vanishes(d.motion(0) - (m * d["der(der(wheel.s))"] + c1 * (d["der(wheel.s)"] - d["der(car.s)"]) + k1 * (x - y)
+                                   + k2 * (x - d["bump"])))
+
+
 def test_a_prescribed_acceleration_acts(written) -> None:
     """A mass on a hand that is moved as x(t): the spring's other end is dragged, and inertia answers with x''."""
     d = written("""

@@ -134,7 +134,6 @@ class Pieces:
 Node: TypeAlias = (Name | Words | Numeral | Product | Total | Quotient | Power | Apply | Root | Bracket | Grid | Cases | Slope
                    | Relation | Pieces | Listing)
 
-_SHORTEST = 12  # of a line that may be broken off
 ZERO, ONE = Numeral(Fraction(0)), Numeral(Fraction(1))
 
 
@@ -167,7 +166,8 @@ def broken(node: Node, size: Callable[[Node], int], width: int) -> list[Node]:
     length = 0
     for piece in pieces:
         this = size(piece[1]) + 3
-        if length > _SHORTEST and length + this > width:
+        is_left_alone = len(lines) == 1 and len(lines[0]) == 1 and length < width // 2
+        if lines[-1] and length + this > width and not is_left_alone:
             lines.append([])
             length = 4
         lines[-1].append(piece)

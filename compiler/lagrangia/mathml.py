@@ -77,10 +77,15 @@ def _mathml_large(node: Node) -> str:
         case Relation(left, right, symbol):
             return _row(f"{mathml(left)}<mo>{escape(symbol)}</mo>{mathml(right)}")
         case Pieces(items):
-            return _row("".join("".join(f'<mo form="infix">{escape(s)}</mo>' for s in signs.split()) + mathml(item)
+            return _row("".join("".join(_sign(s) for s in signs.split()) + mathml(item)
                                 for signs, item in items))
         case _:
             raise AssertionError(node)
+
+
+def _sign(sign: str) -> str:
+    form = {"(": "prefix", ")": "postfix"}.get(sign, "infix")
+    return f'<mo form="{form}" stretchy="false">{escape(sign)}</mo>'
 
 
 def _table(rows: tuple[tuple[Node, ...], ...]) -> str:
@@ -120,7 +125,7 @@ def _mathml_number(value: Fraction, digits: int) -> str:
         return _row(f"{shown}<mo>·</mo><msup><mn>10</mn><mn>{int(exponent)}</mn></msup>") if exponent else shown
     if value.denominator == 1:
         return f"<mn>{value.numerator}</mn>"
-    return f'<mfrac displaystyle="false" scriptlevel="1"><mn>{value.numerator}</mn><mn>{value.denominator}</mn></mfrac>'
+    return f'<mfrac displaystyle="false"><mn>{value.numerator}</mn><mn>{value.denominator}</mn></mfrac>'
 
 
 def _mathml_sign(sign: int, place: int) -> str:

@@ -117,6 +117,21 @@ class Presentation:
         """left = right as they are, the acceleration of `own` first."""
         return Relation(self._accelerations(left, own), self._accelerations(right, None))
 
+    def momentum(self, expression: Expr) -> Node:
+        """A sum of coefficients times rates."""
+        items: list[tuple[int, Node]] = []
+        rest = expression
+        for v in self.symbols.rates:
+            mine = sp.Add(*(x for x in sp.Add.make_args(rest) if x.has(v)))
+            items += self._factored(mine, v) if mine != 0 else []
+            rest = rest - mine
+        items += [item for group in (self._groups(rest, self.ring) if rest != 0 else []) for item in self._items(group)]
+        return total(_positive_first(items))
+
+    def motion(self, expression: Expr) -> Node:
+        """A velocity as the kinematics made it, sums of rates kept together."""
+        return self.sum(expression, self.gathered)
+
     def quotient(self, top: Expr, bottom: Expr) -> Node:
         """top/bottom, divided out where the bottom is one term."""
         whole = self.over(self.sum(top), self.coefficient(bottom))

@@ -207,6 +207,10 @@ class SymbolicKinematics(Kinematics):
         self.evaluator = _TimeEvaluator(self.graph.model, self.algebra, self)
         self.evaluator.kinematics = self
 
+    def without_accelerations(self) -> "SymbolicKinematics":
+        """Itself: positions and rates are the same, and SymPy does not mind the rest."""
+        return self
+
     def reduced(self, constraints: Constraints) -> "SymbolicKinematics":
         """With the coordinates given up that the linear constraints give, solved for in SymPy."""
         lost = [c.name for c in self.graph.dependent_coordinates]

@@ -15,10 +15,10 @@ from lagrangia.book import (
     partial,
     time_derivative,
 )
-from lagrangia.document import Block, Display, Document, Heading, Inline, Table, display, paragraph
+from lagrangia.document import Block, Display, Document, Heading, display, paragraph
 from lagrangia.flat import Energy, Work
-from lagrangia.forms import energy_blocks, force_blocks, force_name, matrix_blocks, opening, title
-from lagrangia.layout import Listing, Name, Node
+from lagrangia.forms import component_sub, energy_blocks, force_blocks, force_name, matrix_blocks, opening, title
+from lagrangia.layout import Name, Node
 from lagrangia.sympy_algebra import Expr, exact_throughout
 from lagrangia.tree import FrameRef
 from lagrangia.walk import leaves
@@ -75,16 +75,24 @@ def _positions(book: Book) -> list[Block]:
     moving = {key: names for key, names in places.items() if any(book.presentation.symbols.moves(x) for x in key)}
     if not moving:
         return []
-    rows: list[tuple[Inline, ...]] = []
-    speeds: list[tuple[Inline, ...]] = []
-    for (x, y, phi), names in moving.items():
-        called = ", ".join(names)
-        rows.append((called, Listing((book.sum(x), book.sum(y))), book.sum(phi)))
-        v = [book.equations.ring.tidy(exact_throughout(s)) for s in kinematics.frame(names[0], "v", 0)]
-        w = book.equations.ring.tidy(exact_throughout(kinematics.frame(names[0], "w", 0)))
-        speeds.append((called, Listing(tuple(book.sum(s) for s in v)), book.sum(w)))
-    return [Heading("Positions and velocities", 2), Table(("frame", "position (x, y)", "angle"), tuple(rows)),
-            paragraph("Differentiated with respect to time:"), Table(("frame", "velocity", "angular velocity"), tuple(speeds))]
+    blocks: list[Block] = [Heading("Positions and velocities", 2)]
+    for names in moving.values():
+        blocks += _place(book, names)
+    return blocks
+
+
+def _place(book: Book, names: list[str]) -> list[Block]:
+    """r = (x, y), phi, r' and phi' of frames that share them."""
+    kinematics, tidy = book.equations.scene.kinematics, book.equations.ring.tidy
+    pose = kinematics.pose(names[0], 0)
+    phi, w = (tidy(exact_throughout(x)) for x in (pose.phi, kinematics.frame(names[0], "w", 0)))
+    r = [book.sum(tidy(exact_throughout(x))) for x in (pose.x, pose.y)]
+    v = [book.presentation.motion(exact_throughout(x)) for x in kinematics.frame(names[0], "v", 0)]
+    sub = component_sub(names[0].removesuffix(".center"))
+    lines: list[Node] = [equal(Name(name, sub, marks), x)
+                         for marks, pair in ((0, r), (1, v)) for name, x in zip("xy", pair, strict=True)]
+    lines += [equal(Name("phi", sub, marks), book.sum(x)) for marks, x in ((0, phi), (1, w))] if phi != 0 else []
+    return [paragraph(f"{', '.join(names)}:"), Display(tuple(lines))]
 
 
 def _frames(book: Book, statements: "list[Energy | Work]") -> list[str]:
@@ -102,7 +110,7 @@ def _coordinate(book: Book, k: int) -> list[Block]:
     """Every partial derivative of one coordinate's equation, and the equation."""
     e, q, rate = book.equations, book.q[k], book.rate(k)
     step = time_derivative(partial("T", rate))
-    lines: list[Node] = [equal(partial("T", rate), book.presentation.kept(e.momenta[k], sp.S.Zero).left),
+    lines: list[Node] = [equal(partial("T", rate), book.presentation.momentum(e.momenta[k])),
                          equal(step, book.presentation.kept(e.momentum_rates[k], sp.S.Zero, k).left),
                          equal(partial("T", q), book.sum(e.dT_dq[k]))]
     if e.V_elastic != 0 or e.V_field != 0:
