@@ -1,6 +1,7 @@
 #include "linear_ladder.h"
 
-enum { RUNGS = 56, RUNGS_OF_LARGE = 40, LARGE = 160, SWEEPS = 8, FEWEST_TERMS = 14 };
+enum { COST_OF_ROW = 3, COST_OF_SERIES = 120 }; /* in products of two double-doubles, an entry of rung 0: measured */
+enum { RUNGS_OF_LARGE = 40, LARGE = 160, SWEEPS = 8, FEWEST_TERMS = 14 };
 /* Rung 0 is as long as |A h| <= states / FEW, within limits: terms cost as their square, doublings as their third power. */
 static const double FEW = 64, SHORTEST = 0.125, LONGEST = 2;
 static const double PRECISION = 4e-33, HIT = 1e-10, LEAST_SHARE = 1e-6, SMALLEST_NORM = 1.0 / 64;
@@ -25,7 +26,7 @@ void lag_ladder_layout(LagLadder *l, const LagLinearSystem *system, LagArena *ar
     l->size = (size_t)system->size;
     l->stride = (l->size + 3) / 4 * 4;
     l->n_forms = system->n_forms;
-    l->n_rungs = l->size <= LARGE ? RUNGS : RUNGS_OF_LARGE;
+    l->n_rungs = l->size <= LARGE ? LAG_LADDER_MOST_RUNGS : RUNGS_OF_LARGE;
     l->slopes = lag_dds_take(arena, matrix(l));
     for (int f = 0; f < l->n_forms; ++f)
         l->form[f] = lag_dds_take(arena, matrix(l));
@@ -180,7 +181,7 @@ static void double_rung(LagLadder *l, int k)
 static void build_to(LagLadder *l, int rung)
 {
     if (l->built == 0) {
-        const double h = lag_ladder_length(l, 0);
+        const double h = l->length[0];
         sum_exponential(l, h);
         for (int f = 0; f < l->n_forms; ++f)
             sum_form(l, h, f);
@@ -204,14 +205,14 @@ void lag_ladder_set_base(LagLadder *l, double h)
     l->top = top < highest ? top : highest;
     l->base = ldexp(h, l->top - top);
     l->built = 0;
+    for (int k = 0; k < l->n_rungs; ++k)
+        l->length[k] = ldexp(l->base, k - l->top);
 }
-
-double lag_ladder_length(const LagLadder *l, int rung) { return ldexp(l->base, rung - l->top); }
 
 int lag_ladder_find(const LagLadder *l, double h)
 {
     int rung = l->n_rungs - 1;
-    while (rung >= 0 && lag_ladder_length(l, rung) > h * (1 + HIT))
+    while (rung >= 0 && l->length[rung] > h * (1 + HIT))
         --rung;
     return rung;
 }
@@ -231,10 +232,15 @@ void lag_ladder_climb(LagLadder *l, int rung, LagDDs x, LagDDs y, LagDD *integra
     }
 }
 
-double lag_ladder_cost(const LagLadder *l, double h)
+const double *lag_ladder_row(const LagLadder *l, int rung, int part, size_t j)
 {
-    const double n = (double)l->size;
-    return n * n * ((1 + 2 * l->n_forms) * n * doublings(l, h) + 40 * (2 + 4 * l->n_forms));
+    return row_of(l, rung_part(l, rung, part), j).hi;
 }
 
-double lag_ladder_cost_of_rung(const LagLadder *l) { return (double)(l->size * l->stride) * (1 + l->n_forms); }
+double lag_ladder_cost(const LagLadder *l, double h)
+{
+    const double n = (double)l->size, entries = n * (double)(l->stride + COST_OF_ROW);
+    return entries * ((1 + 2 * l->n_forms) * n * doublings(l, h) + COST_OF_SERIES * (1 + 3 * l->n_forms));
+}
+
+double lag_ladder_cost_of_rung(const LagLadder *l) { return (double)(l->size * (l->stride + COST_OF_ROW)) * (1 + l->n_forms); }

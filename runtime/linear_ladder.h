@@ -9,13 +9,14 @@
 
 #include "linear_system.h"
 
-enum { LAG_LADDER_MOST_STATES = 256 };
+enum { LAG_LADDER_MOST_STATES = 256, LAG_LADDER_MOST_RUNGS = 56 };
 
 typedef struct {
     size_t size, stride;
     int n_forms, n_rungs, built;
     int top;      /* the rung of the step in use, whose length is `base` */
     double base;  /* 0: no ladder yet */
+    double length[LAG_LADDER_MOST_RUNGS];
     double norm;  /* of A, in balanced units of the states */
     LagDDs slopes; /* A', row by row */
     LagDDs form[2];
@@ -35,10 +36,12 @@ void lag_ladder_set_base(LagLadder *ladder, double h);
 
 /* The longest rung of at most this length, or of a rounding error more; -1: even rung 0 is longer. */
 int lag_ladder_find(const LagLadder *ladder, double h);
-double lag_ladder_length(const LagLadder *ladder, int rung);
 
 /* y = E x, and the integrals of the powers are added to those given. */
 void lag_ladder_climb(LagLadder *ladder, int rung, LagDDs x, LagDDs y, LagDD *integrals);
+
+/* The high parts of column j of E, or of a form. */
+const double *lag_ladder_row(const LagLadder *ladder, int rung, int part, size_t j);
 
 /* Multiplications of numbers that a base h would cost in all, and that climbing one rung costs. */
 double lag_ladder_cost(const LagLadder *ladder, double h);

@@ -3,7 +3,7 @@
  * this length as building it does: never more than twice the least effort.
  *
  * Times that are meant to be equally far apart are so but for rounding. The state then moves by equal steps and lags behind
- * its time by less than the time's own rounding, which does not add up, and is made up for at the end of a segment.
+ * its time by no more than the time's own rounding, which does not add up, and is made up for at the end of a segment.
  */
 #include "linear_method.h"
 
@@ -14,7 +14,9 @@
 #include "evaluate.h"
 #include "step.h"
 
-static const double SAME = 1e-9, FIRST_STEP = 1;
+static const double SAME = 1e-9, FIRST_STEP = 1, IGNORED = 4 * DBL_EPSILON;
+static const double PACE = 0.4; /* what a step of many equal ones costs, in rungs: many go in plain doubles */
+enum { EQUAL_STEPS = 16 }; /* so many, and more of larger scenes, make it likely that enough follow */
 
 static const LagRun *run_of(const LagMotion *m) { return m->context; }
 
@@ -27,6 +29,8 @@ static void layout(void *self, const LagMotion *m, LagArena *arena)
     s->has_ladder = lag_ladder_possible(model);
     if (s->has_ladder)
         lag_ladder_layout(&s->ladder, &s->system, arena);
+    if (s->has_ladder)
+        lag_pace_layout(&s->pace, &s->ladder, arena);
     lag_series_layout(&s->series, &s->system, model->n_power, arena);
     s->x = lag_dds_take(arena, size);
     s->moved = lag_dds_take(arena, size);
@@ -52,6 +56,7 @@ static int begin(LagLinearMethod *s, LagRun *run)
 {
     int is_new;
     s->is_fresh = 0;
+    s->equal_steps = 0;
     if (run->statistics.steps == 0)
         s->lag = lag_dd(0);
     s->series.powers = powers;
@@ -75,20 +80,23 @@ static int ladder_pays(LagLinearMethod *s, double h)
 {
     if (!s->has_ladder)
         return 0;
-    const double by_series = lag_series_cost(&s->series, h);
+    const double by_series = lag_series_cost(&s->series, h), rung = PACE * lag_ladder_cost_of_rung(&s->ladder);
     if (is_same(h, s->ladder.base))
-        return lag_ladder_cost_of_rung(&s->ladder) < by_series;
+        return rung < by_series;
     if (!is_same(h, s->usual)) {
         s->usual = h;
-        s->spent = 0;
+        s->times = 0;
+        s->spent = s->span = 0;
     }
+    ++s->times;
+    s->span += h;
     s->spent += by_series;
-    if (s->spent > lag_ladder_cost(&s->ladder, h) && lag_ladder_cost_of_rung(&s->ladder) < by_series) {
-        lag_ladder_set_base(&s->ladder, h);
+    if (s->spent > lag_ladder_cost(&s->ladder, h) && rung < by_series) {
+        lag_ladder_set_base(&s->ladder, s->span / s->times); /* free of most of the rounding of times */
         return 1;
     }
     return s->ladder.base > 0 && s->ladder.built > 0
-        && lag_ladder_cost_of_rung(&s->ladder) * (2 + log2(fmax(1, h / lag_ladder_length(&s->ladder, 0)))) < by_series;
+        && lag_ladder_cost_of_rung(&s->ladder) * (2 + log2(fmax(1, h / s->ladder.length[0]))) < by_series;
 }
 
 static void swap(LagDDs *a, LagDDs *b)
@@ -104,7 +112,7 @@ static int move(LagLinearMethod *s, double t, LagDD h, double ignored, LagDD *in
     *lag = lag_dd(0);
     if (ladder_pays(s, h.hi)) {
         for (int rung = lag_ladder_find(&s->ladder, h.hi); rung >= 0; rung = lag_ladder_find(&s->ladder, h.hi)) {
-            const double length = lag_ladder_length(&s->ladder, rung);
+            const double length = s->ladder.length[rung];
             lag_ladder_climb(&s->ladder, rung, s->x, s->moved, integrals);
             swap(&s->x, &s->moved);
             h = lag_dd_sub(h, lag_dd(length));
@@ -120,6 +128,14 @@ static int move(LagLinearMethod *s, double t, LagDD h, double ignored, LagDD *in
     return is_done;
 }
 
+static void fill(LagLinearMethod *s, const LagMotion *m, const double *y, const double *carry, LagDDs loads)
+{
+    const size_t states = 2 * (size_t)m->n;
+    memcpy(s->x.hi, y, states * sizeof *y);
+    memcpy(s->x.lo, carry, states * sizeof *y);
+    lag_dds_copy(loads, lag_dds_from(s->x, states), (size_t)s->system.n_w);
+}
+
 typedef struct {
     const double *y, *carry;
     LagDDs loads;
@@ -130,10 +146,8 @@ typedef struct {
 /* The state there, moved to the time t, in s->x; the quadratures with their integrals. */
 static int move_from(LagLinearMethod *s, LagMotion *m, Place from, double t, double ignored, LagDD *quadratures, LagDD *lag)
 {
-    const size_t states = 2 * (size_t)m->n, n_w = (size_t)s->system.n_w;
-    memcpy(s->x.hi, from.y, states * sizeof *from.y);
-    memcpy(s->x.lo, from.carry, states * sizeof *from.y);
-    lag_dds_copy(from.loads, lag_dds_from(s->x, states), n_w);
+    const size_t states = 2 * (size_t)m->n;
+    fill(s, m, from.y, from.carry, from.loads);
     for (int i = 0; i < m->size - 2 * m->n; ++i)
         quadratures[i] = lag_dd_sum(from.y[states + (size_t)i], from.carry[states + (size_t)i]);
     if (!move(s, from.t, lag_dd_add(lag_dd_sum(t, -from.t), from.lag), ignored, quadratures, lag))
@@ -141,6 +155,70 @@ static int move_from(LagLinearMethod *s, LagMotion *m, Place from, double t, dou
     lag_dds_settle(s->x, states);
     return 1;
 }
+
+/* ---------------------------------------------------------------- many equal steps */
+
+/* Whether the next step is one of many like it, from a state that the pace may start from. */
+static int in_pace(LagLinearMethod *s, const LagMotion *m, double t_new, double ignored)
+{
+    const LagDD h = lag_dd_add(lag_dd_sum(t_new, -m->t), s->lag);
+    const int enough = EQUAL_STEPS + 2 * s->system.size;
+    if (!s->has_ladder || s->ladder.base == 0 || s->ladder.built <= s->ladder.top || !(fabs(h.hi - s->ladder.base) <= ignored)) {
+        s->equal_steps = 0;
+        return 0;
+    }
+    if (++s->equal_steps == enough) {
+        fill(s, m, m->y, m->carry, s->loads);
+        lag_pace_try(&s->pace, &s->ladder, (size_t)m->n, s->x);
+        lag_pace_set(&s->pace, s->x);
+    }
+    return s->equal_steps >= enough && s->pace.is_trusted;
+}
+
+static void pace_step(LagLinearMethod *s, LagMotion *m, double t_new)
+{
+    const size_t states = 2 * (size_t)m->n, n_w = (size_t)s->system.n_w;
+    double gain[2] = {0, 0};
+    LagPace *pace = &s->pace;
+    lag_pace_step(pace, gain);
+    memcpy(m->other, pace->x, states * sizeof *m->other);
+    memset(m->other_carry, 0, states * sizeof *m->other);
+    for (int i = 0; i < m->size - 2 * m->n; ++i) {
+        const LagDD sum = lag_dd_sum(m->y[states + (size_t)i], m->carry[states + (size_t)i] + gain[i]);
+        m->other[states + (size_t)i] = sum.hi;
+        m->other_carry[states + (size_t)i] = sum.lo;
+    }
+    memcpy(s->loads_old.hi, pace->x + states, n_w * sizeof *pace->x);
+    memset(s->loads_old.lo, 0, n_w * sizeof *pace->x);
+    swap(&s->loads, &s->loads_old);
+    s->lag_old = s->lag;
+    s->lag = lag_dd_sub(lag_dd_add(lag_dd_sum(t_new, -m->t), s->lag), lag_dd(s->ladder.base));
+}
+
+/* The present state, as the ladder gives it, in place of the pace's. */
+static void set_right(LagLinearMethod *s, LagMotion *m)
+{
+    const size_t states = 2 * (size_t)m->n;
+    LagPace *pace = &s->pace;
+    LagDD integrals[2];
+    if (pace->count == 0)
+        return;
+    lag_pace_settle(pace, &s->ladder, integrals);
+    pace->is_trusted = lag_pace_agrees(pace, (size_t)m->n, integrals);
+    lag_dds_settle(pace->state, pace->size);
+    memcpy(m->y, pace->state.hi, states * sizeof *m->y);
+    memcpy(m->carry, pace->state.lo, states * sizeof *m->y);
+    lag_dds_copy(lag_dds_from(pace->state, states), s->loads, (size_t)s->system.n_w);
+    for (int i = 0; i < m->size - 2 * m->n; ++i) {
+        const LagDD more = lag_dd_sub(integrals[i], lag_dd(pace->sum[i]));
+        const LagDD sum = lag_dd_add(lag_dd_sum(m->y[states + (size_t)i], m->carry[states + (size_t)i]), more);
+        m->y[states + (size_t)i] = sum.hi;
+        m->carry[states + (size_t)i] = sum.lo;
+    }
+    lag_pace_set(pace, pace->state);
+}
+
+/* ---------------------------------------------------------------- steps */
 
 static int try_step(LagLinearMethod *s, LagMotion *m, double t_new, double ignored)
 {
@@ -168,6 +246,17 @@ static int try_step(LagLinearMethod *s, LagMotion *m, double t_new, double ignor
     return 1;
 }
 
+/* m->other is the state at t_new. */
+static int take(LagLinearMethod *s, LagMotion *m, double t_new, double ignored)
+{
+    if (!in_pace(s, m, t_new, ignored)) {
+        set_right(s, m);
+        return try_step(s, m, t_new, ignored);
+    }
+    pace_step(s, m, t_new);
+    return 1;
+}
+
 static double aim(const LagRun *run)
 {
     const double t = run->motion.t, end = fmin(run->segment_end, run->settings.t_stop);
@@ -181,12 +270,16 @@ static LagStatus step(LagRun *run)
 {
     LagLinearMethod *s = run->methods.self;
     LagMotion *m = &run->motion;
-    const double t = m->t, t_new = aim(run);
+    const double t = m->t, t_new = aim(run), ignored = t_new == run->segment_end ? 0 : IGNORED * fabs(t_new);
+    if (run->statistics.steps == 0)
+        s->pace.count = 0;
+    if (s->is_fresh || s->pace.count == LAG_PACE_STEPS)
+        set_right(s, m);
     if (s->is_fresh && !begin(s, run)) {
         s->is_fresh = 1;
         return lag_fail(run, LAG_NOT_FINITE, 0, 1, 0);
     }
-    if (!try_step(s, m, t_new, t_new == run->segment_end ? 0 : DBL_EPSILON * fabs(t_new)))
+    if (!take(s, m, t_new, ignored))
         return lag_step_give_up(run, lag_first_not_finite(m->other, 2 * m->n));
     lag_motion_take(m, t_new);
     lag_step_record(run, t_new - t);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+enum { COST_OF_TERM = 60, COST_OF_POWERS = 60 }; /* in products of two double-doubles, some 1.5 ns */
 enum { MOST_TERMS = 100, WARM_UP = 12, ITERATIONS = 24, USUAL_TERMS = 30 };
 static const double LONGEST = 2.5, NEGLIGIBLE = 1e-21, ROUGH = 1e-4, MARGIN = 1.1, MOST_STEPS = 1e12;
 
@@ -188,6 +189,7 @@ int lag_series_move(LagSeries *s, LagLinearSystem *system, double t, LagDD h, La
 
 double lag_series_cost(const LagSeries *s, double h)
 {
-    const double theta = s->rate * fabs(h);
-    return steps(s, h) * s->entries * (theta > 0.1 ? USUAL_TERMS : theta > 1e-6 ? USUAL_TERMS / 3 : 4);
+    const double theta = s->rate * fabs(h), terms = theta > 0.1 ? USUAL_TERMS : theta > 1e-6 ? USUAL_TERMS / 3 : 4;
+    const double powers = s->n_power > 0 ? (theta > 0.02 ? 10 : theta > 1e-5 ? 5 : 2) * (2.0 * (double)s->n + COST_OF_POWERS) : 0;
+    return steps(s, h) * (terms * (3 * s->entries + 8 * (double)s->size + COST_OF_TERM) + powers);
 }

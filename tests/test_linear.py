@@ -173,6 +173,45 @@ def test_horizons(horizon: float, rows: int, scene: Scene) -> None:
     assert np.abs(found[:, 1] - [float(x) for _, x in exact]).max() <= bound(omega, horizon) * min(4, 2 * horizon)
 
 
+STIFF_PAIR = """
+model Pair
+  parameter Real k = 1, k2 = 1; coordinate Real x(start = 1), y(start = 1); parameter Real c = 0;
+energy
+  kinetic der(x)^2/2 + der(y)^2/2; potential k*x^2/2 + k2*(y - x)^2/2 + k*y^2/2; dissipation c*der(x)^2/2 + c*der(y)^2/2;
+end Pair;"""
+
+
+@pytest.mark.parametrize("k2", [1.0, 1e4, 1e12])
+@pytest.mark.parametrize("c", [0.0, 0.01])
+def test_thousands_of_equal_steps(k2: float, c: float, scene: Scene) -> None:
+    """Most are taken in doubles where that loses nothing. Both masses swing alike, whatever lies between them."""
+    model, interval = scene(STIFF_PAIR), 0.037
+    run = model.simulate(stop=4000 * interval, interval=interval, solver="linear", parameters={"k2": k2, "c": c})
+    rate, speed = mp.mpf(c) / 2, mp.sqrt(1 - (mp.mpf(c) / 2) ** 2)
+    exact = [float(mp.exp(-rate * t) * (mp.cos(speed * t) + rate / speed * mp.sin(speed * t))) for t in map(float, run.time)]
+    assert np.abs(run["x"] - exact).max() < 1e-12
+    assert np.abs(run["y"] - exact).max() < 1e-12
+    assert np.abs(run.energy.residual).max() < 1e-12
+
+
+def test_a_ladder_of_120_states(scene: Scene) -> None:
+    """A mode of a row of 60 masses, over rows 2000 s apart and over many equal small ones."""
+    n, k = 60, 7
+    model, a = scene(row(n, (1.0, 0.0), 0.0)), k * mp.pi / (n + 1)
+    speed, initial = 2 * mp.sin(a / 2), {f"x{j}": float(mp.sin(j * a)) for j in range(1, n + 1)}
+    for times in ([2000.0, 4000.0, 6000.0], list(np.arange(1, 1500) * 2.5)):
+        found = states(model, times, initial=initial)
+        exact = np.array([[float(mp.cos(speed * t) * mp.sin(j * a)) for j in (1, 30, 60)] for t in times])
+        assert np.abs(found[:, [0, 29, 59]] - exact).max() < bound(float(speed), times[-1])
+
+
+def test_auto_takes_it_where_it_costs_less(scene: Scene) -> None:
+    text = STIFF_PAIR.replace("end Pair", "annotation(experiment(StopTime = {stop}));\nend Pair")
+    for stop, solver in ((10, "erk"), (1000, "linear")):
+        run = scene(text.format(stop=stop)).simulate()
+        assert run.statistics.solver.name.lower() == solver
+
+
 # ---------------------------------------------------------------- closed forms
 
 

@@ -60,6 +60,7 @@ ORDER = """
     waves
     loads
     linear_form
+    linear_choice
     functions
     assembly
     assemblies

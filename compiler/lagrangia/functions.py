@@ -14,6 +14,7 @@ from lagrangia.constraints import Constraints
 from lagrangia.initial import InitialConditions
 from lagrangia.jacobians import Jacobian, build_jacobian
 from lagrangia.kinematics import Kinematics
+from lagrangia.linear_choice import linear_pays
 from lagrangia.linear_form import LinearForm, find_linear_form
 from lagrangia.motion import Motion, mass_matrix
 from lagrangia.observables import observe
@@ -33,6 +34,7 @@ class Functions:
     patterns: Mapping[str, tuple[int, ...]]
     refused: Mapping[str, str]  # solvers that cannot run the scene, and why
     sizes: Mapping[str, int]  # of the matrix of implicit steps
+    linear_pays: bool  # the solver `linear` costs less than others
 
 
 def build_functions(
@@ -68,9 +70,9 @@ def build_functions(
         table["steer"] = ca.Function("steer", state, [dv, rate], labels, ["dv", "rate"])
     table |= _start_functions(kinematics, motion, initial) | _mode_functions(motion, modes)
     needs = ca.depends_on(y, ca.vertcat(a, symbols)) if y.numel() else False
-    patterns, refused = _add_linear(table, find_linear_form(kinematics, motion))
+    patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, names, tuple(mode.kind for mode in modes), power.numel(), needs,
-                     patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes)
+                     patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
 
 
 def _power(motion: Motion) -> ca.SX:
@@ -79,12 +81,14 @@ def _power(motion: Motion) -> ca.SX:
     return ca.vertcat(motion.dissipated_power, motion.source_power) if has_power else ca.SX(0, 1)
 
 
-def _add_linear(table: dict[str, ca.Function], form: LinearForm | str) -> tuple[dict[str, tuple[int, ...]], dict[str, str]]:
-    """The patterns of a linear scene, and why the solver `linear` cannot run one that is none."""
-    if isinstance(form, str):
-        return {}, {"linear": form}
+def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,
+                motion: Motion) -> tuple[dict[str, tuple[int, ...]], dict[str, str], bool]:
+    """The patterns of a linear scene, why the solver `linear` cannot run one that is none, and whether `auto` takes it."""
+    form = find_linear_form(kinematics, motion)
+    if not isinstance(form, LinearForm):
+        return {}, {"linear": form}, False
     table |= {"linear": form.values, "waves": form.waves}
-    return {"linear_pattern": form.pattern}, {}
+    return {"linear_pattern": form.pattern}, {}, linear_pays(kinematics, motion)
 
 
 def people_functions(

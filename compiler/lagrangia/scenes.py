@@ -17,7 +17,7 @@ from lagrangia.instructions import count_operations, tape_of
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
 from lagrangia.observables import observe
-from lagrangia.runtime import Tape
+from lagrangia.runtime import Solver, Tape
 from lagrangia.scene import Column, Parameter, Scene
 from lagrangia.tree import Array, Flat
 
@@ -45,7 +45,7 @@ def build_scene(
         "n_holonomic": held.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0,
         "outputs_need_acceleration": int(functions.outputs_need_acceleration),
     }
-    sizes |= functions.sizes
+    sizes |= functions.sizes | {"solver": int(Solver.LINEAR if functions.linear_pays else Solver.AUTO)}
     sizes["rhs_cost"], sizes["jacobian_cost"] = count_operations(tapes["rhs"]), _jacobian_cost(tapes, sizes["n_colours"])
     return Scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
