@@ -45,7 +45,9 @@ def build_scene(
         "n_holonomic": held.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0,
         "outputs_need_acceleration": int(functions.outputs_need_acceleration),
     }
-    sizes |= functions.sizes | {"solver": int(Solver.LINEAR if functions.linear_pays else Solver.AUTO)}
+    sizes |= functions.sizes
+    if functions.linear_pays:
+        sizes["solver"] = int(Solver.LINEAR)
     sizes["rhs_cost"], sizes["jacobian_cost"] = count_operations(tapes["rhs"]), _jacobian_cost(tapes, sizes["n_colours"])
     return Scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
