@@ -1,6 +1,7 @@
 /* Steps whose length follows the error that the method estimates. */
 #include <math.h>
 
+#include "attempts.h"
 #include "step.h"
 
 /* Measured like the constants of scale.c: at a safety of 0.8 fewer rejections pay for shorter steps, and then a memory of
@@ -34,54 +35,10 @@ static double proposal(const LagRun *run, double h, double error, int rejected)
     return run->settings.max_step > 0 ? fmin(next, run->settings.max_step) : next;
 }
 
-/* Near a singular position of a constrained mechanism (a parallelogram folded flat) rounding is magnified, and the shorter
- * the step, the more of its stages feel it: shrinking leads ever deeper in. The motion itself is smooth there. So the step
- * is tried again with projected slopes, at several lengths that straddle the place in different ways; if none is good
- * enough, the best of them is, as long as its error stays below FORGIVEN. */
-enum { WAYS = 8, PATIENT = 2 };
-static const double WAY[WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-8;
-/* An ordinary rejection: not one of several in a row, of a step much longer than the last good ones or with an error that a
- * shorter one mends. */
-static const double MUCH_LONGER = 1.5, MENDABLE = 50;
-
-typedef struct {
-    int rejected;
-    double planned;     /* length first tried */
-    double best, least; /* the length with the least error, and that error */
-    double allowed;     /* error, in units */
-} Attempts;
-
-static double next_attempt(LagRun *run, Attempts *attempts, double h, double error)
+static void settle(LagRun *run, const LagAttempts *attempts, double h, double error)
 {
-    const double shorter = shrunk(run, h, error <= attempts->allowed ? INFINITY : error); /* finite error, but not the slope */
-    const int is_ordinary = run->troubled < PATIENT && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
-    if (run->model->n_multipliers == 0 || (is_ordinary && error > attempts->allowed))
-        return shorter;
-    if (!run->careful) {
-        run->careful = 1;
-        attempts->rejected = 1;
-        attempts->planned = fmax(attempts->planned, run->calm_step);
-    }
-    if (error < attempts->least) {
-        attempts->least = error;
-        attempts->best = h;
-    }
-    if (attempts->rejected <= WAYS)
-        return attempts->planned * WAY[attempts->rejected - 1];
-    if (attempts->rejected > WAYS + 1 || !(attempts->least * run->scale.tolerance < FORGIVEN))
-        return shorter;
-    attempts->allowed = fmax(1, 2 * attempts->least);
-    return attempts->best;
-}
-
-static void settle(LagRun *run, const Attempts *attempts, double h, double error)
-{
-    const int was_rejected = attempts->rejected > 0;
-    run->careful = 0;
-    run->statistics.tolerance_missed += error > 1;
-    run->step = proposal(run, h, fmin(error, 1), was_rejected);
-    run->troubled = was_rejected ? run->troubled + 1 : 0;
-    run->calm_step = was_rejected ? run->calm_step : fmax(h, run->calm_step / 2);
+    run->step = proposal(run, h, fmin(error, 1), attempts->rejected > 0);
+    lag_attempts_end(run, attempts, h, error);
     lag_step_record(run, h);
 }
 
@@ -92,8 +49,7 @@ LagStatus lag_step_adaptive(LagRun *run)
     void *self = run->methods.self;
     int worst = 0;
     run->step = fmax(run->step, lag_step_smallest(motion->t));
-    Attempts attempts = {0, run->step, run->step, INFINITY, 1};
-    run->careful = 0;
+    LagAttempts attempts = lag_attempts_begin(run);
     for (;;) {
         const double t = motion->t, t_new = lag_step_end(run, run->step), h = t_new - t;
         double error = method->attempt(self, motion, t_new, &run->scale, &worst);
@@ -108,7 +64,7 @@ LagStatus lag_step_adaptive(LagRun *run)
         ++attempts.rejected;
         if (error * run->scale.tolerance < FORESEEN || (attempts.rejected > PATIENCE && lag_scale_at_rest(&run->scale)))
             lag_scale_note(&run->scale, motion->other);
-        run->step = next_attempt(run, &attempts, h, error);
+        run->step = lag_attempts_next(run, &attempts, h, error, shrunk(run, h, error <= attempts.allowed ? INFINITY : error));
         if (run->step < lag_step_smallest(t))
             return lag_step_give_up(run, worst);
     }

@@ -18,14 +18,24 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     }
 }
 
+int lag_methods_alternate(const LagModel *model, int32_t solver)
+{
+    const int is_one = solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_IMPLICIT;
+    return is_one && lag_methods_permit(model, LAG_SOLVER_IMPLICIT);
+}
+
 void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,
                         LagArena *arena)
 {
     const int32_t solver = lag_methods_first(settings, model);
     if (!lag_methods_permit(model, solver))
         return;
-    lag_methods_choose(methods, solver);
-    methods->table->layout(methods->self, motion, arena);
+    if (solver == LAG_SOLVER_LINEAR)
+        lag_linear_method.layout(&methods->linear, motion, arena);
+    if (solver == LAG_SOLVER_ERK || lag_methods_alternate(model, solver))
+        lag_dop853.layout(&methods->dop853, motion, arena);
+    if (solver == LAG_SOLVER_IMPLICIT || (settings->solver == LAG_SOLVER_AUTO && lag_methods_alternate(model, solver)))
+        lag_radau.layout(&methods->radau, motion, arena);
 }
 
 void lag_methods_choose(LagMethods *methods, int32_t solver)

@@ -22,6 +22,9 @@ int32_t lag_methods_first(const LagSettings *settings, const LagModel *model);
 /* Whether the model can be run by it. */
 int lag_methods_permit(const LagModel *model, int32_t solver);
 
+/* Whether a run that begins with this solver may go on with erk or implicit, whichever serves. */
+int lag_methods_alternate(const LagModel *model, int32_t solver);
+
 /* The methods that a run with these settings may use take their memory. */
 void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,
                         LagArena *arena);

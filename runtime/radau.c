@@ -7,14 +7,15 @@
 #include <math.h>
 #include <string.h>
 
+#include "attempts.h"
 #include "step.h"
 
 static const double SAFETY = 0.9, LEAST_FACTOR = 1.0 / 8, MOST_FACTOR = 5, NOT_FINITE_SHRINK = 0.25, DIVERGED_SHRINK = 0.5;
 /* A step is kept when it could grow by less than this; contractions below which the Jacobian is kept, more stages pay, and
  * above which fewer do. */
-static const double KEPT = 1.2, STILL_GOOD = 1e-3, MORE_STAGES = 2e-3, FEWER_STAGES = 0.8;
-static const double SMALLEST_ERROR = 1e-10, CUT = 0.9, FORESEEN = 1e-3, LEAST_KNOWN_ERROR = 1e-2;
-enum { PATIENCE = 3, STEPS_BEFORE_CHANGE = 10 };
+static const double KEPT = 1.2, STILL_GOOD = 1e-3, MORE_STAGES = 0.02, FEWER_STAGES = 0.8;
+static const double SMALLEST_ERROR = 1e-10, CUT = 0.9, FORESEEN = 0.5, LEAST_KNOWN_ERROR = 1e-2;
+enum { PATIENCE = 3, STEPS_BEFORE_CHANGE = 10, HOPELESS = 2 };
 
 static void layout(void *self, const LagMotion *m, LagArena *arena)
 {
@@ -102,14 +103,15 @@ static int accept(LagRadau *s, LagMotion *m, double t_new)
 }
 
 /* Chooses the next step after one of length h was accepted. */
-static void settle(LagRun *run, LagRadau *s, double h, double error, int rejected, int has_failed)
+static void settle(LagRun *run, LagRadau *s, double h, double error, const LagAttempts *attempts, int has_failed)
 {
     const int was_cut = h < CUT * run->step;
-    const double most = rejected ? 1 : MOST_FACTOR, limit = run->settings.max_step;
-    double growth = fmin(most, fmin(factor(s, error), foreseen(s, h, error)));
+    const double most = attempts->rejected > 0 ? 1 : MOST_FACTOR, limit = run->settings.max_step;
+    const double known = fmin(error, 1); /* a larger one was forgiven */
+    double growth = fmin(most, fmin(factor(s, known), foreseen(s, h, known)));
     s->jacobian_is_fresh = 0;
     s->accepted_step = h;
-    s->accepted_error = fmax(LEAST_KNOWN_ERROR, error);
+    s->accepted_error = fmax(LEAST_KNOWN_ERROR, known);
     const LagRadauTableau *before = s->tableau;
     choose_stages(s, has_failed);
     s->jacobian_is_known = s->contraction <= STILL_GOOD;
@@ -118,21 +120,34 @@ static void settle(LagRun *run, LagRadau *s, double h, double error, int rejecte
     run->step = was_cut ? fmax(run->step, h * growth) : h * growth;
     run->step = limit > 0 ? fmin(run->step, limit) : run->step;
     ++run->statistics.implicit_steps;
+    lag_attempts_end(run, attempts, h, error);
     lag_step_record(run, h);
 }
 
-/* The next length to try after one that failed: Newton's iterations, or the error. */
-static double shorter(LagRadau *s, LagConvergence newton, double h, double factor_asked, double error)
+/* Factor to the next length to try after one that failed: by Newton's iterations, or by the error. */
+static double shorter(const LagRadau *s, LagConvergence convergence, double asked, double error)
 {
-    if (newton == LAG_STAGES_CONVERGED)
-        return h * (error < INFINITY ? fmin(factor(s, error), SAFETY) : NOT_FINITE_SHRINK);
-    if (newton == LAG_STAGES_NOT_FINITE)
-        return h * NOT_FINITE_SHRINK;
-    if (!s->jacobian_is_fresh) {
-        s->jacobian_is_known = 0;
-        return h;
+    switch (convergence) {
+    case LAG_STAGES_CONVERGED: return error > 1 && error < INFINITY ? fmin(factor(s, error), SAFETY) : NOT_FINITE_SHRINK;
+    case LAG_STAGES_SLOW: return asked;
+    case LAG_STAGES_DIVERGED: return DIVERGED_SHRINK;
+    default: return NOT_FINITE_SHRINK;
     }
-    return h * (newton == LAG_STAGES_SLOW ? factor_asked : DIVERGED_SHRINK);
+}
+
+/* Tries a step to t_new: its error in units, infinity when it has none. */
+static double attempt(LagRadau *s, LagRun *run, double t_new, LagConvergence *convergence, double *asked, int again, int *worst)
+{
+    LagMotion *m = &run->motion;
+    const double h = t_new - m->t;
+    m->t_old = m->t;
+    lag_radau_prepare(s, run, h);
+    *convergence = lag_radau_solve(s, run, h, asked, worst);
+    if (*convergence != LAG_STAGES_CONVERGED || !lag_radau_finish(s, run, h))
+        return INFINITY;
+    const double error = lag_radau_error(s, run, h, again, worst);
+    run->statistics.worst = *worst;
+    return error;
 }
 
 static LagStatus step(LagRun *run)
@@ -141,26 +156,33 @@ static LagStatus step(LagRun *run)
     LagMotion *m = &run->motion;
     int worst = 0, has_failed = 0;
     run->step = fmax(run->step, lag_step_smallest(m->t));
-    for (int rejected = 0;; ++rejected) {
+    LagAttempts attempts = lag_attempts_begin(run);
+    for (;;) {
         const double t_new = lag_step_end(run, run->step), h = t_new - m->t;
-        double error = INFINITY, asked = 1;
-        m->t_old = m->t;
-        lag_radau_prepare(s, run, h);
-        const LagConvergence newton = lag_radau_solve(s, run, h, &asked, &worst);
-        if (newton == LAG_STAGES_CONVERGED && lag_radau_finish(s, run, h)) {
-            error = lag_radau_error(s, run, h, rejected > 0 || !s->has_last, &worst);
-            run->statistics.worst = worst;
-        }
-        if (error <= 1 && lag_project_step(run, t_new, &worst) && accept(s, m, t_new)) {
-            settle(run, s, h, error, rejected > 0, has_failed);
+        double asked = 1;
+        LagConvergence convergence;
+        double error = attempt(s, run, t_new, &convergence, &asked, attempts.rejected > 0 || !s->has_last, &worst);
+        if (error <= attempts.allowed && !lag_project_step(run, t_new, &worst))
+            error = INFINITY;
+        if (error <= attempts.allowed && accept(s, m, t_new)) {
+            settle(run, s, h, error, &attempts, has_failed);
             return LAG_OK;
         }
         ++run->statistics.rejected;
-        has_failed |= newton != LAG_STAGES_CONVERGED && s->jacobian_is_fresh;
-        if (newton == LAG_STAGES_CONVERGED
-            && (error * run->scale.tolerance < FORESEEN || (rejected >= PATIENCE && lag_scale_at_rest(&run->scale))))
+        if (convergence != LAG_STAGES_CONVERGED && !s->jacobian_is_fresh) {
+            s->jacobian_is_known = 0; /* and the same step again */
+            continue;
+        }
+        ++attempts.rejected;
+        has_failed |= convergence != LAG_STAGES_CONVERGED;
+        if (convergence == LAG_STAGES_CONVERGED
+            && (error * run->scale.tolerance < FORESEEN || (attempts.rejected > PATIENCE && lag_scale_at_rest(&run->scale))))
             lag_scale_note(&run->scale, m->other);
-        run->step = shorter(s, newton, h, asked, error <= 1 ? INFINITY : error);
+        run->step = lag_attempts_next(run, &attempts, h, error, h * shorter(s, convergence, asked, error));
+        if (run->careful && attempts.rejected > HOPELESS && lag_stiffness_pass(run)) {
+            run->step = fmax(attempts.planned, run->calm_step);
+            return run->methods.table->step(run);
+        }
         if (run->step < lag_step_smallest(m->t))
             return lag_step_give_up(run, worst);
     }

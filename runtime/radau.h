@@ -27,6 +27,7 @@ typedef struct {
     double contraction; /* of the latest iterations, per iteration */
     double patience;    /* error left, as a multiple of the latest change */
     int iterations;
+    int64_t evaluations; /* of stages so far */
     double accepted_step, accepted_error; /* of the step before; 0: none */
 } LagRadau;
 
@@ -35,6 +36,10 @@ extern const LagMethod lag_radau;
 /* -------- the equations of a step (radau_newton.c) */
 
 typedef enum { LAG_STAGES_CONVERGED, LAG_STAGES_SLOW, LAG_STAGES_DIVERGED, LAG_STAGES_NOT_FINITE } LagConvergence;
+
+/* Error of component i that counts as 1 in the step being tried, to y_new: not less than rounding of the time moves it. Motions
+ * that set in from rest are not resolved against noise. */
+double lag_radau_unit(const LagRadau *s, const LagMotion *motion, const LagScale *scale, int i, const double *y_new);
 
 /* Iterations allowed with so many stages. */
 int lag_radau_most_iterations(const LagRadauTableau *tableau);

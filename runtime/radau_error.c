@@ -24,7 +24,7 @@ static double norm(const LagRadau *s, const LagMotion *m, const LagScale *scale,
     double sum = 0, largest = 0;
     int moving = 0;
     for (int i = 0; i < 2 * m->n; ++i) {
-        const double unit = lag_scale_unit(scale, i, m->y, m->other);
+        const double unit = lag_radau_unit(s, m, scale, i, m->other);
         if (unit == 0)
             continue;
         ++moving;

@@ -16,13 +16,22 @@
 
 /* Changes of the stages left undone, in units of error; in multiples of rounding. A contraction that shows nothing but rounding
  * any more, and the largest change it may leave. */
-static const double GOAL = 0.01, ROUNDING = 2 * DBL_EPSILON, STALLED = 0.9, STALLED_CHANGE = 0.5;
+static const double GOAL = 0.01, ROUNDING = 2 * DBL_EPSILON, TIME_ROUNDING = 4 * DBL_EPSILON, STALLED = 0.9, STALLED_CHANGE = 0.5;
+/* The change up to which the contraction of the step before is believed to hold: a ball that meets the floor in this step must not
+ * pass because its flight was easy. */
+static const double UNSEEN = 1;
 static const double DIVERGED = 0.99, SLOWER = 0.8, FEWEST_UNITS = 1e-4, MOST_UNITS = 20;
 enum { BASE_ITERATIONS = 7, FEWEST_STAGES = 3 };
 
 int lag_radau_most_iterations(const LagRadauTableau *tableau)
 {
     return BASE_ITERATIONS + 2 * (tableau->stages - FEWEST_STAGES);
+}
+
+double lag_radau_unit(const LagRadau *s, const LagMotion *m, const LagScale *scale, int i, const double *y_new)
+{
+    const double resolution = TIME_ROUNDING * fabs(m->t) / s->trial.h * fabs(y_new[i] - m->y[i]);
+    return fmax(lag_scale_unit(scale, i, m->y, y_new), resolution);
 }
 
 void lag_radau_prepare(LagRadau *s, LagRun *run, double h)
@@ -63,6 +72,7 @@ static int evaluate_stages(LagRadau *s, LagMotion *m, double h, int *worst)
 {
     const int n = m->n, n_power = m->size - 2 * n;
     double *k = m->sum;
+    s->evaluations += s->tableau->stages;
     for (int i = 0; i < s->tableau->stages; ++i) {
         for (int j = 0; j < n; ++j) {
             m->point[j] = m->y[j] + s->place[i * n + j];
@@ -137,7 +147,7 @@ static void weigh(LagRadau *s, const LagMotion *m, const LagScale *scale)
         m->point[n + k] = m->y[n + k] + s->trial.rate[last + k];
     }
     for (int k = 0; k < 2 * n; ++k) {
-        const double unit = lag_scale_unit(scale, k, m->y, m->point);
+        const double unit = lag_radau_unit(s, m, scale, k, m->point);
         s->weight[k] = unit > 0 ? 1 / unit : 0;
     }
 }
@@ -218,7 +228,7 @@ LagConvergence lag_radau_solve(LagRadau *s, LagRun *run, double h, double *short
                 return verdict;
             last_ratio = ratio;
         }
-        if (s->patience * change <= goal)
+        if (s->patience * change <= goal && (i > 1 || change < UNSEEN))
             return LAG_STAGES_CONVERGED;
         last = change;
     }

@@ -43,6 +43,7 @@ static void layout(LagRun *run, LagArena *arena)
     lag_projection_layout(&run->projection, model, arena);
     lag_scale_layout(&run->scale, arena);
     lag_motion_layout(&run->motion, arena);
+    lag_stiffness_layout(&run->stiffness, model->n, run->motion.size, arena);
     lag_methods_layout(&run->methods, &run->settings, model, &run->motion, arena);
 }
 

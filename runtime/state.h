@@ -7,6 +7,7 @@
 #include "methods.h"
 #include "project.h"
 #include "run.h"
+#include "stiffness.h"
 
 struct LagRun {
     const LagModel *model;
@@ -32,6 +33,7 @@ struct LagRun {
     LagScale scale;
     LagMotion motion;
     LagMethods methods;
+    LagStiffness stiffness;
 
     int started;
     int troubled;         /* steps in a row that were rejected at first */

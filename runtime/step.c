@@ -39,6 +39,8 @@ LagStatus lag_step_give_up(LagRun *run, int worst)
 
 LagStatus lag_step(LagRun *run)
 {
+    if (!lag_stiffness_turn(run))
+        return lag_fail(run, LAG_NOT_FINITE, -1, 0, 0);
     if (run->segment_over) {
         const LagStatus status = lag_segment_next(run);
         if (status != LAG_OK)
@@ -46,5 +48,8 @@ LagStatus lag_step(LagRun *run)
     }
     if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)
         return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
-    return run->methods.table->step(run);
+    const LagStatus status = run->methods.table->step(run);
+    if (status == LAG_OK)
+        lag_stiffness_watch(run);
+    return status;
 }

@@ -138,7 +138,7 @@ def structural_value(text: str) -> Any:
 def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, compiled: float) -> int:
     scene = model.scene
     begin = time.perf_counter()
-    if not is_casadi(options.solver) and model.engine is None and not options.quiet:
+    if not is_casadi(options.solver) and model.engine_for(options.solver) is None and not options.quiet:
         print("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
               "(pip install ziglang brings a compiler)",
               file=sys.stderr)
@@ -217,11 +217,15 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
     names = ", ".join(c.name for c in scene.coordinates[:6]) + (", ..." if scene.n > 6 else "")
     say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''}{f' ({names})' if names else ''}, "
         f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
-    engine = model.engine if not is_casadi(options.solver) else None
+    engine = model.engine_for(options.solver)
     solver = "" if engine else f"casadi:{options.solver.partition(':')[2] or 'cvodes'}"
     how = ""
     if statistics is not None and engine is not None:
         solver = name_of(statistics.solver)
+        if statistics.switches:
+            implicit = statistics.implicit_steps
+            parts = f"{statistics.steps - implicit} steps erk, {implicit} implicit, {statistics.switches} switches"
+            solver = f"{options.solver} ({parts})"
         how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations"
     say(f"  {solver}{how} in {_time(progress.seconds)}")
     if statistics is not None:

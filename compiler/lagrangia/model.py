@@ -182,14 +182,15 @@ class Model:
 
     def start(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""
-        engine = self._engine_for(experiment.solver)
+        engine = self.engine_for(experiment.solver)
         if engine is None:
             from lagrangia.casadi_solvers import simulate_casadi
 
             return simulate_casadi(self.compilation, experiment, values, watch)
         return simulate(self.scene, engine, experiment, values, watch)
 
-    def _engine_for(self, solver: str) -> Engine | None:
+    def engine_for(self, solver: str) -> Engine | None:
+        """The engine that runs a solver of this name: for implicit steps, Jacobians are compiled however long they are."""
         if is_casadi(solver):
             return None
         if solver != "implicit":

@@ -1,0 +1,23 @@
+/* The attempts at one step: what is tried after a rejection. */
+#ifndef LAG_ATTEMPTS_H
+#define LAG_ATTEMPTS_H
+
+#include "state.h"
+
+typedef struct {
+    int rejected;
+    double planned;     /* length first tried */
+    double best, least; /* the length with the least error, and that error */
+    double allowed;     /* error, in units */
+} LagAttempts;
+
+LagAttempts lag_attempts_begin(LagRun *run);
+
+/* The length to try next, after one of length h was rejected with this error (infinity: it has none); `shorter` is what the
+ * error asks for by itself. `rejected` has been counted. */
+double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double error, double shorter);
+
+/* A step of length h was taken. */
+void lag_attempts_end(LagRun *run, const LagAttempts *attempts, double h, double error);
+
+#endif

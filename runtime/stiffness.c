@@ -1,0 +1,212 @@
+/* The spectral radius by the power method on differences of accelerations, an iteration now and then: B.P. Sommeijer,
+ * L.F. Shampine, J.G. Verwer, RKC: an explicit solver for parabolic PDEs, J. Comput. Appl. Math. 88 (1998). Apart for positions
+ * and rates, whose units differ: |lambda|^2 <= rate |lambda| + square.
+ */
+#include "stiffness.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "state.h"
+#include "step.h"
+
+/* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis), and where
+ * it does not by far; relative length of differences; how much faster the other method must be. */
+static const double RULES = 3.5, FAR = 1, DIFFERENCE = 1e-6, FASTER = 1.2;
+enum { FIRST_LOOK = 16, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIONS = 3, SUSPICIOUS_INTERVAL = 4 };
+enum { TRIAL = 16, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, PASSES = 4, EXPLICIT_STAGES = 12 };
+
+void lag_stiffness_layout(LagStiffness *s, int n, int size, LagArena *arena)
+{
+    s->place_way = lag_take(arena, (size_t)n);
+    s->rate_way = lag_take(arena, (size_t)n);
+    s->point = lag_take(arena, 2 * (size_t)n);
+    s->slope = lag_take(arena, (size_t)size);
+    s->base = lag_take(arena, (size_t)n);
+}
+
+/* -------- the spectral radius */
+
+/* Length by which positions (or rates, from index n on) may be moved along `way`. */
+static double reach(const LagRun *run, const double *way, int first)
+{
+    double length = INFINITY;
+    for (int i = 0; i < run->model->n; ++i) {
+        const double size = run->scale.floor[first + i];
+        if (way[i] != 0 && size > 0)
+            length = fmin(length, size / fabs(way[i]));
+    }
+    return isfinite(length) ? DIFFERENCE * length : 0;
+}
+
+/* One iteration: `way` becomes the change of the accelerations along it. The factor by which it grew, or `before`. */
+static double iterate(LagRun *run, double *way, int first, double before)
+{
+    LagStiffness *s = &run->stiffness;
+    const int n = run->model->n;
+    const double length = reach(run, way, first);
+    double old = 0, new = 0;
+    if (length == 0)
+        return before;
+    memcpy(s->point, run->motion.y, 2 * (size_t)n * sizeof *way);
+    for (int i = 0; i < n; ++i)
+        s->point[first + i] += length * way[i];
+    if (!lag_motion_slope(&run->motion, run->motion.t, s->point, s->point + n, s->slope))
+        return before;
+    for (int i = 0; i < n; ++i) {
+        const double change = (s->slope[n + i] - s->base[i]) / length;
+        old += way[i] * way[i];
+        new += change * change;
+        s->point[i] = change;
+    }
+    if (!(new > 0) || !isfinite(new))
+        return 0;
+    for (int i = 0; i < n; ++i)
+        way[i] = s->point[i] / sqrt(new);
+    return sqrt(new / old);
+}
+
+static double radius(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const int n = run->model->n, count = s->square < 0 ? FIRST_ITERATIONS : 1;
+    if (!lag_motion_slope(&run->motion, run->motion.t, run->motion.y, run->motion.y + n, s->slope))
+        return 0;
+    memcpy(s->base, s->slope + n, (size_t)n * sizeof *s->base);
+    for (int i = 0; i < n && s->square < 0; ++i)
+        s->place_way[i] = s->rate_way[i] = 1 + 0.3 * (i % 3);
+    for (int i = 0; i < count; ++i) {
+        s->square = iterate(run, s->place_way, 0, fmax(s->square, 0));
+        s->rate = iterate(run, s->rate_way, n, s->rate);
+    }
+    return (s->rate + sqrt(s->rate * s->rate + 4 * s->square)) / 2;
+}
+
+/* -------- work */
+
+static double explicit_step_work(const LagModel *model) { return EXPLICIT_STAGES * (model->rhs_cost + 30.0 * model->n); }
+
+/* Operations so far, from what was counted. */
+static double work(const LagRun *run)
+{
+    const LagModel *model = run->model;
+    const LagStatistics *statistics = &run->statistics;
+    const double size = model->n + model->n_multipliers, fill = model->n_lower + model->n_upper;
+    const double solve = model->n_lower > 0 ? 8 * fill : 4 * size * size;
+    const double factor = model->n_lower > 0 ? 8 * fill * fill / size : 2 * size * size * size;
+    return (double)run->motion.evaluations * (model->rhs_cost + 30.0 * model->n)
+        + (double)run->methods.radau.evaluations * (solve + 30.0 * model->n)
+        + (double)statistics->jacobians * model->jacobian_cost * 2 + (double)statistics->factorisations * (factor + 20 * size);
+}
+
+/* -------- decisions */
+
+static void begin(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    s->steps = s->suspicions = 0;
+    s->t = run->motion.t;
+    s->work = work(run);
+    s->interval = FIRST_LOOK;
+    s->look = FIRST_LOOK;
+}
+
+void lag_stiffness_reset(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const int is_free = run->settings.solver == LAG_SOLVER_AUTO && run->methods.solver == LAG_SOLVER_ERK;
+    s->is_watching = is_free && lag_methods_alternate(run->model, LAG_SOLVER_ERK);
+    s->next = LAG_SOLVER_AUTO;
+    s->passes = 0;
+    s->square = -1;
+    s->rate = 0;
+    s->wait = 0;
+    s->penalty = FIRST_WAIT;
+    begin(run);
+}
+
+static void watch_explicit(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    if (s->steps < s->look || s->steps < s->wait)
+        return;
+    const double h = (run->motion.t - s->t) / s->steps, ruled = h * radius(run);
+    s->pace = (run->motion.t - s->t) / (work(run) - s->work);
+    s->suspicions = ruled > RULES ? s->suspicions + 1 : 0;
+    s->interval = s->suspicions > 0 ? SUSPICIOUS_INTERVAL : ruled > FAR ? FIRST_LOOK : 2 * s->interval;
+    s->interval = s->interval < MOST_INTERVAL ? s->interval : MOST_INTERVAL;
+    if (s->suspicions >= SUSPICIONS)
+        s->next = LAG_SOLVER_IMPLICIT;
+    const int look = s->interval, suspicions = s->suspicions;
+    s->wait = 0;
+    begin(run); /* the next stretch */
+    s->interval = s->look = look;
+    s->suspicions = suspicions;
+}
+
+static void watch_implicit(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    if (s->steps < TRIAL)
+        return;
+    const double pace = (run->motion.t - s->t) / (work(run) - s->work), largest = radius(run);
+    const double possible = largest > 0 ? RULES / largest / explicit_step_work(run->model) : INFINITY;
+    if (pace < s->pace || pace * FASTER < possible) {
+        s->next = LAG_SOLVER_ERK;
+        s->wait = s->penalty;
+        s->penalty = s->penalty < MOST_WAIT ? 2 * s->penalty : s->penalty;
+    }
+    s->pace = 0;
+    begin(run);
+}
+
+void lag_stiffness_watch(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    if (s->passes > 0 && --s->passes == 0)
+        s->next = LAG_SOLVER_IMPLICIT;
+    ++s->steps;
+    if (!s->is_watching || s->passes > 0)
+        return;
+    if (run->methods.solver == LAG_SOLVER_ERK)
+        watch_explicit(run);
+    else
+        watch_implicit(run);
+}
+
+static int restart(LagRun *run, int32_t solver)
+{
+    LagMotion *m = &run->motion;
+    lag_methods_choose(&run->methods, solver);
+    m->t_old = m->t;
+    if (!lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope))
+        return 0;
+    run->methods.table->restart(run->methods.self, m);
+    ++run->statistics.switches;
+    return 1;
+}
+
+int lag_stiffness_turn(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const int32_t next = s->next;
+    s->next = LAG_SOLVER_AUTO;
+    if (next == LAG_SOLVER_AUTO || next == run->methods.solver)
+        return 1;
+    if (!restart(run, next))
+        return 0;
+    if (next == LAG_SOLVER_ERK) {
+        const double largest = (s->rate + sqrt(s->rate * s->rate + 4 * fmax(s->square, 0))) / 2;
+        run->step = largest > 0 ? fmin(run->step, 1 / largest) : run->step;
+    }
+    begin(run);
+    return 1;
+}
+
+int lag_stiffness_pass(LagRun *run)
+{
+    if (run->model->n_multipliers == 0 || !restart(run, LAG_SOLVER_ERK))
+        return 0;
+    run->stiffness.passes = PASSES;
+    return 1;
+}

@@ -1,0 +1,41 @@
+/* Automatic choice between the explicit and the implicit method while a run goes on.
+ *
+ * Now and then the spectral radius of the equations is looked at. Where the explicit method's steps are as short as
+ * stability asks, and not accuracy, the implicit one is tried, and kept if it gets on faster for the same work; it is left when
+ * the explicit one would be faster. Work is counted in operations, not seconds: equal runs are equal to the last bit.
+ */
+#ifndef LAG_STIFFNESS_H
+#define LAG_STIFFNESS_H
+
+#include "arena.h"
+#include "run.h"
+
+typedef struct {
+    int is_watching;        /* both methods are at hand */
+    int32_t next;           /* method to go on with: LAG_SOLVER_AUTO stands for the one in use */
+    int passes;             /* steps left that the explicit method takes in place of the implicit one */
+    int steps, suspicions;  /* since the method in use began; looks in a row at which stability ruled */
+    int look, interval;     /* the step to look at next; steps between looks */
+    int wait, penalty;      /* steps before the implicit method is tried again; the same after it fails next time */
+    double t, work;         /* when the present stretch began */
+    double pace;            /* time gained per work by the explicit method, before the implicit one took over */
+    double square, rate;    /* largest eigenvalues of accelerations by positions, and by rates */
+    double *place_way, *rate_way; /* n: their eigenvectors */
+    double *point, *slope, *base; /* 2 n, size, n */
+} LagStiffness;
+
+void lag_stiffness_layout(LagStiffness *stiffness, int n, int size, LagArena *arena);
+
+/* A run starts. */
+void lag_stiffness_reset(LagRun *run);
+
+/* A step was taken. */
+void lag_stiffness_watch(LagRun *run);
+
+/* Puts the method that was decided on to use, before a step. Returns 0 where its first evaluation is not finite. */
+int lag_stiffness_turn(LagRun *run);
+
+/* The implicit method cannot take a step, near a singular position: the explicit one takes some. Returns 0 if there is none. */
+int lag_stiffness_pass(LagRun *run);
+
+#endif

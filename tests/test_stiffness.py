@@ -1,0 +1,143 @@
+"""`auto` finds stiffness while running, goes over to implicit steps and back; and hard places for implicit steps."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.native import find_compiler
+from lagrangia.runtime import Solver
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+EXAMPLES = Path(__file__).parent.parent / "models" / "examples"
+Write = Callable[[str], lag.Model]
+
+FLEXIBLE = """model Flexible "A chain whose hinges are stiff and heavily damped"
+  parameter Integer n = 4; parameter Real k(unit = "N.m/rad") = 1e6; parameter Real c(unit = "N.m.s/rad") = 1e3;
+  Revolute hinge[n]; Bar link[n](each m = 1, each L = 0.5);
+  TorsionSpringDamper s[n-1](each k = k, each c = c);
+equation
+  connect(world, hinge[1].a);
+  for i in 1:n loop connect(hinge[i].b, link[i].a); end for;
+  for i in 1:n-1 loop
+    connect(link[i].b, hinge[i+1].a); connect(s[i].a, link[i].center); connect(s[i].b, link[i+1].center);
+  end for;
+initial equation
+  hinge[1].phi = 1;
+end Flexible;
+"""
+RELAXATION = """model Relaxation "B. van der Pol's oscillator: slow stretches, and jumps between them"
+  parameter Real mu = 300; parameter Stiffness k = 1; parameter Damping c = 1; parameter Length one = 1;
+  Block b(m = 1, base = world, s(start = 2));
+  Spring s(k = k, stretch = b.s);
+  AppliedForce f(at = b.center, force = {mu*c*(1 - (b.s/one)^2)*b.v, 0});
+end Relaxation;
+"""
+
+
+def difference(run: lag.Trajectory, exact: lag.Trajectory, model: lag.Model) -> float:
+    return max(np.abs(run[c.name] - exact[c.name]).max() / np.abs(exact[c.name]).max() for c in model.scene.coordinates)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
+def test_a_stiff_scene_goes_over_to_implicit_steps(scene: Write, tolerance: float) -> None:
+    model, at = scene(FLEXIBLE), np.linspace(0, 1, 9)
+    exact = model.simulate(at=at, tolerance=1e-13, solver="implicit")
+    run = model.simulate(at=at, tolerance=tolerance)
+    assert difference(run, exact, model) < 3 * tolerance
+    assert run.statistics.switches > 0
+    assert run.statistics.implicit_steps > 10
+    assert run.statistics.steps < 600  # erk alone takes 23 000
+
+
+def test_it_goes_there_and_back(scene: Write) -> None:
+    model, at = scene(RELAXATION), np.linspace(0, 700, 15)
+    exact = model.simulate(at=at, tolerance=1e-12, solver="implicit")
+    run = model.simulate(at=at, tolerance=1e-8)
+    assert run.statistics.switches >= 2
+    assert 0 < run.statistics.implicit_steps < run.statistics.steps
+    assert difference(run, exact, model) < 1e-6
+    again = model.simulate(at=at, tolerance=1e-8)
+    assert np.array_equal(run["b.s"], again["b.s"])
+
+
+@pytest.mark.parametrize("name", ["double_pendulum", "four_bar", "pendulum", "chain", "spring_pendulum"])
+def test_scenes_that_are_not_stiff_stay_explicit(name: str) -> None:
+    """To the last bit: looking at the spectrum changes nothing."""
+    model = lag.load(EXAMPLES / f"{name}.lag")
+    run, explicit = (model.simulate(stop=3, tolerance=1e-8, solver=solver) for solver in ("auto", "erk"))
+    assert run.statistics.solver is Solver.ERK
+    assert run.statistics.switches == 0
+    assert all(np.array_equal(run[c.name], explicit[c.name]) for c in model.scene.coordinates)
+    assert run.statistics.rhs_evaluations < 1.05 * explicit.statistics.rhs_evaluations + 20
+
+
+def test_energy_is_kept_over_switches(scene: Write) -> None:
+    model = scene(FLEXIBLE)
+    run = model.simulate(stop=1, tolerance=1e-8)
+    assert run.statistics.switches > 0
+    assert run.energy.dissipated[-1] > 0
+    assert np.abs(run.energy.residual).max() < 1e-6 * run.statistics.energy_scale
+
+
+def test_the_summary_says_what_was_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from lagrangia.cli import main
+
+    file = tmp_path / "flexible.lag"
+    file.write_text(FLEXIBLE)
+    assert main(["simulate", str(file), "--stop", "1", "-o", str(tmp_path / "x.csv")]) == 0
+    captured = capsys.readouterr()
+    assert "implicit, " in captured.out + captured.err
+    assert "switches)" in captured.out + captured.err
+
+
+CONTACT = """model Contact "A ball on a stiff floor that only pushes"
+  parameter Real k(unit = "N/m3") = 1e9; parameter Length z = 0.5;
+  Block ball(m = 1, base = world, along = {0, 1}, s(start = 1));
+  GeneralSpring floor(stretch = max(z - ball.s, 0), V = k*floor.stretch^4/4);
+end Contact;
+"""
+
+
+@pytest.mark.parametrize("solver", ["implicit", "auto"])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
+def test_contact_is_not_jumped_over(scene: Write, solver: str, tolerance: float) -> None:
+    run = scene(CONTACT).simulate(stop=5, tolerance=tolerance, solver=solver)
+    assert np.abs(run.energy.residual).max() < 300 * tolerance * run.statistics.energy_scale
+    assert run["ball.s"].min() > 0.45
+    assert run["ball.s"].max() < 1.01
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10, 1e-12])
+def test_implicit_steps_pass_singular_positions(tolerance: float) -> None:
+    model = lag.load(EXAMPLES / "n_four_bars.lag")  # all fold flat at the same time
+    at = np.linspace(0, 2, 11)
+    exact = model.simulate(at=at, tolerance=1e-13, solver="erk")
+    run = model.simulate(at=at, tolerance=tolerance, solver="implicit")
+    assert difference(run, exact, model) < max(10 * tolerance, 1e-11)
+    assert run.statistics.constraint_residual < 1e-12
+
+
+def test_motion_that_sets_in_from_rest_is_not_resolved_against_noise() -> None:
+    model = lag.load(EXAMPLES / "quarter_car.lag")  # the road begins to rise at t = 0.5, by its square
+    for tolerance, most in ((1e-8, 300), (1e-10, 600), (1e-12, 3000)):
+        run = model.simulate(stop=3, tolerance=tolerance, solver="implicit")
+        assert run.statistics.steps < most
+
+
+def test_nearly_massless_bars_are_stiff_and_pass(scene: Write) -> None:
+    """A four-bar whose coupler weighs a billionth of the others, with heavy dampers."""
+    model = scene("""model Light
+  Revolute O(a = world, phi(start = 40[deg], fixed = true)), A(a = crank.b), B(a = coupler.b, b = rocker.b),
+           C(a = shift(world, {1, 0}), phi(start = 75[deg]));
+  Bar crank(m = 1, L = 0.4, a = O.b), coupler(m = 1e-9, L = 1, a = A.b), rocker(m = 1.5, L = 0.8, a = C.b);
+  TorsionDamper d(a = crank.center, b = coupler.center, c = 10);
+end Light;
+""")
+    at = np.linspace(0, 1, 6)
+    exact = model.simulate(at=at, tolerance=1e-12, solver="implicit")
+    for tolerance in (1e-5, 1e-8):
+        for solver in ("implicit", "auto"):
+            assert difference(model.simulate(at=at, tolerance=tolerance, solver=solver), exact, model) < 10 * tolerance
