@@ -204,6 +204,13 @@ static LagStatus watch(LagBatch *batch, double a)
     return status;
 }
 
+/* The exact solver's steps are as long as they may be, and a row far inside of one costs as much as a step. */
+static void limit_step(const LagBatch *batch, double a)
+{
+    if (lag_run_statistics(batch->run)->solver == LAG_SOLVER_LINEAR)
+        lag_run_set_stop(batch->run, fmin(a + batch->sweep.window, batch->sweep.t_stop));
+}
+
 static LagStatus follow(LagBatch *batch)
 {
     LagRun *run = batch->run;
@@ -215,6 +222,7 @@ static LagStatus follow(LagBatch *batch)
         const int64_t events = lag_run_statistics(run)->events;
         if (steps % STEPS_PER_LOOK == 0 && is_over(batch))
             return LAG_PAUSED;
+        limit_step(batch, a);
         status = lag_window_step(&batch->window);
         if (status == LAG_OK && lag_run_statistics(run)->events != events)
             status = enter(batch, a); /* things may have jumped there */
@@ -223,6 +231,7 @@ static LagStatus follow(LagBatch *batch)
         if (status == LAG_OK)
             status = watch(batch, a);
     }
+    lag_run_set_stop(run, batch->sweep.t_stop);
     return status == LAG_OK ? visit(batch, INFINITY) : status;
 }
 
@@ -261,6 +270,7 @@ static LagStatus begin(LagBatch *batch, const double *values, LagOutcome *outcom
 {
     insert(batch, values);
     start_reductions(batch);
+    lag_run_set_stop(batch->run, batch->sweep.t_stop);
     lag_run_set_parameters(batch->run, batch->p, batch->mask);
     const int wrong = wrong_parameter(batch);
     if (wrong >= 0) {

@@ -110,7 +110,7 @@ static void swap(LagDDs *a, LagDDs *b)
 static int move(LagLinearMethod *s, double t, LagDD h, double ignored, LagDD *integrals, LagDD *lag)
 {
     *lag = lag_dd(0);
-    if (ladder_pays(s, h.hi)) {
+    if (h.hi > 0 && ladder_pays(s, h.hi)) { /* a row where the step began lies 0 away: rungs of no length lead nowhere */
         for (int rung = lag_ladder_find(&s->ladder, h.hi); rung >= 0; rung = lag_ladder_find(&s->ladder, h.hi)) {
             const double length = s->ladder.length[rung];
             lag_ladder_climb(&s->ladder, rung, s->x, s->moved, integrals);

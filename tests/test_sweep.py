@@ -149,6 +149,20 @@ def test_an_interval_shows_what_oscillates_within_a_step(scene: Scene) -> None:
     assert abs(coarse - exact) > 1e-4, "or the test shows nothing"
 
 
+def test_the_exact_solver_is_looked_at_as_closely_as_asked(scene: Scene) -> None:
+    """Its steps say nothing of how quick the motion is."""
+    model = scene(OSCILLATOR)
+    outputs = ["max(block.s)", "rms(block.s)", "last_time(block.s > 0.25)", "first_time(square > 0.5)", "at(1.3, block.s)"]
+    with pytest.raises(lag.LagError, match="--interval"):
+        model.simulate_many(outputs=outputs, solver="linear")
+    exact, other, usual = (model.simulate_many(parameters={"k": [8, 18]}, outputs=outputs, solver=solver, interval=interval)
+                           for solver, interval in (("linear", 0.1), ("erk", None), ("auto", None)))
+    assert exact.ledger.results == pytest.approx(other.ledger.results, abs=1e-8)
+    assert exact.ledger.outcomes["steps"].max() < 50 < other.ledger.outcomes["steps"].min()
+    assert usual.ledger.results.tobytes() == other.ledger.results.tobytes()
+    assert model.simulate_many(outputs=["block.s"], solver="linear")["block.s"][0] == pytest.approx(0.5 * math.cos(8), abs=1e-12)
+
+
 def test_runs_do_not_depend_on_each_other(tmp_path: Path) -> None:
     """Bit by bit: in any order, alone or together, on one thread or three; also of constrained scenes, and as simulate has it."""
     for name, given, chosen in (("double_pendulum", "elbow.phi", "shoulder.phi"), ("four_bar", None, None)):

@@ -9,9 +9,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.batch import Sweep
+from lagrangia.batch import Kind, Reduction, Sweep
 from lagrangia.diagnostics import LagError, Report, fail, suggest
-from lagrangia.runtime import Settings
+from lagrangia.runtime import Settings, Solver
 from lagrangia.scene import Scene, to_json
 from lagrangia.simulate import Experiment, Values, check_values
 from lagrangia.solvers import AUTO, applicable, is_casadi, number_of
@@ -88,19 +88,33 @@ def build_job(scene: Scene, measures: Sequence[Measure], experiment: Experiment,
     if variations.runs > MOST_RUNS:
         fail("L0712", f"the sweep has {variations.runs} runs; at most {MOST_RUNS} are possible", None, "take fewer values")
     values = check_values(scene, *fixed, request.inputs)
-    if is_casadi(experiment.solver):
-        fail("L0704", f"a sweep runs in the run time's own solvers, not in '{experiment.solver}'", None,
-             f"the solvers are {', '.join((AUTO, *applicable(scene)))}")
+    reduced = reductions(scene, measures, experiment)
     settings = Settings(experiment.start, experiment.stop, experiment.tolerance, experiment.max_step, 0.0, experiment.max_steps,
-                        number_of(experiment.solver, scene))
+                        _solver(scene, experiment.solver, reduced, request))
     window = request.interval or (experiment.stop - experiment.start) / _LOOKS
     least = [-math.inf if p.minimum is None else p.minimum for p in scene.parameters]
     most = [math.inf if p.maximum is None else p.maximum for p in scene.parameters]
     has_inputs = bool(scene.inputs)
-    sweep = Sweep(settings, window, request.seconds, reductions(scene, measures, experiment), variations.places,
+    sweep = Sweep(settings, window, request.seconds, reduced, variations.places,
                   values.parameters, values.mask, (*values.q, *values.v), least, most,
                   tuple(values.input_times) if has_inputs else (), tuple(values.input_values) if has_inputs else ())
     return Job(scene, tuple(measures), variations, sweep)
+
+
+def _solver(scene: Scene, name: str, reduced: Sequence[Reduction], request: Request) -> Solver:
+    """Where a motion is looked at between rows, its solver's steps must be as short as the motion is quick; those of the linear
+    solver are as long as one likes, so that it needs an interval. Raises LagError L0704."""
+    if is_casadi(name):
+        fail("L0704", f"a sweep runs in the run time's own solvers, not in '{name}'", None,
+             f"the solvers are {', '.join((AUTO, *applicable(scene)))}")
+    looks = any(reduction.kind is not Kind.AT for reduction in reduced)
+    number = number_of(name, scene)
+    if not looks or request.interval is not None:
+        return number
+    if number is Solver.LINEAR:
+        fail("L0704", "the solver 'linear' makes steps of any length: it does not show what a motion does between them", None,
+             "say with --interval how closely it is to be looked at, or choose --solver erk")
+    return Solver.ERK if number is Solver.AUTO and "linear" in applicable(scene) else number
 
 
 # -------------------------------------------------------------------- names and factors
