@@ -47,7 +47,7 @@ def build_functions(
     nothing = ca.SX(0, 1)
     symbols, multipliers = (held.symbols, held.multipliers) if held else (nothing, nothing)
     corrections = [held.place, held.phi, held.steer, held.rate] if held else [nothing] * 4
-    power, energy, jacobian = _power(motion), ca.vertcat(motion.T, motion.V, motion.H), build_jacobian(motion)
+    power, energy, jacobian = _power(motion), ca.vertcat(motion.T, motion.V, motion.H), build_jacobian(kinematics, motion)
     expressions, c, hoisted = _hoist([motion.acceleration, power, multipliers, y, energy, *corrections, *jacobian.values],
                                      motion.p)
     acceleration, power, multipliers, y, energy, dq, phi, dv, rate, *steps = expressions
@@ -71,6 +71,8 @@ def build_functions(
     table |= _start_functions(kinematics, motion, initial) | _mode_functions(motion, modes)
     needs = ca.depends_on(y, ca.vertcat(a, symbols)) if y.numel() else False
     patterns, refused, pays = _add_linear(table, kinematics, motion)
+    if not jacobian.values:
+        refused["implicit"] = "not supported yet: implicit steps of so many coordinates that all act on each other"
     return Functions(table, names, tuple(mode.kind for mode in modes), power.numel(), needs,
                      patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
 
@@ -219,6 +221,8 @@ def _implicit_function(jacobian: Jacobian, steps: list[ca.SX], full: list[ca.SX]
     """The matrix of implicit steps: written out, or as its products with directions."""
     if jacobian.parts:
         return {"jacobian": ca.Function("jacobian", full, steps, labels, ["S0", "S1", "S2"])}
+    if not jacobian.tangent:
+        return {}
     return {"tangent": ca.Function("tangent", [*full, *jacobian.along], steps, [*labels, "dq", "dv"], ["w", "r"])}
 
 

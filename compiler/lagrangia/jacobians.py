@@ -18,11 +18,13 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from lagrangia.motion import Motion
+from lagrangia.kinematics import Kinematics
+from lagrangia.motion import Motion, coupled_pairs
 
 # Written out, a Jacobian has some such many operations as the equations times the colours of its columns: above this, compiling
 # takes longer than runs save (a chain of 20 links: 0.7 s for 22 000).
 _LONGEST = 4_000
+_MOST_ENTRIES = 2_000_000  # of the matrix: some 1 400 links in a chain
 # Sparse elimination pays when it takes so many times fewer operations than dense loops, which run several times faster.
 _SPARSE_PAYS = 6
 
@@ -44,7 +46,11 @@ class Jacobian:
         return self.parts or self.tangent
 
 
-def build_jacobian(motion: Motion) -> Jacobian:
+def build_jacobian(kinematics: Kinematics, motion: Motion) -> Jacobian:
+    """Neither parts nor a tangent when the matrix would be too large to be of use: its pattern alone takes O(n^2) for a chain."""
+    if coupled_pairs(kinematics) > _MOST_ENTRIES:
+        sizes = dict.fromkeys(("n_entries", "n_lower", "n_upper", "n_colours"), 0)
+        return Jacobian((), (), (ca.SX(0, 1), ca.SX(0, 1)), (), sizes)
     held = motion.constrained
     q, v, a, nothing = motion.q, motion.v, motion.a, ca.SX(0, 1)
     force, momentum, bias = ca.jtimes(motion.momentum, v, a) + motion.h, motion.momentum, nothing

@@ -224,7 +224,7 @@ def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v:
     tree = eliminate(kinematics, bodies, -h)
     if tree is not None:
         ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
-    if tree is None or _coupled_pairs(kinematics) <= _DENSEST * v.numel():
+    if tree is None or coupled_pairs(kinematics) <= _DENSEST * v.numel():
         ways["dense"] = _dense(momentum, h, v)
     if len(ways) == 1:
         (way,) = ways
@@ -234,7 +234,7 @@ def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v:
     return ways[best], best, nodes
 
 
-def _coupled_pairs(kinematics: Kinematics) -> int:
+def coupled_pairs(kinematics: Kinematics) -> int:
     """Entries that the mass matrix of a tree may have: coordinates on one way to the root are coupled."""
     above = {root.frame: len(root.attributes) for root in kinematics.graph.roots}
     count = sum(n * n for n in above.values())

@@ -98,7 +98,9 @@ def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
 
 def _jacobian_cost(tapes: dict[str, Tape], colours: int) -> int:
     """Operations: a function for products with directions is called twice a colour."""
-    return count_operations(tapes["jacobian"]) if "jacobian" in tapes else 2 * colours * count_operations(tapes["tangent"])
+    if "jacobian" in tapes:
+        return count_operations(tapes["jacobian"])
+    return 2 * colours * count_operations(tapes["tangent"]) if "tangent" in tapes else 0
 
 
 def _per_second(unit: str) -> str:
