@@ -15,7 +15,7 @@ from lagrangia.bench_problem import Problem
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_LARGEST_UNROLLED = 2_000  # instructions: beyond, heyoka's compact mode keeps LLVM's compile time linear
+_LARGEST_UNROLLED = 700  # instructions: twice as fast as compact mode, but LLVM takes minutes for 1400
 
 
 def prepare_heyoka(problem: Problem, tolerance: float) -> Prepared:

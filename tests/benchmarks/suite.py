@@ -9,6 +9,7 @@ ratio of ours to that of the best peer.
 """
 
 import argparse
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,6 +53,7 @@ def run(case: Case, options: argparse.Namespace) -> Iterator[str | Result]:
             yield f"skipped {item.solver}: {item.reason}"
         else:
             points.append(item)
+            print(f"{case.name} {item.solver} {item.tolerance:.0e}", end="\x1b[K\r", file=sys.stderr, flush=True)
     result = Result(case, points, [solver.name for solver in solvers if solver.is_ours], reference.error)
     yield from as_text(points, result.ours, result.floor)
     if options.output is not None:
