@@ -41,6 +41,6 @@ SUITE = (
     Case("quarter car", EXAMPLES / "quarter_car.lag", 3.0),
     Case("Andrews", EXAMPLES / "andrews_squeezer.lag", 0.03),
     Case("four-bar", EXAMPLES / "four_bar.lag", 2.0),
-    Case("ten four-bars", EXAMPLES / "n_four_bars.lag", 4.0, structural={"n": 10}),
+    Case("ten four-bars", EXAMPLES / "n_four_bars.lag", 0.6, structural={"n": 10}),  # at 0.72 s they lie flat: only we pass
     Case("slider crank", EXAMPLES / "slider_crank.lag", 2.0),
 )

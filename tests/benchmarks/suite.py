@@ -22,7 +22,7 @@ from cases import SUITE, Case
 from lagrangia.bench import TOLERANCES, Point, Skipped, all_solvers, measure
 from lagrangia.bench_peers import Solver
 from lagrangia.bench_plot import draw_points
-from lagrangia.bench_reference import find_reference
+from lagrangia.bench_reference import NoReference, find_reference
 from lagrangia.bench_table import ERRORS, as_csv, as_text, duel, duration
 
 
@@ -44,7 +44,11 @@ def solvers_of(case: Case, names: Sequence[str] | None) -> list[Solver]:
 def run(case: Case, options: argparse.Namespace) -> Iterator[str | Result]:
     """Lines as they come, and the result."""
     problem = case.problem(case.stop * options.share)
-    reference = find_reference(problem, seconds=300.0)
+    try:
+        reference = find_reference(problem, seconds=300.0)
+    except NoReference as reason:
+        yield f"== {case.name}: no reference: {reason}"
+        return
     yield f"== {case.name}: {problem.n} coordinates, {problem.times[-1]:g} s; reference within {reference.error:.0e}"
     points: list[Point] = []
     solvers = solvers_of(case, options.solvers)
