@@ -84,6 +84,8 @@ ORDER = """
     linear_page
     pages
     sympy_script
+    modelica
+    numpy_module
     runtime
     batch
     interpret
@@ -128,7 +130,9 @@ ORDER = """
     commands
     sweep_command
     bench_command
+    exports
     equations_command
+    export_command
     cli
     __init__
 """.split()

@@ -104,6 +104,12 @@ def _equations(options: argparse.Namespace) -> int:
     return equations_command(options)
 
 
+def _export(options: argparse.Namespace) -> int:
+    from lagrangia.export_command import export_command
+
+    return export_command(options)
+
+
 def _help(options: argparse.Namespace) -> int:
     from lagrangia.topics import TOPICS, topic_text
 
@@ -140,6 +146,7 @@ def _parser() -> argparse.ArgumentParser:
     explain.add_argument("--json", action="store_true", help="the same for programs")
     _add_bench(_add(commands, "bench", _bench, "measure run time against error, beside other solvers"))
     _add_equations(_add(commands, "equations", _equations, "write the equations of motion for people"))
+    _add_export(_add(commands, "export", _export, "write a scene for other programs"))
     topics = _add(commands, "help", _help, "longer texts: the language, the library, the solver")
     topics.add_argument("topic", nargs="?")
     return parser
@@ -235,6 +242,17 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
     add("--restart", action="store_true", help="begin anew, whatever an interrupted sweep has left in FILE.part")
     add("--dry-run", action="store_true", help="only say which runs there would be")
     add("--quiet", action="store_true", help="say nothing but errors")
+
+
+def _add_export(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("file", type=Path, metavar="FILE")
+    add("--to", required=True, metavar="TARGET", help="python (NumPy alone), casadi, modelica, sympy, latex")
+    add("--model", metavar="NAME", help="the model; the last of the file by default")
+    add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a structural parameter: -p n=3")
+    add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own, for modelica, sympy and latex")
+    add("--force", action="store_true", help="write even what is too large to read")
+    add("-o", "--output", metavar="FILE", help="the file; by default the model's name in this folder")
 
 
 def _add_equations(parser: argparse.ArgumentParser) -> None:

@@ -57,6 +57,22 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
         return _written(kinematics, build_symbolic(kinematics, constraints), request)
 
 
+def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> Book:
+    """The equations for other writers, within the same limits. Raises LagError L0711, L0712."""
+    kinematics, constraints = compile_energies(path, model, structural)
+    _check_size(kinematics, request)
+    with deep_recursion():
+        scene = build_symbolic(kinematics, constraints)
+        limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
+        try:
+            e = derive(scene, limit, None if request.is_forced else MOST_KINETIC_TERMS)
+        except TooLarge:
+            fail("L0712", "the equations are too large to be written out", scene.kinematics.graph.model.span,
+                 "--force tries longer; --to python and --to casadi take any scene")
+        names = name_symbols(scene, request.names)
+        return Book(e, presentation_of(e, names, 20 * limit), names, (), parameter_values(kinematics, request.parameters), False)
+
+
 def _check_size(kinematics: Kinematics, request: Request) -> None:
     n = len(kinematics.symbols.positions)
     if n > (MOST_FORCED_COORDINATES if request.is_forced else MOST_COORDINATES):

@@ -21,7 +21,7 @@ def write_script(book: Book) -> str:
     """Symbols, T, V, D, f, Phi, M, h, J and the equations; exact numbers, the values of the parameters in a dictionary."""
     e, scene = book.equations, book.equations.scene
     model = scene.kinematics.graph.model
-    names = _identifiers(book)
+    names = identifiers(book)
 
     def code(x: Expr) -> str:
         x = exact_throughout(x)
@@ -62,7 +62,7 @@ def _definitions(g: Given, t: Expr) -> list[tuple[Expr, Expr]]:
     return found
 
 
-def _identifiers(book: Book) -> dict[Expr, str]:
+def identifiers(book: Book) -> dict[Expr, str]:
     """A Python name for each symbol: as on paper, with _d and _dd for rates and accelerations."""
     e = book.equations
     found: dict[Expr, str] = {}

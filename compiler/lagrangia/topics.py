@@ -210,6 +210,12 @@ the model keep their names; a component's that is bound to a formula (I = m L^2/
 Constraints come with multipliers, Phi = 0 and J^T lambda; loads and prescribed coordinates are given functions of time; constants
 of the motion are named. What is too large to read is told so, with its energies and structure; --force writes it all the same.
 From Python: model.equations("worked", "html", names={"tilt.phi": "theta"})
+
+lag export FILE --to TARGET [-o FILE] writes a scene for other programs, with the start values as they were assembled:
+python    a module that needs NumPy alone: M, h, rhs, energies, outputs, ..., slope(t, y) for scipy's solve_ivp; any scene
+casadi    M, h, rhs, energies, ... of t, q, v, u, p, parameters and start: casadi.FileDeserializer(FILE).unpack(); any scene
+modelica  a flat model: Lagrange's equations, parameters with units; constraints differentiated twice, as a linear system
+sympy, latex   the script, and the worked derivation
 """
 
 TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {

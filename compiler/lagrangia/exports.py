@@ -1,0 +1,107 @@
+"""`lag export`: a scene as Python with NumPy alone, a serialised CasADi file, a flat Modelica model, SymPy, LaTeX."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangia.diagnostics import fail, suggest
+
+if TYPE_CHECKING:
+    from lagrangia.model import Model
+
+TARGETS = {"sympy": ".py", "latex": ".tex", "python": ".py", "casadi": ".casadi", "modelica": ".mo"}
+_ARGUMENTS = {"t": "t", "q": "q[{}]", "v": "v[{}]", "u": "u[{}]", "p": "p[{}]"}
+_WORDS = {
+    "M": "Mass matrix (n, n): M dv/dt + h + J^T lambda = 0.", "h": "(n,): M dv/dt + h + J^T lambda = 0.",
+    "rhs": "Accelerations dv/dt, (n,).", "energies": "T, V and D.", "outputs": "OUTPUTS.",
+    "jacobian": "d(dv/dt)/d(q, v), (n, 2 n).", "Phi": "Holonomic constraints, zero on the motion.", "J": "dPhi/dq, (m, n).",
+    "bias": "(m,): J dv/dt + bias = 0.", "lambda": "Multipliers, (m,).",
+}
+
+
+def export(model: "Model", target: str, path: Path, names: Mapping[str, str] | None = None, force: bool = False) -> str:
+    """Writes the file; returns what to say of it. Raises LagError L0704 for an unknown target, L0712 for a scene too large."""
+    if target not in TARGETS:
+        fail("L0704", f"there is no export to '{target}'", None, *filter(None, [suggest(target, TARGETS)]),
+             f"the targets are {', '.join(TARGETS)}")
+    if target == "casadi":
+        count = _write_casadi(model, path)
+        return f"{path}: {count} CasADi functions; casadi.FileDeserializer('{path}').unpack() is a list of them"
+    text = {"python": _python, "modelica": _modelica}.get(target, _page)(model, target, names or {}, force)
+    path.write_text(text if text.endswith("\n") else text + "\n", encoding="utf-8")
+    return f"{path}: {text.count(chr(10)) + 1} lines"
+
+
+def _page(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
+    from lagrangia.equation_sheet import Request, write_equations
+
+    form = "worked" if target == "latex" else "lagrange"
+    return write_equations(model.path, Request(form, target, names, is_forced=force), model.model, model.structural)
+
+
+def starts(model: "Model") -> dict[str, float]:
+    """The assembled start, by coordinate and der(coordinate)."""
+    run = model.simulate(at=[model.scene.start])
+    names = [c.name for c in (*model.scene.coordinates, *model.scene.rates)]
+    return {name: float(run[name][0]) for name in names}
+
+
+def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
+    from lagrangia.equation_sheet import Request, written_book
+    from lagrangia.modelica import write_modelica
+
+    request = Request(names=names, is_forced=force)
+    return write_modelica(written_book(model.path, request, model.model, model.structural), starts(model))
+
+
+# -------------------------------------------------------------------- CasADi, Python
+
+
+def _write_casadi(model: "Model", path: Path) -> int:
+    """All functions of t, q, v, u, p, and the constants `parameters` and `start` (q, v) as functions without arguments."""
+    import casadi as ca
+
+    first = starts(model)
+    q, v = (ca.DM([first[c.name] for c in columns]) for columns in (model.scene.coordinates, model.scene.rates))
+    functions = [*model.functions().values(),
+                 ca.Function("parameters", [], [ca.DM(model.parameter_values())], [], ["p"]),
+                 ca.Function("start", [], [q, v], [], ["q", "v"])]
+    serializer = ca.FileSerializer(str(path))
+    serializer.pack(functions)
+    del serializer  # closes the file
+    return len(functions)
+
+
+def _python(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
+    from lagrangia.numpy_module import write_function
+
+    scene, first = model.scene, starts(model)
+    coordinates = [c.name for c in scene.coordinates]
+    values = dict(zip(model.parameter_names, model.parameter_values().tolist(), strict=True))
+    head = [f'"""{scene.name}: {scene.description}.' if scene.description else f'"""{scene.name}.', "",
+            "Functions of t, q, v, u, p in SI units, the entries in the order of COORDINATES, INPUTS and PARAMETERS;",
+            "scipy.integrate.solve_ivp(slope, (0, 1), START) integrates it.", '"""', "", "import numpy as np", "",
+            f"COORDINATES = {coordinates!r}", f"INPUTS = {[u.name for u in scene.inputs]!r}", f"PARAMETERS = {values!r}",
+            f"OUTPUTS = {[c.name for c in scene.outputs]!r}",
+            f"START = np.array({[first[c.name] for c in (*scene.coordinates, *scene.rates)]!r})  # q, v", "", "",
+            "def slope(t, y, u=None, p=None):", '    """dy/dt of y = (q, v)."""', f"    q, v = y[:{scene.n}], y[{scene.n}:]",
+            "    u = np.zeros(len(INPUTS)) if u is None else u",
+            "    p = np.array(list(PARAMETERS.values())) if p is None else p",
+            "    return np.concatenate([v, rhs(t, q, v, u, p)])", ""]
+    parts = ["\n".join(head)]
+    for name, function in model.functions().items():
+        matrix = (function.size1_out(0), function.size2_out(0)) if name in ("M", "J", "jacobian") else None
+        stacked = _stacked(name, function)
+        called = "multipliers" if name == "lambda" else name
+        parts.append(write_function(called, stacked, _ARGUMENTS, _WORDS.get(name, name), matrix))
+    return "\n\n".join(parts)
+
+
+def _stacked(name: str, function: Any) -> Any:
+    """One output that holds them all."""
+    import casadi as ca
+
+    arguments = [ca.SX.sym(f"x{k}", function.size1_in(k), function.size2_in(k)) for k in range(function.n_in())]
+    results = function.call(arguments)
+    whole = results[0] if len(results) == 1 else ca.vertcat(*results)
+    return ca.Function("stacked", arguments, [whole])

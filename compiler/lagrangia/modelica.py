@@ -1,0 +1,141 @@
+"""Equations -> a flat Modelica model: parameters with units, start values, Lagrange's equations.
+
+Constraints stand differentiated twice, so that a tool needs no index reduction: the accelerations and multipliers are the
+unknowns of a linear system.
+"""
+
+import re
+from collections.abc import Callable, Mapping
+
+import sympy as sp
+from sympy.printing.precedence import precedence
+from sympy.printing.str import StrPrinter
+
+from lagrangia.book import Book
+from lagrangia.symbolic import SymbolicScene
+from lagrangia.sympy_algebra import Expr, exact_throughout
+from lagrangia.sympy_script import identifiers
+
+_RESERVED = set("""algorithm and annotation block break class connect connector constant constrainedby der discrete each else
+    elseif elsewhen encapsulated end enumeration equation expandable extends external false final flow for function if import
+    impure in initial inner input loop model not operator or outer output package parameter partial protected public pure record
+    redeclare replaceable return stream then true type when while within time Real Integer Boolean String""".split())
+_NAMES = {"Abs": "abs", "ceiling": "ceil", "Min": "min", "Max": "max"}
+
+
+def write_modelica(book: Book, starts: Mapping[str, float]) -> str:
+    """`starts` are the assembled start values by coordinate and der(coordinate)."""
+    e, scene = book.equations, book.equations.scene
+    model = scene.kinematics.graph.model
+    # names as on paper, phi_d and phi_dd for rates and accelerations
+    names = {s: f"{name}_" if name in _RESERVED else name for s, name in identifiers(book).items()} | {scene.t: "time"}
+    printer = _Printer()
+
+    def code(x: Expr) -> str:
+        x = _without_given_rates(scene, exact_throughout(x))
+        return str(printer.doprint(x.xreplace({s: sp.Symbol(names[s], real=True) for s in x.free_symbols if s in names})))
+
+    lines = [f"model {model.name}{_quoted(model.description)}"]
+    for p in (p for p in scene.parameters if p.symbol in names):
+        value = code(p.formula) if p.formula is not None else repr(book.values[p.name])
+        lines.append(f"  parameter Real {names[p.symbol]}{_unit(p.unit)} = {value}{_quoted(p.description)};")
+    for label, x in scene.inputs.items():
+        lines += [f"  input Real {names[x]}; // {label}"] if x in names else []
+    lines += [f"  Real {names[g.symbol]};" for g in scene.given if g.symbol in names]
+    for k, name in enumerate(scene.names):
+        variable = model.variables.get(name)
+        unit = variable.unit if variable else "rad" if name.endswith("phi") else "m"
+        for s, source, dimension in ((scene.q[k], name, unit), (scene.v[k], f"der({name})", f"{unit}/s" if unit else "")):
+            start = f"start = {starts[source]!r}, fixed = true"
+            lines.append(f"  Real {names[s]}({start}{f', unit = {_text(dimension)}' if dimension else ''}){_quoted(source)};")
+        lines.append(f"  Real {names[scene.a[k]]};")
+    lines += [f"  Real {names[x]};" for x in e.multipliers]
+    lines.append("equation")
+    lines += [f"  {names[g.symbol]} = {code(g.value)};" for g in scene.given if g.symbol in names]
+    for q, v, a in zip(scene.q, scene.v, scene.a, strict=True):
+        lines += [f"  der({names[q]}) = {names[v]};", f"  der({names[v]}) = {names[a]};"]
+    lines += _motion(book, names, code)
+    run = model.experiment
+    lines.append(f"  annotation(experiment(StartTime = {run.start!r}, StopTime = {run.stop!r}, Tolerance = {run.tolerance!r}));")
+    return "\n".join([*lines, f"end {model.name};"])
+
+
+def _motion(book: Book, names: Mapping[Expr, str], code: Callable[[Expr], str]) -> list[str]:
+    """M a + h + J^T lambda = f row by row, and the constraints differentiated until accelerations stand in them."""
+    e, scene = book.equations, book.equations.scene
+    lines = []
+    for k in range(e.n):
+        entries = [(x, f"({code(x)})" if x.is_Add else code(x), a) for x, a in zip(e.M[k], scene.a, strict=True)]
+        terms = [names[a] if text == "1" else f"{text}*{names[a]}" for x, text, a in entries if x != 0]
+        rest = e.h[k] + e.reactions[k]
+        first, *others = [*terms, *([code(rest)] if rest != 0 else [])] or ["0"]
+        left = first + "".join(f" - {x[1:]}" if x.startswith("-") else f" + {x}" for x in others)
+        lines.append(f"  {left} = {code(e.f[k])};")
+    for k, row in enumerate(e.rows):
+        rate = scene.time_rate(row) if k < scene.holonomic else row
+        lines.append(f"  {code(e.ring.tidy(scene.time_rate(rate)))} = 0;")
+    return lines
+
+
+def _without_given_rates(scene: SymbolicScene, x: Expr) -> Expr:
+    """Rates of given functions written out; the functions themselves are variables."""
+    known = {}
+    for g in scene.given:
+        value = g.value
+        for s in g.moving[1:]:
+            value = value.diff(scene.t)
+            known[s] = value
+    return x.xreplace(known) if known else x
+
+
+def _unit(unit: str) -> str:
+    return f"(unit = {_text(unit)})" if unit else ""
+
+
+def _text(words: str) -> str:
+    return '"' + words.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def _quoted(words: str) -> str:
+    return f" {_text(words)}" if words else ""
+
+
+class _Printer(StrPrinter):  # type: ignore[misc]
+    """Modelica's operators and functions."""
+
+    def _print_Pow(self, e: Expr, rational: bool = False) -> str:
+        base = self.parenthesize(e.base, precedence(e), strict=True)
+        if e.exp == sp.S.Half:
+            return f"sqrt({self._print(e.base)})"
+        if e.exp == -sp.S.Half:
+            return f"(1/sqrt({self._print(e.base)}))"
+        if e.exp == -1:
+            return f"(1/{base})"
+        return f"{base}^{e.exp}" if e.exp.is_Integer and e.exp > 0 else f"{base}^({self._print(e.exp)})"
+
+    def _print_Mul(self, e: Expr) -> str:
+        return re.sub(r"\*\*", "^", str(super()._print_Mul(e)))
+
+    def _print_Function(self, e: Expr) -> str:
+        return f"{_NAMES.get(type(e).__name__, type(e).__name__)}({', '.join(map(self._print, e.args))})"
+
+    def _print_Abs(self, e: Expr) -> str:
+        return f"abs({self._print(e.args[0])})"
+
+    def _print_Pi(self, e: Expr) -> str:
+        return repr(float(sp.pi))
+
+    def _print_Piecewise(self, e: Expr) -> str:
+        flat = sp.piecewise_fold(e)
+        parts = [f"{'if' if k == 0 else 'elseif'} {self._print(when)} then {self._print(value)}"
+                 for k, (value, when) in enumerate(flat.args[:-1])]
+        return f"({' '.join(parts)} else {self._print(flat.args[-1][0])})"
+
+    def _print_And(self, e: Expr) -> str:
+        return " and ".join(f"({self._print(x)})" for x in e.args)
+
+    def _print_Or(self, e: Expr) -> str:
+        return " or ".join(f"({self._print(x)})" for x in e.args)
+
+    def _print_Relational(self, e: Expr) -> str:
+        return f"{self._print(e.lhs)} {({'!=': '<>'}).get(e.rel_op, e.rel_op)} {self._print(e.rhs)}"

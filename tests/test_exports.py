@@ -1,0 +1,93 @@
+"""`lag export`: what other programs make of it moves as ours does."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.cli import WRONG, main
+from symbolic_scenes import EXAMPLES
+
+SCENES = ["suspended_bar", "double_pendulum", "cart_pole", "slider_crank", "four_bar", "spring_pendulum", "crank_press", "skate",
+          "quarter_car", "rolling_disc"]
+
+
+def exported(name: str, target: str, file: Path, *options: str) -> Path:
+    assert main(["export", str(EXAMPLES / f"{name}.lag"), "--to", target, "-o", str(file), *options]) == 0
+    return file
+
+
+def ours(name: str, times: np.ndarray) -> tuple[lag.Model, np.ndarray]:
+    model = lag.load(EXAMPLES / f"{name}.lag")
+    run = model.simulate(at=times.tolist(), tolerance=1e-11)
+    return model, np.array([run[c.name] for c in model.scene.coordinates])
+
+
+@pytest.mark.parametrize("name", ["suspended_bar", "double_pendulum", "slider_crank", "quarter_car", "chain"])
+def test_the_python_module_needs_numpy_alone(name: str, tmp_path: Path) -> None:
+    """It integrates to the same motion, in an interpreter that cannot import lagrangia, casadi or sympy."""
+    file = exported(name, "python", tmp_path / "scene.py")
+    program = ("import sys; sys.modules.update(dict.fromkeys(['lagrangia', 'casadi', 'sympy'])); import scene, numpy as np\n"
+               "from scipy.integrate import solve_ivp\n"
+               "run = solve_ivp(scene.slope, (0, 0.6), scene.START, 'DOP853', rtol=1e-10, atol=1e-12, t_eval=[0, .2, .4, .6])\n"
+               "n = len(scene.COORDINATES); y = run.y[:, -1]; p = np.array(list(scene.PARAMETERS.values()))\n"
+               "M = scene.M(.6, y[:n], y[n:], [], p); assert M.shape == (n, n) and abs(M - M.T).max() < 1e-12\n"
+               "assert scene.energies(.6, y[:n], y[n:], [], p).shape == (3,)\n"
+               "print(*run.y[:n].ravel().tolist())")
+    run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True, env={})
+    model, wanted = ours(name, np.array([0, 0.2, 0.4, 0.6]))
+    found = np.array(list(map(float, run.stdout.split()))).reshape(wanted.shape)
+    assert np.abs(found - wanted).max() < 1e-6
+    assert file.read_text(encoding="utf-8").startswith(f'"""{model.name}')
+
+
+@pytest.mark.parametrize("name", ["double_pendulum", "four_bar", "torsion_rotor"])
+def test_the_casadi_file_loads_without_us(name: str, tmp_path: Path) -> None:
+    file = exported(name, "casadi", tmp_path / "scene.casadi")
+    program = ("import sys; sys.modules['lagrangia'] = None; import casadi as ca\n"
+               f"functions = {{f.name(): f for f in ca.FileDeserializer({str(file)!r}).unpack()}}\n"
+               "(q, v), (p,) = (functions[name].call([]) for name in ('start', 'parameters'))\n"
+               "print(*functions['rhs'](0.3, q, v, [], p).full().ravel().tolist())")
+    run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True, env={})
+    model = lag.load(EXAMPLES / f"{name}.lag")
+    first = model.simulate(at=[0.0])
+    q, v = ([first[c.name][0] for c in columns] for columns in (model.scene.coordinates, model.scene.rates))
+    wanted = np.array(model.functions()["rhs"](0.3, q, v, [], model.parameter_values())).ravel()
+    assert np.allclose(list(map(float, run.stdout.split())), wanted, rtol=1e-14, atol=0)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_modelica_compiler_accepts_the_model(name: str, tmp_path: Path) -> None:
+    """rumoca compiles and integrates it: the same trajectories to 1e-6."""
+    rumoca = pytest.importorskip("rumoca")
+    text = exported(name, "modelica", tmp_path / "scene.mo").read_text(encoding="utf-8")
+    model = lag.load(EXAMPLES / f"{name}.lag")
+    compiled = rumoca.Session().loads(text, model=model.name)
+    result = compiled.simulate(t=(0.0, 0.6), dt=0.2, config=rumoca.SimConfig(rtol=1e-10, atol=1e-10))
+    shown = [line.split()[1].partition("(")[0] for line in text.splitlines() if "fixed = true" in line][::2]
+    found = np.array(result.to_numpy(shown))  # a row a variable; a time event gives a column more
+    _, wanted = ours(name, np.array([0.0, 0.2, 0.4, 0.6]))
+    assert len(shown) == model.scene.n
+    assert np.abs(found[:, 0] - wanted[:, 0]).max() < 1e-9
+    if found.shape == wanted.shape:
+        assert np.abs(found - wanted).max() < 1e-6
+    assert np.abs(found[:, -1] - wanted[:, -1]).max() < 1e-6
+
+
+def test_what_cannot_be_exported_is_told(tmp_path: Path, capsys) -> None:
+    scene = str(EXAMPLES / "chain.lag")
+    for options, code in ((["--to", "matlab"], "L0704"), (["--to", "modelica", "-p", "n=9"], "L0712"),
+                          (["--to", "python", "-p", "m=3"], "L0702"), (["--to", "sympy", "--names", "x=y"], "L07")):
+        assert main(["export", scene, "-o", str(tmp_path / "out"), *options]) == WRONG
+        assert f"error[{code}" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_files_are_called_after_the_model(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    for target in ("modelica", "casadi", "latex", "sympy"):
+        assert main(["export", str(EXAMPLES / "pendulum.lag"), "--to", target]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"Pendulum.mo", "Pendulum.casadi", "Pendulum.tex", "Pendulum.py"}
