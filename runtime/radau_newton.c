@@ -16,7 +16,7 @@
 
 /* Changes of the stages left undone, in units of error; in multiples of rounding. A contraction that shows nothing but rounding
  * any more, and the largest change it may leave. */
-static const double GOAL = 0.01, ROUNDING = 2 * DBL_EPSILON, TIME_ROUNDING = 4 * DBL_EPSILON, STALLED = 0.9, STALLED_CHANGE = 0.5;
+static const double GOAL = 0.001, ROUNDING = 2 * DBL_EPSILON, TIME_ROUNDING = 4 * DBL_EPSILON, STALLED = 0.9, STALLED_CHANGE = 0.5;
 /* The change up to which the contraction of the step before is believed to hold: a ball that meets the floor in this step must not
  * pass because its flight was easy. */
 static const double UNSEEN = 1;
