@@ -31,6 +31,6 @@ struct LagTape {
 /* Whether every index of the function's tape stays inside its vectors and every op is known. */
 LAG_API int lag_tape_valid(const LagFunction *function);
 
-void lag_tape_run(const LagTape *tape, const double *const *in, double *const *out, double *work);
+LAG_API void lag_tape_run(const LagTape *tape, const double *const *in, double *const *out, double *work);
 
 #endif

@@ -23,6 +23,8 @@ from cases import SUITE, Case  # noqa: E402
 TINY = ["--tolerances", "1e-4,1e-6", "--repeat", "1", "--share", "0.02"]
 COMMANDS = [
     ["chain_size.py", "--largest", "5"],
+    ["rhs_size.py", "--largest", "5"],
+    ["hand_written.py"],
     ["four_bars.py", "--largest", "2"],
     ["many_runs.py", "--runs", "50", "--repeats", "1"],
     ["suite.py", "--scenes", "pendulum,four-bar", "--solvers", "erk,casadi:erk,heyoka,mujoco,exudyn,rumoca", *TINY],
