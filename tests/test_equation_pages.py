@@ -265,6 +265,34 @@ def test_scenes_without_motion_and_files_without_scene(tmp_path: Path, capsys) -
     assert "error[L02" in refused(capsys, str(tmp_path / "wrong.lag"))
 
 
+ODD = {
+    "an input": "input Force u; Block b(m = 1, base = world); AppliedForce F(at = b.center, force = {u, 0});",
+    "a thruster": "Body b(m = 1, I = 2); BodyForce F(at = b.center, force = {1, 2*time});",
+    "a table": "Block b(m = 1, base = world); AppliedForce F(at = b.center, force = {table(time, {0, 1, 2}, {0, 5, 1}), 0});",
+    "a saturation": "Block b(m = 1, base = world); AppliedForce F(at = b.center, force = {-max(min(9*b.s, 3), -3), 0});",
+    "absolute values": "Block b(m = 1, base = world); QuadraticDamper d(c = 2, rate = b.v); Spring s(k = 3, stretch = abs(b.s));",
+    "a condition": "Block b(m = 1, base = world); GeneralSpring s(V = if b.s < 0 then 0 else 5*b.s^2, stretch = b.s);",
+    "exponents": "parameter Length l = 1; parameter Real n = 2.5; Block b(m = 1, base = world);"
+                 "GeneralSpring s(V = (3*exp(b.s/l) + abs(b.s/l)^n)*1[J], stretch = b.s);",
+    "a rope": "PointMass l(m = 1, center(x(start = -1), y(start = -1))), r(m = 2, center(x(start = 1), y(start = -1)));"
+              "Rope rope(L = 4, a = l.center, b = r.center); equation connect(rope.pulley[1], shift(world, {0, 1}));",
+    "a turning world": "Revolute h(a = turn(world, 0.5*time^2)); Bar b(m = 1, L = 1, a = h.b);",
+    "gravity askew": "World world(gravity = {1, -9}); Revolute h(a = world); Bar b(m = 1, L = 1, a = h.b);",
+    "names that clash": "parameter Mass phi = 1, M = 2, lambda = 3; Revolute q(a = world); Bar T(m = M, L = 1, a = q.b);"
+                        "Revolute h(a = T.b); Body V(m = phi, I = lambda*1[m2], center = h.b);",
+}
+
+
+@pytest.mark.parametrize("what", ODD)
+def test_odd_scenes_have_equations_too(what: str, tmp_path: Path, capsys) -> None:
+    (tmp_path / "odd.lag").write_text(f"model Odd\n  {ODD[what]}\nend Odd;\n", encoding="utf-8")
+    for form in ALL_FORMS:
+        for format in ("text", "html", "sympy") if form in ("lagrange", "worked") else ("latex",):
+            code = main(["equations", str(tmp_path / "odd.lag"), "--form", form, "--format", format])
+            told = capsys.readouterr()
+            assert code == 0 or (form == "linear" and re.search(r"L0912|L0713", told.err)), (form, format, told.err)
+
+
 def test_a_file_for_the_page(tmp_path: Path, capsys) -> None:
     assert equations(capsys, "pendulum", "--format", "html", "-o", str(tmp_path / "page.html")) == ""
     assert (tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")

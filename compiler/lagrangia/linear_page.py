@@ -47,6 +47,8 @@ def linearize(e: Equations, numbers: Mapping[Expr, float], starts: Mapping[str, 
     force = [e.ring.tidy(h - f) for h, f in zip(e.h, e.f, strict=True)]
     quiet = dict.fromkeys((*scene.v, *_sources(e)), sp.S.Zero)
     static = [e.ring.tidy(_put(x, quiet)) for x in force]
+    if any(x.has(scene.t) for x in (*static, *(entry for row in e.M for entry in row))):
+        fail("L0912", "not supported yet: the linear form of a scene whose frames move with time", span)
     if given is not None:
         point, is_numeric = tuple(exact(given.get(name, 0.0)) for name in scene.names), False
     else:
@@ -55,11 +57,13 @@ def linearize(e: Equations, numbers: Mapping[Expr, float], starts: Mapping[str, 
     still = dict.fromkeys(scene.v, sp.S.Zero)
 
     def at(x: Expr) -> Expr:
-        return e.ring.tidy(_put(x, here | still))
+        return e.ring.tidy(_evaluated(_put(e.ring.tidy(x), here | still), is_numeric))
 
     M = tuple(tuple(at(x) for x in row) for row in e.M)
     C = tuple(tuple(at(x.diff(v)) for v in scene.v) for x in force)
     K = tuple(tuple(at(x.diff(q)) for q in scene.q) for x in static)
+    if any(x.has(sp.nan, sp.zoo, sp.oo) for row in (*M, *C, *K) for x in row):
+        fail("L0713", "the forces have no slope at the point to linearise about", span, "give another: --about NAME=VALUE,...")
     is_still = all(e.ring.is_zero(_put(x, here)) or _is_small(_put(x, here), numbers) for x in static)
     rest = [at(x) for x in static]
     load = tuple(e.ring.tidy(-at(x) + (r if is_still else 0)) for x, r in zip(force, rest, strict=True))
@@ -74,6 +78,12 @@ def _sources(e: Equations) -> list[Expr]:
 
 def _put(x: Expr, values: Mapping[Expr, Expr]) -> Expr:
     return x.subs(list(values.items())) if values else x
+
+
+def _evaluated(x: Expr, wholly: bool) -> Expr:
+    """Sines and cosines of numbers as numbers, but for fractions of pi, which are exact already; `wholly` all else, too."""
+    kinds = (sp.Function, sp.Pow) if wholly else (sp.sin, sp.cos)
+    return x.xreplace({f: exact(float(f)) for f in x.atoms(*kinds) if f.is_number and f.is_real and f.is_finite})
 
 
 def _is_small(x: Expr, numbers: Mapping[Expr, float]) -> bool:
@@ -135,13 +145,14 @@ def _newton(e: Equations, static: list[Expr], numbers: Mapping[Expr, float], sta
     q = list(e.scene.q)
     values = [f.subs(list(numbers.items())) for f in static]
     force = sp.lambdify([q], values, "numpy")
-    slope = sp.lambdify([q], [[f.diff(x) for x in q] for f in values], "numpy")
+    slope = sp.lambdify([q], [[e.ring.tidy(f.diff(x)) for x in q] for f in values], "numpy")
     x = np.array([starts.get(name, 0.0) for name in e.scene.names], dtype=float)
     for _ in range(100):
-        try:
-            step = np.linalg.lstsq(np.array(slope(x), dtype=float), -np.array(force(x), dtype=float), rcond=None)[0]
-        except (np.linalg.LinAlgError, ValueError):
+        with np.errstate(all="ignore"):
+            K, f = np.array(slope(x), dtype=float), np.array(force(x), dtype=float)
+        if not (np.isfinite(K).all() and np.isfinite(f).all()):
             break
+        step = np.linalg.lstsq(K, -f, rcond=None)[0]
         x = x + step * min(1.0, 1.0 / max(1e-12, float(np.abs(step).max())))
         if float(np.abs(step).max()) < 1e-13 * max(1.0, float(np.abs(x).max())):
             return tuple(exact(v) if abs(v) > 1e-12 else sp.S.Zero for v in map(float, x))
@@ -178,7 +189,8 @@ def _single(book: Book, linear: Linear, prefix: str) -> Node:
     """m x'' + c x' + k x = f."""
     p, (q,) = book.presentation, book.q
     pairs = [(A[0][0], replace(q, marks=marks, prefix=prefix)) for A, marks in ((linear.M, 2), (linear.C, 1), (linear.K, 0))]
-    return equal(total([(1, product([p.coefficient(x), name])) for x, name in pairs if x != 0]), p.sum(linear.load[0]))
+    terms = [(1, product([*([p.coefficient(x)] if x != 1 else []), name])) for x, name in pairs if x != 0]
+    return equal(total(terms), p.sum(linear.load[0]))
 
 
 def _about(book: Book, linear: Linear, is_moved: bool) -> Block:

@@ -369,7 +369,7 @@ class Presentation:
         if e.is_Function:
             name, few = _FUNCTIONS.get(type(e).__name__, type(e).__name__), [self.sum(x) for x in e.args]
             return Apply(name, few[0]) if len(few) == 1 else Apply(name, Listing(tuple(few)))
-        return self.sum(e)
+        return self.sum(e) if e.is_Add or e.is_Mul or e.is_Rational else Words(str(e))
 
     def _cases(self, e: Expr) -> Node:
         flat = sp.piecewise_fold(e)

@@ -14,7 +14,7 @@ from itertools import combinations
 
 import sympy as sp
 
-from lagrangia.sympy_algebra import Expr
+from lagrangia.sympy_algebra import Expr, exact
 
 Powers = tuple[tuple[int, Fraction], ...]  # of atoms, by their numbers
 Angle = tuple[tuple[int, Fraction], ...]  # sum of coefficient x atom
@@ -23,6 +23,7 @@ Series = dict[Key, Fraction]
 
 _ONE, _HALF = Fraction(1), Fraction(1, 2)
 CONSTANT: Key = ((), (), False)
+_STEPS = (sp.sign, sp.floor, sp.ceiling)
 TIME = sp.Symbol("t", real=True)
 
 
@@ -83,7 +84,9 @@ class Ring:
     def _series(self, e: Expr) -> Series:
         if e.is_Rational:
             return {CONSTANT: Fraction(int(e.p), int(e.q))} if e != 0 else {}
-        if e.is_Symbol or isinstance(e, sp.NumberSymbol):
+        if e.is_Float and e.is_finite:
+            return self._series(exact(float(e)))
+        if e.is_Symbol or e.is_Number or isinstance(e, sp.NumberSymbol):
             return self._atom_series(e)
         if e.is_Add and self.kept and all(x.as_coeff_Mul()[1] in self.kept for x in e.args):
             return self._atom_series(e)
@@ -163,9 +166,11 @@ class Ring:
         return (_sorted(parts), is_sine), sign
 
     def _opaque(self, e: Expr) -> Series:
+        if isinstance(e, sp.DiracDelta) or (isinstance(e, sp.Derivative) and isinstance(e.expr, _STEPS)):
+            return {}  # the slope of a jump: zero but at one point
         if e.args and not isinstance(e, sp.Piecewise):
             e = e.func(*(self.tidy(x) if isinstance(x, sp.Expr) else x for x in e.args))
-        return self._atom_series(e) if not (e.is_Add or e.is_Mul or e.is_Number) else self.series(e)
+        return self._series(e) if e.is_Add or e.is_Mul or e.is_Number else self._atom_series(e)
 
     def _atom_series(self, e: Expr) -> Series:
         return {(((self._number(e), _ONE),), (), False): _ONE}
