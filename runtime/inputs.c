@@ -39,6 +39,7 @@ LagStatus lag_inputs_set(LagInputs *inputs, const double *times, const double *v
     memcpy(inputs->times, times, (size_t)rows * sizeof *times);
     memcpy(inputs->values, values, (size_t)rows * (size_t)inputs->n * sizeof *values);
     inputs->rows = rows;
+    ++inputs->version;
     return LAG_OK;
 }
 

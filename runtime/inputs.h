@@ -5,6 +5,7 @@
 #include "status.h"
 
 typedef struct {
+    int version; /* counts how often the table was set */
     int n, rows, capacity;
     double *times;  /* rows, ascending; two equal times are a jump */
     double *values; /* rows x n */

@@ -14,7 +14,7 @@
 #include "evaluate.h"
 #include "step.h"
 
-static const double SAME = 1e-9, FIRST_STEP = 1, IGNORED = 4 * DBL_EPSILON;
+static const double SAME = 1e-9, IGNORED = 4 * DBL_EPSILON;
 static const double PACE = 0.4; /* what a step of many equal ones costs, in rungs: many go in plain doubles */
 enum { EQUAL_STEPS = 16 }; /* so many, and more of larger scenes, make it likely that enough follow */
 
@@ -201,6 +201,8 @@ static void set_right(LagLinearMethod *s, LagMotion *m)
     const size_t states = 2 * (size_t)m->n;
     LagPace *pace = &s->pace;
     LagDD integrals[2];
+    if (pace->count > 0 && memcmp(m->y, pace->x, states * sizeof *m->y) != 0)
+        pace->count = 0; /* somebody put another state there */
     if (pace->count == 0)
         return;
     lag_pace_settle(pace, &s->ladder, integrals);
@@ -257,20 +259,11 @@ static int take(LagLinearMethod *s, LagMotion *m, double t_new, double ignored)
     return 1;
 }
 
-static double aim(const LagRun *run)
-{
-    const double t = run->motion.t, end = fmin(run->segment_end, run->settings.t_stop);
-    double target = run->wanted > t && run->wanted < end ? run->wanted : end;
-    if (isinf(target))
-        target = t + fmax(FIRST_STEP, fabs(t));
-    return run->settings.max_step > 0 ? fmin(target, t + run->settings.max_step) : target;
-}
-
 static LagStatus step(LagRun *run)
 {
     LagLinearMethod *s = run->methods.self;
     LagMotion *m = &run->motion;
-    const double t = m->t, t_new = aim(run), ignored = t_new == run->segment_end ? 0 : IGNORED * fabs(t_new);
+    const double t = m->t, t_new = lag_step_aim(run), ignored = t_new == run->segment_end ? 0 : IGNORED * fabs(t_new);
     if (run->statistics.steps == 0)
         s->pace.count = 0;
     if (s->is_fresh || s->pace.count == LAG_PACE_STEPS)

@@ -14,6 +14,7 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     case LAG_SOLVER_ERK: return 1;
     case LAG_SOLVER_LINEAR: return model->linear_pattern != NULL;
     case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
+    case LAG_SOLVER_ISLANDS: return model->n_islands > 1;
     default: return 0;
     }
 }
@@ -32,6 +33,8 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
         return;
     if (solver == LAG_SOLVER_LINEAR)
         lag_linear_method.layout(&methods->linear, motion, arena);
+    if (solver == LAG_SOLVER_ISLANDS)
+        lag_islands_method.layout(&methods->islands, motion, arena);
     if (solver == LAG_SOLVER_ERK || lag_methods_alternate(model, solver))
         lag_dop853.layout(&methods->dop853, motion, arena);
     if (solver == LAG_SOLVER_IMPLICIT || (settings->solver == LAG_SOLVER_AUTO && lag_methods_alternate(model, solver)))
@@ -49,6 +52,10 @@ void lag_methods_choose(LagMethods *methods, int32_t solver)
     case LAG_SOLVER_IMPLICIT:
         methods->table = &lag_radau;
         methods->self = &methods->radau;
+        break;
+    case LAG_SOLVER_ISLANDS:
+        methods->table = &lag_islands_method;
+        methods->self = &methods->islands;
         break;
     default:
         methods->table = &lag_dop853;

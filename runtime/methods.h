@@ -3,6 +3,7 @@
 #define LAG_METHODS_H
 
 #include "dop853.h"
+#include "islands.h"
 #include "linear_method.h"
 #include "radau.h"
 #include "run.h"
@@ -13,6 +14,7 @@ typedef struct {
     void *self;             /* its own struct, one of those below */
     LagDop853 dop853;
     LagLinearMethod linear;
+    LagIslands islands;
     LagRadau radau;
 } LagMethods;
 

@@ -45,7 +45,9 @@ enum { LAG_EVENT_ZERO, LAG_EVENT_INTEGER };
 /* Groups of like coordinates share one order of magnitude; angles have a natural one, so they are a group of their own. */
 enum { LAG_KIND_ANGLE };
 
-typedef struct {
+typedef struct LagModel LagModel;
+
+struct LagModel {
     int n; /* coordinates */
     int n_parameters, n_hoisted, n_inputs, n_modes, n_events, n_outputs, n_initial;
     int n_power; /* 0: energy needs no quadrature; 2: {dissipated, work} */
@@ -65,6 +67,10 @@ typedef struct {
     const int *jacobian_pattern; /* of the matrix's columns: starts (size + 1), rows (n_entries), order (size = n + n_multipliers);
                                   * colours (n) of those of the coordinates */
 
+    int n_islands;      /* groups of coordinates that do not interact; 0: the model is not divided */
+    const int *island;  /* n: the coordinates of the first one, then those of the next, ... */
+    const LagModel *const *islands; /* each as a model of its own, with the same parameters and inputs */
+
     LagFunction parameters; /* given, mask          -> p               given values kept, dependent ones computed */
     LagFunction hoist;      /* p                    -> c */
     LagFunction start;      /* p                    -> q, v            guesses */
@@ -83,6 +89,6 @@ typedef struct {
      * M a + h + J^T lambda and of J a + bias (compiler/lagrangia/jacobians.py). One of the two is there, or neither. */
     LagFunction jacobian;   /* t, q, v, a, lambda, u, d, c         -> S0, S1, S2 */
     LagFunction tangent;    /* t, q, v, a, lambda, u, d, c, dq, dv -> S0 (dv, 0), S1 (dv, 0) + S2 (dq, 0) */
-} LagModel;
+};
 
 #endif

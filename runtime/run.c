@@ -77,6 +77,11 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
     arena.base = run->memory;
     arena.used = 0;
     layout(run, &arena);
+    if (lag_methods_first(settings, model) == LAG_SOLVER_ISLANDS && lag_methods_permit(model, LAG_SOLVER_ISLANDS)
+        && !lag_islands_open(&run->methods.islands, model, settings)) {
+        lag_run_free(run);
+        return NULL;
+    }
     run->motion.t = settings->t_start;
     return run;
 }
@@ -86,6 +91,7 @@ void lag_run_free(LagRun *run)
     if (!run)
         return;
     lag_inputs_free(&run->inputs);
+    lag_islands_close(&run->methods.islands);
     free(run->memory);
     free(run);
 }

@@ -6,6 +6,8 @@
 #include "account.h"
 #include "segment.h"
 
+static const double FIRST_STEP = 1; /* towards no end */
+
 double lag_step_smallest(double t) { return fmax(4 * DBL_EPSILON * fabs(t), DBL_MIN); }
 
 double lag_step_end(const LagRun *run, double h)
@@ -14,6 +16,15 @@ double lag_step_end(const LagRun *run, double h)
     if (h >= left)
         return limit;
     return t + (2 * h > left ? left / 2 : h);
+}
+
+double lag_step_aim(const LagRun *run)
+{
+    const double t = run->motion.t, end = fmin(run->segment_end, run->settings.t_stop);
+    double target = run->wanted > t && run->wanted < end ? run->wanted : end;
+    if (isinf(target))
+        target = t + fmax(FIRST_STEP, fabs(t));
+    return run->settings.max_step > 0 ? fmin(target, t + run->settings.max_step) : target;
 }
 
 void lag_step_record(LagRun *run, double h)

@@ -13,6 +13,9 @@ LagStatus lag_step_adaptive(LagRun *run);
  * one and a tiny one lead up to a limit. */
 double lag_step_end(const LagRun *run, double h);
 
+/* The next row, event or stop: where a step ends that may have any length. */
+double lag_step_aim(const LagRun *run);
+
 /* Shorter steps do not move t. */
 double lag_step_smallest(double t);
 

@@ -61,6 +61,8 @@ ORDER = """
     loads
     linear_form
     linear_choice
+    spectrum
+    islands
     functions
     assembly
     assemblies
@@ -93,7 +95,6 @@ ORDER = """
     instructions
     ccode
     scenes
-    spectrum
     needs
     native
     cache

@@ -11,13 +11,13 @@ import threading
 import time
 import weakref
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from lagrangia.ccode import write_c
 from lagrangia.folders import data_folder
 from lagrangia.native import Build, Compiler, CompilerError, find_build, find_compiler, start_build, start_runtime_build
-from lagrangia.runtime import Model, Runtime, Tape
+from lagrangia.runtime import Model, Runtime, Solver, Tape
 from lagrangia.scene import Scene
 
 # The model of costs, measured with gcc 12 on a chain of 2 to 1000 links: seconds to start a compiler, and for each instruction at
@@ -96,6 +96,22 @@ def load_engine(
 
     `native` decides instead of the model of costs. `is_implicit`: implicit steps are sure to be made.
     """
+    engine = _load_whole(scene, runtime_build, native, is_implicit)
+    return divided(engine, scene, native) if engine is not None and scene.sizes.get("solver") == Solver.ISLANDS else engine
+
+
+def divided(engine: Engine, scene: Scene, native: bool | None = None) -> Engine:
+    """The engine with the scene's islands in it."""
+    if engine.model.struct.n_islands:
+        return engine
+    builds = start_building()
+    parts = [(places, _load_whole(island, builds, native, False)) for places, island in scene.islands]
+    return replace(engine, model=engine.model.divided([(places, part.model) for places, part in parts if part is not None]))
+
+
+def _load_whole(
+    scene: Scene, runtime_build: Build | None = None, native: bool | None = None, is_implicit: bool = False
+) -> Engine | None:
     begin = time.perf_counter()
     runtime_build = runtime_build or start_building()
     if runtime_build is None:

@@ -77,6 +77,25 @@ def build_functions(
                      patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
 
 
+def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
+    """For some coordinates that are run by themselves: what moves them, without energies and outputs."""
+    power, jacobian, modes = _power(motion), build_jacobian(motion), kinematics.algebra.modes
+    (acceleration, power, *steps), c, hoisted = _hoist([motion.acceleration, power, *jacobian.values], motion.p)
+    nothing, d = ca.SX(0, 1), ca.vertcat(*[mode.symbol for mode in modes])
+    t, q, v, u = motion.t, motion.q, motion.v, motion.u
+    given, mask, p = all_parameters(kinematics, motion.p.numel())
+    state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
+    full = [t, q, v, motion.a, nothing, u, d, c]
+    table = _implicit_function(jacobian, steps, full, ["t", "q", "v", "a", "lambda", "u", "d", "c"]) | {
+        "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
+        "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
+        "rhs": ca.Function("rhs", state, [acceleration, power, nothing], labels, ["a", "power", "lambda"]),
+    } | _mode_functions(motion, modes)
+    patterns, refused, pays = _add_linear(table, kinematics, motion)
+    return Functions(table, (), tuple(mode.kind for mode in modes), power.numel(), False,
+                     patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
+
+
 def _power(motion: Motion) -> ca.SX:
     """Taken out and put in; empty where there are neither."""
     has_power = not (motion.dissipated_power.is_zero() and motion.source_power.is_zero())

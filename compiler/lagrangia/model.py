@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.cache import find_scene, keep_scene
 from lagrangia.diagnostics import RunError
-from lagrangia.engines import Engine, load_engine, start_building
+from lagrangia.engines import Engine, divided, load_engine, start_building
 from lagrangia.interpret import evaluate
 from lagrangia.native import Build
 from lagrangia.scene import Scene
@@ -193,6 +193,8 @@ class Model:
         """The engine that runs a solver of this name: for implicit steps, Jacobians are compiled however long they are."""
         if is_casadi(solver):
             return None
+        if solver == "islands" and self.engine is not None:
+            self._engine = divided(self.engine, self.scene, self.native)
         if solver != "implicit":
             return self.engine
         if self._implicit_engine is None:

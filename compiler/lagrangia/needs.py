@@ -13,6 +13,7 @@ from lagrangia.diagnostics import Span
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
 from lagrangia.initial import InitialConditions
+from lagrangia.islands import find_islands
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion, build_motion, count_nodes, mass_matrix
 from lagrangia.scene import Scene
@@ -154,21 +155,7 @@ def _time(parts: _Parts) -> Iterable[Need]:
 
 
 def _islands(parts: _Parts) -> Need:
-    """Coordinates fall into groups whose accelerations do not know each other."""
-    n = parts.scene.n
-    pattern = ca.jacobian_sparsity(parts.motion.acceleration, ca.vertcat(parts.motion.q, parts.motion.v))
-    group = list(range(n))
-
-    def leader(k: int) -> int:
-        while group[k] != k:
-            group[k] = group[group[k]]
-            k = group[k]
-        return k
-
-    rows, columns = pattern.get_triplet()
-    for row, column in zip(rows, columns, strict=True):
-        group[leader(row)] = leader(column % n)
-    count = len({leader(k) for k in range(n)})
+    count = len(find_islands(parts.motion))
     why = f"{count} groups of coordinates do not interact" if count > 1 else "all coordinates interact"
     return Need("islands", count > 1, why)
 

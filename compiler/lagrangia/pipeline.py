@@ -61,7 +61,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.initial import build_initial
     from lagrangia.kinematics import build_kinematics
     from lagrangia.motion import build_motion
-    from lagrangia.scenes import build_scene
+    from lagrangia.scenes import build_scene, divide
 
     seconds: dict[str, float] = {}
     with deep_recursion():
@@ -81,7 +81,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
         with _timed(seconds, "freedom"):
             freedom = find_freedom(kinematics, motion, constraints, initial, functions)
         with _timed(seconds, "scene"):
-            scene = build_scene(kinematics, motion, initial, functions, freedom)
+            scene = divide(build_scene(kinematics, motion, initial, functions, freedom), kinematics, motion, initial)
     return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, initial, functions, scene,
                        seconds)
 

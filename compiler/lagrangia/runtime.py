@@ -42,6 +42,7 @@ class Solver(IntEnum):
     ERK = 1
     LINEAR = 2
     IMPLICIT = 3
+    ISLANDS = 4
 
 
 class Op(IntEnum):
@@ -215,6 +216,9 @@ class _Model(c.Structure):
         ("solver", c.c_int),
         *((name, c.c_int) for name in ("n_entries", "n_lower", "n_upper", "n_colours", "rhs_cost", "jacobian_cost")),
         ("jacobian_pattern", _Ints),
+        ("n_islands", c.c_int),
+        ("island", _Ints),
+        ("islands", c.c_void_p),
         *((name, _Function) for name in _FUNCTIONS),
     )
 
@@ -333,6 +337,15 @@ class Model:
         for name, tape in functions.items():
             setattr(struct, name, _function_of(tape))
         return cls(struct, None)
+
+    def divided(self, islands: "Sequence[tuple[Sequence[int], Model]]") -> "Model":
+        """The same model with its islands: their coordinates, and each as a model of its own."""
+        struct = _Model.from_buffer_copy(self.struct)
+        places = (c.c_void_p * len(islands))(*(c.addressof(model.struct) for _, model in islands))
+        struct.n_islands = len(islands)
+        struct.island = _ints([k for coordinates, _ in islands for k in coordinates])
+        struct.islands = c.addressof(places)
+        return Model(struct, (self, islands, places))
 
     def adopt(self, other: "Model") -> None:
         """Calls the code of another model of the same scene from now on, where that has some; also in runs under way."""

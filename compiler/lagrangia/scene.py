@@ -57,6 +57,7 @@ class Scene:
     patterns: Mapping[str, tuple[int, ...]]  # lists of places of LagModel
     refused: Mapping[str, str]  # solvers that cannot run this scene, and why
     tapes: Mapping[str, Tape]
+    islands: "tuple[tuple[tuple[int, ...], Scene], ...]"  # coordinates that do not interact with others, and their scenes
     evenness: Tape | None  # of p: above 1 all over where the formulas hold; None where they hold for all masses
 
     @property
@@ -72,10 +73,11 @@ class Scene:
 
 
 def to_json(scene: Scene) -> str:
-    plain = {name: getattr(scene, name) for name in Scene.__dataclass_fields__ if name not in ("tapes", "evenness")}
+    plain = {name: getattr(scene, name) for name in Scene.__dataclass_fields__ if name not in ("tapes", "evenness", "islands")}
     for name in ("coordinates", "rates", "outputs", "parameters", "inputs"):
         plain[name] = [asdict(item) for item in plain[name]]
     plain["tapes"] = {name: _pack(tape) for name, tape in scene.tapes.items()}
+    plain["islands"] = [(list(places), to_json(island)) for places, island in scene.islands]
     plain["evenness"] = _pack(scene.evenness) if scene.evenness is not None else None
     return json.dumps(plain, separators=(",", ":"))
 
@@ -90,6 +92,7 @@ def from_json(text: str) -> Scene:
         plain[name] = tuple(plain[name])
     plain["patterns"] = {name: tuple(places) for name, places in plain["patterns"].items()}
     plain["tapes"] = {name: _unpack(tape) for name, tape in plain["tapes"].items()}
+    plain["islands"] = tuple((tuple(places), from_json(island)) for places, island in plain["islands"])
     plain["evenness"] = _unpack(plain["evenness"]) if plain["evenness"] is not None else None
     return Scene(**plain)
 

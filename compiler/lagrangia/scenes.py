@@ -1,6 +1,7 @@
 """Functions -> Scene: names, units, defaults and tapes, as plain data."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import prod
 
 import casadi as ca
@@ -10,10 +11,11 @@ from lagrangia.dimensions import unit_of
 from lagrangia.flat import FlatModel, Variable
 from lagrangia.folding import fold
 from lagrangia.freedom import Freedom
-from lagrangia.functions import Functions
+from lagrangia.functions import Functions, build_island_functions
 from lagrangia.graph import rate_of
 from lagrangia.initial import InitialConditions
 from lagrangia.instructions import count_operations, tape_of
+from lagrangia.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, islands_pay
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
 from lagrangia.observables import observe
@@ -54,7 +56,54 @@ def build_scene(
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
         tuple(kinds[c.unit] for c in graph.coordinates), tuple(map(int, initial.fixed)), functions.event_kinds,
         _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, freedom), functions.patterns,
-        functions.refused, tapes, _evenness(motion),
+        functions.refused, tapes, (), _evenness(motion),
+    )
+
+
+def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> Scene:
+    """The scene with its islands, each as a scene of its own, where there are some."""
+    reason, groups = _whole(motion)
+    if reason:
+        return replace(scene, refused={**scene.refused, "islands": reason})
+    motions = [island_motion(motion, groups, k) for k in range(len(groups))]
+    islands = tuple((group, _island_scene(scene, kinematics, part, group)) for group, part in zip(groups, motions, strict=True))
+    pays = islands_pay(kinematics, motions, initial, groups)
+    return replace(scene, islands=islands, sizes={**scene.sizes, "solver": int(Solver.ISLANDS)} if pays else scene.sizes)
+
+
+def _whole(motion: Motion) -> tuple[str, list[tuple[int, ...]]]:
+    """Why a scene is not divided; its islands."""
+    if motion.constrained is not None:
+        return "not supported yet: islands of scenes held by constraints", []
+    if motion.q.numel() > MOST_COORDINATES:
+        return f"not supported yet: islands of more than {MOST_COORDINATES} coordinates", []
+    groups = find_islands(motion)
+    if len(groups) > MOST_ISLANDS:
+        return f"not supported yet: more than {MOST_ISLANDS} islands", []
+    return "all its coordinates interact" if len(groups) == 1 else "", groups
+
+
+def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: tuple[int, ...]) -> Scene:
+    everything = ca.vertcat(motion.h, motion.acceleration, motion.dissipated_power, motion.source_power)
+    used = {symbol.__hash__() for symbol in ca.symvar(everything)}
+    algebra = replace(kinematics.algebra, modes=[mode for mode in kinematics.algebra.modes if mode.symbol.__hash__() in used])
+    functions = build_island_functions(replace(kinematics, algebra=algebra), motion)
+    tapes = {name: tape_of(function) for name, function in functions.table.items()}
+    count = len(functions.event_kinds)
+    sizes = {
+        "n": len(group), "n_parameters": scene.sizes["n_parameters"], "n_hoisted": functions.table["hoist"].numel_out(0),
+        "n_inputs": scene.sizes["n_inputs"], "n_modes": count, "n_events": count, "n_power": functions.n_power,
+        **functions.sizes, "rhs_cost": count_operations(tapes["rhs"]),
+    }
+    sizes["jacobian_cost"] = _jacobian_cost(tapes, sizes["n_colours"])
+    if functions.linear_pays:
+        sizes["solver"] = int(Solver.LINEAR)
+    fixed = tuple(scene.fixed[k] for k in (*group, *(scene.n + k for k in group)))
+    return replace(
+        scene, coordinates=tuple(scene.coordinates[k] for k in group), rates=tuple(scene.rates[k] for k in group), outputs=(),
+        aliases={}, sizes=sizes, coordinate_kind=tuple(scene.coordinate_kind[k] for k in group), fixed=fixed,
+        event_kind=functions.event_kinds, initial_places=(), notes=_notes(motion, tapes), patterns=functions.patterns,
+        refused=functions.refused, tapes=tapes, islands=(), evenness=None,
     )
 
 

@@ -1,0 +1,91 @@
+"""Motion -> groups of coordinates that do not interact, and the motion of each by itself.
+
+Two coordinates interact when one stands in the other's equation, or both in one term of the powers. What time and inputs do to
+both is no interaction. Each group can be run with a method and steps of its own.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import casadi as ca
+
+from lagrangia.initial import InitialConditions
+from lagrangia.kinematics import Kinematics
+from lagrangia.motion import Motion
+from lagrangia.spectrum import find_spectrum
+
+MOST_COORDINATES, MOST_ISLANDS = 200, 8  # of scenes that are divided
+_UNLIKE = 4.0  # ratio of the fastest rates from which steps of their own pay: each island has a cost of its own a row
+_SUMS = (ca.OP_ADD, ca.OP_SUB)
+
+
+def find_islands(motion: Motion) -> list[tuple[int, ...]]:
+    """Groups of coordinates, each in ascending order."""
+    n = motion.q.numel()
+    groups = list(range(n))
+
+    def root(i: int) -> int:
+        while groups[i] != i:
+            groups[i] = groups[groups[i]]
+            i = groups[i]
+        return i
+
+    pattern = ca.jacobian_sparsity(ca.vertcat(motion.acceleration, motion.h, motion.momentum), ca.vertcat(motion.q, motion.v))
+    pairs = [(row % n, column % n) for row, column in zip(*pattern.get_triplet(), strict=True)]
+    for term in (*_terms(motion.dissipated_power), *_terms(motion.source_power)):
+        among = _coordinates(term, motion)
+        pairs += [(among[0], other) for other in among[1:]]
+    for i, j in pairs:
+        groups[root(i)] = root(j)
+    found: dict[int, list[int]] = {}
+    for i in range(n):
+        found.setdefault(root(i), []).append(i)
+    return [tuple(group) for group in found.values()]
+
+
+def island_motion(motion: Motion, groups: Sequence[tuple[int, ...]], k: int) -> Motion:
+    """The motion of group k alone. Powers that no coordinate takes part in are the first group's."""
+    chosen = list(groups[k])
+
+    def part(power: ca.SX) -> ca.SX:
+        own = [term for term in _terms(power) if (_coordinates(term, motion) or groups[0])[0] in groups[k]]
+        return ca.sum1(ca.vertcat(*own)) if own else ca.SX(1, 1)
+
+    return replace(motion, q=motion.q[chosen], v=motion.v[chosen], a=motion.a[chosen], momentum=motion.momentum[chosen],
+                   h=motion.h[chosen], acceleration=motion.acceleration[chosen], dissipated_power=part(motion.dissipated_power),
+                   source_power=part(motion.source_power))
+
+
+def islands_pay(
+    kinematics: Kinematics, motions: Sequence[Motion], initial: InitialConditions, groups: Sequence[tuple[int, ...]]
+) -> bool:
+    """Whether some of a few islands are much faster than others at the start."""
+    rates = []
+    for motion, group in zip(motions, groups, strict=True):
+        chosen = list(group)
+        spectrum = find_spectrum(kinematics, motion, replace(initial, q=initial.q[chosen], v=initial.v[chosen]))
+        if spectrum is None:
+            return False
+        rates.append(spectrum.fastest)
+    moving = [rate for rate in rates if rate > 0]
+    return len(moving) < len(rates) or max(moving) > _UNLIKE * min(moving)
+
+
+def _coordinates(term: ca.SX, motion: Motion) -> list[int]:
+    n = motion.q.numel()
+    return sorted({i % n for i in ca.jacobian_sparsity(term, ca.vertcat(motion.q, motion.v)).get_triplet()[1]})
+
+
+def _terms(power: ca.SX) -> list[ca.SX]:
+    """The terms of a sum, with their signs."""
+    found, pending = [], [(ca.SX(power), False)]
+    while pending:
+        term, negative = pending.pop()
+        if term.is_symbolic() or term.is_constant() or term.op() not in (*_SUMS, ca.OP_NEG):
+            if not term.is_zero():
+                found.append(-term if negative else term)
+            continue
+        pending.append((term.dep(0), negative != (term.op() == ca.OP_NEG)))
+        if term.op() in _SUMS:
+            pending.append((term.dep(1), negative != (term.op() == ca.OP_SUB)))
+    return found

@@ -1,0 +1,185 @@
+"""Islands: coordinates that do not interact, each group run by its own method and steps."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.ccode import write_c
+from lagrangia.diagnostics import LagError, RunError
+from lagrangia.folders import data_folder
+from lagrangia.native import find_compiler
+from lagrangia.runtime import Settings, Solver, Status
+from lagrangia.scene import from_json, to_json
+from lagrangia.simulate import check_values
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+
+Scene = Callable[[str], lag.Model]
+
+UNLIKE = """model Unlike "a slow pendulum, a stiff oscillator, and a damped mass on a hardening spring"
+  parameter Stiffness k = 1e6;
+  input Force F;
+  Revolute hinge(a = world, phi(start = 1)); Bar bar(m = 1, L = 2, a = hinge.b);
+  Block block(m = 0.3, base = world, along = {1, 0}, s(start = 0.01));
+  SpringDamper spring(k = k, c = 0.1, stretch = block.s);
+  AppliedForce P(at = block.center, force = {F + 3*pulse(time, 1, 0.5), 0});
+  Prismatic rail(a = world, along = {0, 1}, s(start = 0.2)); PointMass mass(m = 1, center = rail.b);
+  DuffingSpring duffing(k = 10, k3 = 5, stretch = rail.s);
+  Damper damper(c = 0.1, rate = der(rail.s));
+  output Length x = block.s + bar.b.x;
+  annotation(experiment(StopTime = 4, Tolerance = 1e-9));
+end Unlike;"""
+INPUTS = ([0.0, 2.0, 2.0, 4.0], {"F": [0.0, 1.0, -1.0, 3.0]})
+
+
+def test_islands_agree_with_the_whole_at_a_fraction_of_the_work(scene: Scene) -> None:
+    model = scene(UNLIKE)
+    assert [places for places, _ in model.scene.islands] == [(0,), (1,), (2,)]
+    apart = model.simulate(tolerance=1e-11, inputs=INPUTS)
+    whole = model.simulate(tolerance=1e-11, inputs=INPUTS, solver="erk")
+    assert apart.statistics.solver is Solver.ISLANDS
+    for name in (*model.coordinate_names, "der(hinge.phi)", "der(rail.s)", "x"):
+        assert apart[name] == pytest.approx(whole[name], abs=1e-10)
+    for name in ("kinetic", "potential", "dissipated", "work"):
+        assert getattr(apart.energy, name) == pytest.approx(getattr(whole.energy, name), abs=2e-8)
+    assert np.abs(apart.energy.residual).max() < 1e-9
+    assert apart.statistics.events == whole.statistics.events
+    assert apart.statistics.rhs_evaluations * 20 < whole.statistics.rhs_evaluations
+
+
+def test_rows_one_at_a_time_are_the_same_rows(scene: Scene) -> None:
+    model = scene(UNLIKE)
+    assert model.engine is not None
+    values, times = check_values(model.scene), [0.0, 0.3, 1.0, 1.2, 2.5, 4.0]
+    found = []
+    for portions in ([times], [[t] for t in times]):
+        with model.engine.runtime.run(model.engine.model, Settings(0, 4, 1e-9)) as run:
+            run.set_parameters(values.parameters, values.mask)
+            assert run.start(values.q, values.v) is Status.OK
+            rows = [run.advance(part) for part in portions]
+            found.append([list(some[i]) for some in rows for i in range(some.count)])
+    assert found[0] == found[1]
+    assert len(found[0]) == len(times)
+
+
+def test_portions_with_inputs_and_parameters_in_between(scene: Scene) -> None:
+    """The islands are ahead of the time of the whole when something changes; they come back to it."""
+    model = scene(UNLIKE)
+    values = check_values(model.scene)
+    results = []
+    for solver in (Solver.ISLANDS, Solver.ERK):
+        engine = model.engine_for("islands")
+        assert engine is not None
+        with engine.runtime.run(engine.model, Settings(0, 4, 1e-11, solver=solver)) as run:
+            parameters = list(values.parameters)
+            run.set_parameters(parameters, values.mask)
+            run.set_inputs([0.0], [0.0])
+            assert run.start(values.q, values.v) is Status.OK
+            rows = []
+            for i, stop in enumerate(np.arange(1, 21) * 0.1):
+                if i in (5, 11):
+                    run.set_inputs([0.0], [1.0 + i])
+                if i == 8:
+                    parameters[model.parameter_names.index("k")] = 2e5
+                    run.set_parameters(parameters, values.mask)
+                run.set_stop(stop if solver is Solver.ERK or i % 2 else 4.0)
+                rows.append(list(run.advance([stop])[0]))
+            results.append(np.array(rows))
+    n = model.scene.n
+    assert results[0][:, 1 : 1 + n] == pytest.approx(results[1][:, 1 : 1 + n], abs=3e-10)
+    assert results[0][:, -2:] == pytest.approx(results[1][:, -2:], abs=3e-8)
+
+
+@pytest.mark.parametrize("tie", [
+    "Spring tie(a = bar.b, b = block.center, k = 1e-3);", "Damper tie(a = bar.b, b = block.center, c = 1e-3);",
+    "AppliedForce tie(at = block.center, force = {1[N]*hinge.phi, 0});",
+    "AppliedForce tie(at = block.center, force = {1[N.s]*der(hinge.phi), 0});",
+], ids=["spring", "damper", "force", "force of a rate"])
+def test_what_interacts_stays_together(tie: str, scene: Scene) -> None:
+    model = scene(f"""model Tied
+  Revolute hinge(a = world, phi(start = 1)); Bar bar(m = 1, L = 2, a = hinge.b);
+  Block block(m = 0.3, base = world, along = {{1, 0}}, s(start = 3));
+  Spring spring(k = 1e4, stretch = block.s);
+  {tie}
+end Tied;""")
+    assert not model.scene.islands
+    with pytest.raises(LagError, match="L0704"):
+        model.simulate(stop=1, solver="islands")
+
+
+def test_islands_of_like_rates_run_apart_only_when_asked(scene: Scene) -> None:
+    model = scene("""model Alike
+  Revolute a(a = world, phi(start = 1)), b(a = world, phi(start = 2)); Bar x(m = 1, L = 2, a = a.b), y(m = 1, L = 1.5, a = b.b);
+end Alike;""")
+    whole, apart = (model.simulate(stop=5, tolerance=1e-11, solver=solver) for solver in ("auto", "islands"))
+    assert whole.statistics.solver is Solver.ERK
+    assert apart.statistics.solver is Solver.ISLANDS
+    for name in model.coordinate_names:
+        assert apart[name] == pytest.approx(whole[name], abs=1e-9)
+
+
+def test_a_failure_names_the_coordinate_of_the_whole(scene: Scene) -> None:
+    model = scene("""model Falls
+  coordinate Real x(start = 1), y(start = 1);
+energy
+  kinetic der(x)^2/2 + der(y)^2/2; potential 1e4*x^2 - 1/y;
+end Falls;""")
+    with pytest.raises(RunError, match=r"1\.1107.*y"):
+        model.simulate(stop=5, solver="islands")
+
+
+def test_a_stored_scene_keeps_its_islands(scene: Scene) -> None:
+    before = scene(UNLIKE).scene
+    assert from_json(to_json(before)) == before
+
+
+DRIVER = """
+#include "run.h"
+#include <stdlib.h>
+extern const LagModel whole, part0, part1, part2;
+int main(void)
+{
+    const LagSettings settings = {.t_stop = 4, .tolerance = 1e-9, .solver = LAG_SOLVER_ISLANDS};
+    const double times[] = {0, 0.5, 1.2, 4}, corners[] = {2, 3, 3}, values[] = {0, 1, 2};
+    const LagModel *const parts[] = {&part0, &part1, &part2};
+    const int island[] = {0, 1, 2};
+    LagModel model = whole;
+    model.n_islands = 3;
+    model.island = island;
+    model.islands = parts;
+    double *rows = malloc(4 * (size_t)lag_run_row_width(&model) * sizeof *rows);
+    LagRun *run = lag_run_new(&model, &settings);
+    int done = 0;
+    lag_run_set_parameters(run, NULL, NULL);
+    lag_run_set_inputs(run, corners, values, 3);
+    for (int i = 0; i < 2; ++i)
+        if (lag_run_start(run, NULL, NULL) != LAG_OK || lag_run_advance(run, times, 4, rows, &done, 0) != LAG_OK || done != 4)
+            return 1;
+    lag_run_free(run);
+    free(rows);
+    return 0;
+}
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
+def test_sanitizers_find_nothing(scene: Scene, tmp_path: Path) -> None:
+    compiler, plain = find_compiler(), scene(UNLIKE).scene
+    assert compiler is not None
+    names = {"whole": plain, **{f"part{k}": island for k, (_, island) in enumerate(plain.islands)}}
+    (tmp_path / "driver.c").write_text(DRIVER)
+    for name, one in names.items():
+        text = write_c(one.name, one.sizes, one.tapes, one.coordinate_kind, one.fixed, one.event_kind, one.patterns)
+        (tmp_path / f"{name}.c").write_text(text.replace("lag_model", name))
+    folder, program = data_folder("runtime"), tmp_path / "driver"
+    sources = [*map(str, tmp_path.glob("*.c")), *map(str, sorted(folder.glob("*.c")))]
+    options = ["-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", f"-I{folder}", "-o", str(program)]
+    if subprocess.run([*compiler.command, *options, *sources, "-lm"], capture_output=True, check=False).returncode != 0:
+        pytest.skip("this compiler has no sanitizers")
+    done = subprocess.run([program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
