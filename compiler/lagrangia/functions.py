@@ -79,7 +79,7 @@ def build_functions(
 
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     """For some coordinates that are run by themselves: what moves them, without energies and outputs."""
-    power, jacobian, modes = _power(motion), build_jacobian(motion), kinematics.algebra.modes
+    power, jacobian, modes = _power(motion), build_jacobian(kinematics, motion), kinematics.algebra.modes
     (acceleration, power, *steps), c, hoisted = _hoist([motion.acceleration, power, *jacobian.values], motion.p)
     nothing, d = ca.SX(0, 1), ca.vertcat(*[mode.symbol for mode in modes])
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
