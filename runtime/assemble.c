@@ -3,7 +3,8 @@
  * What nobody guessed follows the guesses; where that is enough, they hold. Else a solution is found near by (newton.c), then
  * moved along the solution set to where it is nearest to the guess in the mass metric at the guess: steps of a projected
  * gradient, each brought back to the set, as long as the distance falls. What cannot be solved in the mass metric is tried once
- * more with every value measured by its size.
+ * more with every value measured by its size, and last with all of them alike: where a guess is far off, moving it little is the
+ * long way.
  *
  * An assembly may be singular although others are regular: a parallelogram folded flat. Where the guesses leave values open,
  * these are tried elsewhere, and an assembly is preferred in which more of the equations are independent.
@@ -21,7 +22,7 @@ enum { MOST_ITERATIONS = 100, MOST_PUSHES = 3, MOST_LEANS = 30, MOST_RETURNS = 2
 
 void lag_assembly_layout(LagAssembly *s, LagArena *arena)
 {
-    const size_t unknowns = s->model->n_initial > 0 ? 2 * (size_t)s->model->n : 0;
+    const size_t unknowns = s->model->n_initial > 0 ? 2 * (size_t)lag_start_size(s->model) : 0;
     lag_newton_layout(&s->newton, s->model, arena);
     s->reach = lag_take(arena, unknowns);
     s->guess = lag_take(arena, unknowns);
@@ -33,7 +34,7 @@ void lag_assembly_layout(LagAssembly *s, LagArena *arena)
 
 static void copy(const LagAssembly *s, const double *from, double *to)
 {
-    memcpy(to, from, 2 * (size_t)s->model->n * sizeof *to);
+    memcpy(to, from, 2 * (size_t)lag_start_size(s->model) * sizeof *to);
 }
 
 static int is_angle(const LagAssembly *s, int j) { return s->model->coordinate_kind[j] == LAG_KIND_ANGLE; }
@@ -46,7 +47,7 @@ static double largest_like(const LagAssembly *s, const double *x, int j)
 {
     const int *kind = s->model->coordinate_kind;
     double largest = 0;
-    for (int i = 0; i < s->model->n; ++i)
+    for (int i = 0; i < lag_start_size(s->model); ++i)
         if (kind[i] == kind[j])
             largest = fmax(largest, fabs(x[i]));
     return largest;
@@ -56,7 +57,7 @@ static double largest_like(const LagAssembly *s, const double *x, int j)
  * Notes in `tied` which ones those are. */
 static void reach_by_equation(LagAssembly *s, int i, double *tied)
 {
-    const int n = s->model->n, equations = s->model->n_initial;
+    const int n = lag_start_size(s->model), equations = s->model->n_initial;
     const double *row = s->newton.jacobian + i;
     double turned = 0, shifted = 0;
     for (int j = 0; j < n; ++j) {
@@ -75,7 +76,7 @@ static void reach_by_equation(LagAssembly *s, int i, double *tied)
  * kind. The levers are those of a general position near the guess. Rates are measured by the same, or by what they begin with. */
 static void set_reach(LagAssembly *s, const double *p, const double *x, double *work)
 {
-    const int n = s->model->n;
+    const int n = lag_start_size(s->model);
     copy(s, x, s->kept);
     memset(s->lean, 0, (size_t)n * sizeof *s->lean);
     for (int j = 0; j < n; ++j) {
@@ -105,7 +106,7 @@ static void approach(LagAssembly *s, const double *p, double *x, double *work)
         copy(s, newton->step, s->lean);
         copy(s, x, s->kept);
         for (double part = 1; part > SHORTEST_LEAN && !nearer; part /= 2) {
-            for (int j = 0; j < 2 * s->model->n; ++j)
+            for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
                 x[j] = s->kept[j] + part * s->lean[j];
             nearer = lag_newton_solve(newton, p, MOST_RETURNS, 0, x, work) < 0
                 && lag_newton_distance2(newton, s->guess, x) < (1 - FALL) * before;
@@ -118,22 +119,22 @@ static void approach(LagAssembly *s, const double *p, double *x, double *work)
     }
 }
 
-/* Moves what nobody guessed, the guesses held. Returns 1 when that is enough. */
-static int follow(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+/* Moves what nobody guessed, the guesses held. Returns 1 when that is enough; 0 where all or nothing may move. */
+static int follow(LagAssembly *s, const double *p, const int *fixed, int way, double *x, double *work)
 {
     LagNewton *newton = &s->newton;
     double *scale = s->lean;
     int free = 0, others = 0;
     copy(s, newton->scale, scale);
-    for (int j = 0; j < 2 * s->model->n; ++j) {
-        const int is_free = fixed[j] == LAG_START_FREE, is_position = j < s->model->n && scale[j] > 0;
-        free |= is_free && is_position;
-        others |= !is_free && is_position;
+    for (int j = 0; j < 2 * lag_start_size(s->model); ++j) {
+        const int is_free = fixed[j] == LAG_START_FREE;
+        free |= is_free && scale[j] > 0;
+        others |= !is_free && scale[j] > 0;
         newton->scale[j] = is_free ? scale[j] : 0;
     }
     int worst = 0;
     if (free && others) {
-        lag_newton_measure(newton, p, fixed, x, 0, work);
+        lag_newton_measure(newton, p, fixed, x, way, work);
         worst = lag_newton_solve(newton, p, MOST_RETURNS, 0, x, work);
     }
     copy(s, scale, newton->scale);
@@ -145,16 +146,16 @@ static int solve(LagAssembly *s, const double *p, const int *fixed, int active, 
 {
     LagNewton *newton = &s->newton;
     newton->active = active;
-    for (int j = 0; j < 2 * s->model->n; ++j)
+    for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
         newton->scale[j] = j < first || j >= last || fixed[j] == LAG_START_FIXED ? 0 : s->reach[j];
-    if (first == 0 && follow(s, p, fixed, x, work))
-        return -1;
     copy(s, x, s->found);
-    lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, 1, work);
-    int worst = lag_newton_solve(newton, p, MOST_ITERATIONS, MOST_PUSHES, x, work);
-    if (worst >= 0) {
+    if (follow(s, p, fixed, first > 0 ? LAG_METRIC_MASS : LAG_METRIC_UNITS, x, work))
+        return -1;
+    copy(s, first > 0 ? s->found : x, first > 0 ? x : s->found);
+    int worst = 0;
+    for (int way = 0; way < LAG_METRIC_WAYS && worst >= 0; ++way) {
         copy(s, s->found, x);
-        lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, 0, work);
+        lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, way, work);
         worst = lag_newton_solve(newton, p, MOST_ITERATIONS, MOST_PUSHES, x, work);
     }
     if (worst < 0)
@@ -165,7 +166,7 @@ static int solve(LagAssembly *s, const double *p, const int *fixed, int active, 
 /* The number of independent equations of positions at x, their gradients compared with those at a general position. */
 static int rank_at(LagAssembly *s, const double *p, const double *x, double *work)
 {
-    const int n = s->model->n, equations = s->model->n_initial, positions = s->model->n_initial_positions;
+    const int n = lag_start_size(s->model), equations = s->model->n_initial, positions = s->model->n_initial_positions;
     LagNewton *newton = &s->newton;
     if (lag_newton_evaluate(newton, p, x, work) != 0)
         return 0;
@@ -181,7 +182,7 @@ static int rank_at(LagAssembly *s, const double *p, const double *x, double *wor
 static int is_open(const LagAssembly *s, const int *fixed, const double *x)
 {
     int moved = 0, open = 0;
-    for (int j = 0; j < s->model->n; ++j) {
+    for (int j = 0; j < lag_start_size(s->model); ++j) {
         moved |= fabs(x[j] - s->guess[j]) > MOVED * s->reach[j];
         open |= fixed[j] == LAG_START_FREE;
     }
@@ -191,7 +192,7 @@ static int is_open(const LagAssembly *s, const int *fixed, const double *x)
 /* From a singular assembly to a regular one, if there is one that the guesses do not speak against. */
 static void prefer_regular(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
-    const int n = s->model->n, positions = s->model->n_initial_positions;
+    const int n = lag_start_size(s->model), positions = s->model->n_initial_positions;
     const int rank = is_open(s, fixed, x) ? rank_at(s, p, x, work) : positions;
     copy(s, x, s->best);
     for (int turn = 1; rank < positions && turn <= MOST_TRIES; ++turn) {
@@ -208,7 +209,7 @@ static void prefer_regular(LagAssembly *s, const double *p, const int *fixed, do
  * positions. */
 int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
-    const int n = s->model->n, all = s->model->n_initial, positions = s->model->n_initial_positions;
+    const int n = lag_start_size(s->model), all = s->model->n_initial, positions = s->model->n_initial_positions;
     if (all == 0)
         return -1;
     copy(s, x, s->guess);

@@ -9,7 +9,7 @@
 typedef struct {
     const LagModel *model;
     LagNewton newton;
-    double *reach;                /* 2 n: natural size of a value */
+    double *reach;                /* n, here and in newton.h, is lag_start_size; 2 n: natural size of a value */
     double *guess;                /* 2 n */
     double *found, *kept, *best;  /* 2 n: states to come back to: of a solution, of a step, of an assembly */
     double *lean;                 /* 2 n: a step */

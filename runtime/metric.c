@@ -16,7 +16,7 @@ static const double FREE = 100, LEAST_PIVOT = 1e-10, NO_MASS = 1e-30;
 
 void lag_metric_layout(LagMetric *s, LagArena *arena)
 {
-    const size_t n = s->model->n_initial > 0 ? (size_t)s->model->n : 0;
+    const size_t n = s->model->n_initial > 0 ? (size_t)lag_start_size(s->model) : 0;
     s->factor = lag_take(arena, n * n);
     s->unit = lag_take(arena, n);
     s->column = lag_take(arena, n);
@@ -24,12 +24,12 @@ void lag_metric_layout(LagMetric *s, LagArena *arena)
     s->order = (int *)lag_take(arena, n);
 }
 
-static void choose_order(LagMetric *s, const int *fixed, const double *unit)
+static void choose_order(LagMetric *s, const int *fixed, const double *unit, int way)
 {
     s->count = 0;
     for (int pass = 0; pass < 2; ++pass) {
-        for (int j = 0; j < s->model->n; ++j)
-            if (unit[j] > 0 && (fixed[j] == LAG_START_FREE) == (pass == 0))
+        for (int j = 0; j < lag_start_size(s->model); ++j)
+            if (unit[j] > 0 && (fixed[j] == LAG_START_FREE && way != LAG_METRIC_EVEN) == (pass == 0))
                 s->order[s->count++] = j;
         if (pass == 0)
             s->n_free = s->count;
@@ -39,7 +39,7 @@ static void choose_order(LagMetric *s, const int *fixed, const double *unit)
 /* Fills the lower triangle with D M D, or with the identity. Returns its largest entry; 0: there is no mass, or no number. */
 static double fill(LagMetric *s, const double *q, const double *p, double *work)
 {
-    const int n = s->model->n, count = s->count;
+    const int n = lag_start_size(s->model), count = s->count;
     const double *in[] = {q, s->rates, p};
     double largest = 0, probe = 0;
     memset(s->factor, 0, (size_t)n * (size_t)n * sizeof *s->factor);
@@ -69,7 +69,7 @@ static double dot(const double *a, const double *b, int n)
 /* Row by row; a pivot is compared with what the value had before. */
 static void factorise(LagMetric *s, double largest)
 {
-    const int n = s->model->n;
+    const int n = lag_start_size(s->model);
     for (int i = 0; i < s->count; ++i) {
         double *row = s->factor + i * n;
         for (int k = 0; k < i; ++k) {
@@ -84,13 +84,13 @@ static void factorise(LagMetric *s, double largest)
             s->factor[i * n + k] /= FREE;
 }
 
-void lag_metric_set(LagMetric *s, const double *q, const double *p, const int *fixed, const double *unit, int by_mass,
+void lag_metric_set(LagMetric *s, const double *q, const double *p, const int *fixed, const double *unit, int way,
                     double *work)
 {
-    const int n = s->model->n;
+    const int n = lag_start_size(s->model);
     memcpy(s->unit, unit, (size_t)n * sizeof *unit);
-    choose_order(s, fixed, unit);
-    double largest = by_mass ? fill(s, q, p, work) : 0;
+    choose_order(s, fixed, unit, way);
+    double largest = way == LAG_METRIC_MASS ? fill(s, q, p, work) : 0;
     for (int i = 0; i < s->count && largest == 0; ++i) {
         memset(s->factor + i * n, 0, (size_t)n * sizeof *s->factor);
         s->factor[i * n + i] = 1;
@@ -101,7 +101,7 @@ void lag_metric_set(LagMetric *s, const double *q, const double *p, const int *f
 /* z = L^-1 D g */
 void lag_metric_of_gradient(const LagMetric *s, const double *g, double *z)
 {
-    const int n = s->model->n;
+    const int n = lag_start_size(s->model);
     memset(z, 0, (size_t)n * sizeof *z);
     for (int i = 0; i < s->count; ++i) {
         const double *row = s->factor + i * n;
@@ -112,7 +112,7 @@ void lag_metric_of_gradient(const LagMetric *s, const double *g, double *z)
 /* dx = D L'^-1 z */
 void lag_metric_to_step(const LagMetric *s, const double *z, double *dx)
 {
-    const int n = s->model->n;
+    const int n = lag_start_size(s->model);
     double *rest = s->column;
     memcpy(rest, z, (size_t)n * sizeof *z);
     memset(dx, 0, (size_t)n * sizeof *dx);
@@ -127,7 +127,7 @@ void lag_metric_to_step(const LagMetric *s, const double *z, double *dx)
 /* z = L' D^-1 dx */
 void lag_metric_from_step(const LagMetric *s, const double *dx, double *z)
 {
-    const int n = s->model->n;
+    const int n = lag_start_size(s->model);
     memset(z, 0, (size_t)n * sizeof *z);
     for (int i = 0; i < s->count; ++i) {
         const double *row = s->factor + i * n, x = dx[s->order[i]] / s->unit[s->order[i]];

@@ -5,6 +5,9 @@
 #include "arena.h"
 #include "model.h"
 
+/* Positions at the start; there are as many rates. Called n where start values are solved. */
+static inline int lag_start_size(const LagModel *model) { return model->n + model->n_lost; }
+
 typedef struct {
     const LagModel *model;
     double *factor; /* n x n: the rows of L below the diagonal, of the values that may move */
@@ -18,8 +21,12 @@ typedef struct {
 /* Takes nothing where the model has no `momentum`: every value is then measured by its unit alone. */
 void lag_metric_layout(LagMetric *metric, LagArena *arena);
 
-/* The metric at q of the values j with unit[j] > 0; `by_mass` 0: each by its unit. */
-void lag_metric_set(LagMetric *metric, const double *q, const double *p, const int *fixed, const double *unit, int by_mass,
+/* How values are measured: by their mass, or each by its unit, in both those that nobody guessed as moving most easily; or each
+ * by its unit and all alike. */
+enum { LAG_METRIC_MASS, LAG_METRIC_UNITS, LAG_METRIC_EVEN, LAG_METRIC_WAYS };
+
+/* The metric at q of the values j with unit[j] > 0. */
+void lag_metric_set(LagMetric *metric, const double *q, const double *p, const int *fixed, const double *unit, int way,
                     double *work);
 
 /* With the distance |z|, dx = B z: a gradient g becomes B' g, z becomes dx, dx becomes z; all (n), where the values that may

@@ -54,8 +54,9 @@ struct LagModel {
     int n_holonomic;   /* constraints Phi(q, t) = 0 */
     int n_multipliers; /* constraints J v + dPhi/dt = 0: those of Phi first, then nonholonomic ones */
     int n_initial_positions; /* so many of the initial equations come first and depend on positions alone */
-    const int *coordinate_kind; /* n: group of like coordinates */
-    const int *fixed;           /* 2 n: LAG_START_..., of q then v */
+    int n_lost; /* coordinates that others give, and that start values are stated for: they follow q, their rates v, at the start */
+    const int *coordinate_kind; /* n + n_lost: group of like coordinates */
+    const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
     int outputs_need_acceleration; /* a or lambda */
     const int *linear_pattern;     /* NULL unless the equations are linear: see linear_system.h */
@@ -74,7 +75,7 @@ struct LagModel {
     LagFunction parameters; /* given, mask          -> p               given values kept, dependent ones computed */
     LagFunction hoist;      /* p                    -> c */
     LagFunction start;      /* p                    -> q, v            guesses */
-    LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   column-major, n_initial x 2 n */
+    LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   column-major, n_initial x 2 (n + n_lost) */
     LagFunction momentum;   /* q, v, p              -> M v             at the start; absent: start values have no mass */
     LagFunction events;     /* p                    -> a, b            event arguments a + b t */
     LagFunction modes;      /* t, p                 -> d */

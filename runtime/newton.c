@@ -22,7 +22,7 @@ static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498
 
 void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
 {
-    const size_t equations = (size_t)model->n_initial, unknowns = equations > 0 ? 2 * (size_t)model->n : 0;
+    const size_t equations = (size_t)model->n_initial, unknowns = equations > 0 ? 2 * (size_t)lag_start_size(model) : 0;
     s->model = s->positions.model = s->rates.model = model;
     s->g = lag_take(arena, equations);
     s->jacobian = lag_take(arena, equations * unknowns);
@@ -51,14 +51,14 @@ void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
 
 int lag_newton_evaluate(LagNewton *s, const double *p, const double *x, double *work)
 {
-    const double *in[] = {x, x + s->model->n, p};
+    const double *in[] = {x, x + lag_start_size(s->model), p};
     double *out[] = {s->g, s->jacobian};
     return lag_call(&s->model->initial, in, out, work);
 }
 
 void lag_newton_survey(LagNewton *s, const double *reach)
 {
-    const int equations = s->model->n_initial, unknowns = 2 * s->model->n;
+    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
     memcpy(s->general, s->jacobian, (size_t)(equations * unknowns) * sizeof *s->general);
     for (int i = 0; i < equations; ++i) {
         double length2 = 0;
@@ -71,7 +71,7 @@ void lag_newton_survey(LagNewton *s, const double *reach)
 /* The gradient of an equation in the metrics. Returns its length. */
 static double measure_gradient(LagNewton *s, const double *jacobian, int i, double *row)
 {
-    const int equations = s->model->n_initial, n = s->model->n;
+    const int equations = s->model->n_initial, n = lag_start_size(s->model);
     double length2 = 0;
     for (int j = 0; j < 2 * n; ++j)
         s->gradient[j] = jacobian[i + j * equations];
@@ -82,11 +82,11 @@ static double measure_gradient(LagNewton *s, const double *jacobian, int i, doub
     return sqrt(length2);
 }
 
-void lag_newton_measure(LagNewton *s, const double *p, const int *fixed, const double *x, int by_mass, double *work)
+void lag_newton_measure(LagNewton *s, const double *p, const int *fixed, const double *x, int way, double *work)
 {
-    const int n = s->model->n;
-    lag_metric_set(&s->positions, x, p, fixed, s->scale, by_mass, work);
-    lag_metric_set(&s->rates, x, p, fixed + n, s->scale + n, by_mass, work);
+    const int n = lag_start_size(s->model);
+    lag_metric_set(&s->positions, x, p, fixed, s->scale, way, work);
+    lag_metric_set(&s->rates, x, p, fixed + n, s->scale + n, way, work);
     for (int i = 0; i < s->active; ++i) {
         const double length = measure_gradient(s, s->general, i, s->step);
         s->weight[i] = isfinite(length) ? length : 0;
@@ -96,7 +96,7 @@ void lag_newton_measure(LagNewton *s, const double *p, const int *fixed, const d
 /* Fills `transposed` and `length` from the Jacobian. */
 static void scale_equations(LagNewton *s)
 {
-    const int equations = s->model->n_initial, unknowns = 2 * s->model->n;
+    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
     for (int i = 0; i < equations; ++i) {
         double *row = s->transposed + i * unknowns, length2 = 0;
         for (int j = 0; j < unknowns; ++j) {
@@ -138,7 +138,7 @@ static double sum_of_squares(const LagNewton *s)
  * unit is worth in the sum of squares. */
 static void measure_equations(LagNewton *s)
 {
-    const int n = s->model->n;
+    const int n = lag_start_size(s->model);
     for (int i = 0; i < s->active; ++i) {
         double *row = s->transposed + i * 2 * n;
         const double length = fmax(measure_gradient(s, s->jacobian, i, row), s->weight[i]), unit = length > 0 ? length : INFINITY;
@@ -152,7 +152,7 @@ static void measure_equations(LagNewton *s)
 /* `step` from the wish `z`, so changed that the linearised equations hold. Returns its length. */
 static double correct(LagNewton *s)
 {
-    const int n = s->model->n;
+    const int n = lag_start_size(s->model);
     measure_equations(s);
     const int rank = lag_qr(s->transposed, 2 * n, s->active, s->diagonal, s->pivot, DEPENDENT);
     lag_qr_nearest(s->transposed, 2 * n, s->active, rank, s->diagonal, s->pivot, s->right, s->share, &s->scratch,
@@ -170,7 +170,7 @@ static double correct(LagNewton *s)
 /* From a to b in the metrics. */
 static void fill_wish(LagNewton *s, const double *a, const double *b)
 {
-    const int n = s->model->n;
+    const int n = lag_start_size(s->model);
     for (int j = 0; j < 2 * n; ++j)
         s->gradient[j] = b[j] - a[j];
     lag_metric_from_step(&s->positions, s->gradient, s->z);
@@ -187,7 +187,7 @@ double lag_newton_distance2(LagNewton *s, const double *a, const double *b)
 {
     double sum = 0;
     fill_wish(s, a, b);
-    for (int j = 0; j < 2 * s->model->n; ++j)
+    for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
         sum += s->z[j] * s->z[j];
     return sum;
 }
@@ -195,7 +195,7 @@ double lag_newton_distance2(LagNewton *s, const double *a, const double *b)
 /* The step down the gradient to the minimum of the linearised sum of squares. Returns 0 at a critical point. */
 static int steepest(LagNewton *s)
 {
-    const int equations = s->model->n_initial, unknowns = 2 * s->model->n;
+    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
     double length2 = 0, change2 = 0;
     memset(s->step, 0, (size_t)unknowns * sizeof *s->step);
     for (int i = 0; i < equations; ++i)
@@ -221,10 +221,10 @@ static int descend(LagNewton *s, const double *p, double *x, double *work)
 {
     const double before = sum_of_squares(s);
     for (double part = 1; part > SHORTEST_STEP; part /= 2) {
-        for (int j = 0; j < 2 * s->model->n; ++j)
+        for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
             s->trial[j] = x[j] + part * s->step[j];
         if (lag_newton_evaluate(s, p, s->trial, work) == 0 && sum_of_squares(s) < before) {
-            memcpy(x, s->trial, 2 * (size_t)s->model->n * sizeof *x);
+            memcpy(x, s->trial, 2 * (size_t)lag_start_size(s->model) * sizeof *x);
             return 1;
         }
     }
@@ -235,7 +235,7 @@ static int descend(LagNewton *s, const double *p, double *x, double *work)
 /* Moves every free position by a different amount, of either sign. Rates are a linear matter: they are never stuck. */
 static void push(LagNewton *s, const double *p, double *x, double *work)
 {
-    for (int j = 0; j < s->model->n; ++j)
+    for (int j = 0; j < lag_start_size(s->model); ++j)
         x[j] += PUSH * s->scale[j] * (fmod((j + 1) * GOLDEN_RATIO, 1) - 0.5);
     lag_newton_evaluate(s, p, x, work);
 }
@@ -243,7 +243,7 @@ static void push(LagNewton *s, const double *p, double *x, double *work)
 /* One step nearer to a solution. Returns 0 where none is found. */
 static int improve(LagNewton *s, const double *p, double size, double *x, double *work)
 {
-    memset(s->z, 0, 2 * (size_t)s->model->n * sizeof *s->z);
+    memset(s->z, 0, 2 * (size_t)lag_start_size(s->model) * sizeof *s->z);
     correct(s);
     if (descend(s, p, x, work))
         return 1;

@@ -30,8 +30,8 @@ int lag_newton_evaluate(LagNewton *newton, const double *p, const double *x, dou
 /* Takes the Jacobian evaluated last for a general one: where a gradient vanishes it is measured by that. */
 void lag_newton_survey(LagNewton *newton, const double *reach);
 
-/* The metrics of the values with scale > 0, for corrections from x on; `by_mass` 0: by their scales alone. */
-void lag_newton_measure(LagNewton *newton, const double *p, const int *fixed, const double *x, int by_mass, double *work);
+/* The metrics of the values with scale > 0, LAG_METRIC_..., for corrections from x on. */
+void lag_newton_measure(LagNewton *newton, const double *p, const int *fixed, const double *x, int way, double *work);
 
 /* Moves x = (q, v) until all equations hold. Returns -1, or the equation that is satisfied worst; g is that of x. */
 int lag_newton_solve(LagNewton *newton, const double *p, int most_iterations, int most_pushes, double *x, double *work);

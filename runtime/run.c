@@ -22,7 +22,7 @@ static size_t work_size(const LagModel *model)
 static void layout(LagRun *run, LagArena *arena)
 {
     const LagModel *model = run->model;
-    const size_t n = (size_t)model->n, events = (size_t)model->n_events;
+    const size_t n = (size_t)model->n, events = (size_t)model->n_events, starts = 2 * (size_t)lag_start_size(model);
     run->p = lag_take(arena, (size_t)model->n_parameters);
     run->nothing_given = lag_take(arena, (size_t)model->n_parameters);
     run->c = lag_take(arena, (size_t)model->n_hoisted);
@@ -33,11 +33,12 @@ static void layout(LagRun *run, LagArena *arena)
     run->acceleration = lag_take(arena, n);
     run->power = lag_take(arena, (size_t)model->n_power);
     run->multipliers = lag_take(arena, (size_t)model->n_multipliers);
-    run->start = lag_take(arena, 2 * n);
+    run->start = lag_take(arena, starts);
+    run->lost = lag_take(arena, starts - 2 * n);
     run->inside = lag_take(arena, 2 * n + (size_t)model->n_power);
     run->inside_carry = lag_take(arena, 2 * n);
     run->careful_state = lag_take(arena, 2 * n);
-    run->fixed = (int *)lag_take(arena, 2 * n);
+    run->fixed = (int *)lag_take(arena, starts);
     run->work = lag_take(arena, work_size(model));
     lag_assembly_layout(&run->assembly, arena);
     lag_projection_layout(&run->projection, model, arena);
@@ -83,6 +84,7 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
         return NULL;
     }
     run->motion.t = settings->t_start;
+    lag_run_set_lost(run, NULL);
     return run;
 }
 
@@ -94,6 +96,12 @@ void lag_run_free(LagRun *run)
     lag_islands_close(&run->methods.islands);
     free(run->memory);
     free(run);
+}
+
+void lag_run_set_lost(LagRun *run, const double *given)
+{
+    for (int i = 0; i < 2 * run->model->n_lost; ++i)
+        run->lost[i] = given ? given[i] : NAN;
 }
 
 /* Events and hoisted values follow from the parameters. */

@@ -56,6 +56,9 @@ LAG_API const double *lag_run_parameters(const LagRun *run);
 /* Table of inputs, linear between rows, held outside: times[rows], values[rows * n_inputs]; copied. */
 LAG_API LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *values, int rows);
 
+/* Start values of the model's n_lost coordinates and of their rates, NaN where not given, for the starts to come; NULL: none. */
+LAG_API void lag_run_set_lost(LagRun *run, const double *given);
+
 /* Start values, NaN or NULL where not given; those given are not moved to satisfy initial equations. */
 LAG_API LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given);
 

@@ -16,16 +16,16 @@ static int settings_valid(const LagSettings *s)
 /* Guesses, and over them what was given. */
 static void guess(LagRun *run, const double *q_given, const double *v_given)
 {
-    const int n = run->model->n;
+    const int n = run->model->n, lost = run->model->n_lost, all = n + lost;
     const double *in[] = {run->p}, *given[] = {q_given, v_given};
-    double *out[] = {run->start, run->start + n};
+    double *out[] = {run->start, run->start + all};
     lag_call(&run->model->start, in, out, run->work);
-    for (int i = 0; i < 2 * n; ++i) {
-        const double *values = given[i / n];
-        const int is_given = values && !isnan(values[i % n]);
-        run->fixed[i] = is_given ? LAG_START_FIXED : run->model->fixed[i];
-        if (is_given)
-            run->start[i] = values[i % n];
+    for (int i = 0; i < 2 * all; ++i) {
+        const int k = i % all, is_rate = i / all;
+        const double value = k >= n ? run->lost[is_rate * lost + k - n] : given[is_rate] ? given[is_rate][k] : NAN;
+        run->fixed[i] = isnan(value) ? run->model->fixed[i] : LAG_START_FIXED;
+        if (!isnan(value))
+            run->start[i] = value;
     }
 }
 
@@ -55,7 +55,9 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     const int worst = lag_assemble(&run->assembly, run->p, run->fixed, run->start, run->work);
     if (worst >= 0)
         return lag_fail(run, LAG_INITIAL_FAILED, worst, 0, run->assembly.newton.g[worst]);
-    memcpy(run->motion.y, run->start, 2 * (size_t)run->model->n * sizeof *run->start);
+    const size_t n = (size_t)run->model->n;
+    memcpy(run->motion.y, run->start, n * sizeof *run->start);
+    memcpy(run->motion.y + n, run->start + lag_start_size(run->model), n * sizeof *run->start);
     lag_scale_note(&run->scale, run->motion.y);
     lag_segment_enter(run);
     lag_project_present(run);

@@ -21,11 +21,12 @@ struct LagRun {
     double *event_a, *event_b;
     double *acceleration, *power; /* for outputs */
     double *multipliers;          /* of the latest accelerations */
-    double *start;                /* (q, v) */
+    double *start;                /* (q, lost ones, v, their rates) */
+    double *lost;                 /* (lost ones, their rates): values given, NaN where not */
     double *inside, *inside_carry; /* a state within a step */
     double *careful_state;         /* (q, v) */
     double *work;                 /* scratch of the model's functions */
-    int *fixed;                   /* 2 n */
+    int *fixed;                   /* as start */
 
     LagInputs inputs;
     LagAssembly assembly;

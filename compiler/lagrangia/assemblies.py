@@ -50,9 +50,9 @@ def find_alternatives(
 class _Search:
     def __init__(self, kinematics: Kinematics, initial: InitialConditions, assembly: Assembly, x: Vector) -> None:
         self.initial, self.assembly, self.x = initial, assembly, x
-        self.q = ca.vertcat(*kinematics.symbols.positions.values())
+        self.q = ca.vertcat(*kinematics.symbols.positions.values(), initial.lost_q)
         self.residuals = at_declared_values(kinematics, [initial.residuals[: initial.n_positions]])[0]
-        self.coordinates: tuple[Coordinate, ...] = kinematics.graph.coordinates
+        self.coordinates: tuple[Coordinate, ...] = (*kinematics.graph.coordinates, *initial.lost)
         self.n = len(self.coordinates)
         self.angles = assembly.equations.is_angle
         self.dependent: NDArray[np.int_] = np.zeros(0, int)

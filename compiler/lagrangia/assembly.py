@@ -5,6 +5,7 @@ holds the two together.
 """
 
 from dataclasses import dataclass
+from enum import Enum
 
 import casadi as ca
 import numpy as np
@@ -48,7 +49,7 @@ class Equations:
 
 def start_equations(kinematics: Kinematics, initial: InitialConditions, functions: Functions) -> Equations:
     """Those of a scene with its parameters as declared."""
-    units = [c.unit for c in kinematics.graph.coordinates]
+    units = [c.unit for c in (*kinematics.graph.coordinates, *initial.lost)]
     kinds = np.array([sorted(set(units)).index(unit) for unit in units])
     table = functions.table
     p, is_angle = default_parameters(kinematics)[1].full().ravel(), np.array([unit == "rad" for unit in units])
@@ -62,17 +63,26 @@ def begin(kinematics: Kinematics, initial: InitialConditions, functions: Functio
     return Assembly(equations, np.array(initial.fixed), guess)
 
 
+class Way(Enum):
+    """How values are measured: LAG_METRIC_... of runtime/metric.h."""
+
+    MASS = 0
+    UNITS = 1
+    EVEN = 2
+
+
 class Metric:
     """Distances |z| of values, dx = B z, B = D L'^-1 with D M D = L L': see runtime/metric.c."""
 
-    def __init__(self, equations: Equations, q: Vector, fixed: NDArray[np.int_], unit: Vector, by_mass: bool) -> None:
+    def __init__(self, equations: Equations, q: Vector, fixed: NDArray[np.int_], unit: Vector, way: Way) -> None:
         moving = np.flatnonzero(unit > 0)
-        is_free = fixed[moving] == FREE
+        is_free = (fixed[moving] == FREE) & (way is not Way.EVEN)
         self.order = np.concatenate([moving[is_free], moving[~is_free]])
         self.unit = unit[self.order]
         self.size = unit.size
         count = self.order.size
-        M = _mass(equations, q, self.order, self.unit) if by_mass and equations.momentum is not None else np.zeros((count, count))
+        has_mass = way is Way.MASS and equations.momentum is not None
+        M = _mass(equations, q, self.order, self.unit) if has_mass else np.zeros((count, count))
         largest = float(M.diagonal().max(initial=0.0)) if np.isfinite(M).all() else 0.0
         self.factor = _cholesky(M / largest) if largest > 0 else np.eye(count)
         self.factor[:, : int(is_free.sum())] /= _EASE
@@ -186,12 +196,12 @@ class _Newton:
 
     def __init__(
         self, equations: Equations, general: _General, active: int, scale: Vector, fixed: NDArray[np.int_], x: Vector,
-        by_mass: bool,
+        way: Way,
     ) -> None:
         n = equations.n
         self.equations, self.active, self.scale, self.n = equations, active, scale, n
         self.general_length = general.length[:active]
-        self.metrics = [Metric(equations, x[:n], fixed[part], scale[part], by_mass) for part in (slice(0, n), slice(n, 2 * n))]
+        self.metrics = [Metric(equations, x[:n], fixed[part], scale[part], way) for part in (slice(0, n), slice(n, 2 * n))]
         self.middle = self.metrics[0].order.size
         self.weight = np.linalg.norm(self._measured(general.jacobian[:active]), axis=1)
 
@@ -339,23 +349,23 @@ class Assembly:
     def _solve(self, active: int, first: int, last: int, x: Vector) -> tuple[Vector, int]:
         places = np.arange(2 * self.n)
         scale = np.where((places < first) | (places >= last) | (self.fixed == FIXED), 0.0, self.reach)
-        if first == 0:
-            x, is_solved = self._follow(active, scale, x)
-            if is_solved:
-                return x, -1
-        for by_mass in (True, False):
-            newton = _Newton(self.equations, self.general, active, scale, self.fixed, self.guess if first == 0 else x, by_mass)
+        found, is_solved = self._follow(active, scale, x, Way.MASS if first > 0 else Way.UNITS)
+        if is_solved:
+            return found, -1
+        x = found if first == 0 else x
+        for way in Way:
+            newton = _Newton(self.equations, self.general, active, scale, self.fixed, self.guess if first == 0 else x, way)
             found, worst = newton.solve(x, _MOST_ITERATIONS, _MOST_PUSHES)
             if worst < 0:
                 return self._approach(newton, found), worst
         return found, worst
 
-    def _follow(self, active: int, scale: Vector, x: Vector) -> tuple[Vector, bool]:
+    def _follow(self, active: int, scale: Vector, x: Vector, way: Way) -> tuple[Vector, bool]:
         """Moves what nobody guessed, the guesses held; whether that is enough."""
         free = np.where(self.fixed == FREE, scale, 0.0)
-        if not free[: self.n].any() or (free == scale)[: self.n].all():
+        if not free.any() or (free == scale).all():
             return x, False
-        x, worst = _Newton(self.equations, self.general, active, free, self.fixed, x, False).solve(x, _MOST_RETURNS, 0)
+        x, worst = _Newton(self.equations, self.general, active, free, self.fixed, x, way).solve(x, _MOST_RETURNS, 0)
         return x, worst < 0
 
     def _approach(self, newton: _Newton, x: Vector) -> Vector:

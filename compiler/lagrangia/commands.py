@@ -96,6 +96,7 @@ def simulate_command(options: Namespace) -> int:
                                    {p.name: p.unit for p in scene.parameters})
     units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
     units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
+    units |= {name: unit for name, (_, unit) in scene.lost.items()}
     initial = values_with_units([assignment(text, "--initial") for text in options.initial], units)
     values = check_values(scene, parameters, initial, read_inputs(options.input, scene))
     model = model.suited(values)

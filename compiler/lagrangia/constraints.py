@@ -180,7 +180,7 @@ class _Reduction:
     def _choose(self, sizes: list[float], slopes: ca.SX) -> int:
         """The coordinate to give up: one with a coefficient of 1 and no start of its own, the last declared among equals."""
         coordinates = self.kinematics.graph.coordinates
-        starts = {c.name: c.start is not None or c.rate_start is not None or c.is_fixed for c in coordinates}
+        starts = {c.name: c.has_start for c in coordinates}
         largest = max(sizes)
 
         def preference(k: int) -> tuple[bool, bool, int]:

@@ -1,9 +1,9 @@
 """Edges of the component graph, the spanning tree chosen from them, and the closures that the other edges are.
 
-Edges enter the tree in the order rigid, sliders, hinges, those nearer to the ground first, as long as they close no loop
-(Kruskal, 1956). So a loop is cut at a hinge where it has one, far from the ground. A cut hinge leaves two equations, a cut slider
-its angle and its lateral offset, and the coordinate is read off the frames; anything else is cut as a weld: its coordinates
-stay, and three equations close it.
+Edges enter the tree in the order rigid, sliders, hinges, of each those with start values first, then those nearer to the ground,
+as long as they close no loop (Kruskal, 1956). So a loop is cut at a hinge where it has one, far from the ground. A cut hinge
+leaves two equations, a cut slider its angle and its lateral offset, and the coordinate is read off the frames; anything else is
+cut as a weld: its coordinates stay, and three equations close it.
 """
 
 from collections import deque
@@ -66,11 +66,13 @@ class Closure:
 
 
 def choose_tree(
-    frames: Iterable[str], edges: tuple[Edge, ...], ground: Iterable[str], uses: Mapping[str, int], tied: Set[str]
+    frames: Iterable[str], edges: tuple[Edge, ...], ground: Iterable[str], uses: Mapping[str, int], tied: Set[str],
+    started: Set[str | None],
 ) -> frozenset[int]:
     """The places in `edges` of those that make the tree.
 
-    `uses` counts the edges that each coordinate moves; `tied` are coordinates that equations speak of: they had better stay.
+    `uses` counts the edges that each coordinate moves; `tied` are coordinates that equations speak of: they had better stay;
+    `started` are coordinates with start values: of two joints of a kind the other one is cut.
     """
     depth = _depths(frames, edges, ground)
     nearest = [max(depth[edge.parent], depth[edge.child]) for edge in edges]
@@ -83,7 +85,7 @@ def choose_tree(
         return name
 
     chosen = set()
-    for k in sorted(range(len(edges)), key=lambda k: (_rank(edges[k], uses, tied), nearest[k], k)):
+    for k in sorted(range(len(edges)), key=lambda k: (_rank(edges[k], uses, tied, started), nearest[k], k)):
         a, b = find(edges[k].parent), find(edges[k].child)
         if a != b:
             leader[a] = b
@@ -110,11 +112,12 @@ def close(edge: Edge, uses: Mapping[str, int], around: str = "") -> Closure:
     return weld
 
 
-def _rank(edge: Edge, uses: Mapping[str, int], tied: Set[str]) -> int:
+def _rank(edge: Edge, uses: Mapping[str, int], tied: Set[str], started: Set[str | None]) -> int:
     """Small for what is dear to cut."""
     if edge.is_rigid or not tied.isdisjoint(edge.coordinates):
         return 0
-    return {"weld": 0, "slider": 1, "hinge": 2}[close(edge, uses).kind]
+    kind = {"weld": 0, "slider": 1, "hinge": 3}[close(edge, uses).kind]
+    return kind + (kind > 0 and started.isdisjoint(edge.coordinates))
 
 
 def _mentions(amount: Flat, name: str) -> bool:

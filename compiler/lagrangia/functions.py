@@ -220,20 +220,32 @@ def _hoist(expressions: list[ca.SX], p: ca.SX) -> tuple[list[ca.SX], ca.SX, ca.S
 def _start_functions(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> dict[str, ca.Function]:
     if not initial.residual_spans:
         return {}
-    return {"initial": _initial_function(motion, initial), "momentum": _momentum_function(kinematics, motion)}
+    return {"initial": _initial_function(motion, initial), "momentum": _momentum_function(kinematics, motion, initial)}
 
 
 def _initial_function(motion: Motion, initial: InitialConditions) -> ca.Function:
-    q, v, p = motion.q, motion.v, motion.p
+    q, v, p = ca.vertcat(motion.q, initial.lost_q), ca.vertcat(motion.v, initial.lost_v), motion.p
     jacobian = ca.densify(ca.jacobian(initial.residuals, ca.vertcat(q, v)))
     return ca.Function("initial", [q, v, p], [initial.residuals, ca.vec(jacobian)], ["q", "v", "p"], ["g", "J"])
 
 
-def _momentum_function(kinematics: Kinematics, motion: Motion) -> ca.Function:
-    """M v at the start time, inputs zero: the metric in which start values are near to their guesses."""
+def _momentum_function(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> ca.Function:
+    """M v at the start time, inputs zero: the metric in which start values are near to their guesses.
+
+    A lost coordinate s(q) is measured by what remains of M along its gradient g: count/sum(g_k^2/M_kk), over M_kk > 0.
+    """
     q, v, p = motion.q, motion.v, motion.p
-    momentum = at_start(kinematics, [ca.jtimes(motion.momentum, v, v)])
-    return ca.Function("momentum", [q, v, p], ca.cse([ca.densify(x) for x in momentum]), ["q", "v", "p"], ["Mv"])
+    (momentum,) = at_start(kinematics, [ca.jtimes(motion.momentum, v, v)])
+    momenta = [momentum]
+    if initial.lost:
+        masses = ca.diag(ca.densify(ca.jacobian(momentum, v))).T
+        slopes = ca.densify(ca.jacobian(at_start(kinematics, [initial.lost_values])[0], q))
+        for k, rate in enumerate(ca.vertsplit(initial.lost_v)):
+            counted = ca.logic_and(masses > 0, slopes[k, :] != 0)
+            ease = ca.sum2(ca.if_else(counted, slopes[k, :] ** 2 / masses, 0))
+            momenta.append(ca.if_else(ease > 0, ca.sum2(counted) / ease, 0) * rate)
+    arguments = [ca.vertcat(q, initial.lost_q), ca.vertcat(v, initial.lost_v), p]
+    return ca.Function("momentum", arguments, [ca.cse(ca.densify(ca.vertcat(*momenta)))], ["q", "v", "p"], ["Mv"])
 
 
 def _implicit_function(jacobian: Jacobian, steps: list[ca.SX], full: list[ca.SX], labels: list[str]) -> dict[str, ca.Function]:

@@ -26,6 +26,12 @@ class Coordinate:
     is_fixed: bool
     description: str
     span: Span
+    is_rate_fixed: bool = False
+
+    @property
+    def has_start(self) -> bool:
+        """Whether anything is said about where it begins, or how fast."""
+        return self.start is not None or self.rate_start is not None or self.is_fixed or self.is_rate_fixed
 
     @property
     def rate_name(self) -> str:
@@ -53,6 +59,7 @@ class ComponentGraph:
     coordinates: tuple[Coordinate, ...]
     cut_coordinates: Mapping[str, Closure]  # of cut joints, read off the frames
     unused_frames: tuple[str, ...]
+    lost_coordinates: tuple[Coordinate, ...] = ()  # those of the cut joints
     dependent_coordinates: tuple[Coordinate, ...] = ()  # given by linear constraints
 
     def summary(self) -> str:
@@ -109,9 +116,10 @@ class _Building:
         self.report.raise_errors()
         closures = self._closures(outside, set(unused))
         cut = {closure.coordinate: closure for closure in closures if closure.coordinate}
-        coordinates = tuple(c for c in self._coordinates(floating) if c.name not in cut)
+        found = self._coordinates(floating)
+        coordinates, lost = (tuple(c for c in found if (c.name in cut) == is_lost) for is_lost in (False, True))
         self.report.raise_errors()
-        return ComponentGraph(self.model, (*roots, *floating), tuple(self.edges), closures, coordinates, cut, tuple(unused))
+        return ComponentGraph(self.model, (*roots, *floating), tuple(self.edges), closures, coordinates, cut, tuple(unused), lost)
 
     def _keep_reactions_out(self) -> None:
         """Reactions follow from the motion: nothing that makes the motion may depend on them, and their rates are not known."""
@@ -191,12 +199,20 @@ class _Building:
         self.uses = Counter(name for edge in self.candidates for name in edge.coordinates)
         sides = [side for equation in self.model.constraints for side in (equation.left, equation.right)]
         tied = {leaf.name for leaf in leaves(sides, self.bindings) if isinstance(leaf, Ref)}
-        chosen = choose_tree(self.model.frames, tuple(self.candidates), ground, self.uses, tied)
+        chosen = choose_tree(self.model.frames, tuple(self.candidates), ground, self.uses, tied, self._started())
         for k in sorted(chosen):
             edge = self.candidates[k]
             self.neighbours[edge.parent].append(edge)
             self.neighbours[edge.child].append(edge)
         return [edge for k, edge in enumerate(self.candidates) if k not in chosen]
+
+    def _started(self) -> set[str | None]:
+        """Coordinates that something is said about where they begin, or how fast."""
+        stated = [node for e in self.model.initial_equations for node in (e.left, e.right)]
+        named = {node.arguments[0] if isinstance(node, Call) and node.function == "der" else node for node in stated}
+        said = {node.name for node in named if isinstance(node, Ref)}
+        said |= {name for name, v in self.model.variables.items() if v.start is not None or v.is_fixed}
+        return {rate_of(v) if v.kind != "coordinate" else name for name in said if (v := self.model.variables.get(name))}
 
     def _closures(self, outside: list[Edge], unused: set[str]) -> tuple[Closure, ...]:
         """The edges outside the tree close loops, unless they only say again what identities of frames say."""
@@ -282,7 +298,7 @@ class _Building:
     # ------------------------------------------------------------ coordinates
 
     def _coordinates(self, floating: list[Root]) -> list[Coordinate]:
-        rates = self._rate_starts()
+        rates, fixed_rates = self._rate_starts(), self._fixed_rates()
         found = []
         for variable in self.model.variables.values():
             if variable.kind != "coordinate":
@@ -292,11 +308,15 @@ class _Building:
                                   "declare an array of components with one coordinate each")
                 continue
             found.append(Coordinate(variable.name, variable.unit, variable.display_unit, variable.start, rates.get(variable.name),
-                                    variable.is_fixed, variable.description, variable.span))
+                                    variable.is_fixed, variable.description, variable.span, variable.name in fixed_rates))
         for root in floating:
             found += self._floating_coordinates(root)
         self._refuse_other_starts({root.frame for root in floating})
         return found
+
+    def _fixed_rates(self) -> set[str | None]:
+        """`w(start = 2, fixed = true)` where w = der(phi) fixes the rate of phi."""
+        return {rate_of(v) for v in self.model.variables.values() if v.is_fixed and v.kind != "coordinate"}
 
     def _rate_starts(self) -> dict[str, Flat]:
         """`w(start = 2)` where w = der(phi) starts the rate of phi."""
@@ -325,7 +345,8 @@ class _Building:
         return [
             Coordinate(f"{root.frame}.{a}", "rad" if a == "phi" else "m", "deg" if a == "phi" else "",
                        starts.get(a), starts.get(rate[a]),
-                       bool(frame.fixed & {a, "r" if a != "phi" else a}), f"{what[a]} of the floating {frame.owner}", frame.span)
+                       bool(frame.fixed & {a, "r" if a != "phi" else a}), f"{what[a]} of the floating {frame.owner}", frame.span,
+                       bool(frame.fixed & {rate[a], "v" if a != "phi" else "w"}))
             for a in root.attributes
         ]
 

@@ -2,13 +2,17 @@
 
 An initial equation that gives one coordinate or rate a value known from parameters is taken as that value. The others are
 residuals g(q, v, p) = 0, solved by the run time from the guesses, nearest to them, values given exactly not moved.
+
+A coordinate that others give, by a loop or a linear constraint, is a value like the others where a start is stated for it or its
+rate: s, with the residuals s - s(q) and der(s) - ds/dt.
 """
 
 from dataclasses import dataclass
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar
+from lagrangia.algebra import Scalar, value_of
+from lagrangia.algebra import rate_of as rate_of_dual
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Report, Span
 from lagrangia.evaluation import Value
@@ -26,11 +30,15 @@ GUESS, FIXED, FREE = range(3)  # LAG_START_... of runtime/model.h
 
 @dataclass(frozen=True)
 class InitialConditions:
-    """q and v in SX of the parameters; `fixed` says of each, q then v, whether it is a GUESS, FIXED or FREE; the residuals
-    have the spans of their equations."""
+    """q and v in SX of the parameters, each followed by the values of `lost` coordinates; `fixed` says of each, q then v,
+    whether it is a GUESS, FIXED or FREE; the residuals have the spans of their equations."""
 
     q: ca.SX
     v: ca.SX
+    lost: tuple[Coordinate, ...]  # given by others, with starts of their own
+    lost_q: ca.SX  # their symbols
+    lost_v: ca.SX
+    lost_values: ca.SX  # what they are in terms of q
     fixed: tuple[int, ...]
     residuals: ca.SX
     residual_spans: tuple[Span, ...]
@@ -46,26 +54,34 @@ def build_initial(kinematics: Kinematics, constraints: Constraints) -> InitialCo
 class _Starts:
     def __init__(self, kinematics: Kinematics) -> None:
         self.kinematics = kinematics
-        self.coordinates = kinematics.graph.coordinates
+        self.lost = _lost_with_starts(kinematics)
+        self.coordinates = (*kinematics.graph.coordinates, *self.lost)
         self.number = {c.name: k for k, c in enumerate(self.coordinates)}
         self.n = len(self.coordinates)
+        self.lost_q = ca.vertcat(*[ca.SX.sym(c.name) for c in self.lost])
+        self.lost_v = ca.vertcat(*[ca.SX.sym(c.rate_name) for c in self.lost])
         self.report = Report()
         self.moving = ca.vertcat(kinematics.algebra.state, kinematics.symbols.time)
         # q in 0 .. n-1, v in n .. 2n-1
         self.values: list[Scalar] = [0.0] * (2 * self.n)
         self.fixed: dict[int, Span | None] = {}
         self.residuals: list[tuple[Scalar, Span]] = []
+        self.lost_values: list[ca.SX] = []
 
     def build(self, constraints: Constraints) -> InitialConditions:
         for k, coordinate in enumerate(self.coordinates):
-            for slot, start in ((k, coordinate.start), (self.n + k, coordinate.rate_start)):
+            for slot, start, is_fixed in ((k, coordinate.start, coordinate.is_fixed),
+                                          (self.n + k, coordinate.rate_start, coordinate.is_rate_fixed)):
                 if start is not None:
                     self._start(slot, start)
-            if coordinate.is_fixed:
-                self.fixed[k] = None
+                if is_fixed:
+                    self.fixed[slot] = start.span if start is not None else coordinate.span
         for equation in self.kinematics.graph.model.initial_equations:
             self._equation(equation)
-        self._dependent_starts()
+        for coordinate in self.kinematics.graph.dependent_coordinates:
+            if not self.kinematics.dependents[coordinate.name].terms:
+                self._require_agreement(coordinate)
+        self._read_lost()
         loops = [""] * len(self.residuals)
         for row in constraints.rows:
             around = row.loop.around if row.loop else ""
@@ -74,11 +90,12 @@ class _Starts:
             self.residuals += [(self._at_start(ca.SX(value)), row.span) for value in values]
             loops += [around] * len(values)
         self.report.raise_errors()
-        n, rates = self.n, ca.vertcat(*self.kinematics.symbols.rates.values())
+        n, rates = self.n, ca.vertcat(*self.kinematics.symbols.rates.values(), self.lost_v)
         moving = [ca.depends_on(ca.SX(g), rates) for g, _ in self.residuals]
         order = sorted(range(len(moving)), key=lambda k: moving[k])
         return InitialConditions(
-            ca.vertcat(*self.values[:n]), ca.vertcat(*self.values[n:]), tuple(map(self._freedom, range(2 * n))),
+            ca.vertcat(*self.values[:n]), ca.vertcat(*self.values[n:]), self.lost, self.lost_q, self.lost_v,
+            ca.vertcat(*self.lost_values), tuple(map(self._freedom, range(2 * n))),
             ca.vertcat(*[self.residuals[k][0] for k in order]), tuple(self.residuals[k][1] for k in order),
             tuple(loops[k] for k in order), moving.count(False),
         )
@@ -89,30 +106,34 @@ class _Starts:
         start = coordinate.start if slot < self.n else coordinate.rate_start
         return FIXED if slot in self.fixed else FREE if start is None else GUESS
 
-    def _dependent_starts(self) -> None:
-        """A coordinate that others give starts them: exactly when fixed, else when they have no start of their own."""
-        starts = {c.name: c for c in self.coordinates}
-        for coordinate in self.kinematics.graph.dependent_coordinates:
-            others = [starts[name] for name in self.kinematics.dependents[coordinate.name].terms]
-            if not others:
-                self._require_agreement(coordinate)
-            for start, rate in ((coordinate.start, False), (coordinate.rate_start, True)):
-                free = all((c.rate_start if rate else c.start) is None for c in others)
-                if start is not None and others and (coordinate.is_fixed or free):
-                    here = self.kinematics.coordinate(coordinate.name, 1)
-                    gap = ca.SX((here.rate if rate else here.value) - self.kinematics.evaluator.value(start))
-                    self.residuals.append((self._at_start(gap), start.span))
+    def _read_lost(self) -> None:
+        """What lost coordinates are in terms of the others; those that nobody guessed begin there."""
+        symbols = self.kinematics.symbols
+        kept = len(symbols.positions)
+        for k, coordinate in enumerate(self.lost):
+            here = self.kinematics.symbol(coordinate.name, 1)
+            value, rate = (self._at_start(ca.SX(part(here))) for part in (value_of, rate_of_dual))
+            self.lost_values.append(value)
+            for slot, told, read in ((kept + k, self.lost_q[k], value), (self.n + kept + k, self.lost_v[k], rate)):
+                span = coordinate.start.span if coordinate.start is not None else coordinate.span
+                self.residuals.append((told - read, span))
+                if self._freedom(slot) == FREE:
+                    guesses = self.values[:kept] + self.values[self.n : self.n + kept]
+                    self.values[slot] = ca.substitute([read], [self._state()], [ca.vertcat(*guesses)])[0]
 
     def _require_agreement(self, coordinate: Coordinate) -> None:
-        """A prescribed coordinate starts where it is prescribed, whatever it was guessed."""
-        if coordinate.start is None or not coordinate.is_fixed:
-            return
-        gap = ca.SX(self.kinematics.coordinate(coordinate.name, 0) - self.kinematics.evaluator.value(coordinate.start))
+        """A prescribed coordinate starts where it is prescribed, whatever it was guessed; its rate as well."""
+        here = self.kinematics.coordinate(coordinate.name, 1)
         p, defaults = default_parameters(self.kinematics)
-        miss = abs(float(ca.evalf(ca.substitute(self._at_start(gap), p, ca.SX(defaults)))))
-        if miss > _AGREES:
-            self.report.error("L0601", f"'{coordinate.name}' is given two initial values", coordinate.start.span,
-                              f"an equation prescribes it, and differs by {miss:.3g} at the start", "leave `fixed` out")
+        for start, is_fixed, value in ((coordinate.start, coordinate.is_fixed, value_of(here)),
+                                       (coordinate.rate_start, coordinate.is_rate_fixed, rate_of_dual(here))):
+            if start is None or not is_fixed:
+                continue
+            gap = self._at_start(ca.SX(value - self.kinematics.evaluator.value(start)))
+            miss = abs(float(ca.evalf(ca.substitute(gap, p, ca.SX(defaults)))))
+            if miss > _AGREES:
+                self.report.error("L0601", f"'{coordinate.name}' is given two initial values", start.span,
+                                  f"an equation prescribes it, and differs by {miss:.3g} at the start", "leave `fixed` out")
 
     def _start(self, slot: int, start: Flat) -> None:
         value = self.kinematics.evaluator.value(start)
@@ -197,6 +218,13 @@ class _Starts:
 
     def _moves(self, value: Value) -> bool:
         return isinstance(value, ca.SX) and ca.depends_on(value, self.moving)
+
+
+def _lost_with_starts(kinematics: Kinematics) -> tuple[Coordinate, ...]:
+    """Coordinates that loops or linear constraints give, and that a start is stated for; not those that time alone gives."""
+    graph = kinematics.graph
+    given = [c for c in graph.dependent_coordinates if kinematics.dependents[c.name].terms]
+    return tuple(c for c in (*given, *graph.lost_coordinates) if c.has_start)
 
 
 def _counted(count: int) -> str:

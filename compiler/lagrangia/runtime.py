@@ -197,7 +197,7 @@ class _Function(c.Structure):
 
 _SIZES = (
     "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
-    "n_holonomic", "n_multipliers", "n_initial_positions",
+    "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost",
 )
 _FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
@@ -273,6 +273,7 @@ _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
     "lag_run_set_parameters": (c.c_int, (_RUN, _Doubles, _Doubles)),
     "lag_run_parameters": (_Doubles, (_RUN,)),
     "lag_run_set_inputs": (c.c_int, (_RUN, _Doubles, _Doubles, c.c_int)),
+    "lag_run_set_lost": (None, (_RUN, _Doubles)),
     "lag_run_start": (c.c_int, (_RUN, _Doubles, _Doubles)),
     "lag_run_set_stop": (None, (_RUN, c.c_double)),
     "lag_run_row_width": (c.c_int, (c.POINTER(_Model),)),
@@ -424,6 +425,10 @@ class Run:
     def set_inputs(self, times: Any, values: Any) -> Status:
         """A table of inputs: times[rows], values[rows * n_inputs] row by row; linear in between, held outside."""
         return Status(self._library.lag_run_set_inputs(self._run, _buffer(times), _buffer(values), len(times)))
+
+    def set_lost(self, given: Sequence[float]) -> None:
+        """Start values of the model's lost coordinates, then of their rates, NaN where nothing is given, for starts to come."""
+        self._library.lag_run_set_lost(self._run, _buffer(given))
 
     def start(self, q: Sequence[float] | None = None, v: Sequence[float] | None = None) -> Status:
         """Find start values and evaluate once; NaN in q and v where nothing is given."""

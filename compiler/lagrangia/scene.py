@@ -59,6 +59,7 @@ class Scene:
     tapes: Mapping[str, Tape]
     islands: "tuple[tuple[tuple[int, ...], Scene], ...]"  # coordinates that do not interact with others, and their scenes
     evenness: Tape | None  # of p: above 1 all over where the formulas hold; None where they hold for all masses
+    lost: Mapping[str, tuple[int, str]]  # place among the starts of LagModel's n_lost coordinates, then their rates, and the unit
 
     @property
     def n(self) -> int:
@@ -94,6 +95,7 @@ def from_json(text: str) -> Scene:
     plain["tapes"] = {name: _unpack(tape) for name, tape in plain["tapes"].items()}
     plain["islands"] = tuple((tuple(places), from_json(island)) for places, island in plain["islands"])
     plain["evenness"] = _unpack(plain["evenness"]) if plain["evenness"] is not None else None
+    plain["lost"] = {name: (place, unit) for name, (place, unit) in plain["lost"].items()}
     return Scene(**plain)
 
 

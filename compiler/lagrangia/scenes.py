@@ -32,7 +32,8 @@ def build_scene(
     coordinates = tuple(Column(c.name, c.unit, c.display_unit, c.description) for c in graph.coordinates)
     rates = tuple(Column(c.rate_name, _per_second(c.unit), _per_second(c.display_unit), "") for c in graph.coordinates)
     outputs = tuple(Column(name, *_units(model, name)) for name in functions.outputs)
-    kinds = {unit: k + 1 for k, unit in enumerate(sorted({c.unit for c in graph.coordinates} - {"rad"}))} | {"rad": 0}
+    started = (*graph.coordinates, *initial.lost)
+    kinds = {unit: k + 1 for k, unit in enumerate(sorted({c.unit for c in started} - {"rad"}))} | {"rad": 0}
     slots = {c.name: k for k, c in enumerate(graph.coordinates)}
     aliases = {v.name: len(slots) + slots[of] for v in model.variables.values() if (of := rate_of(v)) in slots and of is not None}
     experiment = model.experiment
@@ -45,7 +46,7 @@ def build_scene(
         "n_events": len(functions.event_kinds), "n_outputs": len(outputs),
         "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions, "n_power": functions.n_power,
         "n_holonomic": held.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0,
-        "outputs_need_acceleration": int(functions.outputs_need_acceleration),
+        "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
     }
     sizes |= functions.sizes
     if functions.linear_pays:
@@ -54,9 +55,9 @@ def build_scene(
     return Scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
-        tuple(kinds[c.unit] for c in graph.coordinates), tuple(map(int, initial.fixed)), functions.event_kinds,
+        tuple(kinds[c.unit] for c in started), tuple(map(int, initial.fixed)), functions.event_kinds,
         _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, freedom), functions.patterns,
-        functions.refused, tapes, (), _evenness(motion),
+        functions.refused, tapes, (), _evenness(motion), _lost_starts(model, initial),
     )
 
 
@@ -98,13 +99,21 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
     sizes["jacobian_cost"] = _jacobian_cost(tapes, sizes["n_colours"])
     if functions.linear_pays:
         sizes["solver"] = int(Solver.LINEAR)
-    fixed = tuple(scene.fixed[k] for k in (*group, *(scene.n + k for k in group)))
+    fixed = tuple(scene.fixed[k] for k in (*group, *(len(scene.coordinate_kind) + k for k in group)))
     return replace(
         scene, coordinates=tuple(scene.coordinates[k] for k in group), rates=tuple(scene.rates[k] for k in group), outputs=(),
         aliases={}, sizes=sizes, coordinate_kind=tuple(scene.coordinate_kind[k] for k in group), fixed=fixed,
         event_kind=functions.event_kinds, initial_places=(), notes=_notes(motion, tapes), patterns=functions.patterns,
-        refused=functions.refused, tapes=tapes, islands=(), evenness=None,
+        refused=functions.refused, tapes=tapes, islands=(), evenness=None, lost={},
     )
+
+
+def _lost_starts(model: FlatModel, initial: InitialConditions) -> dict[str, tuple[int, str]]:
+    lost = initial.lost
+    found = {c.name: (k, c.unit) for k, c in enumerate(lost)}
+    rates = {c.name: (len(lost) + k, _per_second(c.unit)) for k, c in enumerate(lost)}
+    found |= {c.rate_name: rates[c.name] for c in lost}
+    return found | {v.name: rates[of] for v in model.variables.values() if (of := rate_of(v)) in rates and of is not None}
 
 
 def _evenness(motion: Motion) -> Tape | None:

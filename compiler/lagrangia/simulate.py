@@ -68,6 +68,7 @@ class Values:
     v: tuple[float, ...]
     input_times: Sequence[float] = (0.0,)
     input_values: Sequence[float] = ()
+    lost: tuple[float, ...] = ()  # as `scene.lost` places them, NaN where nothing is given
 
 
 @dataclass
@@ -150,19 +151,32 @@ def check_values(
             report.error("L0605", f"the parameter '{name}' must be a finite number, not {value}")
         else:
             values[place[name]], mask[place[name]] = float(value), 1.0
-    start = [math.nan] * (2 * scene.n)
-    for name, value in (initial or {}).items():
-        slot = scene.slot(name)
-        if slot is None:
-            known = [*(c.name for c in (*scene.coordinates, *scene.rates)), *scene.aliases]
-            _unknown("coordinate or rate", name, known, report)
-        elif not math.isfinite(value):
-            report.error("L0605", f"the initial value of '{name}' must be a finite number, not {value}")
-        else:
-            start[slot] = float(value)
+    start, lost = _start_values(scene, initial or {}, report)
     times, table = _input_table(scene, inputs, report)
     report.raise_errors()
-    return Values(tuple(values), tuple(mask), tuple(start[: scene.n]), tuple(start[scene.n :]), times, table)
+    return Values(tuple(values), tuple(mask), tuple(start[: scene.n]), tuple(start[scene.n :]), times, table, tuple(lost))
+
+
+def _start_values(scene: Scene, initial: Mapping[str, float], report: Report) -> tuple[list[float], list[float]]:
+    """Of coordinates and rates; of lost ones and their rates."""
+    start, lost = [math.nan] * (2 * scene.n), [math.nan] * (2 * scene.sizes["n_lost"])
+    outputs = {column.name for column in scene.outputs}
+    for name, value in initial.items():
+        slot = scene.slot(name)
+        if not math.isfinite(value):
+            report.error("L0605", f"the initial value of '{name}' must be a finite number, not {value}")
+        elif slot is not None:
+            start[slot] = float(value)
+        elif name in scene.lost:
+            lost[scene.lost[name][0]] = float(value)
+        elif name in outputs:
+            report.error("L0701", f"'{name}' follows from the coordinates, and the scene states no start for it", None,
+                         f"start one of {', '.join(c.name for c in scene.coordinates[:6])}, or declare a start for "
+                         f"'{name}' in the model: it can then be given here")
+        else:
+            known = [*(c.name for c in (*scene.coordinates, *scene.rates)), *scene.aliases, *scene.lost]
+            _unknown("coordinate or rate", name, known, report)
+    return start, lost
 
 
 def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[float], Sequence[float]]:
@@ -231,6 +245,7 @@ def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Valu
         check_parameters(scene, run.parameters)
         if scene.inputs:
             run.set_inputs(values.input_times, values.input_values)
+        run.set_lost(values.lost or [math.nan] * (2 * scene.sizes["n_lost"]))
         status = run.start(values.q, values.v)
         if status is not Status.OK:
             _fail_start(scene, run.failure)
@@ -271,7 +286,7 @@ def _fail_start(scene: Scene, failure: Failure) -> None:
     if failure.status is Status.INITIAL_FAILED:
         where = scene.initial_places[failure.index] if 0 <= failure.index < len(scene.initial_places) else ""
         report = Report()
-        report.error("L0606", f"the initial equations cannot all hold: one misses by {failure.value:.3g}", None,
+        report.error("L0606", f"the initial equations cannot all hold: one misses by {abs(failure.value):.3g}", None,
                      f"written at {where}", "change it, or the start values it is solved from")
         raise LagError(report.errors)
     raise RunError(explain(scene, failure))
@@ -280,7 +295,7 @@ def _fail_start(scene: Scene, failure: Failure) -> None:
 def explain(scene: Scene, failure: Failure) -> str:
     """When, where and what to try."""
     if failure.status is Status.INITIAL_FAILED:
-        return f"the initial equations cannot all hold: one misses by {failure.value:.3g}"
+        return f"the initial equations cannot all hold: one misses by {abs(failure.value):.3g}"
     column = (scene.rates if failure.rate else scene.coordinates)[failure.index] if 0 <= failure.index < scene.n else None
     where = f" ({column.name})" if column else ""
     if failure.status is Status.NOT_FINITE:

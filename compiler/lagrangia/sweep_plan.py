@@ -143,6 +143,9 @@ def _resolve(scene: Scene, kind: str, name: str) -> _Name:
                  "sweep once for each of its values")
         fail("L0701", f"the scene has no parameter '{name}'", None, *filter(None, [suggest(name, [*place, *scene.structural])]))
     slot = scene.slot(name)
+    if slot is None and name in scene.lost:
+        fail("L0901", f"not supported yet: a sweep over the start of '{name}', which other coordinates give", None,
+             f"make it a parameter of the model, {name.rpartition('.')[2]}(start = begin), and sweep over that")
     if slot is None:
         known = [*(c.name for c in (*scene.coordinates, *scene.rates)), *scene.aliases]
         fail("L0701", f"the scene has no coordinate or rate '{name}'", None, *filter(None, [suggest(name, known)]))

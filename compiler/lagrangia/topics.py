@@ -20,7 +20,8 @@ A file holds models. A model declares parameters, components and coordinates, jo
     end Swing;
 
 Frame f                    a place with an angle: f.r (position), f.x, f.y, f.phi, f.v (velocity), f.w (rate), in world axes
-coordinate Angle phi       a generalised coordinate; phi(start = 1, fixed = true); its rate is der(phi)
+coordinate Angle phi       a generalised coordinate, its rate der(phi). phi(start = 1) is a guess, w(start = 2) one of its rate;
+                           with fixed = true they hold exactly. Other values follow: see also `lag check`
 b = turn(a, phi)           frame equations: b is a turned about its origin, b = shift(a, {x, y}) moved in a's axes; a = b is one;
                            connect(a, b) is a = b. Each may be used in both directions: nobody chooses loop cuts.
 kinetic, potential         terms of T and V in J;  dissipation: of D in W (the integral of force over rate: c*v^2/2);
