@@ -23,16 +23,22 @@ static void write_row(LagRun *run, double t, const double *y, double *row)
     lag_project_note(run, t, y);
 }
 
+/* The state at t, inside the latest step, in run->inside. */
+static void state_inside(LagRun *run, double t)
+{
+    run->careful = run->model->n_multipliers > 0; /* the stages of the dense output may lie near a singular position */
+    run->methods.table->interpolate(run->methods.self, &run->motion, t, run->inside);
+    run->careful = 0;
+    lag_project_inside(run, t, run->inside);
+}
+
 static void row_at(LagRun *run, double t, double *row)
 {
     if (t == run->motion.t) {
         write_row(run, t, run->motion.y, row);
         return;
     }
-    run->careful = run->model->n_multipliers > 0; /* the stages of the dense output may lie near a singular position */
-    run->methods.table->interpolate(run->methods.self, &run->motion, t, run->inside);
-    run->careful = 0;
-    lag_project_inside(run, t, run->inside);
+    state_inside(run, t);
     write_row(run, t, run->inside, row);
 }
 
@@ -96,6 +102,23 @@ LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *don
         row_at(run, run->motion.t, results + (size_t)*done * width);
         ++*done;
     }
+    return LAG_OK;
+}
+
+LagStatus lag_run_cut(LagRun *run, double t)
+{
+    LagMotion *motion = &run->motion;
+    if (!run->started)
+        return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
+    if (t == motion->t)
+        return LAG_OK;
+    if (!(t >= motion->t_old && t < motion->t))
+        return lag_fail(run, t > motion->t ? LAG_PAST_STOP : LAG_TIME_PASSED, -1, 0, 0);
+    state_inside(run, t);
+    memcpy(motion->y, run->inside, (size_t)motion->size * sizeof *motion->y);
+    memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);
+    motion->t = motion->t_old = t;
+    run->segment_over = 1;
     return LAG_OK;
 }
 

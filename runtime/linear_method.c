@@ -20,6 +20,12 @@ enum { EQUAL_STEPS = 16 }; /* so many, and more of larger scenes, make it likely
 
 static const LagRun *run_of(const LagMotion *m) { return m->context; }
 
+static void powers(void *context, double t, const double *q, double *v, double *power)
+{
+    LagRun *run = context;
+    lag_accelerations(run, t, q, v, run->acceleration, power);
+}
+
 static void layout(void *self, const LagMotion *m, LagArena *arena)
 {
     LagLinearMethod *s = self;
@@ -32,6 +38,8 @@ static void layout(void *self, const LagMotion *m, LagArena *arena)
     if (s->has_ladder)
         lag_pace_layout(&s->pace, &s->ladder, arena);
     lag_series_layout(&s->series, &s->system, model->n_power, arena);
+    s->series.powers = powers;
+    s->series.context = m->context;
     s->x = lag_dds_take(arena, size);
     s->moved = lag_dds_take(arena, size);
     s->loads = lag_dds_take(arena, n_w);
@@ -45,12 +53,6 @@ static void restart(void *self, LagMotion *m)
     s->is_fresh = 1;
 }
 
-static void powers(void *context, double t, const double *q, double *v, double *power)
-{
-    LagRun *run = context;
-    lag_accelerations(run, t, q, v, run->acceleration, power);
-}
-
 /* Equations and loads of the segment that begins. Returns 0 when the mass matrix is not positive definite. */
 static int begin(LagLinearMethod *s, LagRun *run)
 {
@@ -59,8 +61,6 @@ static int begin(LagLinearMethod *s, LagRun *run)
     s->equal_steps = 0;
     if (run->statistics.steps == 0)
         s->lag = lag_dd(0);
-    s->series.powers = powers;
-    s->series.context = run;
     if (!lag_linear_system_build(&s->system, run->p, run->d, &is_new))
         return 0;
     if (is_new) {

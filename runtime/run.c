@@ -75,6 +75,7 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
         lag_run_free(run);
         return NULL;
     }
+    run->memory_size = arena.used;
     arena.base = run->memory;
     arena.used = 0;
     layout(run, &arena);

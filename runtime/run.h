@@ -65,6 +65,9 @@ LAG_API LagStatus lag_run_start(LagRun *run, const double *q_given, const double
 /* No step goes past t_stop. It may be moved on while running, as a co-simulation does. */
 LAG_API void lag_run_set_stop(LagRun *run, double t_stop);
 
+/* The present time becomes t, inside the latest step: what happens at t (inputs, parameters) may then be set. */
+LAG_API LagStatus lag_run_cut(LagRun *run, double t);
+
 LAG_API int lag_run_row_width(const LagModel *model);
 
 /* One row for each of the ascending times. *done rows are valid whatever is returned. seconds: wall time, 0: no limit. */

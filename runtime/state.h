@@ -16,6 +16,7 @@ struct LagRun {
     LagFailure failure;
 
     double *memory; /* the block in which all vectors below lie */
+    size_t memory_size; /* doubles in it */
     double *p, *c, *u, *d;
     double *nothing_given;        /* n_parameters zeros */
     double *event_a, *event_b;

@@ -119,6 +119,14 @@ ORDER = """
     plot
     trajectory
     statics
+    fmu_derivatives
+    fmu_model
+    fmu_source
+    fmu_xml
+    fmu_xml2
+    fmu_xml3
+    fmu_build
+    fmu
     model
     bench_problem
     bench_peers
@@ -133,12 +141,14 @@ ORDER = """
     bench_command
     exports
     equations_command
+    fmu_command
     export_command
     cli
     __init__
 """.split()
 EXCEPTIONS = {
     ("cli", "__init__"): "`lag --version` prints the version, which is written in one place",
+    ("fmu", "__init__"): "an FMU says which version of the compiler made it",
     ("closures", "kinematics"): "types alone: kinematics reads the coordinate of a cut joint off its closure",
 }
 

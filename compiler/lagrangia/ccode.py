@@ -34,18 +34,28 @@ def write_c(
     """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once."""
     data = {*_DATA, *interpreted}
     lines = [f"/* {_comment(name)}: generated, do not edit. */", "#include <math.h>", '#include "tape.h"', ""]
-    for label, tape in tapes.items():
-        lines += _data(label, tape) if label in data else _function(label, tape)
+    functions, initializers = write_functions(tapes, data)
+    lines += functions
     lines += [_ints(name, places) for name, places in patterns.items()]
     lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
     lines += ["LAG_API extern const LagModel lag_model;", "const LagModel lag_model = {"]
     lines += [f"    .{key} = {value}," for key, value in sizes.items()]
     lines += ["    .coordinate_kind = coordinate_kind,", "    .fixed = fixed_start,", "    .event_kind = event_kind,"]
     lines += [f"    .{name} = {name}," for name in patterns]
-    for label, tape in tapes.items():
-        work, how = (tape.n_work, f"0, &{label}_tape") if label in data else (_work(tape), f"{label}, 0")
-        lines.append(f"    .{label} = {{{len(tape.in_sizes)}, {len(tape.out_sizes)}, {label}_in, {label}_out, {work}, {how}}},")
+    lines += [f"    .{label} = {value}," for label, value in initializers.items()]
     return "\n".join([*lines, "};", ""])
+
+
+def write_functions(tapes: Mapping[str, Tape], interpreted: Collection[str] = ()) -> tuple[list[str], dict[str, str]]:
+    """The C text of functions, and by name the initializer of a LagFunction."""
+    lines: list[str] = []
+    values = {}
+    for label, tape in tapes.items():
+        is_data = label in interpreted
+        lines += _data(label, tape) if is_data else _function(label, tape)
+        work, how = (tape.n_work, f"0, &{label}_tape") if is_data else (_work(tape), f"{label}, 0")
+        values[label] = f"{{{len(tape.in_sizes)}, {len(tape.out_sizes)}, {label}_in, {label}_out, {work}, {how}}}"
+    return lines, values
 
 
 def _comment(text: str) -> str:

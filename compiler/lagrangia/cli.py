@@ -247,11 +247,18 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
 def _add_export(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("file", type=Path, metavar="FILE")
-    add("--to", required=True, metavar="TARGET", help="python (NumPy alone), casadi, modelica, sympy, latex")
+    add("--to", required=True, metavar="TARGET", help="fmu, python (NumPy alone), casadi, modelica, sympy, latex")
     add("--model", metavar="NAME", help="the model; the last of the file by default")
-    add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a structural parameter: -p n=3")
+    add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE",
+        help="a structural parameter: -p n=3; in an FMU, other ones get this start value")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own, for modelica, sympy and latex")
     add("--force", action="store_true", help="write even what is too large to read")
+    add("--fmi", default="2", metavar="VERSION", help="of an FMU: 2, 3 or both")
+    add("--kind", default="me,cs", metavar="KIND,...", help="of an FMU: Model Exchange (me), Co-Simulation (cs); both by default")
+    add("--platforms", default="host", metavar="LIST", help="of an FMU's binaries: host, all, or names: x86_64-windows, ...")
+    add("--sources", action=argparse.BooleanOptionalAction, default=True, help="put the C sources into an FMU")
+    add("--outputs", metavar="NAME,NAME,...", help="more outputs of an FMU")
+    add("--info", action="append", default=[], metavar="NAME=TEXT", help="author, version, copyright, license of an FMU")
     add("-o", "--output", metavar="FILE", help="the file; by default the model's name in this folder")
 
 

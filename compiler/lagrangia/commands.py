@@ -77,7 +77,7 @@ def simulate_command(options: Namespace) -> int:
     if options.plot is not None:
         require_format(options.plot)
     begin = time.perf_counter()
-    outputs = _names(options.outputs) + ((ALL_REACTIONS,) if options.reactions else ())
+    outputs = split_names(options.outputs) + ((ALL_REACTIONS,) if options.reactions else ())
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, outputs)
     if is_static(model.scene) and not options.reactions:
@@ -201,7 +201,7 @@ def _plot(options: Namespace, model: Model, progress: Progress, rows: list[Seque
 
     observer = model.observer(np.array(progress.parameters), values)
     trajectory = Trajectory(model.scene, collect(model.scene, rows), progress, observer)
-    trajectory.plot(*_names(options.plot_quantities), path=options.plot)
+    trajectory.plot(*split_names(options.plot_quantities), path=options.plot)
 
 
 # -------------------------------------------------------------------- what is said
@@ -302,7 +302,7 @@ class _Bar:
 # -------------------------------------------------------------------- what is given
 
 
-def _names(text: str | None) -> tuple[str, ...]:
+def split_names(text: str | None) -> tuple[str, ...]:
     """Names between commas; a comma in brackets belongs to its name, x[1,2]."""
     return tuple(name.strip() for name in re.split(r",(?![^\[]*\])", text or "") if name.strip())
 
@@ -376,5 +376,5 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
 
 __all__ = [
     "assignment", "check_command", "explain_command", "load_model", "number", "read_inputs", "read_table", "simulate_command",
-    "structural_value", "values_with_units",
+    "split_names", "structural_value", "values_with_units",
 ]

@@ -8,6 +8,10 @@ from lagrangia.diagnostics import fail
 
 
 def export_command(options: Namespace) -> int:
+    if options.to == "fmu":
+        from lagrangia.fmu_command import export_fmu_command
+
+        return export_fmu_command(options)
     from lagrangia.exports import TARGETS, export
     from lagrangia.model import Model
     from lagrangia.pipeline import flatten_file

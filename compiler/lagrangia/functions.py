@@ -155,6 +155,20 @@ def observer(
     return labels, ca.Function("observe", [motion.t, motion.q, motion.v, motion.u, motion.p], [y])
 
 
+def state_space(
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, outputs: tuple[str, ...]
+) -> tuple[list[ca.SX], list[ca.SX]]:
+    """The symbols t, q, v, u, d, p, and in terms of them dv/dt, the outputs, the corrections of q and v onto the constraints."""
+    _names, y = _outputs(kinematics, outputs)
+    y = _solved(with_reactions(y, kinematics, motion, constraints), motion)
+    held = motion.constrained
+    zero = ca.SX.zeros(motion.q.numel(), 1)
+    place, steer = (held.place, held.steer) if held else (zero, zero)
+    d = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    symbols = [motion.t, motion.q, motion.v, motion.u, d, motion.p]
+    return symbols, [ca.densify(e) for e in (motion.acceleration, y, place if place.numel() else zero, steer)]
+
+
 def _solved(y: ca.SX, motion: Motion) -> ca.SX:
     """Outputs with the accelerations and multipliers of the motion put in."""
     if not y.numel():

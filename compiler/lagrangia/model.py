@@ -1,7 +1,7 @@
 """The Python interface: lag.load(...) -> Model, model.simulate(...) -> Trajectory."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -231,6 +231,21 @@ class Model:
 
         request = Request(form, format, names or {}, dict(parameters or {}), numbers, force)
         return write_equations(self.path, request, self.model, self.structural)
+
+    def export_fmu(
+        self, path: str | os.PathLike[str] | None = None, *, fmi: str = "2", kind: str = "me,cs", platforms: str = "host",
+        sources: bool = True, parameters: Mapping[str, float] | None = None, info: Mapping[str, str] | None = None,
+        tell: Callable[[str], None] | None = None,
+    ) -> "list[Path]":
+        """Write an FMU; returns the files, two for fmi="both", whose names get the version.
+
+        `fmi` is "2", "3" or "both", `kind` "me", "cs" or "me,cs", `platforms` "host", "all" or names (fmu_build.PLATFORMS).
+        `parameters` are other start values of the FMU's parameters, in SI units; `info` may give author, version, copyright and
+        license. What takes long is told to `tell`. Raises LagError.
+        """
+        from lagrangia.fmu import export_fmus
+
+        return export_fmus(self, None if path is None else Path(path), fmi, kind, platforms, sources, parameters, info, tell)
 
     def functions(self) -> "dict[str, casadi.Function]":
         """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian; p in the order of `parameter_names`.

@@ -1,0 +1,151 @@
+"""A compiled scene -> FMU: `export_fmu`. Equal input gives equal bytes, but for the date, which SOURCE_DATE_EPOCH sets."""
+
+import hashlib
+import io
+import os
+import re
+import time
+import unicodedata
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from lagrangia.diagnostics import fail
+from lagrangia.fmu_build import PLATFORMS, Platform, build_binaries, read_platforms
+from lagrangia.fmu_model import Exportable, FmuModel, build_fmu_model
+from lagrangia.fmu_source import scene_source, table_source
+from lagrangia.fmu_xml import About
+from lagrangia.fmu_xml2 import write_fmi2
+from lagrangia.fmu_xml3 import write_build_description, write_fmi3
+from lagrangia.folders import data_folder
+from lagrangia.targets import Target
+
+VERSIONS = ("2", "3")
+KINDS = ("me", "cs")
+_LONGEST_IDENTIFIER = 60
+_EARLIEST = (1980, 1, 1, 0, 0, 0)  # in an archive; files in it have no dates
+_VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_unused.c", "fmi3_instance.h")}
+_UNUSED = ("batch.c", "batch.h", "reduce.c", "reduce.h")  # of the run time: many runs, which an FMU has no use for
+
+
+@dataclass(frozen=True)
+class Export:
+    """What is wanted of an FMU. `info`: author, version, copyright, license; `outputs` are among those of the model already."""
+
+    version: str = "2"
+    kinds: tuple[str, ...] = KINDS
+    platforms: tuple[str, ...] = ()
+    sources: bool = True
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    info: Mapping[str, str] = field(default_factory=dict)
+
+
+def export_fmu(model: Exportable, wanted: Export, path: Path, tell: Callable[[str], None] | None = None) -> None:
+    """Writes one archive. Raises LagError."""
+    described = build_fmu_model(model, wanted.parameters)
+    with Target(path, binary=True) as target:
+        target.stream.write(archive(described, wanted, tell))
+
+
+def export_fmus(
+    model: Exportable, path: Path | None, fmi: str, kind: str, platforms: str, sources: bool,
+    parameters: Mapping[str, float] | None, info: Mapping[str, str] | None, tell: Callable[[str], None] | None,
+) -> list[Path]:
+    """One archive for each version, from one description of the scene. Raises LagError."""
+    versions = VERSIONS if fmi == "both" else read_choice(fmi, VERSIONS, "version of FMI")
+    kinds = read_choice(kind, KINDS, "kind of FMU")
+    wanted = Export("", kinds, read_platforms(platforms), sources, parameters or {}, info or {})
+    described = build_fmu_model(model, wanted.parameters)
+    target = path or Path(f"{identifier_of(model.scene.name)}.fmu")
+    written = []
+    for version in versions:
+        here = target if len(versions) == 1 else target.with_name(f"{target.stem}_fmi{version}{target.suffix or '.fmu'}")
+        content = archive(described, replace(wanted, version=version), tell)
+        with Target(here, binary=True) as opened:
+            opened.stream.write(content)
+        written.append(here)
+    return written
+
+
+def archive(described: FmuModel, wanted: Export, tell: Callable[[str], None] | None = None) -> bytes:
+    """The bytes of an FMU."""
+    from lagrangia import __version__
+
+    scene = described.scene
+    identifier = identifier_of(scene.name)
+    sources = _sources(described, wanted.version, "")
+    names = tuple(sorted(name for name in sources if name.endswith(".c")))
+    content = hashlib.sha256(repr((sorted(sources.items()), list(described.variables), described.dependencies,
+                                   __version__, wanted.kinds)).encode()).hexdigest()
+    token = f"{{{content[:8]}-{content[8:12]}-{content[12:16]}-{content[16:20]}-{content[20:32]}}}"
+    sources = _sources(described, wanted.version, token)
+    binaries = build_binaries(identifier, sources, wanted.platforms, tell)
+    if not binaries and not wanted.sources:
+        fail("L0706", "an FMU without binaries and without sources cannot be used", None, "leave one of the two options out")
+    listed = names if wanted.sources else ()
+    about = About(token, identifier, wanted.kinds, listed, f"Lagrangia {__version__}", _date(), wanted.info)
+    write = write_fmi2 if wanted.version == "2" else write_fmi3
+    files: dict[str, bytes] = {"modelDescription.xml": write(described, about).encode()}
+    for name, binary in binaries.items():
+        files[f"binaries/{_folder(PLATFORMS[name], wanted.version)}/{identifier}{PLATFORMS[name].suffix}"] = binary
+    if wanted.sources:
+        files |= {f"sources/{name}": text.encode() for name, text in sources.items()}
+        files["sources/buildDescription.xml"] = write_build_description(f"{wanted.version}.0", identifier, names).encode()
+    return zipped(files)
+
+
+def _folder(platform: Platform, version: str) -> str:
+    return platform.fmi2 if version == "2" else platform.fmi3
+
+
+def identifier_of(name: str) -> str:
+    """A C identifier for a model's name; names that are none, or too long, keep apart by a hash."""
+    plain = unicodedata.normalize("NFKD", name.strip("'")).encode("ascii", "ignore").decode()
+    identifier = re.sub(r"\W+", "_", plain).strip("_") or "model"
+    if not identifier[0].isalpha():
+        identifier = f"m_{identifier}"
+    if identifier == name and len(name) <= _LONGEST_IDENTIFIER:
+        return name
+    return f"{identifier[:_LONGEST_IDENTIFIER]}_{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+
+
+def _sources(described: FmuModel, version: str, token: str) -> dict[str, str]:
+    """All C files of an FMU, side by side in one folder. The run time's, the scene, and the table of the FMU."""
+    runtime = data_folder("runtime")
+    others = {name for key, names in _VERSION_FILES.items() if key != version for name in names}
+    files = [*sorted(runtime.glob("*.[ch]")), *sorted((runtime / "fmi").glob("*.[ch]"))]
+    found = {file.name: file.read_text(encoding="utf-8") for file in files if file.name not in others | set(_UNUSED)}
+    found["scene.c"] = scene_source(described)
+    found["scene_fmu.c"] = table_source(described, token)
+    return dict(sorted(found.items()))
+
+
+def _date() -> str:
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    seconds = float(epoch) if epoch and epoch.isdigit() else time.time()
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds))
+
+
+def zipped(files: Mapping[str, bytes]) -> bytes:
+    """An archive that every importer can open: deflated, no dates, no links, names in ASCII, the description first."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, allowZip64=False) as archived:
+        for name in sorted(files, key=lambda name: (name != "modelDescription.xml", name)):
+            entry = zipfile.ZipInfo(name, _EARLIEST)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            archived.writestr(entry, files[name])
+    return buffer.getvalue()
+
+
+def read_choice(text: str, known: Sequence[str], what: str) -> tuple[str, ...]:
+    """Names between commas. Raises LagError L0706."""
+    chosen = tuple(dict.fromkeys(part.strip() for part in text.split(",") if part.strip()))
+    for name in chosen:
+        if name not in known:
+            fail("L0706", f"there is no {what} '{name}'", None, f"there are {', '.join(known)}")
+    if not chosen:
+        fail("L0706", f"no {what} is chosen", None, f"there are {', '.join(known)}")
+    return chosen

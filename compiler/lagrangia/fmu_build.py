@@ -1,0 +1,161 @@
+"""C sources -> binaries of the platforms, by the C compiler of this machine or by ziglang for all of them.
+
+Each binary is kept in the cache by the content of what it is made from. zig's own cache is keyed by its options: they stay the
+same, so that only the first binary of a platform is slow.
+"""
+
+import contextlib
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+from lagrangia.diagnostics import fail
+from lagrangia.native import CompilerError, cache_folder, find_compiler
+
+# Reproducible on every processor: no contraction to fused multiply-add, no folder names inside.
+_FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-DLAG_STATIC=1",
+          "-DFMI3_OVERRIDE_FUNCTION_PREFIX=1")
+_GENERATED = ("scene.c", "scene_fmu.c")
+
+
+@dataclass(frozen=True)
+class Platform:
+    """Folders of the binary in FMI 2 and 3, its suffix and zig's name of the target."""
+
+    fmi2: str
+    fmi3: str
+    suffix: str
+    target: str
+    flags: tuple[str, ...] = ()
+
+
+PLATFORMS: Mapping[str, Platform] = {
+    "x86_64-linux": Platform("linux64", "x86_64-linux", ".so", "x86_64-linux-gnu.2.17", ("-fPIC", "-Wl,-s")),
+    "aarch64-linux": Platform("aarch64-linux", "aarch64-linux", ".so", "aarch64-linux-gnu.2.17", ("-fPIC", "-Wl,-s")),
+    "x86_64-windows": Platform("win64", "x86_64-windows", ".dll", "x86_64-windows-gnu"),
+    "x86_64-darwin": Platform("darwin64", "x86_64-darwin", ".dylib", "x86_64-macos", ("-fPIC",)),
+    "aarch64-darwin": Platform("aarch64-darwin", "aarch64-darwin", ".dylib", "aarch64-macos.11.0", ("-fPIC",)),
+}
+
+
+def host_platform() -> str | None:
+    """The name of this machine's platform; None where it is no platform of ours."""
+    machine = platform.machine().lower()
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    system = {"win32": "windows", "darwin": "darwin"}.get(sys.platform, "linux")
+    name = f"{machine}-{system}"
+    return name if name in PLATFORMS else None
+
+
+def read_platforms(text: str) -> tuple[str, ...]:
+    """ "all", "host", or names between commas. Raises LagError L0706."""
+    if text == "all":
+        return tuple(PLATFORMS)
+    host = host_platform()
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    chosen = [host or name if name == "host" else name for name in names]
+    for name in chosen:
+        if name not in PLATFORMS:
+            fail("L0706", f"there is no platform '{name}'", None, f"there are {', '.join(PLATFORMS)}, host, all")
+    return tuple(dict.fromkeys(chosen))
+
+
+def standard_headers() -> Path:
+    """The folder of fmi2Functions.h and fmi3Functions.h. Raises LagError L0720 when FMPy is not installed."""
+    spec = find_spec("fmpy")
+    if spec is None or not spec.submodule_search_locations:
+        fail("L0720", "FMPy, which brings the headers of the FMI standard, is not installed", None,
+             'pip install "lagrangia[fmu]"')
+    return Path(spec.submodule_search_locations[0]) / "c-code"
+
+
+def build_binaries(identifier: str, sources: Mapping[str, str], platforms: Sequence[str],
+                   tell: Callable[[str], None] | None = None) -> dict[str, bytes]:
+    """The library of each platform. `sources` are all files of the FMU's folder of that name. Raises LagError, CompilerError."""
+    headers = standard_headers()
+    with ThreadPoolExecutor(max(1, os.cpu_count() or 1)) as pool:
+        started = [pool.submit(_build, identifier, sources, name, headers, tell) for name in platforms]
+        return {name: future.result() for name, future in zip(platforms, started, strict=True)}
+
+
+def _command(target: str) -> tuple[list[str], str]:
+    """The compiler, and what changes when it does."""
+    if find_spec("ziglang") is not None:
+        from importlib.metadata import version
+
+        return [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[target].target], f"zig {version('ziglang')}"
+    compiler = find_compiler() if target == host_platform() else None
+    if compiler is None:
+        fail("L0721", f"there is no compiler for {target}", None, 'pip install "lagrangia[fmu]" brings one for all platforms')
+    return list(compiler.command), compiler.identity
+
+
+def _build(identifier: str, sources: Mapping[str, str], target: str, headers: Path,
+           tell: Callable[[str], None] | None) -> bytes:
+    compiler = _Compiler(target, headers)
+    own = {name: text for name, text in sources.items() if name in _GENERATED}
+    shared = {name: text for name, text in sources.items() if name not in _GENERATED}
+    kind = PLATFORMS[target]
+    flags = [f"-Wl,-install_name,@rpath/{identifier}.dylib"] if kind.suffix == ".dylib" else []
+    kept = cache_folder() / f"fmu-{target}-{compiler.key(sources, [identifier, *flags])}{kind.suffix}"
+    if kept.is_file():
+        return kept.read_bytes()
+    objects = cache_folder() / f"fmu-{target}-{compiler.key(shared)}"
+    if not objects.is_dir():
+        if tell is not None:
+            tell(f"compiling the run time for {target}, the first time"
+                 + (": a minute, with the compiler's own libraries" if kind.suffix == ".dll" else ""))
+        _compile_objects(compiler, shared, objects)
+    with tempfile.TemporaryDirectory(prefix="lagrangia-fmu-") as folder:
+        for name, text in sources.items():
+            if name in own or name.endswith(".h"):
+                (Path(folder) / name).write_text(text, encoding="utf-8")
+        library = f"{identifier}{kind.suffix}"
+        files = [name for name in own if name.endswith(".c")]
+        linked = sorted(str(file) for file in objects.glob("*.o"))
+        compiler.run([*flags, "-shared", "-o", library, *files, *linked, *(() if kind.suffix == ".dll" else ("-lm",))], folder)
+        temporary = kept.with_suffix(f".{os.getpid()}.part")
+        shutil.copyfile(Path(folder) / library, temporary)
+        os.replace(temporary, kept)
+    return kept.read_bytes()
+
+
+def _compile_objects(compiler: "_Compiler", sources: Mapping[str, str], objects: Path) -> None:
+    """All of the run time in one go; the folder appears when it is whole."""
+    folder = Path(tempfile.mkdtemp(prefix=f".{objects.name}-", dir=objects.parent))
+    try:
+        for name, text in sources.items():
+            (folder / name).write_text(text, encoding="utf-8")
+        compiler.run(["-c", *sorted(name for name in sources if name.endswith(".c"))], str(folder))
+        with contextlib.suppress(OSError):  # another process was quicker
+            os.rename(folder, objects)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+class _Compiler:
+    """The compiler for a platform: zig where it is installed, for the same bytes on every machine."""
+
+    def __init__(self, target: str, headers: Path) -> None:
+        self.platform = target
+        command, self.identity = _command(target)
+        self.command = [*command, *_FLAGS, *PLATFORMS[target].flags, f"-I{headers}"]
+
+    def key(self, sources: Mapping[str, str], options: Sequence[str] = ()) -> str:
+        what = (sorted(sources.items()), _FLAGS, PLATFORMS[self.platform], self.identity, options)
+        return hashlib.sha256(repr(what).encode()).hexdigest()[:32]
+
+    def run(self, arguments: Sequence[str], folder: str) -> None:
+        full = [*self.command, *arguments]
+        done = subprocess.run(full, cwd=folder, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise CompilerError(full, done.stderr or done.stdout)

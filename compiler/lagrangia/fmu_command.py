@@ -1,0 +1,48 @@
+"""`lag export --to fmu`: options -> archives."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lagrangia.commands import assignment, load_model, split_names, values_with_units
+from lagrangia.diagnostics import fail
+from lagrangia.pipeline import ALL_REACTIONS
+from lagrangia.statics import is_static
+
+if TYPE_CHECKING:
+    from lagrangia.model import Model
+
+_INFO = ("author", "version", "copyright", "license")
+
+
+def export_fmu_command(options: Namespace) -> int:
+    given = [assignment(text, "-p") for text in options.parameter]
+    model = load_model(options, given, split_names(options.outputs))
+    if is_static(model.scene):
+        model = load_model(options, given, (*split_names(options.outputs), ALL_REACTIONS))
+    units = {p.name: p.unit for p in model.scene.parameters}
+    others = [(name, text) for name, text in given if name.partition("[")[0] not in model.scene.structural]
+    info = dict(assignment(text, "--info") for text in options.info)
+    for name in info:
+        if name not in _INFO:
+            fail("L0706", f"--info has no '{name}'", None, f"it has {', '.join(_INFO)}")
+    written = model.export_fmu(options.output, fmi=options.fmi, kind=options.kind, platforms=options.platforms,
+                               sources=options.sources, parameters=values_with_units(others, units), info=info, tell=_tell)
+    for path in written:
+        print(_summary(model, path))
+    return 0
+
+
+def _tell(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def _summary(model: "Model", path: Path) -> str:
+    import zipfile
+
+    with zipfile.ZipFile(path) as archive:
+        binaries = sorted(name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/"))
+    scene = model.scene
+    return (f"{path}: {scene.name}, {2 * scene.n} states, {len(scene.parameters)} parameters, {len(scene.inputs)} inputs, "
+            f"{len(scene.outputs)} outputs; {', '.join(binaries) or 'no binaries'}; {path.stat().st_size / 1024:.0f} kB")

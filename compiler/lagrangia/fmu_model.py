@@ -1,0 +1,262 @@
+"""A compiled scene -> what an FMU says about it: variables with their value references, and exact dependencies.
+
+The groups of value references, and their order, are those of runtime/fmi/fmu.h.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
+
+from lagrangia.runtime import Tape
+from lagrangia.scene import Column, Scene
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from lagrangia.pipeline import Compilation
+
+GROUPS = ("time", "state", "slope", "output", "energy", "input", "parameter", "real", "integer", "boolean", "string")
+_ENERGIES = {"kinetic": "kinetic energy", "potential": "potential energy", "total": "kinetic and potential energy",
+             "dissipated": "taken out by dampers since the start", "work": "put in by loads and moving supports since the start",
+             "residual": "of the energy account, which is 0 but for errors"}
+_DRIFT_RATE = 100  # stabilisation: times in an experiment in which an error of the constraints falls to 1/e
+_SMALLEST_NOMINAL = 1e-3  # of the largest of its kind
+
+
+class Exportable(Protocol):
+    """What is asked of a compiled scene: a Model (model.py)."""
+
+    scene: Scene
+
+    @property
+    def compilation(self) -> "Compilation": ...
+
+    def parameter_values(self, parameters: Mapping[str, float] | None = None) -> "np.ndarray": ...
+
+    def simulate(self, *, parameters: Mapping[str, float] | None = None) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One scalar. `initial` and `start` as the standards have them; `derivative_of` names a state."""
+
+    name: str
+    group: str
+    reference: int
+    causality: str
+    variability: str
+    initial: str | None = None
+    start: float | bool | str | None = None
+    unit: str = ""
+    display_unit: str = ""
+    description: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    nominal: float | None = None
+    derivative_of: str | None = None
+    aliases: tuple[str, ...] = ()
+
+    @property
+    def kind(self) -> str:
+        """Real, Integer, Boolean or String."""
+        return {"integer": "Integer", "boolean": "Boolean", "string": "String"}.get(self.group, "Real")
+
+
+@dataclass(frozen=True)
+class FmuModel:
+    """`dependencies` of outputs, derivatives and calculated parameters, as (row, column) with rows by name and columns of knowns;
+    `given` are the parameters (n_p,) of the FMU, `settable` those that an importer may set."""
+
+    scene: Scene
+    variables: tuple[Variable, ...]
+    dependencies: Mapping[str, tuple[str, ...]]
+    constant_dependencies: frozenset[str]  # unknowns that depend with a constant factor: slopes of positions
+    given: tuple[float, ...]
+    settable: tuple[bool, ...]
+    state_start: tuple[float, ...]
+    state_settable: tuple[bool, ...]
+    nominal: tuple[float, ...]
+    stabilisation: float
+    forward: Tape
+    adjoint: Tape
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Places in the list of variables, from 1."""
+        return {variable.name: k for k, variable in enumerate(self.variables, 1)}
+
+    def of(self, *groups: str) -> tuple[Variable, ...]:
+        return tuple(variable for variable in self.variables if variable.group in groups)
+
+    def named(self, name: str) -> Variable:
+        return self.variables[self.index[name] - 1]
+
+
+def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = None) -> FmuModel:
+    """Runs the scene over its experiment once, for nominal values. Raises LagError for parameters it does not have."""
+    import numpy as np
+
+    from lagrangia.fmu_derivatives import build_derivatives
+    from lagrangia.simulate import check_values
+
+    scene = model.scene
+    values = check_values(scene, parameters)
+    given = tuple(float(x) for x in model.parameter_values(parameters))
+    settable = tuple(known.value is not None or bool(mask) for known, mask in zip(scene.parameters, values.mask, strict=True))
+    start, nominal = _states(model, parameters)
+    length = scene.stop - scene.start
+    stabilisation = _DRIFT_RATE / length if scene.sizes["n_multipliers"] and length > 0 else 0.0
+    outputs = tuple(column.name for column in scene.outputs)
+    derivatives = build_derivatives(model.compilation, outputs, settable, stabilisation)
+    kinds = _state_kinds(model)
+    names = _Names(scene)
+    variables = tuple(_variables(scene, names, kinds, start, nominal, given, settable))
+    columns = _columns(names, variables, settable)
+    rows = [v.name for v in variables if v.group == "slope"] + [v.name for v in variables if v.group == "output"]
+    dependencies = {row: tuple(columns[k] for k in found) for row, found in zip(rows, derivatives.rows, strict=True)}
+    free = [p.name for p, is_free in zip(scene.parameters, settable, strict=True) if is_free]
+    for parameter, found in zip(scene.parameters, derivatives.parameter_rows, strict=True):
+        dependencies[parameter.name] = tuple(free[k] for k in found)
+    plain = () if scene.sizes["n_multipliers"] else names.slopes[: scene.n]
+    return FmuModel(scene, variables, dependencies, frozenset(plain), given, settable,
+                    tuple(np.asarray(start, dtype=float).tolist()), tuple(kind != "calculated" for kind in kinds),
+                    nominal, stabilisation, derivatives.forward, derivatives.adjoint)
+
+
+def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[list[float], tuple[float, ...]]:
+    """Where the states begin, and the size of each in the experiment, to a power of ten."""
+    import numpy as np
+
+    from lagrangia.diagnostics import RunError
+
+    scene = model.scene
+    try:
+        rows = model.simulate(parameters=parameters).rows
+    except RunError as error:
+        rows = error.trajectory.rows if error.trajectory is not None else np.zeros((0, 1 + 2 * scene.n))
+    if not len(rows):
+        return [0.0] * (2 * scene.n), (1.0,) * (2 * scene.n)
+    states = rows[:, 1 : 1 + 2 * scene.n]
+    largest = np.abs(states).max(axis=0) if scene.n else np.zeros(0)
+    kinds = np.array([*scene.coordinate_kind, *(-1 - kind for kind in scene.coordinate_kind)])
+    nominal = []
+    for size, kind in zip(largest, kinds, strict=True):
+        least = max(_SMALLEST_NOMINAL * largest[kinds == kind].max(), 0.0)
+        nominal.append(1.0 if kind == 0 else _power_of_ten(max(size, least)))
+    return states[0].tolist(), tuple(nominal)
+
+
+def _power_of_ten(size: float) -> float:
+    """The largest one below, 1 for 0. Angles have a natural size, 1."""
+    return float(f"1e{math.floor(math.log10(size) + 1e-6)}") if size > 0 and math.isfinite(size) else 1.0
+
+
+def _state_kinds(model: Exportable) -> list[str]:
+    """FMI's `initial` of each state: exact numbers; calculated from parameters; approx where equations decide."""
+    import casadi as ca
+
+    scene, initial, p = model.scene, model.compilation.initial, model.compilation.motion.p
+    if scene.sizes["n_initial"]:
+        return ["approx"] * (2 * scene.n)
+    starts = ca.vertsplit(ca.vertcat(initial.q, initial.v)) if scene.n else []
+    return ["calculated" if p.numel() and ca.depends_on(ca.SX(start), p) else "exact" for start in starts]
+
+
+class _Names:
+    """Names of states and their derivatives. A rate takes the name its component gives it (hinge.w), so that der(hinge.phi) is
+    free for the derivative."""
+
+    def __init__(self, scene: Scene) -> None:
+        n = scene.n
+        columns: tuple[Column, ...] = (*scene.coordinates, *scene.rates, *scene.outputs)
+        taken = {c.name for c in columns} | {p.name for p in (*scene.parameters, *scene.inputs)}
+        taken |= {*scene.aliases, *scene.structural}
+        others: dict[int, list[str]] = {}
+        for alias, slot in scene.aliases.items():
+            if alias not in {c.name for c in scene.outputs}:
+                others.setdefault(slot, []).append(alias)
+        self.states = [c.name for c in scene.coordinates]
+        self.slopes = [c.name for c in scene.rates]
+        self.aliases: dict[str, tuple[str, ...]] = {}
+        for k in range(n):
+            first, *rest = others.get(n + k) or [_free(f"{self.states[k]}_rate", taken)]
+            self.states.append(first)
+            self.aliases[first] = tuple(rest)
+            self.slopes.append(f"der({first})" if others.get(n + k) else f"der({self.states[k]},2)")
+        self.energy = _free("energy", {name.partition(".")[0].partition("[")[0] for name in taken})
+
+
+def _free(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "_"
+    return name
+
+
+def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequence[float], nominal: Sequence[float],
+               given: Sequence[float], settable: Sequence[bool]) -> Iterator[Variable]:
+    count = 0
+
+    def reference() -> int:
+        nonlocal count
+        count += 1
+        return count - 1
+
+    yield Variable("time", "time", reference(), "independent", "continuous", unit="s", description="simulation time")
+    columns: tuple[Column, ...] = (*scene.coordinates, *scene.rates)
+    for k, column in enumerate(columns):
+        text = column.description or ("" if k < scene.n else f"rate of {scene.coordinates[k - scene.n].name}")
+        yield Variable(names.states[k], "state", reference(), "local", "continuous", kinds[k],
+                       None if kinds[k] == "calculated" else start[k], column.unit, column.display_unit, text,
+                       nominal=nominal[k], aliases=names.aliases.get(names.states[k], ()))
+    for k, column in enumerate(columns):
+        yield Variable(names.slopes[k], "slope", reference(), "local", "continuous", "calculated", None,
+                       _per_second(column.unit), _per_second(column.display_unit) if column.display_unit else "",
+                       f"derivative of {names.states[k]}", derivative_of=names.states[k])
+    for column in scene.outputs:
+        yield Variable(column.name, "output", reference(), "output", "continuous", "calculated", None, column.unit,
+                       column.display_unit, column.description)
+    for part, text in _ENERGIES.items():
+        yield Variable(f"{names.energy}.{part}", "energy", reference(), "local", "continuous", "calculated", None, "J", "", text)
+    for given_input in scene.inputs:
+        yield Variable(given_input.name, "input", reference(), "input", "continuous", None, given_input.value or 0.0,
+                       given_input.unit, "", given_input.description, given_input.minimum, given_input.maximum)
+    for known, value, is_free in zip(scene.parameters, given, settable, strict=True):
+        causality = "parameter" if is_free else "calculatedParameter"
+        yield Variable(known.name, "parameter", reference(), causality, "tunable", "exact" if is_free else "calculated",
+                       value if is_free else None, known.unit, "", known.description, known.minimum, known.maximum)
+    yield from _constants(scene, reference)
+
+
+def _constants(scene: Scene, reference: Callable[[], int]) -> Iterator[Variable]:
+    groups = {name: _constant_group(value) for name, value in scene.structural.items()}
+    for group in GROUPS[7:]:
+        for name in (name for name, found in groups.items() if found == group):
+            yield Variable(name, group, reference(), "local", "constant", "exact", scene.structural[name],
+                           description="structural: compiled in")
+
+
+def _constant_group(value: float | bool | str) -> str:
+    if isinstance(value, bool):
+        return "boolean"
+    if isinstance(value, str):
+        return "string"
+    return "integer" if isinstance(value, int) else "real"
+
+
+def _columns(names: _Names, variables: Sequence[Variable], settable: Sequence[bool]) -> list[str]:
+    """The knowns of the derivatives, in the order of their functions' arguments."""
+    inputs = [v.name for v in variables if v.group == "input"]
+    parameters = [v.name for v in variables if v.group == "parameter"]
+    return ["time", *names.states, *inputs, *parameters]
+
+
+def _per_second(unit: str) -> str:
+    """m/s -> m/s2, N.m -> N.m/s."""
+    above, slash, below = unit.partition("/")
+    if not unit or unit == "1":
+        return "1/s"
+    if not slash:
+        return f"{unit}/s"
+    return f"{above}/s2" if below == "s" else f"{above}/({below.strip('()')}.s)"

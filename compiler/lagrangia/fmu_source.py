@@ -1,0 +1,72 @@
+"""FmuModel -> C: the scene's functions, and the table `lag_fmu` that runtime/fmi/fmu.h describes."""
+
+import math
+from collections.abc import Sequence
+
+from lagrangia.ccode import write_c, write_functions
+from lagrangia.fmu_model import FmuModel
+from lagrangia.runtime import Tape
+
+# Scenes with more operations than this stay tapes, as data: a C compiler takes some 0.2 ms an operation, for each platform.
+_LARGEST_COMPILED = 3_000
+
+
+def scene_source(model: FmuModel) -> str:
+    """The scene as `lag simulate` compiles it."""
+    scene = model.scene
+    long = [name for name, tape in scene.tapes.items() if _is_long(tape)]
+    return write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
+                   long)
+
+
+def _is_long(tape: Tape) -> bool:
+    return len(tape.code) // 4 > _LARGEST_COMPILED
+
+
+def table_source(model: FmuModel, token: str) -> str:
+    """What the FMU knows beside the scene. Equal input gives equal text."""
+    scene = model.scene
+    tapes = {"forward": model.forward, "adjoint": model.adjoint}
+    functions, initializers = write_functions(tapes, [name for name, tape in tapes.items() if _is_long(tape)])
+    constants = {group: [variable.start for variable in model.of(group)] for group in ("real", "integer", "boolean", "string")}
+    limits = model.of("parameter")
+    vectors = {
+        "state_start": model.state_start, "nominal": model.nominal, "parameter_start": model.given,
+        "input_start": [float(v.start or 0.0) for v in model.of("input")],
+        "minimum": [-math.inf if v.minimum is None else v.minimum for v in limits],
+        "maximum": [math.inf if v.maximum is None else v.maximum for v in limits],
+        "reals": [float(x or 0.0) for x in constants["real"]], "integers": [float(x or 0) for x in constants["integer"]],
+        "booleans": [float(bool(x)) for x in constants["boolean"]],
+    }
+    lines = ["/* Generated, do not edit. */", "#include <math.h>", '#include "fmu.h"', '#include "tape.h"', "",
+             "LAG_API extern const LagModel lag_model;", "", *functions]
+    lines += [f"static const double {name}[] = {{{', '.join(map(_number, values)) or '0'}}};" for name, values in vectors.items()]
+    lines += [_flags("state_settable", model.state_settable), _flags("parameter_settable", model.settable)]
+    lines += [_texts("names", [v.name for v in model.variables]), _texts("strings", [str(x) for x in constants["string"]]), ""]
+    lines += ["const LagFmu lag_fmu = {", "    .model = &lag_model,", f"    .token = {_quoted(token)},",
+              f"    .start = {_number(scene.start)},", f"    .tolerance = {_number(scene.tolerance)},",
+              f"    .stabilisation = {_number(model.stabilisation)},"]
+    lines += [f"    .n_{group}s = {len(constants[group])}," for group in constants]
+    lines += [f"    .{name} = {name}," for name in (*vectors, "state_settable", "parameter_settable", "names", "strings")]
+    lines += [f"    .{name} = {value}," for name, value in initializers.items()]
+    return "\n".join([*lines, "};", ""])
+
+
+def _number(value: float) -> str:
+    if math.isinf(value):
+        return "HUGE_VAL" if value > 0 else "-HUGE_VAL"
+    return "NAN" if math.isnan(value) else repr(float(value))
+
+
+def _flags(name: str, values: Sequence[bool]) -> str:
+    return f"static const int {name}[] = {{{', '.join(str(int(x)) for x in values) or '0'}}};"
+
+
+def _texts(name: str, values: Sequence[str]) -> str:
+    return f"static const char *const {name}[] = {{{', '.join(map(_quoted, values)) or '0'}}};"
+
+
+def _quoted(text: str) -> str:
+    """A C string of the bytes in UTF-8; octal escapes, which end after three digits, for all that is not plain."""
+    plain = "".join(chr(b) if 32 <= b < 127 and chr(b) not in '"\\?' else f"\\{b:03o}" for b in text.encode())
+    return f'"{plain}"'

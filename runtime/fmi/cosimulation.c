@@ -1,0 +1,146 @@
+/* Co-Simulation: the run steps as it likes and communication points are rows inside its steps, until something is set at one
+ * of them: then the run is cut there and goes on anew. So a scene that nobody disturbs costs what it costs alone.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "instance.h"
+
+#include "schedule.h"
+#include "segment.h"
+#include "state.h"
+
+static const double LONGEST_STEP = 1e6, CLOSE = 1e-6; /* s; of a step */
+enum { MOST_STEPS = 10000000 };
+
+/* Outputs, energies and state from a row of results. */
+static void take(LagInstance *s)
+{
+    const LagModel *m = s->model;
+    const size_t states = 2 * (size_t)m->n, outputs = (size_t)m->n_outputs;
+    const double *row = s->row, *account = row + 1 + states + outputs;
+    const double T = account[0], V = account[1], H = account[2], dissipated = account[3], work = account[4];
+    s->vital.t = row[0];
+    memcpy(s->x, row + 1, states * sizeof *row);
+    memcpy(s->outputs, row + 1 + states, outputs * sizeof *row);
+    s->energies[LAG_ENERGY_KINETIC] = T;
+    s->energies[LAG_ENERGY_POTENTIAL] = V;
+    s->energies[LAG_ENERGY_TOTAL] = T + V;
+    s->energies[LAG_ENERGY_DISSIPATED] = dissipated;
+    s->energies[LAG_ENERGY_WORK] = work + (T + V - H - s->vital.supports_energy);
+    s->energies[LAG_ENERGY_RESIDUAL] = H - s->run->start_energy + dissipated - work;
+    s->vital.slope_is_current = 0;
+    s->vital.outputs_are_current = s->vital.energies_are_current = 1;
+}
+
+void lag_cosimulation_take_row(LagInstance *s)
+{
+    if (lag_run_row(s->run, s->row) == LAG_OK)
+        take(s);
+}
+
+static LagAnswer check_step(const LagInstance *s, double t, double h)
+{
+    const LagVital *vital = &s->vital;
+    if (!(h > 0 && h <= LONGEST_STEP))
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "a step of %g s is not taken: 0 < h <= %g", h, LONGEST_STEP);
+    if (!(fabs(t - vital->t) <= CLOSE * h + lag_time_resolution(vital->t)))
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "the step begins at %.17g s, but the time is %.17g s", t,
+                                vital->t);
+    if (vital->has_stop && t + h > vital->stop + CLOSE * h + lag_time_resolution(vital->stop))
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "a step from %.17g by %g s goes past the stop time %.17g s",
+                                t, h, vital->stop);
+    return LAG_ANSWER_OK;
+}
+
+/* Inputs go on with their slopes over this step. */
+static LagAnswer interpolate_inputs(LagInstance *s, double end)
+{
+    const int n = s->model->n_inputs;
+    double *times = s->table, *values = s->table + 2;
+    times[0] = s->vital.t;
+    times[1] = end;
+    for (int i = 0; i < n; ++i) {
+        values[i] = s->u[i];
+        s->u[i] = values[n + i] = s->u[i] + s->u_slope[i] * (end - s->vital.t);
+    }
+    LagStatus status = lag_run_cut(s->run, s->vital.t);
+    if (status == LAG_OK)
+        status = lag_run_set_inputs(s->run, times, values, 2);
+    s->vital.inputs_changed = 1; /* from the end of this step on they are held, unless told otherwise */
+    return status == LAG_OK ? LAG_ANSWER_OK : lag_instance_failed(s, status);
+}
+
+static LagAnswer advance(LagInstance *s, double target)
+{
+    int done = 0;
+    const LagStatus status = lag_run_advance(s->run, &target, 1, s->row, &done, 0);
+    if (status != LAG_OK)
+        return lag_instance_failed(s, status);
+    take(s);
+    return LAG_ANSWER_OK;
+}
+
+/* One internal step after another, each followed by the importer's intermediate update. */
+static LagAnswer advance_watched(LagInstance *s, double target, LagStepResult *result)
+{
+    double wanted = INFINITY;
+    lag_run_set_stop(s->run, target);
+    while (s->vital.t < target && s->vital.t < wanted) {
+        int done = 0;
+        const LagStatus status = lag_run_advance_steps(s->run, 1, s->row, &done, 0);
+        if (status != LAG_OK)
+            return lag_instance_failed(s, status);
+        if (done == 0)
+            break;
+        take(s);
+        double time = target;
+        s->vital.mode = LAG_MODE_INTERMEDIATE;
+        const int early = s->intermediate(s, s->vital.t, &time);
+        s->vital.mode = LAG_MODE_STEP;
+        if (early && s->may_return_early)
+            wanted = time;
+    }
+    result->is_early = s->vital.t < target;
+    return LAG_ANSWER_OK;
+}
+
+LagAnswer lag_instance_step(LagInstance *s, double t, double h, LagStepResult *result)
+{
+    LagVital *vital = &s->vital;
+    LagRun *run = s->run;
+    result->is_event = result->is_early = 0;
+    result->time = vital->t;
+    LagAnswer answer = check_step(s, t, h);
+    if (answer == LAG_ANSWER_OK)
+        answer = lag_instance_settle(s);
+    if (answer != LAG_ANSWER_OK)
+        return answer;
+    double target = vital->has_stop ? fmin(t + h, vital->stop) : t + h;
+    if (vital->has_slopes)
+        answer = interpolate_inputs(s, target);
+    const double event = lag_schedule_next(s->model->n_events, s->model->event_kind, run->event_a, run->event_b, vital->t);
+    if (s->uses_events && event <= target + lag_time_resolution(target)) {
+        result->is_event = s->may_return_early || fabs(event - target) <= lag_time_resolution(target);
+        result->is_early = s->may_return_early && event < target - lag_time_resolution(target);
+        target = s->may_return_early ? event : target;
+    }
+    lag_run_set_stop(run, vital->has_stop ? vital->stop : INFINITY);
+    run->settings.max_steps = run->statistics.steps + MOST_STEPS;
+    if (answer == LAG_ANSWER_OK)
+        answer = s->intermediate ? advance_watched(s, target, result) : advance(s, target);
+    result->time = vital->t;
+    if (vital->has_slopes)
+        vital->has_slopes = 0;
+    return answer;
+}
+
+LagAnswer lag_instance_input_slope(LagInstance *s, unsigned int reference, int order, double value)
+{
+    int index = 0;
+    if (lag_instance_locate(s->fmu, reference, &index) != LAG_GROUP_INPUT || order != 1 || !isfinite(value))
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "inputs have first derivatives that are finite, and no others");
+    s->u_slope[index] = value;
+    s->vital.has_slopes = 1;
+    return LAG_ANSWER_OK;
+}

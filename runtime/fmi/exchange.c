@@ -1,0 +1,278 @@
+/* Model Exchange: the importer integrates q and v. Constraints of closed loops are kept in two ways.
+ *
+ * With P the projection onto the constraints (project.c), (Q, V) = P(q, v), the slopes are
+ *     dq/dt = V + k (Q - q)       dv/dt = a(t, Q, V) + k (V - v).
+ * On the constraints these are V and a; off them the distance decays with the rate k, and near singular positions, where the
+ * accelerations of states off the constraints are wild, those of projected ones are not (E. Eich, SIAM J. Numer. Anal. 30
+ * (1993)). So no importer drifts, whatever it does about events. And when a completed step ends too far away all the same, an
+ * event is asked for in which the state is projected.
+ *
+ * The energy account is integrated from completed step to completed step, over the polynomial of degree 5 between them.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "instance.h"
+
+#include "evaluate.h"
+#include "function.h"
+#include "schedule.h"
+#include "segment.h"
+#include "state.h"
+
+static const double FARTHEST = 1e-7; /* correction of a position, of its nominal value, that is left to the stabilisation */
+
+/* Slopes that lead back to the constraints; 1 when all are finite. */
+static int held_slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
+{
+    const int n = s->model->n;
+    const double k = s->fmu->stabilisation;
+    double *projected = s->projected, probe = 0;
+    memcpy(projected, x, 2 * (size_t)n * sizeof *x);
+    lag_project_inside(s->run, t, projected);
+    memcpy(slope, projected + n, (size_t)n * sizeof *slope);
+    if (!lag_accelerations(s->run, t, projected, slope, slope + n, power))
+        return 0;
+    for (int i = 0; i < 2 * n; ++i) {
+        slope[i] += k * (projected[i] - x[i]);
+        probe += 0 * slope[i];
+    }
+    return probe == 0;
+}
+
+/* Returns 1 when all are finite. */
+static int slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
+{
+    const int n = s->model->n;
+    if (s->model->n_multipliers > 0 && s->kind == LAG_MODEL_EXCHANGE)
+        return held_slope_at(s, t, x, slope, power);
+    if (n > 0)
+        memcpy(slope, x + n, (size_t)n * sizeof *slope);
+    return lag_accelerations(s->run, t, x, slope, slope + n, power);
+}
+
+LagAnswer lag_instance_slope(LagInstance *s)
+{
+    if (s->vital.slope_is_current)
+        return LAG_ANSWER_OK;
+    if (!s->run || !slope_at(s, s->vital.t, s->x, s->slope, s->power))
+        return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "at t = %.9g s the accelerations are not finite",
+                                s->vital.t);
+    s->vital.slope_is_current = 1;
+    return LAG_ANSWER_OK;
+}
+
+LagAnswer lag_instance_outputs(LagInstance *s)
+{
+    if (!s->vital.outputs_are_current && s->run)
+        lag_outputs(s->run, s->vital.t, s->x, s->outputs);
+    s->vital.outputs_are_current = 1;
+    return LAG_ANSWER_OK;
+}
+
+LagAnswer lag_instance_energies(LagInstance *s)
+{
+    const LagVital *vital = &s->vital;
+    double of_state[3];
+    if (vital->energies_are_current || !s->run)
+        return LAG_ANSWER_OK;
+    lag_energies(s->run, vital->t, s->x, of_state);
+    const double total = of_state[0] + of_state[1];
+    s->energies[LAG_ENERGY_KINETIC] = of_state[0];
+    s->energies[LAG_ENERGY_POTENTIAL] = of_state[1];
+    s->energies[LAG_ENERGY_TOTAL] = total;
+    s->energies[LAG_ENERGY_DISSIPATED] = vital->dissipated;
+    s->energies[LAG_ENERGY_WORK] = vital->work + (total - of_state[2] - vital->supports_energy);
+    s->energies[LAG_ENERGY_RESIDUAL] = of_state[2] - vital->start_energy + vital->dissipated - vital->work;
+    s->vital.energies_are_current = 1;
+    return LAG_ANSWER_OK;
+}
+
+static void forget(LagInstance *s)
+{
+    s->vital.slope_is_current = s->vital.outputs_are_current = s->vital.energies_are_current = 0;
+}
+
+LagAnswer lag_instance_set_time(LagInstance *s, double t)
+{
+    if (!isfinite(t))
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "the time is not finite");
+    const LagAnswer answer = lag_instance_settle(s);
+    s->vital.t = t;
+    forget(s);
+    return answer;
+}
+
+static LagAnswer check_count(const LagInstance *s, const double *x, size_t count)
+{
+    if (count == 2 * (size_t)s->model->n && (x || count == 0))
+        return LAG_ANSWER_OK;
+    return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "there are %d states, not %lu", 2 * s->model->n,
+                            (unsigned long)count);
+}
+
+LagAnswer lag_instance_set_states(LagInstance *s, const double *x, size_t count)
+{
+    const LagAnswer answer = check_count(s, x, count);
+    if (answer != LAG_ANSWER_OK)
+        return answer;
+    for (size_t i = 0; i < count; ++i)
+        if (!isfinite(x[i]))
+            return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "%.200s is not finite", s->fmu->names[1 + i]);
+    if (count > 0)
+        memcpy(s->x, x, count * sizeof *x);
+    forget(s);
+    return LAG_ANSWER_OK;
+}
+
+LagAnswer lag_instance_get_states(LagInstance *s, double *x, size_t count)
+{
+    LagAnswer answer = check_count(s, x, count);
+    if (answer == LAG_ANSWER_OK)
+        answer = lag_instance_settle(s);
+    if (answer == LAG_ANSWER_OK && count > 0)
+        memcpy(x, s->x, count * sizeof *x);
+    return answer;
+}
+
+LagAnswer lag_instance_get_slopes(LagInstance *s, double *slope, size_t count)
+{
+    LagAnswer answer = check_count(s, slope, count);
+    if (answer == LAG_ANSWER_OK)
+        answer = lag_instance_settle(s);
+    if (answer == LAG_ANSWER_OK)
+        answer = lag_instance_slope(s);
+    if (answer == LAG_ANSWER_OK && count > 0)
+        memcpy(slope, s->slope, count * sizeof *slope);
+    return answer;
+}
+
+LagAnswer lag_instance_nominals(LagInstance *s, double *nominal, size_t count)
+{
+    const LagAnswer answer = check_count(s, nominal, count);
+    if (answer == LAG_ANSWER_OK && count > 0)
+        memcpy(nominal, s->fmu->nominal, count * sizeof *nominal);
+    return answer;
+}
+
+/* ---------------------------------------------------------------- completed steps and events */
+
+void lag_exchange_note(LagInstance *s)
+{
+    const size_t size = 2 * (size_t)s->model->n * sizeof *s->x;
+    s->vital.last_time = s->vital.t;
+    if (s->model->n_power == 0 || lag_instance_slope(s) != LAG_ANSWER_OK)
+        return;
+    memcpy(s->last, s->x, size);
+    memcpy(s->last_slope, s->slope, size);
+    memcpy(s->last_power, s->power, (size_t)s->model->n_power * sizeof *s->power);
+}
+
+/* The state at the share x of the last step: q by the polynomial of degree 5 through both ends' q, v and a, v by its slope. */
+static void state_between(const LagInstance *s, double x, double h, double *state)
+{
+    const int n = s->model->n;
+    const double *q0 = s->last, *v0 = q0 + n, *a0 = s->last_slope + n, *q1 = s->x, *v1 = q1 + n, *a1 = s->slope + n;
+    const double x2 = x * x, x3 = x2 * x;
+    for (int i = 0; i < n; ++i) {
+        const double d = q1[i] - q0[i] - h * v0[i] - h * h * a0[i] / 2, e = h * (v1[i] - v0[i]) - h * h * a0[i];
+        const double f = h * h * (a1[i] - a0[i]);
+        const double c3 = 10 * d - 4 * e + f / 2, c4 = -15 * d + 7 * e - f, c5 = 6 * d - 3 * e + f / 2;
+        state[i] = q0[i] + h * v0[i] * x + h * h * a0[i] * x2 / 2 + x3 * (c3 + x * (c4 + x * c5));
+        state[n + i] = v0[i] + h * a0[i] * x + x2 * (3 * c3 + x * (4 * c4 + x * 5 * c5)) / h;
+    }
+}
+
+/* Gauss-Lobatto quadrature with four nodes, two of them at the ends. */
+static void keep_account(LagInstance *s)
+{
+    static const double INNER[2] = {0.27639320225002103, 0.72360679774997897}; /* (1 -+ 1/sqrt 5)/2 */
+    const double h = s->vital.t - s->vital.last_time;
+    if (s->model->n_power == 2 && h > 0 && lag_instance_slope(s) == LAG_ANSWER_OK) {
+        double sum[2] = {s->last_power[0] + s->power[0], s->last_power[1] + s->power[1]}, power[2];
+        for (int i = 0; i < 2; ++i) {
+            double *state = s->scratch, *slope = state + 2 * s->model->n;
+            state_between(s, INNER[i], h, state);
+            if (slope_at(s, s->vital.last_time + h * INNER[i], state, slope, power))
+                for (int k = 0; k < 2; ++k)
+                    sum[k] += 5 * power[k];
+        }
+        s->vital.dissipated += h / 12 * sum[0];
+        s->vital.work += h / 12 * sum[1];
+        s->vital.energies_are_current = 0;
+    }
+    lag_exchange_note(s);
+}
+
+/* Whether the positions are too far from the constraints. */
+static int is_astray(LagInstance *s)
+{
+    LagRun *run = s->run;
+    const LagModel *m = s->model;
+    const double t = s->vital.t, *in[] = {&t, s->x, run->u, run->d, run->c};
+    double *out[] = {run->projection.correction, run->projection.residual};
+    if (m->n_holonomic == 0 || lag_call(&m->place, in, out, run->work) != 0)
+        return 0;
+    for (int i = 0; i < m->n; ++i)
+        if (fabs(out[0][i]) > FARTHEST * s->fmu->nominal[i])
+            return 1;
+    return 0;
+}
+
+LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
+{
+    const LagAnswer answer = lag_instance_settle(s);
+    lag_scale_note(&s->run->scale, s->x);
+    keep_account(s);
+    *needs_event = answer == LAG_ANSWER_OK && (s->vital.t >= s->run->segment_end || is_astray(s));
+    return answer;
+}
+
+static double next_event(LagInstance *s)
+{
+    return lag_schedule_next(s->model->n_events, s->model->event_kind, s->run->event_a, s->run->event_b, s->vital.t);
+}
+
+/* The modes after this time; a state that has gone astray is brought back. */
+static int begin_segment(LagInstance *s)
+{
+    LagRun *run = s->run;
+    const size_t size = 2 * (size_t)s->model->n * sizeof *s->x;
+    double before[3], after[3];
+    lag_energies(run, s->vital.t, s->x, before);
+    run->motion.t = run->motion.t_old = s->vital.t;
+    lag_segment_enter(run);
+    const int astray = is_astray(s);
+    if (astray) {
+        memcpy(run->motion.y, s->x, size);
+        memset(run->motion.carry, 0, size);
+        lag_scale_note(&run->scale, s->x);
+        lag_project_present(run);
+        memcpy(s->x, run->motion.y, size);
+    }
+    lag_energies(run, s->vital.t, s->x, after);
+    if (!astray) /* what projecting adds or takes is an error, and shows as one */
+        s->vital.work += after[2] - before[2];
+    forget(s);
+    return astray;
+}
+
+LagAnswer lag_instance_update_discrete(LagInstance *s, LagEventInfo *info)
+{
+    LagAnswer answer = lag_instance_settle(s);
+    if (answer != LAG_ANSWER_OK)
+        return answer;
+    if (s->kind == LAG_MODEL_EXCHANGE) {
+        info->values_changed = begin_segment(s);
+        lag_exchange_note(s);
+    } else if (s->run->segment_over && s->run->motion.t == s->vital.t) {
+        const LagStatus status = lag_segment_next(s->run);
+        if (status != LAG_OK)
+            return lag_instance_failed(s, status);
+        lag_cosimulation_take_row(s);
+    }
+    const double next = next_event(s);
+    info->has_next = isfinite(next);
+    info->next = info->has_next ? next : 0;
+    return LAG_ANSWER_OK;
+}

@@ -1,0 +1,57 @@
+/* What the exporter says about a model: generated as `const LagFmu lag_fmu` beside `lag_model`.
+ *
+ * A value reference is a number counted through these groups, in this order.
+ */
+#ifndef LAG_FMU_H
+#define LAG_FMU_H
+
+#include "model.h"
+
+enum {
+    LAG_GROUP_TIME,
+    LAG_GROUP_STATE,     /* 2 n: q, v */
+    LAG_GROUP_SLOPE,     /* 2 n: their derivatives */
+    LAG_GROUP_OUTPUT,
+    LAG_GROUP_ENERGY,    /* LAG_ENERGIES */
+    LAG_GROUP_INPUT,
+    LAG_GROUP_PARAMETER,
+    LAG_GROUP_REAL,      /* constants */
+    LAG_GROUP_INTEGER,
+    LAG_GROUP_BOOLEAN,
+    LAG_GROUP_STRING,
+    LAG_GROUPS
+};
+
+enum {
+    LAG_ENERGY_KINETIC,
+    LAG_ENERGY_POTENTIAL,
+    LAG_ENERGY_TOTAL,
+    LAG_ENERGY_DISSIPATED,
+    LAG_ENERGY_WORK,
+    LAG_ENERGY_RESIDUAL,
+    LAG_ENERGIES
+};
+
+typedef struct {
+    const LagModel *model;
+    const char *token;                    /* FMI 2: guid; FMI 3: instantiationToken */
+    double start, tolerance;              /* of the default experiment */
+    double stabilisation;                 /* rate in 1/s at which constraints are approached in Model Exchange: exchange.c */
+    int n_reals, n_integers, n_booleans, n_strings;
+    const double *reals, *integers, *booleans;
+    const char *const *strings;
+    const char *const *names;             /* by value reference */
+    const double *state_start;            /* 2 n: as declared */
+    const int *state_settable;            /* 2 n */
+    const double *nominal;                /* 2 n */
+    const double *input_start;
+    const double *parameter_start;
+    const double *minimum, *maximum;      /* n_parameters */
+    const int *parameter_settable;        /* n_parameters: 0 where it follows from others */
+    LagFunction forward; /* t, q, v, u, d, p, dt, dq, dv, du, dp -> dx', dy   derivatives of the slopes x' and of y */
+    LagFunction adjoint; /* t, q, v, u, d, p, wx, wy -> wt, wq, wv, wu, wp   gradients of wx.x' + wy.y */
+} LagFmu;
+
+extern const LagFmu lag_fmu;
+
+#endif

@@ -1,0 +1,163 @@
+/* An instance of an FMU, whatever the version of the standard: fmi2.c and fmi3.c translate.
+ *
+ * An instance holds all that it needs; instances share nothing that changes, and may live in threads of their own. Memory is
+ * taken when an instance is made, initialised or saved, never while it steps.
+ */
+#ifndef LAG_INSTANCE_H
+#define LAG_INSTANCE_H
+
+#include "fmu.h"
+#include "run.h"
+
+/* The numbers of fmi2Status and fmi3Status. */
+typedef enum { LAG_ANSWER_OK, LAG_ANSWER_WARNING, LAG_ANSWER_DISCARD, LAG_ANSWER_ERROR, LAG_ANSWER_FATAL } LagAnswer;
+
+typedef enum { LAG_MODEL_EXCHANGE, LAG_CO_SIMULATION } LagFmuKind;
+
+/* Where an instance is in its life: one bit each, so that sets of them can be written. */
+enum {
+    LAG_MODE_INSTANTIATED = 1,
+    LAG_MODE_CONFIGURATION = 2,
+    LAG_MODE_INITIALIZATION = 4,
+    LAG_MODE_EVENT = 8,
+    LAG_MODE_CONTINUOUS = 16,
+    LAG_MODE_STEP = 32,
+    LAG_MODE_INTERMEDIATE = 64,
+    LAG_MODE_TERMINATED = 128,
+    LAG_MODE_ERROR = 256
+};
+
+typedef enum {
+    LAG_CALL_LOGGING, LAG_CALL_SETUP, LAG_CALL_ENTER_INITIALIZATION, LAG_CALL_EXIT_INITIALIZATION, LAG_CALL_ENTER_EVENT,
+    LAG_CALL_UPDATE_DISCRETE, LAG_CALL_ENTER_CONTINUOUS, LAG_CALL_ENTER_STEP, LAG_CALL_ENTER_CONFIGURATION,
+    LAG_CALL_EXIT_CONFIGURATION, LAG_CALL_TERMINATE, LAG_CALL_RESET, LAG_CALL_GET, LAG_CALL_SET, LAG_CALL_SAVE, LAG_CALL_DERIVE,
+    LAG_CALL_SET_CONTINUOUS, LAG_CALL_GET_CONTINUOUS, LAG_CALL_NOMINALS, LAG_CALL_COUNTS, LAG_CALL_COMPLETED_STEP,
+    LAG_CALL_INPUT_SLOPES, LAG_CALL_OUTPUT_SLOPES, LAG_CALL_DO_STEP, LAG_CALL_STATUS,
+    LAG_CALLS
+} LagCall;
+
+typedef struct LagInstance LagInstance;
+typedef struct LagSaved LagSaved;
+
+typedef void (*LagLogger)(const LagInstance *instance, LagAnswer answer, const char *category, const char *message);
+
+/* After an internal step. Returns 1 to end the communication step at `*time` or soon after it. */
+typedef int (*LagIntermediate)(LagInstance *instance, double t, double *time);
+
+/* Everything of an instance that is saved with its state and holds no address. */
+typedef struct {
+    int mode;
+    int has_started;        /* the run has start values for what was set so far */
+    int parameters_changed, inputs_changed;
+    int has_slopes;         /* inputs are interpolated */
+    int slope_is_current, outputs_are_current, energies_are_current;
+    int has_stop;
+    double t, start, stop, tolerance;
+    double start_energy, supports_energy; /* H, and T + V - H, at the start */
+    double dissipated, work, last_time;   /* Model Exchange: the energy account up to the last completed step */
+} LagVital;
+
+struct LagInstance {
+    const LagFmu *fmu;
+    const LagModel *model;
+    LagRun *run;             /* from initialization on */
+    LagFmuKind kind;
+    LagVital vital;
+    int is_logging, uses_events, may_return_early;
+    LagLogger logger;
+    LagIntermediate intermediate;
+    void *wrapper;           /* what the version of the standard keeps around it */
+    char *name;
+    LagSaved *states;        /* those that were saved and not freed */
+
+    double *memory;          /* all vectors below up to `scratch` */
+    size_t saved_size;       /* so many of them are part of the state */
+    double *given;           /* n_parameters */
+    double *start;           /* 2 n: start values given, NaN where none is */
+    double *u, *u_slope;     /* n_inputs */
+    double *x, *slope;       /* 2 n */
+    double *outputs, *energies;
+    double *power;           /* n_power */
+    double *last, *last_slope, *last_power; /* at the last completed step */
+    double *scratch, *projected; /* not saved */
+    double *row, *mask, *table, *directions, *work;
+};
+
+/* NULL when there is no memory. */
+LagInstance *lag_instance_new(const LagFmu *fmu, LagFmuKind kind, const char *name, LagLogger logger, void *wrapper);
+void lag_instance_free(LagInstance *instance);
+
+/* 1 when the call is allowed now; else it is logged. NULL is no instance. */
+int lag_instance_allows(LagInstance *instance, LagCall call, const char *function);
+LagAnswer lag_instance_log(const LagInstance *instance, LagAnswer answer, const char *category, const char *format, ...);
+#define LAG_ERROR_CATEGORY "logStatusError"
+
+LagAnswer lag_instance_setup(LagInstance *instance, int has_tolerance, double tolerance, double start, int has_stop, double stop);
+LagAnswer lag_instance_enter_initialization(LagInstance *instance);
+LagAnswer lag_instance_exit_initialization(LagInstance *instance);
+LagAnswer lag_instance_reset(LagInstance *instance);
+
+/* Group of a value reference and its place there; -1: there is none. */
+int lag_instance_locate(const LagFmu *fmu, unsigned int reference, int *index);
+int lag_fmu_count(const LagFmu *fmu, int group);
+
+/* Values of one of the groups LAG_GROUP_INTEGER, _BOOLEAN, _STRING. */
+LagAnswer lag_instance_get_constants(LagInstance *instance, int group, const unsigned int *references, size_t count, double *values);
+LagAnswer lag_instance_get_strings(LagInstance *instance, const unsigned int *references, size_t count, const char **values);
+LagAnswer lag_instance_get(LagInstance *instance, const unsigned int *references, size_t count, double *values);
+LagAnswer lag_instance_set(LagInstance *instance, const unsigned int *references, size_t count, const double *values);
+LagAnswer lag_instance_no_set(LagInstance *instance, size_t count, const char *type);
+
+/* Start values from all that was set; does nothing when that is done. */
+LagAnswer lag_instance_begin(LagInstance *instance);
+/* Parameters and inputs that were set come into force. */
+LagAnswer lag_instance_settle(LagInstance *instance);
+LagAnswer lag_instance_slope(LagInstance *instance);
+LagAnswer lag_instance_outputs(LagInstance *instance);
+LagAnswer lag_instance_energies(LagInstance *instance);
+/* Explains why the run did not go on. */
+LagAnswer lag_instance_failed(LagInstance *instance, LagStatus status);
+
+/* Model Exchange (exchange.c). */
+typedef struct {
+    int values_changed, has_next;
+    double next;
+} LagEventInfo;
+LagAnswer lag_instance_set_time(LagInstance *instance, double t);
+LagAnswer lag_instance_set_states(LagInstance *instance, const double *x, size_t count);
+LagAnswer lag_instance_get_states(LagInstance *instance, double *x, size_t count);
+LagAnswer lag_instance_get_slopes(LagInstance *instance, double *slope, size_t count);
+LagAnswer lag_instance_nominals(LagInstance *instance, double *nominal, size_t count);
+LagAnswer lag_instance_completed_step(LagInstance *instance, int *needs_event);
+/* Also of Co-Simulation with events. */
+LagAnswer lag_instance_update_discrete(LagInstance *instance, LagEventInfo *info);
+void lag_exchange_note(LagInstance *instance);
+
+/* Co-Simulation (cosimulation.c). */
+typedef struct {
+    int is_event, is_early;
+    double time;
+} LagStepResult;
+LagAnswer lag_instance_step(LagInstance *instance, double t, double h, LagStepResult *result);
+LagAnswer lag_instance_input_slope(LagInstance *instance, unsigned int reference, int order, double value);
+LagAnswer lag_instance_output_slope(LagInstance *instance, unsigned int reference, int order, double *value);
+void lag_cosimulation_take_row(LagInstance *instance);
+
+/* Derivatives along a direction and their adjoints (partial.c). */
+LagAnswer lag_instance_forward(LagInstance *instance, const unsigned int *unknowns, size_t n_unknowns,
+                               const unsigned int *knowns, size_t n_knowns, const double *seed, double *sensitivity);
+LagAnswer lag_instance_adjoint(LagInstance *instance, const unsigned int *unknowns, size_t n_unknowns,
+                               const unsigned int *knowns, size_t n_knowns, const double *seed, double *sensitivity);
+size_t lag_partial_size(const LagFmu *fmu);
+
+/* States to come back to (saved.c): blocks of bytes that know their size. Each belongs to its instance, which takes no other
+ * address for one. */
+LagAnswer lag_instance_save(LagInstance *instance, LagSaved **saved);
+LagAnswer lag_instance_restore(LagInstance *instance, const LagSaved *saved);
+int lag_saved_is_known(const LagInstance *instance, const LagSaved *saved);
+void lag_saved_free(LagInstance *instance, LagSaved *saved);
+size_t lag_saved_size(const LagSaved *saved);
+void lag_saved_write(const LagSaved *saved, unsigned char *bytes);
+LagAnswer lag_saved_read(LagInstance *instance, const unsigned char *bytes, size_t size, LagSaved **saved);
+
+#endif

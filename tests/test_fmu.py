@@ -1,0 +1,91 @@
+"""FMUs of all examples, in FMPy: valid, and the same motion as that of `lag simulate`."""
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("fmpy")
+
+import fmpy
+from fmpy.validation import validate_fmu
+
+import lagrangia as lag
+from fmus import EXAMPLES, KINDS, VERSIONS, fmu_of, model_of, simulated
+from lagrangia.cli import main
+
+FILES = sorted(EXAMPLES.glob("*.lag"))
+# Far apart after a while, whatever the solver: the time up to which two runs are compared, in s.
+CHAOTIC = {"double_pendulum": 3, "chain": 2, "n_four_bars": 2, "spring_pendulum": 3, "pantograph": 3, "parallelogram": 2,
+           "four_bar": 2, "slider_crank": 1}
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_fmpy_has_nothing_to_say(path: Path, version: str) -> None:
+    assert validate_fmu(str(fmu_of(path, version))) == []
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_the_motion_is_that_of_the_native_run(path: Path, kind: str, version: str) -> None:
+    model = model_of(path)
+    scene = model.scene
+    names = [c.name for c in (*scene.coordinates, *scene.outputs)]
+    stop = min(scene.stop, CHAOTIC.get(path.stem, scene.stop))
+    # CVode's own error, from step to step, is a hundred times its tolerance after a while.
+    tolerance = 1e-8 if kind == "CoSimulation" else 1e-10
+    found = simulated(path, version, kind, names, stop_time=stop, step_size=stop / 100, output_interval=stop / 100,
+                      relative_tolerance=tolerance)
+    found = found[np.append(np.diff(found["time"]) > 0, True)]  # of two rows at an event the second one
+    native = model.simulate(stop=stop, at=found["time"], tolerance=1e-9)
+    assert found["time"][-1] == pytest.approx(stop, rel=1e-12)
+    groups = {column.unit for column in scene.coordinates}
+    size = {unit: max(np.abs(native[c.name]).max() for c in scene.coordinates if c.unit == unit) for unit in groups}
+    for column in (*scene.coordinates, *scene.outputs):
+        scale = max(np.abs(native[column.name]).max(), size.get(column.unit, 0.0), 1.0 if column.unit == "rad" else 1e-6)
+        assert np.abs(found[column.name] - native[column.name]).max() < 1e-6 * scale, column.name
+
+
+def test_a_scene_without_c_names_and_one_at_rest(tmp_path: Path) -> None:
+    """Blanks, accents, 300 characters; no states; no parameters."""
+    texts = {
+        "'Größe mit Blanks'": "PointMass p(m = 1); Spring s(a = world, b = p.center, k = 3, s_rel0 = 0.1);",
+        "N" * 300: "Revolute h(a = world); Bar b(m = 1, L = 1, a = h.b);",
+        "Still": "Weld clamp(a = world); Bar b(m = 1, L = 1, a = clamp.b); output Force F[2] = clamp.reaction;",
+    }
+    for name, body in texts.items():
+        (tmp_path / "scene.lag").write_text(f"model {name} {body} end {name};", encoding="utf-8")
+        for path in lag.load(tmp_path / "scene.lag").export_fmu(tmp_path / "x.fmu", fmi="both"):
+            assert validate_fmu(str(path)) == []
+            for kind in KINDS:
+                fmpy.simulate_fmu(str(path), fmi_type=kind, stop_time=0.5)
+
+
+def test_equal_input_gives_equal_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    model = model_of(EXAMPLES / "pendulum.lag")
+    (one,), (other,) = (model.export_fmu(tmp_path / f"{k}.fmu", fmi="3") for k in range(2))
+    assert one.read_bytes() == other.read_bytes()
+    assert b"2023-11-14T22:13:20Z" in zipfile.ZipFile(one).read("modelDescription.xml")
+
+
+def test_nothing_of_the_standard_is_inside(tmp_path: Path) -> None:
+    """Sources are complete but for the headers of the standard, which are not ours to give away."""
+    for version in VERSIONS:
+        names = zipfile.ZipFile(fmu_of(EXAMPLES / "pendulum.lag", version)).namelist()
+        assert not [name for name in names if name.endswith(("Functions.h", "FunctionTypes.h", "Platform.h", "PlatformTypes.h"))]
+        assert "sources/scene.c" in names and "sources/buildDescription.xml" in names
+
+
+def test_what_cannot_be_exported_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = str(EXAMPLES / "pendulum.lag")
+    for options in (["--fmi", "1"], ["--kind", "xx"], ["--platforms", "amiga"], ["--info", "color=red"], ["-p", "m=-1"],
+                    ["-p", "nothing=1"], ["--no-sources", "--platforms", ""], ["-o", "/nowhere/at/all.fmu"]):
+        assert main(["export", file, "--to", "fmu", *options]) == 2
+        assert "error[L" in capsys.readouterr().err
