@@ -19,19 +19,23 @@ static const double *bring_back(LagRun *run, double t, const double *q, double *
 }
 
 /* 0 * x is 0 for finite x and NaN for others: one sum tells about all. */
+static int all_finite(const double *x, int n)
+{
+    double probe = 0;
+    for (int i = 0; i < n; ++i)
+        probe += 0 * x[i];
+    return probe == 0;
+}
+
 static int accelerations(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
 {
     const LagModel *model = run->model;
     const double *in[] = {&t, q, v, run->u, run->d, run->c};
-    double *out[] = {a, power, run->multipliers}, probe = 0;
+    double *out[] = {a, power, run->multipliers};
     lag_inputs_at(&run->inputs, t, run->u);
     if (lag_call(&model->rhs, in, out, run->work) != 0)
         return 0;
-    for (int i = 0; i < model->n; ++i)
-        probe += 0 * a[i];
-    for (int i = 0; i < model->n_power; ++i)
-        probe += 0 * power[i];
-    return probe == 0;
+    return all_finite(a, model->n) && all_finite(power, model->n_power);
 }
 
 int lag_accelerations(void *context, double t, const double *q, double *v, double *a, double *power)
@@ -49,6 +53,15 @@ void lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *mat
     ++run->motion.evaluations;
     ++run->statistics.jacobians;
     lag_implicit_matrix_evaluate(matrix, run->model, in, run->work);
+}
+
+int lag_flow(void *context, LagFlowPart part, const double *q, const double *v_or_p, double *result)
+{
+    LagRun *run = context;
+    const LagModel *model = run->model;
+    const LagFunction *const functions[] = {&model->momentum, &model->velocity, &model->force};
+    const double *in[] = {q, v_or_p, part == LAG_MOMENTUM ? run->p : run->c};
+    return lag_call(functions[part], in, &result, run->work) == 0 && all_finite(result, model->n);
 }
 
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs)

@@ -9,6 +9,9 @@ int lag_accelerations(void *run, double t, const double *q, double *v, double *a
 
 /* The parts of the matrix of implicit steps at a state. */
 void lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matrix);
+/* A LagFlow. */
+int lag_flow(void *run, LagFlowPart part, const double *q, const double *v_or_p, double *result);
+
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs);
 void lag_energies(LagRun *run, double t, const double *y, double *energies);
 

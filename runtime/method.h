@@ -10,7 +10,7 @@ struct LagRun;
 
 typedef struct {
     const char *name;
-    int order; /* the error of a step of length h falls as h^order */
+    int order; /* the error of a step of length h falls as h^order; of methods of fixed step, that of their trial */
 
     /* Takes memory for `self`, the method's own struct, for a motion of the given sizes. */
     void (*layout)(void *self, const LagMotion *motion, LagArena *arena);

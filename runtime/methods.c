@@ -5,7 +5,9 @@
 int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
 {
     const int32_t asked = settings->solver != LAG_SOLVER_AUTO ? settings->solver : model->solver;
-    return asked != LAG_SOLVER_AUTO ? asked : LAG_SOLVER_ERK;
+    if (asked != LAG_SOLVER_AUTO)
+        return asked;
+    return lag_taylor_pays(model, settings->tolerance) ? LAG_SOLVER_TAYLOR : LAG_SOLVER_ERK;
 }
 
 int lag_methods_permit(const LagModel *model, int32_t solver)
@@ -15,13 +17,15 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     case LAG_SOLVER_LINEAR: return model->linear_pattern != NULL;
     case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
     case LAG_SOLVER_ISLANDS: return model->n_islands > 1;
+    case LAG_SOLVER_CONSERVATIVE: return lag_present(&model->velocity);
+    case LAG_SOLVER_TAYLOR: return model->n_jets > 0;
     default: return 0;
     }
 }
 
 int lag_methods_alternate(const LagModel *model, int32_t solver)
 {
-    const int is_one = solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_IMPLICIT;
+    const int is_one = solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_TAYLOR || solver == LAG_SOLVER_IMPLICIT;
     return is_one && lag_methods_permit(model, LAG_SOLVER_IMPLICIT);
 }
 
@@ -31,13 +35,18 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
     const int32_t solver = lag_methods_first(settings, model);
     if (!lag_methods_permit(model, solver))
         return;
+    const int may_turn = settings->solver == LAG_SOLVER_AUTO && lag_methods_alternate(model, solver);
     if (solver == LAG_SOLVER_LINEAR)
         lag_linear_method.layout(&methods->linear, motion, arena);
     if (solver == LAG_SOLVER_ISLANDS)
         lag_islands_method.layout(&methods->islands, motion, arena);
-    if (solver == LAG_SOLVER_ERK || lag_methods_alternate(model, solver))
+    if (solver == LAG_SOLVER_TAYLOR)
+        lag_taylor.layout(&methods->taylor, motion, arena);
+    if (solver == LAG_SOLVER_CONSERVATIVE)
+        lag_gauss.layout(&methods->gauss, motion, arena);
+    if (solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_CONSERVATIVE || lag_methods_alternate(model, solver))
         lag_dop853.layout(&methods->dop853, motion, arena);
-    if (solver == LAG_SOLVER_IMPLICIT || (settings->solver == LAG_SOLVER_AUTO && lag_methods_alternate(model, solver)))
+    if (solver == LAG_SOLVER_IMPLICIT || may_turn)
         lag_radau.layout(&methods->radau, motion, arena);
 }
 
@@ -56,6 +65,14 @@ void lag_methods_choose(LagMethods *methods, int32_t solver)
     case LAG_SOLVER_ISLANDS:
         methods->table = &lag_islands_method;
         methods->self = &methods->islands;
+        break;
+    case LAG_SOLVER_CONSERVATIVE:
+        methods->table = &lag_gauss;
+        methods->self = &methods->gauss;
+        break;
+    case LAG_SOLVER_TAYLOR:
+        methods->table = &lag_taylor;
+        methods->self = &methods->taylor;
         break;
     default:
         methods->table = &lag_dop853;

@@ -3,10 +3,12 @@
 #define LAG_METHODS_H
 
 #include "dop853.h"
+#include "gauss.h"
 #include "islands.h"
 #include "linear_method.h"
 #include "radau.h"
 #include "run.h"
+#include "taylor.h"
 
 typedef struct {
     int32_t solver;         /* LAG_SOLVER_...: in use */
@@ -16,6 +18,8 @@ typedef struct {
     LagLinearMethod linear;
     LagIslands islands;
     LagRadau radau;
+    LagGauss gauss;
+    LagTaylor taylor;
 } LagMethods;
 
 /* The solver to begin with. */

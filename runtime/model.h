@@ -27,6 +27,9 @@ typedef struct LagTape LagTape;
 /* Vectors in, vectors out, all dense; `work` is scratch. Returns 0, or anything else when it has no value here. */
 typedef int (*LagCode)(const double *const *in, double *const *out, double *work);
 
+/* Taylor coefficients of order k of all jets, from those of lower order (jets.h); in: d, c. The first jets are t, q, v, u. */
+typedef void (*LagJets)(int k, const double *const *in, double *jets);
+
 /* Either `code` or `tape` is set; neither: the function is absent and its outputs are empty. */
 typedef struct {
     int n_in, n_out;
@@ -90,6 +93,14 @@ struct LagModel {
      * M a + h + J^T lambda and of J a + bias (compiler/lagrangia/jacobians.py). One of the two is there, or neither. */
     LagFunction jacobian;   /* t, q, v, a, lambda, u, d, c         -> S0, S1, S2 */
     LagFunction tangent;    /* t, q, v, a, lambda, u, d, c, dq, dv -> S0 (dv, 0), S1 (dv, 0) + S2 (dq, 0) */
+    LagFunction velocity;   /* q, p, c              -> v = M^-1 p      these two only where energy is kept */
+    LagFunction force;      /* q, v, c              -> dp/dt = dT/dq - dV/dq */
+
+    int n_jets;            /* 0: there are no series */
+    int n_products;        /* sums of products among the jets: their cost grows with the order */
+    int series_rhs_cost;   /* of one evaluation of rhs, in tenths of a nanosecond of some machine */
+    const int *jet_places; /* n + n_power: the jets of accelerations and powers */
+    LagJets taylor;
 };
 
 #endif

@@ -9,9 +9,15 @@
 /* Accelerations a[n] and powers power[n_power]; returns 1 when all are finite. v is the slope of q: it may be corrected. */
 typedef int (*LagRhs)(void *context, double t, const double *q, double *v, double *a, double *power);
 
+/* Of scenes that keep their energy: the momenta p = dT/dv; v in terms of them; dp/dt. Returns 1 when the result is finite. */
+typedef enum { LAG_MOMENTUM, LAG_VELOCITY, LAG_FORCE } LagFlowPart;
+typedef int (*LagFlow)(void *context, LagFlowPart part, const double *q, const double *v_or_p, double *result);
+
 typedef struct {
     int n, size; /* size = 2 n + n_power */
+    int n_jets;
     LagRhs rhs;
+    LagFlow flow;
     void *context;
     double t, t_old;   /* the last step went from t_old to t; equal: it is no longer known */
     double *y, *carry; /* state (q, v, energy quadratures) and what rounding took from it */

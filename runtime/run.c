@@ -12,7 +12,8 @@ static size_t work_size(const LagModel *model)
 {
     const LagFunction *functions[] = {&model->parameters, &model->hoist, &model->start, &model->initial, &model->momentum,
                                       &model->events, &model->modes, &model->rhs, &model->outputs, &model->energies,
-                                      &model->place, &model->steer, &model->jacobian, &model->tangent};
+                                      &model->place, &model->steer, &model->jacobian, &model->tangent, &model->velocity,
+                                      &model->force};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -54,7 +55,9 @@ static void connect_parts(LagRun *run, const LagModel *model)
     run->inputs.n = model->n_inputs;
     run->motion.n = model->n;
     run->motion.size = 2 * model->n + model->n_power;
+    run->motion.n_jets = model->n_jets;
     run->motion.rhs = lag_accelerations;
+    run->motion.flow = lag_flow;
     run->motion.context = run;
 }
 

@@ -13,8 +13,16 @@
 
 typedef struct LagRun LagRun;
 
-/* Ways to step; LAG_SOLVER_AUTO stands for the one the model names. */
-enum { LAG_SOLVER_AUTO, LAG_SOLVER_ERK, LAG_SOLVER_LINEAR, LAG_SOLVER_IMPLICIT, LAG_SOLVER_ISLANDS };
+/* Ways to step; LAG_SOLVER_AUTO stands for the one the model names, or the cheaper one of ERK and TAYLOR. */
+enum {
+    LAG_SOLVER_AUTO,
+    LAG_SOLVER_ERK,
+    LAG_SOLVER_LINEAR,
+    LAG_SOLVER_IMPLICIT,
+    LAG_SOLVER_ISLANDS,
+    LAG_SOLVER_CONSERVATIVE,
+    LAG_SOLVER_TAYLOR
+};
 
 /* Smaller tolerances are raised to this one. */
 #define LAG_SMALLEST_TOLERANCE 1e-14

@@ -22,11 +22,13 @@
 
 static const double OWN = 0.3, GROUP = 0.01, CAUTION = 0.05, SMALLEST = 2e-15, ANGLE_CAP = 3.141592653589793;
 
+double lag_scale_caution(double tolerance) { return fmax(CAUTION * tolerance, SMALLEST); }
+
 void lag_scale_init(LagScale *scale, int n, const int *kind, double tolerance)
 {
     scale->n = n;
     scale->kind = kind;
-    scale->tolerance = fmax(CAUTION * tolerance, SMALLEST);
+    scale->tolerance = lag_scale_caution(tolerance);
     scale->kinds = 0;
     for (int i = 0; i < n; ++i)
         if (kind[i] >= scale->kinds)

@@ -18,6 +18,9 @@ typedef struct {
     double *motion, *change; /* kinds: scratch of lag_first_step */
 } LagScale;
 
+/* The relative error of a step that counts as a unit at this tolerance of the user. */
+double lag_scale_caution(double tolerance);
+
 /* `kinds` is one more than the largest kind. */
 void lag_scale_init(LagScale *scale, int n, const int *kind, double tolerance);
 void lag_scale_layout(LagScale *scale, LagArena *arena);

@@ -114,7 +114,8 @@ static void begin(LagRun *run)
 void lag_stiffness_reset(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
-    const int is_free = run->settings.solver == LAG_SOLVER_AUTO && run->methods.solver == LAG_SOLVER_ERK;
+    const int is_explicit = run->methods.solver == LAG_SOLVER_ERK || run->methods.solver == LAG_SOLVER_TAYLOR;
+    const int is_free = run->settings.solver == LAG_SOLVER_AUTO && is_explicit;
     s->is_watching = is_free && lag_methods_alternate(run->model, LAG_SOLVER_ERK);
     s->next = LAG_SOLVER_AUTO;
     s->passes = 0;
@@ -131,7 +132,8 @@ static void watch_explicit(LagRun *run)
     if (s->steps < s->look || s->steps < s->wait)
         return;
     const double h = (run->motion.t - s->t) / s->steps, ruled = h * radius(run);
-    s->pace = (run->motion.t - s->t) / (work(run) - s->work);
+    const double spent = run->methods.solver == LAG_SOLVER_TAYLOR ? s->steps * explicit_step_work(run->model) : work(run) - s->work;
+    s->pace = (run->motion.t - s->t) / spent;
     s->suspicions = ruled > RULES ? s->suspicions + 1 : 0;
     s->interval = s->suspicions > 0 ? SUSPICIOUS_INTERVAL : ruled > FAR ? FIRST_LOOK : 2 * s->interval;
     s->interval = s->interval < MOST_INTERVAL ? s->interval : MOST_INTERVAL;
@@ -168,10 +170,10 @@ void lag_stiffness_watch(LagRun *run)
     ++s->steps;
     if (!s->is_watching || s->passes > 0)
         return;
-    if (run->methods.solver == LAG_SOLVER_ERK)
-        watch_explicit(run);
-    else
+    if (run->methods.solver == LAG_SOLVER_IMPLICIT)
         watch_implicit(run);
+    else
+        watch_explicit(run);
 }
 
 static int restart(LagRun *run, int32_t solver)

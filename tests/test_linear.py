@@ -207,7 +207,7 @@ def test_a_ladder_of_120_states(scene: Scene) -> None:
 
 def test_auto_takes_it_where_it_costs_less(scene: Scene) -> None:
     text = STIFF_PAIR.replace("end Pair", "annotation(experiment(StopTime = {stop}));\nend Pair")
-    for stop, solver in ((10, "erk"), (1000, "linear")):
+    for stop, solver in ((10, "taylor"), (1000, "linear")):
         run = scene(text.format(stop=stop)).simulate()
         assert run.statistics.solver.name.lower() == solver
 

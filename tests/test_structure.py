@@ -61,6 +61,7 @@ ORDER = """
     loads
     linear_form
     linear_choice
+    hamilton
     spectrum
     islands
     functions
@@ -93,6 +94,7 @@ ORDER = """
     interpret
     scene
     instructions
+    taylor
     ccode
     scenes
     needs

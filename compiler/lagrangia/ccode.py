@@ -7,8 +7,14 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 
 from lagrangia.runtime import Op, Tape
+from lagrangia.taylor import NoSeriesError, Series, write_series
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
+_MOVES = (Op.INPUT, Op.OUTPUT, Op.CONST, Op.ASSIGN)
+_QUICK, _SLOWEST = 1, 150
+_SLOW = dict.fromkeys((Op.DIV, Op.INV, Op.SQRT), 12) | dict.fromkeys(
+    (op for op in Op if Op.SIN <= op <= Op.CONSTPOW or Op.SINH <= op <= Op.ERF), _SLOWEST)
+_LONGEST_SERIES = 2000  # instructions
 _PIECE = 3000  # instructions in one C function
 
 _TEMPLATES: Mapping[int, str] = {
@@ -33,16 +39,21 @@ def write_c(
 ) -> str:
     """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once."""
     data = {*_DATA, *interpreted}
-    lines = [f"/* {_comment(name)}: generated, do not edit. */", "#include <math.h>", '#include "tape.h"', ""]
+    lines = [f"/* {_comment(name)}: generated, do not edit. */", "#include <math.h>", '#include "jets.h"', '#include "tape.h"']
     functions, initializers = write_functions(tapes, data)
-    lines += functions
+    lines += ["", *functions]
     lines += [_ints(name, places) for name, places in patterns.items()]
+    series = write_motion_series(tapes) if "rhs" not in data else ""
+    lines += [] if isinstance(series, str) else [series.source, _ints("jet_places", series.places)]
     lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
     lines += ["LAG_API extern const LagModel lag_model;", "const LagModel lag_model = {"]
     lines += [f"    .{key} = {value}," for key, value in sizes.items()]
     lines += ["    .coordinate_kind = coordinate_kind,", "    .fixed = fixed_start,", "    .event_kind = event_kind,"]
     lines += [f"    .{name} = {name}," for name in patterns]
     lines += [f"    .{label} = {value}," for label, value in initializers.items()]
+    if not isinstance(series, str):
+        lines += [f"    .n_jets = {series.n_jets},", f"    .n_products = {series.n_products},"]
+        lines += [f"    .series_rhs_cost = {_cost(tapes['rhs'])},", "    .jet_places = jet_places,", "    .taylor = taylor,"]
     return "\n".join([*lines, "};", ""])
 
 
@@ -56,6 +67,22 @@ def write_functions(tapes: Mapping[str, Tape], interpreted: Collection[str] = ()
         work, how = (tape.n_work, f"0, &{label}_tape") if is_data else (_work(tape), f"{label}, 0")
         values[label] = f"{{{len(tape.in_sizes)}, {len(tape.out_sizes)}, {label}_in, {label}_out, {work}, {how}}}"
     return lines, values
+
+
+def _cost(tape: Tape) -> int:
+    """Tenths of a nanosecond, about: what matters is the proportion to the cost of series."""
+    operations = [tape.code[k] for k in range(0, len(tape.code), 4)]
+    return sum(0 if op in _MOVES else _SLOW.get(Op(op), _QUICK) for op in operations)
+
+
+def write_motion_series(tapes: Mapping[str, Tape]) -> Series | str:
+    """C for Taylor coefficients of the motion, or why there is none."""
+    if len(tapes["rhs"].code) // 4 > _LONGEST_SERIES:
+        return f"not supported yet beyond {_LONGEST_SERIES} operations"
+    try:
+        return write_series(tapes["rhs"], lambda op, a, b: _TEMPLATES[op].format(a=a, b=b), _number)
+    except NoSeriesError as error:
+        return str(error)
 
 
 def _comment(text: str) -> str:

@@ -225,7 +225,7 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
         solver = name_of(statistics.solver)
         if statistics.switches:
             implicit = statistics.implicit_steps
-            parts = f"{statistics.steps - implicit} steps erk, {implicit} implicit, {statistics.switches} switches"
+            parts = f"{statistics.steps - implicit} steps explicit, {implicit} implicit, {statistics.switches} switches"
             solver = f"{options.solver} ({parts})"
         how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations"
     say(f"  {solver}{how} in {_time(progress.seconds)}")

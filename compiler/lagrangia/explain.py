@@ -37,7 +37,10 @@ def as_text(scene: Scene, needs: Sequence["Need"]) -> str:
     others = [name for name in WAYS if name != chosen]
     if others:
         lines.append("other solvers")
-        lines += [f"  {name:13} {scene.refused[name] if name in scene.refused else WAYS[name].title}" for name in others]
+        for name in others:
+            text = scene.refused[name] if name in scene.refused else WAYS[name].title
+            wrapped = textwrap.wrap(text, _WIDTH - 16, break_long_words=False)
+            lines += [f"  {name:13} {wrapped[0]}", *(" " * 16 + line for line in wrapped[1:])]
     return "\n".join(lines).rstrip()
 
 

@@ -11,6 +11,7 @@ import casadi as ca
 
 from lagrangia.algebra import Mode, Scalar
 from lagrangia.constraints import Constraints
+from lagrangia.hamilton import Hamilton
 from lagrangia.initial import InitialConditions
 from lagrangia.jacobians import Jacobian, build_jacobian
 from lagrangia.kinematics import Kinematics
@@ -38,25 +39,26 @@ class Functions:
 
 
 def build_functions(
-    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, outputs: tuple[str, ...]
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, hamilton: Hamilton | None,
+    outputs: tuple[str, ...],
 ) -> Functions:
     """`outputs` are the names to report besides coordinates and rates; see observables.py. Raises LagError L0701."""
     names, y = _outputs(kinematics, outputs)
     y = with_reactions(y, kinematics, motion, constraints)
-    held = motion.constrained
-    nothing = ca.SX(0, 1)
+    held, nothing = motion.constrained, ca.SX(0, 1)
     symbols, multipliers = (held.symbols, held.multipliers) if held else (nothing, nothing)
     corrections = [held.place, held.phi, held.steer, held.rate] if held else [nothing] * 4
-    power, energy, jacobian = _power(motion), ca.vertcat(motion.T, motion.V, motion.H), build_jacobian(kinematics, motion)
-    expressions, c, hoisted = _hoist([motion.acceleration, power, multipliers, y, energy, *corrections, *jacobian.values],
-                                     motion.p)
-    acceleration, power, multipliers, y, energy, dq, phi, dv, rate, *steps = expressions
-    modes = kinematics.algebra.modes
+    power, energy = _power(motion), ca.vertcat(motion.T, motion.V, motion.H)
+    jacobian, flow = build_jacobian(kinematics, motion), [hamilton.velocity, hamilton.force] if hamilton else []
+    wanted = [motion.acceleration, power, multipliers, y, energy, *corrections, *flow, *jacobian.values]
+    expressions, c, hoisted = _hoist(wanted, motion.p)
+    acceleration, power, multipliers, y, energy, dq, phi, dv, rate, *rest = expressions
+    flow, steps, modes = rest[: len(flow)], rest[len(flow) :], kinematics.algebra.modes
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = ca.vertcat(*[mode.symbol for mode in modes])
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
-    full, all_labels = [t, q, v, a, symbols, u, d, c], ["t", "q", "v", "a", "lambda", "u", "d", "c"]
+    full, all_labels = [t, q, v, a, symbols, u, d, c], [*labels[:3], "a", "lambda", *labels[3:]]
     table = _implicit_function(jacobian, steps, full, all_labels) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
@@ -68,8 +70,9 @@ def build_functions(
     if held:
         table["place"] = ca.Function("place", [t, q, u, d, c], [dq, phi], ["t", "q", "u", "d", "c"], ["dq", "phi"])
         table["steer"] = ca.Function("steer", state, [dv, rate], labels, ["dv", "rate"])
-    table |= _start_functions(kinematics, motion, initial) | _mode_functions(motion, modes)
-    needs = ca.depends_on(y, ca.vertcat(a, symbols)) if y.numel() else False
+    table |= _flow_functions(motion, hamilton, flow, c) | _mode_functions(motion, modes)
+    table |= _start_functions(kinematics, motion, initial)
+    needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     if not jacobian.values:
         refused["implicit"] = "not supported yet: implicit steps of so many coordinates that all act on each other"
@@ -94,6 +97,17 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(mode.kind for mode in modes), power.numel(), False,
                      patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
+
+
+def _flow_functions(motion: Motion, hamilton: Hamilton | None, flow: list[ca.SX], c: ca.SX) -> dict[str, ca.Function]:
+    """Those of symplectic steps."""
+    if hamilton is None:
+        return {}
+    velocity, force = flow
+    momentum = ca.densify(motion.momentum)
+    return {"momentum": ca.Function("momentum", [motion.q, motion.v, motion.p], [momentum], ["q", "v", "p"], ["Mv"]),
+            "velocity": ca.Function("velocity", [motion.q, hamilton.p, c], [velocity], ["q", "p", "c"], ["v"]),
+            "force": ca.Function("force", [motion.q, motion.v, c], [force], ["q", "v", "c"], ["dp"])}
 
 
 def _power(motion: Motion) -> ca.SX:

@@ -225,7 +225,7 @@ def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v:
     if tree is not None:
         ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
     if tree is None or coupled_pairs(kinematics) <= _DENSEST * v.numel():
-        ways["dense"] = _dense(momentum, h, v)
+        ways["dense"] = _dense(momentum, -h, v)
     if len(ways) == 1:
         (way,) = ways
         return ways[way], way, {}
@@ -245,11 +245,19 @@ def coupled_pairs(kinematics: Kinematics) -> int:
     return count
 
 
-def _dense(momentum: ca.SX, h: ca.SX, v: ca.SX) -> ca.SX:
+def _dense(momentum: ca.SX, r: ca.SX, v: ca.SX) -> ca.SX:
     """Sparse M = L D L^T, ordered by minimum degree. M is positive definite for trees, so no pivoting is needed."""
     M = ca.jacobian(momentum, v)
     diagonal, upper, order = ca.ldl(M, True)
-    return ca.ldl_solve(-h, diagonal, upper, order)
+    return ca.ldl_solve(r, diagonal, upper, order)
+
+
+def solve_mass(kinematics: Kinematics, motion: Motion, r: ca.SX) -> ca.SX:
+    """The solution (n,) of M x = r, the way the accelerations are solved for. Only for scenes without constraints."""
+    tree = eliminate(kinematics, motion.bodies, r) if motion.way == "tree" else None
+    if tree is None:
+        return _dense(motion.momentum, r, motion.v)
+    return ca.substitute([tree], [kinematics.symbols.tau], [ca.SX(1)])[0]
 
 
 def count_nodes(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:

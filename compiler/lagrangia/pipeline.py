@@ -58,6 +58,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.freedom import find_freedom
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
+    from lagrangia.hamilton import build_hamilton, energy_flow
     from lagrangia.initial import build_initial
     from lagrangia.kinematics import build_kinematics
     from lagrangia.motion import build_motion
@@ -77,11 +78,15 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             motion = build_motion(kinematics, energies, constraints, for_any_mass)
         with _timed(seconds, "functions"):
             initial = build_initial(kinematics, constraints)
-            functions = build_functions(kinematics, motion, constraints, initial, _reported(kinematics.graph, outputs))
+            flow = energy_flow(kinematics, constraints, energies, motion)
+            hamilton = None if flow else build_hamilton(kinematics, motion)
+            functions = build_functions(kinematics, motion, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
         with _timed(seconds, "freedom"):
             freedom = find_freedom(kinematics, motion, constraints, initial, functions)
         with _timed(seconds, "scene"):
-            scene = divide(build_scene(kinematics, motion, initial, functions, freedom), kinematics, motion, initial)
+            refused = {"conservative": flow} if flow else {}
+            scene = build_scene(kinematics, motion, initial, functions, freedom, refused)
+            scene = divide(scene, kinematics, motion, initial)
     return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, initial, functions, scene,
                        seconds)
 

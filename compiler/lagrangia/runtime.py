@@ -43,6 +43,8 @@ class Solver(IntEnum):
     LINEAR = 2
     IMPLICIT = 3
     ISLANDS = 4
+    CONSERVATIVE = 5
+    TAYLOR = 6
 
 
 class Op(IntEnum):
@@ -201,7 +203,7 @@ _SIZES = (
 )
 _FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
-    "linear", "waves", "jacobian", "tangent",
+    "linear", "waves", "jacobian", "tangent", "velocity", "force",
 )
 
 
@@ -220,6 +222,11 @@ class _Model(c.Structure):
         ("island", _Ints),
         ("islands", c.c_void_p),
         *((name, _Function) for name in _FUNCTIONS),
+        ("n_jets", c.c_int),
+        ("n_products", c.c_int),
+        ("series_rhs_cost", c.c_int),
+        ("jet_places", _Ints),
+        ("taylor", c.c_void_p),
     )
 
 

@@ -1,11 +1,12 @@
 """Functions -> Scene: names, units, defaults and tapes, as plain data."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import prod
 
 import casadi as ca
 
+from lagrangia.ccode import write_motion_series
 from lagrangia.diagnostics import fail
 from lagrangia.dimensions import unit_of
 from lagrangia.flat import FlatModel, Variable
@@ -25,8 +26,10 @@ from lagrangia.tree import Array, Flat
 
 
 def build_scene(
-    kinematics: Kinematics, motion: Motion, initial: InitialConditions, functions: Functions, freedom: Freedom
+    kinematics: Kinematics, motion: Motion, initial: InitialConditions, functions: Functions, freedom: Freedom,
+    refused: dict[str, str],
 ) -> Scene:
+    """`refused` says of solvers that cannot run the scene why they cannot."""
     model, graph = kinematics.graph.model, kinematics.graph
     tapes = {name: tape_of(function) for name, function in functions.table.items()}
     coordinates = tuple(Column(c.name, c.unit, c.display_unit, c.description) for c in graph.coordinates)
@@ -57,7 +60,7 @@ def build_scene(
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
         tuple(kinds[c.unit] for c in started), tuple(map(int, initial.fixed)), functions.event_kinds,
         _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, freedom), functions.patterns,
-        functions.refused, tapes, (), _evenness(motion), _lost_starts(model, initial),
+        {**functions.refused, **refused, **_no_series(tapes)}, tapes, (), _evenness(motion), _lost_starts(model, initial),
     )
 
 
@@ -121,6 +124,11 @@ def _evenness(motion: Motion) -> Tape | None:
     if held is None or not held.evenness.numel() or not ca.depends_on(held.evenness, motion.p):
         return None
     return tape_of(ca.Function("evenness", [motion.p], [ca.cse(held.evenness)]))
+
+
+def _no_series(tapes: Mapping[str, Tape]) -> dict[str, str]:
+    series = write_motion_series(tapes)
+    return {"taylor": series} if isinstance(series, str) else {}
 
 
 def _initial_places(initial: InitialConditions) -> tuple[str, ...]:

@@ -36,7 +36,7 @@ def find_spectrum(kinematics: Kinematics, motion: Motion, initial: InitialCondit
     n, modes = motion.q.numel(), kinematics.algebra.modes
     slopes = ca.jacobian(motion.acceleration, ca.vertcat(motion.q, motion.v))
     p, defaults = default_parameters(kinematics)
-    start = ca.substitute([initial.q, initial.v], [p], [ca.SX(defaults)]) if p.numel() else [initial.q, initial.v]
+    start = ca.substitute([initial.q[:n], initial.v[:n]], [p], [ca.SX(defaults)]) if p.numel() else [initial.q[:n], initial.v[:n]]
     values = [m.value for m in modes]
     if modes:
         slopes = ca.substitute([slopes], [m.symbol for m in modes], values)[0]

@@ -89,8 +89,16 @@ implicit  Radau IIA with 3, 5 or 7 stages, order 5, 9 or 13 (Hairer, Wanner, Sol
         length of steps follow Newton's iterations and the error; what is stiff is damped, not resolved.
 islands  coordinates that do not interact are run apart, each group by the solver and the steps that suit it; up to 8 groups of at
         most 200 coordinates, without constraints. auto takes it where some are at least four times as fast as others.
-auto    islands or linear where they pay; else erk, which goes over to implicit where stability and not accuracy keeps its steps
-        short, if that gets on faster for the same work, and back. The summary says what was used.
+auto    islands or linear where they pay; else erk or taylor, and from there over to implicit where stability and not accuracy
+        keeps steps short, if that gets on faster for the same work, and back. The summary says what was used.
+taylor  Taylor series of the motion about the beginning of each step, of an order that follows from the tolerance (Jorba, Zou,
+        Exp. Math. 14, 2005), for small scenes of smooth functions: C written for the scene computes the coefficients. Steps are
+        long and rows inside them cost next to nothing. auto takes it instead of erk where it is cheaper, most of all at small
+        tolerances.
+conservative  Gauss collocation of order 6 to 16 in coordinates and momenta with equal steps, symplectic (Hairer, Lubich, Wanner,
+        Geometric Numerical Integration, II.1, VI.4): the energy error of a scene that keeps its energy stays bounded, however
+        long. The length of steps follows from the tolerance by a trial at the start, so motions that are quick at times (close
+        encounters) are not for it. auto never takes it: to 1e5 periods taylor and erk at small tolerances cost less.
 casadi:cvodes, casadi:idas    integrators of SUNDIALS through CasADi: an independent check, and the way without a C compiler.
 
 Closed loops and constraints: accelerations and multipliers from one sparse linear system, written out and factored without

@@ -25,7 +25,7 @@ class EnergyAccount:
     """Energies over time in J: arrays of the length of `time`.
 
     `work` is what loads, prescribed motions and moving supports have put in, `dissipated` what dampers have taken out;
-    residual = total - total(0) + dissipated - work, which is 0 but for errors.
+    residual = total + dissipated - work, less its first value: 0 but for errors.
     """
 
     kinetic: "np.ndarray"
@@ -81,7 +81,8 @@ class Trajectory:
     def energy(self) -> EnergyAccount:
         T, V, H, dissipated, work = self.rows[:, -ENERGIES:].T
         moved = T + V - H  # what supports that move with time have put in beside the balance of H
-        return EnergyAccount(T, V, dissipated, work + moved - moved[:1], H - H[:1] + dissipated - work)
+        kept = H + dissipated - work
+        return EnergyAccount(T, V, dissipated, work + moved - moved[:1], kept - kept[:1])
 
     def to_pandas(self) -> "pandas.DataFrame":
         """A table with time as its index; pandas must be installed."""

@@ -1,0 +1,55 @@
+"""Motion -> Hamilton's equations, for scenes that keep their energy.
+
+    p = dT/dv = M(q) v;   dq/dt = M(q)^-1 p,   dp/dt = dT/dq - dV/dq.
+
+Symplectic steps are taken in (q, p); only scenes have them whose equations know neither time nor power.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from lagrangia.constraints import Constraints
+from lagrangia.energies import Energies
+from lagrangia.kinematics import Kinematics
+from lagrangia.motion import Motion, solve_mass
+
+_MOST_COORDINATES = 300
+
+
+@dataclass(frozen=True)
+class Hamilton:
+    """All (n,): the symbols p of the momenta; M^-1 p; dT/dq - dV/dq in terms of q and v."""
+
+    p: ca.SX
+    velocity: ca.SX
+    force: ca.SX
+
+
+def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Energies, motion: Motion) -> str:
+    """Why the scene does not keep its energy, or why it cannot be stepped in momenta; "" when it does and can."""
+    supports = [edge for edge in kinematics.graph.edges if edge.moves_with_time]
+    if energies.dissipation:
+        term = energies.dissipation[0]
+        return f"{term.component} takes energy out ({term.statement.span})"
+    if energies.loads:
+        work = energies.loads[0].statement
+        return f"{work.component or 'a force'} puts energy in ({work.span})"
+    if supports:
+        return f"{supports[0].child} is moved in time ({supports[0].span})"
+    if kinematics.algebra.modes or ca.depends_on(ca.vertcat(motion.acceleration, motion.T, motion.V), motion.t):
+        return "time stands in its equations"
+    if constraints.rows:
+        return f"not supported yet with constraints that stay in the equations ({constraints.rows[0].span})"
+    if motion.q.numel() > _MOST_COORDINATES:
+        return f"not supported yet beyond {_MOST_COORDINATES} coordinates"
+    return ""
+
+
+def build_hamilton(kinematics: Kinematics, motion: Motion) -> Hamilton:
+    """Only for scenes of which energy_flow says nothing."""
+    n = motion.q.numel()
+    p = ca.SX.sym("momentum", n)
+    velocity = solve_mass(kinematics, motion, p)
+    slope = ca.densify(ca.gradient(motion.T - motion.V, motion.q))
+    return Hamilton(p, velocity, slope)

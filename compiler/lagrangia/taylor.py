@@ -1,0 +1,296 @@
+"""The tape of the right-hand side -> C that computes Taylor coefficients of the motion, one order at a call.
+
+Every quantity that changes in time is a jet: its coefficients w_0, w_1, ... in powers of the time since the step began. Each
+operation has a recurrence for the next coefficient (A. Jorba, M. Zou, Exp. Math. 14 (2005); E. Hairer et al., Solving Ordinary
+Differential Equations I, I.8), in runtime/jets.h. What is constant in a step is computed as a plain number.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from lagrangia.runtime import Op, Tape
+
+_MOST_POWER = 8  # integer powers up to this one are products
+_ORDERS = 18  # LAG_JET_ORDER of runtime/jets.h
+# Statements in one order, and what a product adds over all orders; more than so many take longer to compile than they save.
+_PRODUCT, _MOST_STATEMENTS = 150, 4000
+_TIME, _POSITIONS, _RATES, _INPUTS = 0, 1, 2, 3  # arguments of rhs that are jets
+
+
+class NoSeriesError(Exception):
+    """Why the motion has no Taylor series, or none that is worth its compilation."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """`places` are the jets of the accelerations, then of the powers. The first jets are t, q, v and u. `n_products` are sums of
+    products, which grow with the order."""
+
+    source: str
+    n_jets: int
+    n_products: int
+    places: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class _Jet:
+    slot: int
+
+    def __str__(self) -> str:
+        return f"J({self.slot})"
+
+
+_Value = _Jet | str  # a jet, or C text of a number
+
+
+@dataclass
+class _Writer:
+    tape: Tape
+    expression: Callable[[int, str, str], str]  # C text of an operation on numbers
+    number: Callable[[float], str]
+    values: dict[int, _Value] = field(default_factory=dict)
+    constants: list[str] = field(default_factory=list)
+    first: list[str] = field(default_factory=list)  # statements for order 0
+    later: list[str] = field(default_factory=list)  # statements for order k > 0
+    n_jets: int = 0
+    pairs: dict[tuple[str, int], tuple[_Jet, _Jet]] = field(default_factory=dict)
+    derivatives: dict[int, _Jet] = field(default_factory=dict)
+
+    # ------------------------------------------------------------ pieces
+
+    def jet(self, first: str, later: str) -> _Jet:
+        """A new jet with C text for its coefficients of order 0 and k."""
+        jet = _Jet(self.n_jets)
+        self.n_jets += 1
+        self.first.append(f"{jet}[0] = {first};")
+        self.later.append(f"{jet}[k] = {later};")
+        return jet
+
+    def constant(self, text: str) -> str:
+        name = f"c{len(self.constants)}"
+        self.constants.append(f"const double {name} = {text};")
+        return name
+
+    def derivative(self, u: _Jet) -> _Jet:
+        """k u_k, which the recurrences of elementary functions ask for."""
+        if u.slot not in self.derivatives:
+            self.derivatives[u.slot] = self.jet("0.0", f"k * {u}[k]")
+        return self.derivatives[u.slot]
+
+    def product(self, a: _Value, b: _Value) -> _Value:
+        if isinstance(a, str) and isinstance(b, str):
+            return self.constant(f"{a} * {b}")
+        if isinstance(a, _Jet) and isinstance(b, _Jet):
+            if a == b:
+                return self.jet(f"{a}[0] * {a}[0]", f"lag_jet_square({a}, k)")
+            return self.jet(f"{a}[0] * {b}[0]", f"lag_jet_product({a}, {b}, k)")
+        scale, jet = (a, b) if isinstance(a, str) else (b, a)
+        return self.jet(f"{scale} * {jet}[0]", f"{scale} * {jet}[k]")
+
+    def quotient(self, a: _Value, b: _Jet) -> _Jet:
+        if isinstance(a, _Jet):
+            slot = f"J({self.n_jets})"
+            return self.jet(f"{a}[0] / {b}[0]", f"({a}[k] - lag_jet_inner({b}, {slot}, k)) / {b}[0]")
+        slot = f"J({self.n_jets})"
+        return self.jet(f"{a} / {b}[0]", f"-lag_jet_inner({b}, {slot}, k) / {b}[0]")
+
+    def circular(self, u: _Jet, sine: str, cosine: str, sign: str) -> tuple[_Jet, _Jet]:
+        """sin and cos, or sinh and cosh, of one argument: s' = c u', c' = sign s u'."""
+        if (sine, u.slot) not in self.pairs:
+            du, s, c = self.derivative(u), f"J({self.n_jets})", f"J({self.n_jets + 1})"
+            one = self.jet(f"{sine}({u}[0])", f"lag_jet_inner({du}, {c}, k) / k")
+            other = self.jet(f"{cosine}({u}[0])", f"{sign}lag_jet_inner({du}, {s}, k) / k")
+            self.pairs[(sine, u.slot)] = one, other
+        return self.pairs[(sine, u.slot)]
+
+    def integral(self, first: str, slope: _Jet, u: _Jet) -> _Jet:
+        """w with w' = slope u', w_0 as given."""
+        return self.jet(first, f"lag_jet_inner({self.derivative(u)}, {slope}, k) / k")
+
+    # ------------------------------------------------------------ operations
+
+    def unary(self, op: int, a: _Jet) -> _Value:
+        slot = f"J({self.n_jets})"
+        if op in (Op.NEG, Op.TWICE):
+            factor = "-" if op == Op.NEG else "2.0 * "
+            return self.jet(f"{factor}{a}[0]", f"{factor}{a}[k]")
+        if op == Op.SQ:
+            return self.product(a, a)
+        if op == Op.INV:
+            return self.quotient("1.0", a)
+        if op == Op.SQRT:
+            return self.jet(f"sqrt({a}[0])", f"({a}[k] - lag_jet_between({slot}, k)) / (2.0 * {slot}[0])")
+        if op in (Op.SIN, Op.COS):
+            return self.circular(a, "sin", "cos", "-")[op == Op.COS]
+        if op in (Op.SINH, Op.COSH):
+            return self.circular(a, "sinh", "cosh", "")[op == Op.COSH]
+        if op == Op.EXP:
+            du = self.derivative(a)
+            slot = f"J({self.n_jets})"
+            return self.jet(f"exp({a}[0])", f"lag_jet_inner({du}, {slot}, k) / k")
+        if op == Op.LOG:
+            return self.integral(f"log({a}[0])", self.quotient("1.0", a), a)
+        return self.inverse_function(op, a)
+
+    def inverse_function(self, op: int, a: _Jet) -> _Value:
+        """Functions whose slope is a simpler one."""
+        square = self.product(a, a)
+        assert isinstance(square, _Jet)
+        if op == Op.ATAN:
+            return self.integral(f"atan({a}[0])", self.quotient("1.0", self.shifted(square, "1.0 + ")), a)
+        if op in (Op.ASIN, Op.ACOS):
+            root = self.unary(Op.SQRT, self.shifted(square, "1.0 - "))
+            assert isinstance(root, _Jet)
+            name, sign = ("asin", "1.0") if op == Op.ASIN else ("acos", "-1.0")
+            return self.integral(f"{name}({a}[0])", self.quotient(sign, root), a)
+        if op == Op.TAN:
+            sine, cosine = self.circular(a, "sin", "cos", "-")
+            return self.quotient(sine, cosine)
+        if op == Op.TANH:
+            sine, cosine = self.circular(a, "sinh", "cosh", "")
+            return self.quotient(sine, cosine)
+        raise NoSeriesError(f"'{Op(op).name.lower()}' stands in its equations, which has no Taylor series")
+
+    def shifted(self, a: _Jet, before: str) -> _Jet:
+        """1 + a or 1 - a."""
+        return self.jet(f"{before}{a}[0]", f"{'-' if '-' in before else ''}{a}[k]")
+
+    def binary(self, op: int, a: _Value, b: _Value) -> _Value:
+        if op in (Op.ADD, Op.SUB):
+            sign = "+" if op == Op.ADD else "-"
+            later = [f"{a}[k]" if isinstance(a, _Jet) else "", f"{sign} {b}[k]" if isinstance(b, _Jet) else ""]
+            return self.jet(f"{_at_start(a)} {sign} {_at_start(b)}", " ".join(filter(None, later)).removeprefix("+ "))
+        if op == Op.MUL:
+            return self.product(a, b)
+        if op == Op.DIV:
+            return self.quotient(a, b) if isinstance(b, _Jet) else self.jet(f"{a}[0] / {b}", f"{a}[k] / {b}")
+        if op in (Op.POW, Op.CONSTPOW) and isinstance(a, _Jet) and isinstance(b, str):
+            return self.power(a, b)
+        if op == Op.ATAN2 and isinstance(a, _Jet) and isinstance(b, _Jet):
+            return self.angle(a, b)
+        if op == Op.IF_ELSE_ZERO and isinstance(a, str) and isinstance(b, _Jet):
+            return self.jet(f"{a} != 0.0 ? {b}[0] : 0.0", f"{a} != 0.0 ? {b}[k] : 0.0")
+        raise NoSeriesError(f"'{Op(op).name.lower()}' stands in its equations, which has no Taylor series")
+
+    def power(self, a: _Jet, exponent: str) -> _Value:
+        """A small whole power is a product: its recurrence would divide by the base."""
+        known = self.exponent(exponent)
+        if known is not None and known.is_integer() and 2 <= known <= _MOST_POWER:
+            value: _Value = a
+            for _ in range(int(known) - 1):
+                value = self.product(value, a)
+            return value
+        slot = f"J({self.n_jets})"
+        return self.jet(f"pow({a}[0], {exponent})", f"lag_jet_power({a}, {slot}, {exponent}, k)")
+
+    def exponent(self, text: str) -> float | None:
+        try:
+            return float(text)
+        except ValueError:
+            return None
+
+    def angle(self, a: _Jet, b: _Jet) -> _Jet:
+        """atan2(a, b): w' = (b a' - a b')/(a^2 + b^2)."""
+        aa, bb = self.product(a, a), self.product(b, b)
+        radius = self.binary(Op.ADD, aa, bb)
+        assert isinstance(radius, _Jet)
+        x, y = self.quotient(b, radius), self.quotient(a, radius)
+        da, db = self.derivative(a), self.derivative(b)
+        return self.jet(f"atan2({a}[0], {b}[0])", f"(lag_jet_inner({da}, {x}, k) - lag_jet_inner({db}, {y}, k)) / k")
+
+    # ------------------------------------------------------------ the tape
+
+    def read(self, argument: int, element: int) -> _Value:
+        if argument not in (_TIME, _POSITIONS, _RATES, _INPUTS):
+            return f"in[{argument - _INPUTS - 1}][{element}]"
+        return _Jet(sum(self.tape.in_sizes[:argument]) + element)
+
+    def step(self, op: int, out: int, a: int, b: int) -> None:
+        if op == Op.INPUT:
+            self.values[out] = self.read(a, b)
+        elif op == Op.CONST:
+            self.values[out] = self.number(self.tape.constants[a])
+        elif op == Op.ASSIGN:
+            self.values[out] = self.values[a]
+        else:
+            self.values[out] = self.compute(op, self.values[a], self.values[b] if _is_binary(op) else "0.0")
+
+    def compute(self, op: int, a: _Value, b: _Value) -> _Value:
+        if isinstance(a, str) and isinstance(b, str):
+            return self.constant(self.expression(op, a, b))
+        if _is_binary(op):
+            return self.binary(op, a, b)
+        assert isinstance(a, _Jet)
+        return self.unary(op, a)
+
+
+def _at_start(value: _Value) -> str:
+    return f"{value}[0]" if isinstance(value, _Jet) else value
+
+
+def _is_binary(op: int) -> bool:
+    return op in _BINARY
+
+
+_BINARY = frozenset((
+    Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.POW, Op.CONSTPOW, Op.ATAN2, Op.FMIN, Op.FMAX, Op.FMOD, Op.COPYSIGN, Op.LT, Op.LE, Op.EQ,
+    Op.NE, Op.AND, Op.OR, Op.IF_ELSE_ZERO,
+))
+
+
+def write_series(tape: Tape, expression: Callable[[int, str, str], str], number: Callable[[float], str]) -> Series:
+    """C functions `taylor` for the tape of rhs: t, q, v, u, d, c -> a, power, lambda. `expression` writes an operation on
+    numbers, `number` a literal. Raises NoSeriesError."""
+    writer = _Writer(tape, expression, number, n_jets=sum(tape.in_sizes[: _INPUTS + 1]))
+    wanted = _wanted(tape)
+    places: dict[tuple[int, int], int] = {}
+    for k in range(0, len(tape.code), 4):
+        op, out, a, b = tape.code[k : k + 4]
+        if k not in wanted:
+            continue
+        if op != Op.OUTPUT:
+            writer.step(op, out, a, b)
+            continue
+        value = writer.values[a]
+        jet = value if isinstance(value, _Jet) else writer.jet(value, "0.0")
+        places[(out, b)] = jet.slot
+    products = sum("lag_jet_" in line for line in writer.later)
+    if products * _PRODUCT + len(writer.later) * _ORDERS > _MOST_STATEMENTS:
+        raise NoSeriesError(f"its {products} products of series would take longer to compile than they save")
+    return Series(_text(writer), writer.n_jets, products, tuple(places[key] for key in sorted(places)))
+
+
+def _wanted(tape: Tape) -> set[int]:
+    """Instructions that accelerations and powers depend on; multipliers are left out."""
+    needed: set[int] = set()
+    wanted: set[int] = set()
+    for k in range(len(tape.code) - 4, -1, -4):
+        op, out, a, b = tape.code[k : k + 4]
+        if op == Op.OUTPUT:
+            if out < 2:
+                wanted.add(k)
+                needed.add(a)
+        elif out in needed:
+            wanted.add(k)
+            needed.discard(out)
+            if op not in (Op.INPUT, Op.CONST):
+                needed.update((a, b) if _is_binary(op) else (a,))
+    return wanted
+
+
+def _text(writer: _Writer) -> str:
+    parts: Mapping[str, Iterable[str]] = {"taylor_first": writer.first, "taylor_later": writer.later}
+    lines = ["#define J(slot) (jet + (slot) * LAG_JET_STRIDE)"]
+    for name, body in parts.items():
+        lines += [f"LAG_UNROLLED void {name}(const int k, const double *const *in, double *jet)", "{",
+                  "    (void)k; (void)in; (void)jet;"]
+        lines += [f"    {line}" for line in (*_used(writer.constants, body), *body)]
+        lines += ["}", ""]
+    lines += ["static void taylor(int k, const double *const *in, double *jet)", "{", "    switch (k) {",
+              "    case 0: taylor_first(0, in, jet); return;"]
+    lines += [f"    case {k}: taylor_later({k}, in, jet); return;" for k in range(1, _ORDERS)]
+    return "\n".join([*lines, "    default: return;", "    }", "}", ""])
+
+
+def _used(constants: list[str], body: Iterable[str]) -> list[str]:
+    return [*constants, *([] if not constants else [f"(void)c{len(constants) - 1};"])] if body else []

@@ -1,0 +1,21 @@
+/* Taylor series of the motion: steps as long as the series converges well, and rows inside them for nothing. */
+#ifndef LAG_TAYLOR_H
+#define LAG_TAYLOR_H
+
+#include "jets.h"
+#include "method.h"
+#include "model.h"
+
+typedef struct {
+    int order;
+    double *jets;     /* n_jets * LAG_JET_STRIDE: those of the step that begins at the present state */
+    double *old_jets; /* those of the latest step */
+    int begun;        /* orders of `jets` that are known */
+} LagTaylor;
+
+extern const LagMethod lag_taylor;
+
+/* Whether series promise to be cheaper than Dormand-Prince 8(5,3) at this tolerance. */
+int lag_taylor_pays(const LagModel *model, double tolerance);
+
+#endif

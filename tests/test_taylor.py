@@ -1,0 +1,145 @@
+"""Taylor series of the motion: every operation's recurrence against CasADi's derivatives, and runs against the other methods."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.ccode import write_c
+from lagrangia.diagnostics import LagError
+from lagrangia.instructions import tape_of
+from lagrangia.native import build
+from lagrangia.runtime import Model, Runtime, Settings, Solver, Status
+from native_models import FOLDER
+
+Force = Callable[[ca.SX, ca.SX, ca.SX], ca.SX]
+
+EXAMPLES = Path(__file__).parents[1] / "models" / "examples"
+CASES = Path(__file__).parent / "cases"
+
+# Forces on one coordinate that use one function each; all are smooth near the path from q = 0.4, v = 0.3.
+FORCES: dict[str, Force] = {
+    "polynomial": lambda t, q, v: q**3 - 2 * q * v + v**2 - 1,
+    "quotient": lambda t, q, v: (1 + q) / (2 + v * q) - 1 / (3 + q),
+    "sine": lambda t, q, v: ca.sin(q * v) - ca.cos(2 * q) * ca.sin(t),
+    "tangent": lambda t, q, v: -ca.tan(q) * (1 + v),
+    "root": lambda t, q, v: -ca.sqrt(1 + q**2 + v**2),
+    "exponential": lambda t, q, v: -ca.exp(-q * v) * q,
+    "logarithm": lambda t, q, v: -ca.log(2 + q * v),
+    "power": lambda t, q, v: -((1.5 + q) ** 1.7) + (2 + v) ** -0.5,
+    "whole power": lambda t, q, v: -((q - 0.4) ** 5) - q,
+    "arcs": lambda t, q, v: -ca.asin(q / 9) - ca.acos(v / 9) + ca.atan(q + v),
+    "angle": lambda t, q, v: -ca.atan2(q, 2 + v),
+    "hyperbolic": lambda t, q, v: -ca.sinh(q) + ca.cosh(v) * 0.1 - ca.tanh(q * v),
+    "time": lambda t, q, v: -q + t**2 * ca.exp(-t) * ca.cos(3 * t),
+}
+
+
+def compiled(force: Force) -> Model:
+    """The model q'' = force(t, q, v), through the compiler's own C."""
+    t, q, v, nothing = ca.SX.sym("t"), ca.SX.sym("q"), ca.SX.sym("v"), ca.SX(0, 1)
+    rhs = ca.Function("rhs", [t, q, v, nothing, nothing, nothing], [ca.SX(force(t, q, v)), nothing, nothing])
+    start = ca.Function("start", [nothing], [ca.SX(0.4), ca.SX(0.3)])
+    tapes = {"rhs": tape_of(rhs), "start": tape_of(start)}
+    return Model.from_library(build("series", write_c("Series", {"n": 1}, tapes, [1], [0, 0], [], {}), include=[FOLDER]))
+
+
+def end_of(runtime: Runtime, force: Force, solver: Solver, tolerance: float) -> tuple[np.ndarray, int]:
+    """q and v at t = 2, and the steps it took."""
+    with runtime.run(compiled(force), Settings(t_stop=2.0, tolerance=tolerance, solver=solver)) as run:
+        assert run.set_parameters() is Status.OK
+        assert run.start() is Status.OK
+        return np.array(run.advance([2.0])[0][1:3]), run.statistics.steps
+
+
+@pytest.mark.parametrize("name", FORCES)
+def test_each_recurrence(runtime: Runtime, name: str) -> None:
+    """One method checks another: a wrong coefficient shows at once, at rounding level."""
+    exact, many = end_of(runtime, FORCES[name], Solver.ERK, 1e-14)
+    found, few = end_of(runtime, FORCES[name], Solver.TAYLOR, 1e-13)
+    assert np.abs(found - exact).max() < 2e-13
+    assert few < 0.7 * many
+
+
+@pytest.mark.parametrize("function", [ca.fabs, lambda q: ca.fmax(q, 0), lambda q: ca.if_else(q > 0, q, 2 * q)])
+def test_corners_have_no_series(runtime: Runtime, function: Callable[[ca.SX], ca.SX]) -> None:
+    with runtime.run(compiled(lambda t, q, v: -function(q)), Settings(t_stop=1.0, solver=Solver.TAYLOR)) as run:
+        run.set_parameters()
+        assert run.start() is Status.BAD_SETTINGS
+
+
+@pytest.mark.parametrize("path", [
+    EXAMPLES / "pendulum.lag", EXAMPLES / "spring_pendulum.lag", EXAMPLES / "vibration_absorber.lag", EXAMPLES / "cart_pole.lag",
+    CASES / "gni_fermi_pasta_ulam.lag", CASES / "kepler_orbits.lag",
+], ids=lambda path: path.stem)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-12])
+def test_series_agree_with_runge_kutta(path: Path, tolerance: float) -> None:
+    model = lag.load(path)
+    at = np.linspace(model.scene.start, model.scene.start + 2.0, 41)[1:]
+    states = slice(1, 1 + 2 * model.scene.n)
+    exact = model.simulate(at=at, tolerance=1e-14, solver="erk").rows[:, states]
+    run = model.simulate(at=at, tolerance=tolerance, solver="taylor")
+    assert run.statistics.solver is Solver.TAYLOR
+    assert (np.abs(run.rows[:, states] - exact).max(axis=0) < 30 * tolerance * np.abs(exact).max(axis=0) + 1e-13).all()
+    assert np.abs(run.energy.residual).max() < 1e3 * tolerance * run.statistics.energy_scale
+
+
+def test_inputs_and_events_are_met(tmp_path: Path) -> None:
+    """A force that is switched on in time, and a table of inputs with a corner: closed form."""
+    path = tmp_path / "driven.lag"
+    path.write_text("""model Driven
+  input Force F;
+  Prismatic x(a = world, along = {1, 0});
+  PointMass m(m = 2, center = x.b);
+  AppliedForce push(at = x.b, force = {F + (if time < 0.5 then 0 else 3), 0});
+end Driven;""")
+    model = lag.load(path)
+    run = model.simulate(at=[0.25, 0.5, 1.0, 2.0], inputs=([0.0, 1.0, 2.0], {"F": [0.0, 2.0, 2.0]}), solver="taylor")
+
+    def rate(t: float) -> float:
+        table = t**2 if t < 1 else 1 + 2 * (t - 1)
+        return (table + 3 * max(0.0, t - 0.5)) / 2
+
+    assert run["x.v"] == pytest.approx([rate(t) for t in (0.25, 0.5, 1.0, 2.0)], abs=1e-14)
+
+
+def test_auto_takes_series_where_they_pay() -> None:
+    pendulum = lag.load(EXAMPLES / "pendulum.lag")
+    assert pendulum.simulate(stop=1, tolerance=1e-10).statistics.solver is Solver.TAYLOR
+    double = lag.load(EXAMPLES / "double_pendulum.lag")
+    assert double.simulate(stop=1, tolerance=1e-10).statistics.solver is Solver.ERK
+    with pytest.raises(LagError, match="compile"):
+        double.simulate(stop=1, solver="taylor")
+
+
+def test_rows_do_not_change_the_steps() -> None:
+    model = lag.load(EXAMPLES / "pendulum.lag")
+    many, few = (model.simulate(at=at, solver="taylor") for at in (np.linspace(0, 10, 1001)[1:], [10.0]))
+    assert many.rows[-1, 1] == few.rows[-1, 1]
+    assert many.statistics.steps == few.statistics.steps
+
+
+def test_a_collision_is_not_stepped_over(tmp_path: Path) -> None:
+    """A mass that falls into a centre of attraction: the radius of convergence shrinks to nothing, at the right time."""
+    path = tmp_path / "fall.lag"
+    path.write_text("""model Pull
+  Frame a, b;
+energy
+  potential -1[N.m2]/distance(a, b);
+end Pull;
+model Fall
+  World world(gravity = {0, 0});
+  Prismatic x(a = world, along = {1, 0}, s(start = 1));
+  PointMass m(m = 1, center = x.b);
+  Pull pull(a = world, b = x.b);
+end Fall;""")
+    with pytest.raises(lag.RunError) as caught:
+        lag.load(path).simulate(stop=2, solver="taylor", interval=0.01)
+    reached = caught.value.trajectory
+    assert reached is not None
+    assert reached.time[-1] == pytest.approx(math.pi / math.sqrt(8), abs=0.02)
+    assert np.isfinite(reached.rows).all()
