@@ -140,7 +140,8 @@ def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[
         return [0.0] * (2 * scene.n), (1.0,) * (2 * scene.n)
     states = rows[:, 1 : 1 + 2 * scene.n]
     largest = np.abs(states).max(axis=0) if scene.n else np.zeros(0)
-    kinds = np.array([*scene.coordinate_kind, *(-1 - kind for kind in scene.coordinate_kind)])
+    own = scene.coordinate_kind[: scene.n]  # the others are of coordinates that these give
+    kinds = np.array([*own, *(-1 - kind for kind in own)])
     nominal = []
     for size, kind in zip(largest, kinds, strict=True):
         least = max(_SMALLEST_NOMINAL * largest[kinds == kind].max(), 0.0)
@@ -160,7 +161,7 @@ def _state_kinds(model: Exportable) -> list[str]:
     scene, initial, p = model.scene, model.compilation.initial, model.compilation.motion.p
     if scene.sizes["n_initial"]:
         return ["approx"] * (2 * scene.n)
-    starts = ca.vertsplit(ca.vertcat(initial.q, initial.v)) if scene.n else []
+    starts = ca.vertsplit(ca.vertcat(initial.q[: scene.n], initial.v[: scene.n])) if scene.n else []
     return ["calculated" if p.numel() and ca.depends_on(ca.SX(start), p) else "exact" for start in starts]
 
 

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 from lagrangia.ccode import write_c, write_functions
 from lagrangia.fmu_model import FmuModel
-from lagrangia.runtime import Tape
+from lagrangia.runtime import Solver, Tape
+from lagrangia.scene import Scene
 
 # Scenes with more operations than this stay tapes, as data: a C compiler takes some 0.2 ms an operation, for each platform.
 _LARGEST_COMPILED = 3_000
@@ -15,8 +16,17 @@ def scene_source(model: FmuModel) -> str:
     """The scene as `lag simulate` compiles it."""
     scene = model.scene
     long = [name for name, tape in scene.tapes.items() if _is_long(tape)]
-    return write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
+    sizes = {**scene.sizes, "solver": int(_solver(scene))}
+    return write_c(scene.name, sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
                    long)
+
+
+def _solver(scene: Scene) -> Solver:
+    """The one that `lag simulate` takes; islands have no place in an FMU yet, where the whole is one model."""
+    chosen = Solver(scene.sizes.get("solver", 0))
+    if chosen is not Solver.ISLANDS:
+        return chosen
+    return Solver.AUTO if "linear" in scene.refused else Solver.LINEAR
 
 
 def _is_long(tape: Tape) -> bool:

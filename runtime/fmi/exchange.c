@@ -7,7 +7,8 @@
  * (1993)). So no importer drifts, whatever it does about events. And when a completed step ends too far away all the same, an
  * event is asked for in which the state is projected.
  *
- * The energy account is integrated from completed step to completed step, over the polynomial of degree 5 between them.
+ * The energy account is integrated from completed step to completed step, over the polynomial of degree 5 between them where
+ * that is the motion, and else along a motion of our own.
  */
 #include <math.h>
 #include <string.h>
@@ -21,6 +22,7 @@
 #include "state.h"
 
 static const double FARTHEST = 1e-7; /* correction of a position, of its nominal value, that is left to the stabilisation */
+static const double CLOSE = 1e-6; /* of the accelerations: the polynomial between two completed steps is the motion */
 
 /* Slopes that lead back to the constraints; 1 when all are finite. */
 static int held_slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
@@ -88,18 +90,13 @@ LagAnswer lag_instance_energies(LagInstance *s)
     return LAG_ANSWER_OK;
 }
 
-static void forget(LagInstance *s)
-{
-    s->vital.slope_is_current = s->vital.outputs_are_current = s->vital.energies_are_current = 0;
-}
-
 LagAnswer lag_instance_set_time(LagInstance *s, double t)
 {
     if (!isfinite(t))
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "the time is not finite");
     const LagAnswer answer = lag_instance_settle(s);
     s->vital.t = t;
-    forget(s);
+    lag_instance_forget(s);
     return answer;
 }
 
@@ -121,7 +118,7 @@ LagAnswer lag_instance_set_states(LagInstance *s, const double *x, size_t count)
             return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "%.200s is not finite", s->fmu->names[1 + i]);
     if (count > 0)
         memcpy(s->x, x, count * sizeof *x);
-    forget(s);
+    lag_instance_forget(s);
     return LAG_ANSWER_OK;
 }
 
@@ -168,8 +165,9 @@ void lag_exchange_note(LagInstance *s)
     memcpy(s->last_power, s->power, (size_t)s->model->n_power * sizeof *s->power);
 }
 
-/* The state at the share x of the last step: q by the polynomial of degree 5 through both ends' q, v and a, v by its slope. */
-static void state_between(const LagInstance *s, double x, double h, double *state)
+/* The state at the share x of the last step, and its accelerations: q by the polynomial of degree 5 through both ends' q, v and
+ * a, the others by its derivatives. */
+static void state_between(const LagInstance *s, double x, double h, double *state, double *acceleration)
 {
     const int n = s->model->n;
     const double *q0 = s->last, *v0 = q0 + n, *a0 = s->last_slope + n, *q1 = s->x, *v1 = q1 + n, *a1 = s->slope + n;
@@ -180,25 +178,67 @@ static void state_between(const LagInstance *s, double x, double h, double *stat
         const double c3 = 10 * d - 4 * e + f / 2, c4 = -15 * d + 7 * e - f, c5 = 6 * d - 3 * e + f / 2;
         state[i] = q0[i] + h * v0[i] * x + h * h * a0[i] * x2 / 2 + x3 * (c3 + x * (c4 + x * c5));
         state[n + i] = v0[i] + h * a0[i] * x + x2 * (3 * c3 + x * (4 * c4 + x * 5 * c5)) / h;
+        acceleration[i] = a0[i] + x * (6 * c3 + x * (12 * c4 + x * 20 * c5)) / (h * h);
     }
 }
 
-/* Gauss-Lobatto quadrature with four nodes, two of them at the ends. */
-static void keep_account(LagInstance *s)
+static int agree(const double *a, const double *b, int n)
+{
+    double size = 0, distance = 0;
+    for (int i = 0; i < n; ++i) {
+        size = fmax(size, fmax(fabs(a[i]), fabs(b[i])));
+        distance = fmax(distance, fabs(a[i] - b[i]));
+    }
+    return distance <= CLOSE * size;
+}
+
+/* Dissipated and work over the last step, by Gauss-Lobatto quadrature with four nodes, two of them at the ends. Returns 0 when
+ * the motion between the ends is not the polynomial's. */
+static int account_by_polynomial(LagInstance *s, double h, double *sum)
 {
     static const double INNER[2] = {0.27639320225002103, 0.72360679774997897}; /* (1 -+ 1/sqrt 5)/2 */
+    const int n = s->model->n;
+    double *state = s->scratch, *slope = state + 2 * n, *acceleration = state + 4 * n, power[2];
+    for (int k = 0; k < 2; ++k)
+        sum[k] = h / 12 * (s->last_power[k] + s->power[k]);
+    for (int i = 0; i < 2; ++i) {
+        state_between(s, INNER[i], h, state, acceleration);
+        if (!slope_at(s, s->vital.last_time + h * INNER[i], state, slope, power) || !agree(acceleration, slope + n, n))
+            return 0;
+        for (int k = 0; k < 2; ++k)
+            sum[k] += h / 12 * 5 * power[k];
+    }
+    return 1;
+}
+
+/* The same by a run of our own from the last state: importers that tell of every hundredth step only are held to account. */
+static int account_by_run(LagInstance *s, double *sum)
+{
+    LagRun *run = s->run;
+    const int n = run->model->n;
+    int done = 0;
+    run->motion.t = run->motion.t_old = s->vital.last_time;
+    memset(run->motion.y, 0, (size_t)run->motion.size * sizeof *run->motion.y);
+    memset(run->motion.carry, 0, (size_t)run->motion.size * sizeof *run->motion.carry);
+    memcpy(run->motion.y, s->last, 2 * (size_t)n * sizeof *s->last);
+    run->segment_over = 0;
+    run->segment_end = fmax(run->segment_end, s->vital.t); /* events are the importer's */
+    if (lag_segment_evaluate(run) != LAG_OK || lag_run_advance(run, &s->vital.t, 1, s->row, &done, 0) != LAG_OK)
+        return 0;
+    const double *account = s->row + 1 + 2 * n + run->model->n_outputs + 3;
+    sum[0] = account[0];
+    sum[1] = account[1];
+    return 1;
+}
+
+static void keep_account(LagInstance *s)
+{
     const double h = s->vital.t - s->vital.last_time;
-    if (s->model->n_power == 2 && h > 0 && lag_instance_slope(s) == LAG_ANSWER_OK) {
-        double sum[2] = {s->last_power[0] + s->power[0], s->last_power[1] + s->power[1]}, power[2];
-        for (int i = 0; i < 2; ++i) {
-            double *state = s->scratch, *slope = state + 2 * s->model->n;
-            state_between(s, INNER[i], h, state);
-            if (slope_at(s, s->vital.last_time + h * INNER[i], state, slope, power))
-                for (int k = 0; k < 2; ++k)
-                    sum[k] += 5 * power[k];
-        }
-        s->vital.dissipated += h / 12 * sum[0];
-        s->vital.work += h / 12 * sum[1];
+    double sum[2] = {0, 0};
+    if (s->model->n_power == 2 && h > 0 && lag_instance_slope(s) == LAG_ANSWER_OK
+        && (account_by_polynomial(s, h, sum) || account_by_run(s, sum))) {
+        s->vital.dissipated += sum[0];
+        s->vital.work += sum[1];
         s->vital.energies_are_current = 0;
     }
     lag_exchange_note(s);
@@ -253,7 +293,7 @@ static int begin_segment(LagInstance *s)
     lag_energies(run, s->vital.t, s->x, after);
     if (!astray) /* what projecting adds or takes is an error, and shows as one */
         s->vital.work += after[2] - before[2];
-    forget(s);
+    lag_instance_forget(s);
     return astray;
 }
 

@@ -102,7 +102,7 @@ static void layout(LagInstance *s, LagArena *arena)
     s->last_slope = lag_take(arena, 2 * n);
     s->last_power = lag_take(arena, power);
     s->saved_size = arena->used;
-    s->scratch = lag_take(arena, 4 * n);
+    s->scratch = lag_take(arena, 5 * n);
     s->projected = lag_take(arena, 2 * n + (size_t)m->n_power);
     s->row = lag_take(arena, (size_t)lag_run_row_width(m));
     s->mask = lag_take(arena, (size_t)m->n_parameters);

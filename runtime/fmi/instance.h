@@ -112,6 +112,8 @@ LagAnswer lag_instance_no_set(LagInstance *instance, size_t count, const char *t
 LagAnswer lag_instance_begin(LagInstance *instance);
 /* Parameters and inputs that were set come into force. */
 LagAnswer lag_instance_settle(LagInstance *instance);
+/* The state or the time changed: what follows from them is worked out anew. */
+void lag_instance_forget(LagInstance *instance);
 LagAnswer lag_instance_slope(LagInstance *instance);
 LagAnswer lag_instance_outputs(LagInstance *instance);
 LagAnswer lag_instance_energies(LagInstance *instance);

@@ -155,6 +155,7 @@ LagAnswer lag_saved_read(LagInstance *s, const unsigned char *bytes, size_t size
     if (!result)
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "no memory is left");
     memcpy(result->bytes, bytes, size);
+    lag_saved_free(s, *saved); /* when it is one of ours: it may be used anew */
     *saved = result;
     return LAG_ANSWER_OK;
 }

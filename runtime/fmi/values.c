@@ -9,7 +9,9 @@
 #include "segment.h"
 #include "state.h"
 
-static const int ANY_TIME = LAG_MODE_INSTANTIATED | LAG_MODE_CONFIGURATION | LAG_MODE_INITIALIZATION | LAG_MODE_EVENT | LAG_MODE_STEP;
+/* Parameters; between events, too: some importers do so. */
+static const int ANY_TIME = LAG_MODE_INSTANTIATED | LAG_MODE_CONFIGURATION | LAG_MODE_INITIALIZATION | LAG_MODE_EVENT
+    | LAG_MODE_CONTINUOUS | LAG_MODE_STEP;
 
 int lag_fmu_count(const LagFmu *fmu, int group)
 {
@@ -71,7 +73,7 @@ static LagAnswer check_parameters(LagInstance *s)
     return LAG_ANSWER_OK;
 }
 
-static void forget(LagInstance *s)
+void lag_instance_forget(LagInstance *s)
 {
     s->vital.slope_is_current = s->vital.outputs_are_current = s->vital.energies_are_current = 0;
 }
@@ -106,7 +108,7 @@ LagAnswer lag_instance_begin(LagInstance *s)
     vital->start_energy = energies[2];
     vital->supports_energy = energies[0] + energies[1] - energies[2];
     vital->dissipated = vital->work = 0;
-    forget(s);
+    lag_instance_forget(s);
     if (s->kind == LAG_CO_SIMULATION)
         lag_cosimulation_take_row(s);
     else
@@ -170,7 +172,7 @@ LagAnswer lag_instance_settle(LagInstance *s)
     const LagStatus status = s->kind == LAG_MODEL_EXCHANGE ? settle_exchange(s) : settle_cosimulation(s);
     if (status != LAG_OK)
         return lag_instance_failed(s, status);
-    forget(s);
+    lag_instance_forget(s);
     vital->outputs_are_current = vital->energies_are_current = s->kind == LAG_CO_SIMULATION;
     if (vital->parameters_changed && check_parameters(s) != LAG_ANSWER_OK)
         return LAG_ANSWER_ERROR;
@@ -253,8 +255,14 @@ static LagAnswer refuse(const LagInstance *s, unsigned int reference, const char
 static LagAnswer set_start(LagInstance *s, unsigned int reference, int index, double value)
 {
     const int early = LAG_MODE_INSTANTIATED | LAG_MODE_CONFIGURATION | LAG_MODE_INITIALIZATION;
-    if (!(s->vital.mode & early))
-        return refuse(s, reference, "states are set together, in continuous-time mode");
+    if (!(s->vital.mode & early)) {
+        if (s->kind != LAG_MODEL_EXCHANGE)
+            return refuse(s, reference, "it is integrated");
+        const LagAnswer answer = lag_instance_settle(s); /* some importers set states one by one */
+        s->x[index] = value;
+        lag_instance_forget(s);
+        return answer;
+    }
     if (!s->fmu->state_settable[index])
         return refuse(s, reference, "its start follows from parameters");
     /* Importers write all start values back: what the description says already is nothing new. */
@@ -268,7 +276,7 @@ static LagAnswer set_parameter(LagInstance *s, unsigned int reference, int index
     if (!s->fmu->parameter_settable[index])
         return refuse(s, reference, "it follows from other parameters");
     if (!(s->vital.mode & ANY_TIME))
-        return refuse(s, reference, "parameters change at events, or between steps");
+        return refuse(s, reference, "not within a step");
     if (!(value >= s->fmu->minimum[index] && value <= s->fmu->maximum[index]))
         return refuse(s, reference, "the value is outside its limits");
     if (s->given[index] == value)
