@@ -8,6 +8,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia import assembly
+from lagrangia.cli import main
 from lagrangia.pipeline import compile_file, read_files
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -122,7 +123,7 @@ def test_a_parallelogram_is_not_folded_flat_for_want_of_a_guess(scene: Write) ->
     without = text.replace("eye[3](each phi(start = 30[deg]))", "eye[3]")
     assert without != text
     model = scene(without)
-    assert model.scene.notes["degrees_at_start"] == 1
+    assert model.freedom["degrees_at_start"] == 1
     start = begin(model)
     np.testing.assert_allclose([start[f"hook[{k}].phi"] for k in (1, 2, 3)], np.radians(-30), atol=1e-12)
 
@@ -132,7 +133,7 @@ def test_a_parallelogram_is_not_folded_flat_for_want_of_a_guess(scene: Write) ->
 
 def test_both_assemblies_of_a_four_bar_are_named(scene: Write) -> None:
     """The other is the mirror image in the diagonal, and starts near it choose it."""
-    notes = lag.load(EXAMPLES / "four_bar.lag").scene.notes
+    notes = lag.load(EXAMPLES / "four_bar.lag").freedom
     (told,) = notes["assemblies"]
     assert "closes in 2 ways: taken A.phi = -8.161 deg, C.phi = 78.76 deg; " in told
     assert "there is A.phi = -112.5 deg, C.phi = -119.4 deg" in told
@@ -144,12 +145,12 @@ def test_both_assemblies_of_a_four_bar_are_named(scene: Write) -> None:
 
 def test_a_third_bar_leaves_one_assembly() -> None:
     """Two bars of a parallelogram may cross; the redundant third one forbids it."""
-    assert lag.load(EXAMPLES / "parallelogram.lag").scene.notes["assemblies"] == []
+    assert lag.load(EXAMPLES / "parallelogram.lag").freedom["assemblies"] == []
 
 
 def test_what_a_loop_does_to_others_is_told() -> None:
     """Crank and rod in line: the slide is on the other side when the rod turns over."""
-    (told,) = lag.load(EXAMPLES / "slider_crank.lag").scene.notes["assemblies"]
+    (told,) = lag.load(EXAMPLES / "slider_crank.lag").freedom["assemblies"]
     assert "taken pin.phi = 0 deg, guide.s = 0.4 m; there is pin.phi = 180 deg, guide.s = -0.2 m" in told
 
 
@@ -160,7 +161,7 @@ def test_assemblies_do_not_depend_on_units(L: float, scene: Write) -> None:
       Revolute h(a = world, phi(start = 60[deg], fixed = true)), k(a = p.b, b = q.a, phi(start = -100[deg])), e(a = s.b, b = q.b);
       Prismatic s(a = world, along = {{1, 0}});
       Bar p(m = 1, L = {L}, a = h.b), q(m = 1, L = {L});
-    end M;""").scene.notes["assemblies"]
+    end M;""").freedom["assemblies"]
     assert "= 0 m" in told
     assert f"s.s = {L:.4g} m" in told
 
@@ -191,7 +192,24 @@ def test_a_long_ladder_closes_from_rough_guesses_and_the_search_is_bounded(scene
     tips = np.arange(41) + np.exp(1j * angles)
     np.testing.assert_allclose(np.abs(np.diff(tips)), 1.001, atol=1e-10)
     assert np.abs(angles - np.radians(70)).max() < 0.5
-    assert len(model.scene.notes["assemblies"]) <= 13
+    assert len(model.freedom["assemblies"]) <= 13
+
+
+def test_a_run_tells_where_its_loops_were_closed_and_looks_for_no_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The search is for `lag check`, which keeps what it found with the scene."""
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path))
+    example = str(EXAMPLES / "four_bar.lag")
+    assert main(["simulate", example, "--stop", "0.01", "-o", str(tmp_path / "o.csv")]) == 0
+    assert "loops closed at A.phi = -8.161 deg, C.phi = 78.76 deg; `lag check`" in capsys.readouterr().out
+    assert lag.load(example).scene.notes["freedom"] is None
+    for _ in range(2):
+        assert main(["check", example]) == 0
+        assert "there is A.phi = -112.5 deg" in capsys.readouterr().out
+        assert lag.load(example).scene.notes["freedom"]["degrees_of_freedom"] == 1
+    assert main(["simulate", example, "--at", "0.01", "-o", str(tmp_path / "o.csv")]) == 0
+    assert "loops closed" not in capsys.readouterr().out  # no row of the start
 
 
 # ---------------------------------------------------------------- hard starts
@@ -217,7 +235,7 @@ def test_fixed_values_that_contradict_name_the_loop_and_its_gap(scene: Write) ->
       Bar crank(m = 1, L = 0.4, a = O.b), coupler(m = 2, L = 1, a = A.b), rocker(m = 1.5, L = 0.8, a = C.b);
     end M;""")
     gap = np.hypot(1.4, 0.8) - 1
-    told = model.scene.notes["problem"]
+    told = model.freedom["problem"]
     assert "the loop world - O - crank - A - coupler - B - rocker - C - world cannot close" in told
     assert f"misses by {gap:.3g}" in told
     with pytest.raises(lag.LagError, match="the loop world - O - crank"):

@@ -45,8 +45,8 @@ def test_a_linear_tie_leaves_no_multiplier(name: str, scene: Write) -> None:
 
 def test_a_linear_equation_said_twice_is_named(scene: Write) -> None:
     model = scene(f"model M {LINEAR['gear'][0]} equation p.phi = -2*q.phi; end M;")
-    assert model.scene.notes["degrees_of_freedom"] == 1
-    (told,) = model.scene.notes["repeated"]
+    assert model.freedom["degrees_of_freedom"] == 1
+    (told,) = model.freedom["repeated"]
     assert "repeats in part what others already impose" in told
     assert "scene.lag:1:" in told
 
@@ -73,14 +73,15 @@ FREEDOM = {  # degrees of freedom, coordinates that are left, multipliers
 
 @pytest.mark.parametrize("name", FREEDOM)
 def test_degrees_of_freedom(name: str) -> None:
-    scene = lag.load(EXAMPLES / f"{name}.lag").scene
-    assert (scene.notes["degrees_of_freedom"], scene.n, scene.sizes["n_multipliers"]) == FREEDOM[name]
-    assert scene.notes["degrees_at_start"] == FREEDOM[name][0]
-    assert bool(scene.notes["repeated"]) == (name == "parallelogram")
+    model = lag.load(EXAMPLES / f"{name}.lag")
+    scene, freedom = model.scene, model.freedom
+    assert (freedom["degrees_of_freedom"], scene.n, scene.sizes["n_multipliers"]) == FREEDOM[name]
+    assert freedom["degrees_at_start"] == FREEDOM[name][0]
+    assert bool(freedom["repeated"]) == (name == "parallelogram")
 
 
 def test_a_redundant_loop_is_named() -> None:
-    (told,) = lag.load(EXAMPLES / "parallelogram.lag").scene.notes["repeated"]
+    (told,) = lag.load(EXAMPLES / "parallelogram.lag").freedom["repeated"]
     assert "hook[3] - bar[3] - eye[3]" in told
 
 
@@ -92,7 +93,7 @@ end M;"""
 
 def test_a_start_in_a_singular_position_is_told(scene: Write) -> None:
     """A parallelogram lying flat may open two ways."""
-    notes = scene(FLAT).scene.notes
+    notes = scene(FLAT).freedom
     assert notes["degrees_of_freedom"] == 1
     assert notes["degrees_at_start"] == 2
 
@@ -103,8 +104,8 @@ def test_a_stretched_guess_is_no_reason_to_refuse(scene: Write) -> None:
       Revolute h(a = world), k(a = b.b, b = c.a), e(a = shift(world, {1.2, 0}), b = c.b);
       Bar b(m = 1, L = 1, a = h.b), c(m = 1, L = 1);
     end M;""")
-    assert model.scene.notes["problem"] == ""
-    assert model.scene.notes["degrees_of_freedom"] == 0
+    assert model.freedom["problem"] == ""
+    assert model.freedom["degrees_of_freedom"] == 0
     run = model.simulate(stop=1, interval=0.5)
     np.testing.assert_allclose(np.abs(run["h.phi"]), np.arccos(0.6), atol=1e-12)
 

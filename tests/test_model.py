@@ -151,7 +151,7 @@ class States:
         self.q, self.v = random.normal(size=(2, n, STATES))
         self.u = random.normal(size=(len(model.scene.inputs), STATES))
         self.p = model.parameter_values().reshape(-1, 1)
-        self.repeats = bool(model.scene.notes["repeated"])
+        self.repeats = bool(model.freedom["repeated"])
         if model.scene.sizes["n_multipliers"]:
             run = model.simulate(at=np.linspace(model.scene.start, model.scene.stop, STATES), tolerance=1e-10)
             self.t = run.time.reshape(1, -1)

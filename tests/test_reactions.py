@@ -159,7 +159,7 @@ def test_a_cantilever_has_no_coordinate_but_a_reaction(scene: Write) -> None:
       AppliedForce load(at = beam.b, force = {0, -50[N/s]*time});
     end M;""")
     assert model.coordinate_names == ()
-    assert (model.scene.notes["degrees_of_freedom"], model.scene.notes["is_driven"]) == (0, False)
+    assert (model.freedom["degrees_of_freedom"], model.scene.notes["is_driven"]) == (0, False)
     run = model.simulate(at=[0, 0.3, 2])
     P = 50 * run.time
     np.testing.assert_allclose(run["wall.reaction"], np.stack([0 * P, m * g + P], axis=1), atol=1e-12)

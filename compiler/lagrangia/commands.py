@@ -1,11 +1,12 @@
 """What the subcommands of `lag` do."""
 
 import csv
+import math
 import re
 import sys
 import time
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from lagrangia.trajectory import ENERGIES, CsvWriter, columns
 from lagrangia.values import read_value
 
 _BAR_AFTER = 2.0  # seconds
+_FIXED = 1  # LAG_START_FIXED of runtime/model.h
 
 
 def check_command(options: Namespace) -> int:
@@ -28,16 +30,17 @@ def check_command(options: Namespace) -> int:
     wrong = 0
     for file in options.files:
         try:
-            scene = Model(file).scene
+            model = Model(file)
+            freedom = model.freedom
         except LagError as error:
             wrong += 1
             print(render_all(error.diagnostics, sys.stderr.isatty()), file=sys.stderr)
             continue
-        if scene.notes["problem"]:
+        if freedom["problem"]:
             wrong += 1
-            print(scene.notes["problem"], file=sys.stderr)
+            print(freedom["problem"], file=sys.stderr)
             continue
-        print(f"{file}: {_describe(scene)}")
+        print(f"{file}: {_describe(model.scene, freedom)}")
     return 2 if wrong else 0
 
 
@@ -53,23 +56,23 @@ def explain_command(options: Namespace) -> int:
     return 0
 
 
-def _describe(scene: Any) -> str:
+def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
     """Degrees of freedom, coordinates, loops and redundant constraints."""
     notes = scene.notes
     names = [c.name for c in scene.coordinates]
     shown = ", ".join(names[:6]) + (f", ... ({len(names)})" if len(names) > 6 else "")
-    degrees = notes["degrees_of_freedom"]
+    degrees = freedom["degrees_of_freedom"]
     still = "" if degrees else ": its motion is prescribed" if notes["is_driven"] else ", so it stands still: statics"
     lines = [f"{scene.name}: {degrees} degree{'s' if degrees != 1 else ''} of freedom{still}"]
     held = scene.sizes["n_multipliers"]
     closed = f", {notes['loops']} closed loop{'s' if notes['loops'] != 1 else ''}" if notes["loops"] else ""
     if names:
-        lines.append(f"  coordinates {shown}" + (f"; {held} constraints{closed}" if held else ""))
+        lines.append(f"  coordinates {shown}" + (f"; {held} constraint{'s' if held != 1 else ''}{closed}" if held else ""))
     if notes["dependent"]:
         lines.append(f"  given by others: {', '.join(notes['dependent'][:8])}")
-    if notes["degrees_at_start"] > degrees:
-        lines.append(f"  the start is a singular position: {notes['degrees_at_start']} degrees of freedom there")
-    lines += [f"  {text}" for text in (*notes["repeated"], *notes["assemblies"])]
+    if freedom["degrees_at_start"] > degrees:
+        lines.append(f"  the start is a singular position: {freedom['degrees_at_start']} degrees of freedom there")
+    lines += [f"  {text}" for text in (*freedom["repeated"], *freedom["assemblies"])]
     return "\n".join(lines)
 
 
@@ -147,6 +150,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     progress, portions = model.start(experiment, values, bar)
     loaded = time.perf_counter() - begin
     keep: list[Sequence[float]] = []
+    first: Sequence[float] = ()
     last: Sequence[float] = ()
     failure: RunError | None = None
     target = options.output or f"{options.file.stem}.csv"
@@ -154,6 +158,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
         try:
             for portion in portions:
                 writer(portion)
+                first = first or portion[: 1 + 2 * scene.n]
                 last = portion[-len(columns(scene)) - ENERGIES :]
                 if options.plot is not None:
                     keep.append(portion)
@@ -164,6 +169,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
         _plot(options, model, progress, keep, values)
     if not options.quiet:
         _summarise(options, model, progress, target, compiled, loaded)
+        _tell_assembly(scene, experiment, first, sys.stdout if target != "-" else sys.stderr)
         _tell_reactions(scene, last, sys.stdout if target != "-" else sys.stderr)
     if progress.interrupted:
         print(f"interrupted at t = {progress.time:.6g}; the {progress.rows} rows before are kept", file=sys.stderr)
@@ -240,6 +246,21 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
     say(f"  {progress.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""))
     if options.stats:
         _tell(model, progress, compiled, loaded, say)
+
+
+def _tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out: Any) -> None:
+    """Where the loops were closed, when start values were free to choose."""
+    free = [k for k in range(scene.n) if scene.fixed[k] != _FIXED]
+    if not (scene.notes["loops"] and scene.sizes["n_initial_positions"] and free and row and row[0] == experiment.start):
+        return
+    shown = [f"{scene.coordinates[k].name} = {_quantity(row[1 + k], scene.coordinates[k].unit)}" for k in free[:4]]
+    more = ", ..." if len(free) > 4 else ""
+    print(f"  loops closed at {', '.join(shown)}{more}; `lag check` tells whether there are other ways", file=out)
+
+
+def _quantity(value: float, unit: str) -> str:
+    """To four digits; angles from -180 to 180 degrees."""
+    return f"{math.degrees(math.remainder(value, 2 * math.pi)):.4g} deg" if unit == "rad" else f"{value:.4g} {unit}"
 
 
 def _tell_reactions(scene: Any, row: Sequence[float], out: Any) -> None:

@@ -5,13 +5,14 @@ decision counts singular values above 1e-7 of the largest, rows and columns scal
 singular position is not known better.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from lagrangia.assemblies import Alternatives, find_alternatives
-from lagrangia.assembly import Vector, begin, nearest
+from lagrangia.assembly import Assembly, Vector, begin, nearest
 from lagrangia.constraints import Constraints, Row
 from lagrangia.diagnostics import Diagnostic
 from lagrangia.functions import Functions, at_declared_values
@@ -37,25 +38,44 @@ class Freedom:
     alternatives: tuple[Alternatives, ...] = ()
 
 
+def is_held_still(
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, functions: Functions
+) -> bool:
+    """Whether no freedom is left. Ranks are taken only where there are as many constraints as coordinates."""
+    held, n = motion.constrained, motion.q.numel()
+    if held is None or held.J.shape[0] < n:
+        return bool(n == 0)
+    return _find(kinematics, motion, constraints, initial, functions)[0].degrees == 0
+
+
 def find_freedom(
     kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, functions: Functions
 ) -> Freedom:
-    """The freedom of a constrained scene with its parameters as declared."""
-    held = motion.constrained
-    n = motion.q.numel()
+    """The freedom of a scene with its parameters as declared, other assemblies too."""
+    found, assembly, x = _find(kinematics, motion, constraints, initial, functions)
+    if found.problem is not None or assembly is None:
+        return found
+    return replace(found, alternatives=find_alternatives(kinematics, initial, assembly, x))
+
+
+def _find(
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, functions: Functions
+) -> tuple[Freedom, Assembly | None, Vector]:
+    """But for the alternatives; the assembly, and the state it found."""
+    held, n = motion.constrained, motion.q.numel()
     told = tuple(_tell(row) for row in constraints.repeated)
     if held is None:
-        return Freedom(n, n, told, None)
+        return Freedom(n, n, told, None), None, np.zeros(0)
     assembly = begin(kinematics, initial, functions)
     x, worst = assembly.assemble()
     if worst >= 0:
-        return Freedom(n, n, told, _problem(initial, worst, assembly.least_gaps(x)))
+        return Freedom(n, n, told, _problem(initial, worst, assembly.least_gaps(x))), assembly, x
     q, numbers = x[:n], _Numbers(kinematics, held)
     slopes = numbers.scaled([q, *numbers.nearby(q)])
     ranks = [_rank(J) for J in slopes]
     repeated = [constraints.rows[k] for k in _dependent_rows(slopes[int(np.argmax(ranks))])]
-    return Freedom(n - max(ranks), n - ranks[0], told + tuple(dict.fromkeys(map(_tell, repeated))), None,
-                   find_alternatives(kinematics, initial, assembly, x))
+    found = Freedom(n - max(ranks), n - ranks[0], told + tuple(dict.fromkeys(map(_tell, repeated))), None)
+    return found, assembly, x
 
 
 def _tell(row: Row) -> str:
@@ -71,6 +91,14 @@ def _problem(initial: InitialConditions, worst: int, residuals: Vector) -> Diagn
     what = f"the loop {loop} cannot close" if loop else "this cannot hold at the start"
     return Diagnostic("error", "L0606", f"{what}: it misses by {gap:.3g} (m or rad)", span, "",
                       ("change the lengths, the places of the joints, or the start values it is solved from",))
+
+
+def freedom_notes(freedom: Freedom) -> dict[str, Any]:
+    """As plain data, for a scene that is kept."""
+    return {"degrees_of_freedom": freedom.degrees, "degrees_at_start": freedom.now, "repeated": list(freedom.repeated),
+            "assemblies": [item.text for item in freedom.alternatives],
+            "given_by_loops": [name for item in freedom.alternatives for name in item.coordinates],
+            "problem": freedom.problem.render() if freedom.problem else ""}
 
 
 class _Numbers:

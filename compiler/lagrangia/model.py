@@ -58,10 +58,27 @@ class Model:
 
     def _compile_and_keep(self) -> Scene:
         self._runtime_build = start_building()  # goes on beside the compilation
-        scene = self.compilation.scene
+        return self._keep(self.compilation.scene)
+
+    def _keep(self, scene: Scene) -> Scene:
         imports = [(self.path.parent / item.path) for item in self.compilation.syntax.imports]
         keep_scene(scene, self.path, self.model, self.structural, self.outputs, imports, self.for_any_mass)
         return scene
+
+    @property
+    def freedom(self) -> Mapping[str, Any]:
+        """Degrees of freedom, redundant constraints, what cannot close and how else loops can: see freedom.freedom_notes.
+
+        A run does not need it, so that it is found when it is first asked for, and then kept with the scene.
+        """
+        if self.scene.notes["freedom"] is None:
+            from lagrangia.freedom import find_freedom, freedom_notes
+
+            c = self.compilation
+            found = freedom_notes(find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions))
+            self.scene = self._keep(replace(self.scene, notes={**self.scene.notes, "freedom": found}))
+        notes: Mapping[str, Any] = self.scene.notes["freedom"]
+        return notes
 
     @property
     def compilation(self) -> "Compilation":

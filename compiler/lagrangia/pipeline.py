@@ -55,7 +55,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.constraints import reduce_kinematics
     from lagrangia.dimensions import check_dimensions
     from lagrangia.energies import build_energies
-    from lagrangia.freedom import find_freedom
+    from lagrangia.freedom import is_held_still
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
     from lagrangia.hamilton import build_hamilton, energy_flow
@@ -82,10 +82,10 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             hamilton = None if flow else build_hamilton(kinematics, motion)
             functions = build_functions(kinematics, motion, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
         with _timed(seconds, "freedom"):
-            freedom = find_freedom(kinematics, motion, constraints, initial, functions)
+            is_still = is_held_still(kinematics, motion, constraints, initial, functions)
         with _timed(seconds, "scene"):
             refused = {"conservative": flow} if flow else {}
-            scene = build_scene(kinematics, motion, initial, functions, freedom, refused)
+            scene = build_scene(kinematics, motion, initial, functions, is_still, refused)
             scene = divide(scene, kinematics, motion, initial)
     return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, initial, functions, scene,
                        seconds)

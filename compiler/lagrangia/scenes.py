@@ -11,7 +11,6 @@ from lagrangia.diagnostics import fail
 from lagrangia.dimensions import unit_of
 from lagrangia.flat import FlatModel, Variable
 from lagrangia.folding import fold
-from lagrangia.freedom import Freedom
 from lagrangia.functions import Functions, build_island_functions
 from lagrangia.graph import rate_of
 from lagrangia.initial import InitialConditions
@@ -26,7 +25,7 @@ from lagrangia.tree import Array, Flat
 
 
 def build_scene(
-    kinematics: Kinematics, motion: Motion, initial: InitialConditions, functions: Functions, freedom: Freedom,
+    kinematics: Kinematics, motion: Motion, initial: InitialConditions, functions: Functions, is_still: bool,
     refused: dict[str, str],
 ) -> Scene:
     """`refused` says of solvers that cannot run the scene why they cannot."""
@@ -59,7 +58,7 @@ def build_scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
         tuple(kinds[c.unit] for c in started), tuple(map(int, initial.fixed)), functions.event_kinds,
-        _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, freedom), functions.patterns,
+        _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, is_still), functions.patterns,
         {**functions.refused, **refused, **_no_series(tapes)}, tapes, (), _evenness(motion), _lost_starts(model, initial),
     )
 
@@ -146,13 +145,11 @@ def _is_driven(kinematics: Kinematics, motion: Motion) -> bool:
     return bool(rows) and ca.depends_on(ca.vertcat(*rows), motion.t)
 
 
-def _freedom(kinematics: Kinematics, motion: Motion, freedom: Freedom) -> dict[str, object]:
-    return {"degrees_of_freedom": freedom.degrees, "degrees_at_start": freedom.now, "loops": len(kinematics.graph.closures),
-            "is_driven": _is_driven(kinematics, motion), "repeated": list(freedom.repeated),
-            "assemblies": [item.text for item in freedom.alternatives],
-            "given_by_loops": [name for item in freedom.alternatives for name in item.coordinates],
-            "dependent": [c.name for c in kinematics.graph.dependent_coordinates],
-            "problem": freedom.problem.render() if freedom.problem else ""}
+def _freedom(kinematics: Kinematics, motion: Motion, is_still: bool) -> dict[str, object]:
+    """What is known at once; "freedom" is filled in when somebody asks: see model.py."""
+    return {"is_static": is_still and not _is_driven(kinematics, motion), "loops": len(kinematics.graph.closures),
+            "is_driven": _is_driven(kinematics, motion), "freedom": None,
+            "dependent": [c.name for c in kinematics.graph.dependent_coordinates]}
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:

@@ -9,7 +9,7 @@ from lagrangia.trajectory import columns
 
 def is_static(scene: Scene) -> bool:
     """No degree of freedom is left, and no motion is prescribed."""
-    return scene.notes["degrees_of_freedom"] == 0 and not scene.notes["is_driven"]
+    return bool(scene.notes["is_static"])
 
 
 def reaction_table(scene: Scene, row: Sequence[float]) -> list[str]:
