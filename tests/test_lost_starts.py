@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia import assembly
+from lagrangia import assembly, fmu
 from lagrangia.cli import main
+from lagrangia.fmu_model import build_fmu_model
 
 Write = Callable[[str], lag.Model]
 
@@ -211,3 +212,21 @@ def test_a_sweep_over_the_start_of_a_cut_joint_says_what_to_do(scene: Write) -> 
     model = scene(four_bar(**ROUGH))
     with pytest.raises(lag.LagError, match="make it a parameter"):
         model.simulate_many(initial={"C.phi": [0.9, 1.0]})
+
+
+def test_an_fmu_begins_where_the_cut_joint_is_fixed(scene: Write) -> None:
+    model = scene(four_bar(**ROUGH | {"C": "phi(start = 0.95, fixed = true)"}))
+    found = build_fmu_model(model)
+    start = begin(model)
+    names = [c.name for c in (*model.scene.coordinates, *model.scene.rates)]
+    np.testing.assert_allclose(found.state_start, [start[name] for name in names], atol=1e-13)
+    assert len(found.nominal) == 2 * model.scene.n
+
+
+def test_an_fmu_without_a_mass_has_formulas_for_it(scene: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    model = scene(four_bar(A="phi(start = 1)"))
+    exported: list[lag.Model] = []
+    monkeypatch.setattr(fmu, "export_fmus", lambda model, *_: exported.append(model))
+    model.export_fmu(tmp_path / "m.fmu")
+    model.export_fmu(tmp_path / "m.fmu", parameters={"coupler.m": 0})
+    assert [m.for_any_mass for m in exported] == [False, True]

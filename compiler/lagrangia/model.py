@@ -262,7 +262,8 @@ class Model:
         """
         from lagrangia.fmu import export_fmus
 
-        return export_fmus(self, None if path is None else Path(path), fmi, kind, platforms, sources, parameters, info, tell)
+        suited = self.suited(check_values(self.scene, parameters))
+        return export_fmus(suited, None if path is None else Path(path), fmi, kind, platforms, sources, parameters, info, tell)
 
     def functions(self) -> "dict[str, casadi.Function]":
         """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian; p in the order of `parameter_names`.

@@ -83,7 +83,7 @@ def _whole(motion: Motion) -> tuple[str, list[tuple[int, ...]]]:
     groups = find_islands(motion)
     if len(groups) > MOST_ISLANDS:
         return f"not supported yet: more than {MOST_ISLANDS} islands", []
-    return "all its coordinates interact" if len(groups) == 1 else "", groups
+    return "" if len(groups) > 1 else "all its coordinates interact" if groups else "it has no coordinates", groups
 
 
 def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: tuple[int, ...]) -> Scene:

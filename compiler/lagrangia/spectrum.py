@@ -42,7 +42,8 @@ def find_spectrum(kinematics: Kinematics, motion: Motion, initial: InitialCondit
         slopes = ca.substitute([slopes], [m.symbol for m in modes], values)[0]
     function = ca.Function("slopes", [motion.t, motion.q, motion.v, motion.u, motion.p], [slopes])
     instant = kinematics.graph.model.experiment.start
-    numbers = function(instant, ca.evalf(start[0]), ca.evalf(start[1]), 0, defaults).full()
+    q, v = (ca.evalf(x)[:n] for x in start)
+    numbers = function(instant, q, v, 0, defaults).full()
     if not np.all(np.isfinite(numbers)):
         return None
     matrix = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), numbers])
