@@ -2,11 +2,12 @@
 #include <math.h>
 
 #include "attempts.h"
+#include "rounding.h"
 #include "step.h"
 
 /* Measured like the constants of scale.c: at a safety of 0.8 fewer rejections pay for shorter steps, and then a memory of
  * the last error (PI control: K. Gustafsson, 1991) gains nothing. */
-static const double SAFETY = 0.8, SHRINK = 1.0 / 3, GROW = 6, NOT_FINITE_SHRINK = 0.25;
+static const double SAFETY = 0.8, SHRINK = 1.0 / 3, FIRST_GROW = 6, GROW = 3, NOT_FINITE_SHRINK = 0.25;
 static const double SMALLEST_ERROR = 1e-10, CUT = 0.9;
 /* The end of a rejected step, wrong by less than this, still tells how large the motion will be. Without it, a motion that
  * sets in smoothly from rest (a road that begins to rise) is resolved against its own first picometres, below rounding. */
@@ -28,10 +29,11 @@ static double shrunk(const LagRun *run, double h, double error)
 
 /* The next step after one of length h; not longer right after a rejection. A step that was only cut short teaches nothing
  * against the longer one that was planned. */
-static double proposal(const LagRun *run, double h, double error, int rejected)
+static double proposal(LagRun *run, double h, double error, int rejected)
 {
-    const double planned = h < CUT * run->step ? run->step : 0;
-    const double next = fmax(planned, h * fmin(rejected ? 1 : GROW, factor(run, fmax(error, SMALLEST_ERROR))));
+    const double planned = h < CUT * run->step ? run->step : 0, wish = factor(run, fmax(error, SMALLEST_ERROR));
+    const double next = fmax(planned, h * fmin(rejected ? 1 : run->is_starting ? FIRST_GROW : GROW, wish));
+    run->is_starting = run->is_starting && wish > GROW;
     return run->settings.max_step > 0 ? fmin(next, run->settings.max_step) : next;
 }
 
@@ -48,6 +50,7 @@ LagStatus lag_step_adaptive(LagRun *run)
     LagMotion *motion = &run->motion;
     void *self = run->methods.self;
     int worst = 0;
+    lag_rounding_watch(run);
     run->step = fmax(run->step, lag_step_smallest(motion->t));
     LagAttempts attempts = lag_attempts_begin(run);
     for (;;) {

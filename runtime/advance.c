@@ -23,21 +23,21 @@ static void write_row(LagRun *run, double t, const double *y, double *row)
     lag_project_note(run, t, y);
 }
 
-/* The state at t, inside the latest step, in run->inside. */
+/* The state at t, inside or at the end of the latest step, in run->inside. */
 static void state_inside(LagRun *run, double t)
 {
-    run->careful = run->model->n_multipliers > 0; /* the stages of the dense output may lie near a singular position */
-    run->methods.table->interpolate(run->methods.self, &run->motion, t, run->inside);
-    run->careful = 0;
+    if (t == run->motion.t) {
+        memcpy(run->inside, run->motion.y, (size_t)run->motion.size * sizeof *run->inside);
+    } else {
+        run->careful = run->model->n_multipliers > 0; /* the stages of the dense output may lie near a singular position */
+        run->methods.table->interpolate(run->methods.self, &run->motion, t, run->inside);
+        run->careful = 0;
+    }
     lag_project_inside(run, t, run->inside);
 }
 
 static void row_at(LagRun *run, double t, double *row)
 {
-    if (t == run->motion.t) {
-        write_row(run, t, run->motion.y, row);
-        return;
-    }
     state_inside(run, t);
     write_row(run, t, run->inside, row);
 }

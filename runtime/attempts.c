@@ -8,22 +8,32 @@
 
 enum { WAYS = 8, PATIENT = 2 };
 static const double WAY[WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-8;
-/* An ordinary rejection: not one of several in a row, of a step much longer than the last good ones or with an error that a
- * shorter one mends. */
-static const double MUCH_LONGER = 1.5, MENDABLE = 50;
+/* An ordinary rejection is one that a shorter step mends. Errors (relative to the state) above NOISE cannot be rounding: there
+ * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is not one
+ * of several in a row, of a step much longer than the last good ones or with an error that is not far off. */
+static const double NOISE = 1e-6, MENDED = 0.25, SUNK = 0.1, MUCH_LONGER = 1.5, MENDABLE = 50;
 
 LagAttempts lag_attempts_begin(LagRun *run)
 {
-    const LagAttempts attempts = {0, run->step, run->step, INFINITY, 1};
+    const LagAttempts attempts = {0, run->step, run->step, INFINITY, 1, INFINITY};
     run->careful = 0;
     return attempts;
 }
 
+static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h, double error)
+{
+    if (run->careful)
+        return 0;
+    if (error < INFINITY && error * run->scale.tolerance > NOISE)
+        return error < MENDED * attempts->last && (run->troubled < PATIENT || h > SUNK * run->calm_step);
+    return run->troubled < PATIENT && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
+}
+
 double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double error, double shorter)
 {
-    const int is_first = run->troubled < PATIENT && attempts->rejected == 1;
-    const int is_ordinary = is_first && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
-    if (run->model->n_multipliers == 0 || (is_ordinary && error > attempts->allowed))
+    const int is_mended = is_ordinary(run, attempts, h, error) && error > attempts->allowed;
+    attempts->last = error;
+    if (run->model->n_multipliers == 0 || is_mended)
         return shorter;
     if (!run->careful) {
         run->careful = 1;

@@ -9,6 +9,7 @@ typedef struct {
     double planned;     /* length first tried */
     double best, least; /* the length with the least error, and that error */
     double allowed;     /* error, in units */
+    double last;        /* error of the attempt before */
 } LagAttempts;
 
 LagAttempts lag_attempts_begin(LagRun *run);

@@ -7,14 +7,9 @@
 #ifndef LAG_DOP853_TABLEAU_H
 #define LAG_DOP853_TABLEAU_H
 
-enum { LAG_DOP853_STAGES = 12, LAG_DOP853_ALL_STAGES = 16, LAG_DOP853_DENSE_ROWS = 4 };
+#include "explicit.h"
 
-/* The nonzero entries of one row. */
-typedef struct {
-    int count;
-    int column[12];
-    double weight[12];
-} LagTableauRow;
+enum { LAG_DOP853_STAGES = 12, LAG_DOP853_ALL_STAGES = 16, LAG_DOP853_DENSE_ROWS = 4 };
 
 /* c: stage i is at t + c[i] h. */
 static const double lag_dop853_node[LAG_DOP853_ALL_STAGES] = {

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "dop853.h"
+#include "explicit.h"
 #include "segment.h"
 #include "step.h"
 

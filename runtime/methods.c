@@ -7,13 +7,16 @@ int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
     const int32_t asked = settings->solver != LAG_SOLVER_AUTO ? settings->solver : model->solver;
     if (asked != LAG_SOLVER_AUTO)
         return asked;
-    return lag_taylor_pays(model, settings->tolerance) ? LAG_SOLVER_TAYLOR : LAG_SOLVER_ERK;
+    if (lag_taylor_pays(model, settings->tolerance))
+        return LAG_SOLVER_TAYLOR;
+    return lag_erk5_pays(model, settings->tolerance) ? LAG_SOLVER_ERK5 : LAG_SOLVER_ERK;
 }
 
 int lag_methods_permit(const LagModel *model, int32_t solver)
 {
     switch (solver) {
-    case LAG_SOLVER_ERK: return 1;
+    case LAG_SOLVER_ERK:
+    case LAG_SOLVER_ERK5: return 1;
     case LAG_SOLVER_LINEAR: return model->linear_pattern != NULL;
     case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
     case LAG_SOLVER_ISLANDS: return model->n_islands > 1;
@@ -23,9 +26,11 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     }
 }
 
+static int is_explicit(int32_t solver) { return solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_ERK5; }
+
 int lag_methods_alternate(const LagModel *model, int32_t solver)
 {
-    const int is_one = solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_TAYLOR || solver == LAG_SOLVER_IMPLICIT;
+    const int is_one = is_explicit(solver) || solver == LAG_SOLVER_TAYLOR || solver == LAG_SOLVER_IMPLICIT;
     return is_one && lag_methods_permit(model, LAG_SOLVER_IMPLICIT);
 }
 
@@ -44,7 +49,10 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
         lag_taylor.layout(&methods->taylor, motion, arena);
     if (solver == LAG_SOLVER_CONSERVATIVE)
         lag_gauss.layout(&methods->gauss, motion, arena);
-    if (solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_CONSERVATIVE || lag_methods_alternate(model, solver))
+    methods->explicit_solver = is_explicit(solver) ? solver : LAG_SOLVER_ERK;
+    if (solver == LAG_SOLVER_ERK5)
+        lag_tsit5.layout(&methods->tsit5, motion, arena);
+    else if (solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_CONSERVATIVE || lag_methods_alternate(model, solver))
         lag_dop853.layout(&methods->dop853, motion, arena);
     if (solver == LAG_SOLVER_IMPLICIT || may_turn)
         lag_radau.layout(&methods->radau, motion, arena);
@@ -73,6 +81,10 @@ void lag_methods_choose(LagMethods *methods, int32_t solver)
     case LAG_SOLVER_TAYLOR:
         methods->table = &lag_taylor;
         methods->self = &methods->taylor;
+        break;
+    case LAG_SOLVER_ERK5:
+        methods->table = &lag_tsit5;
+        methods->self = &methods->tsit5;
         break;
     default:
         methods->table = &lag_dop853;

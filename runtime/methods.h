@@ -2,7 +2,7 @@
 #ifndef LAG_METHODS_H
 #define LAG_METHODS_H
 
-#include "dop853.h"
+#include "explicit.h"
 #include "gauss.h"
 #include "islands.h"
 #include "linear_method.h"
@@ -14,7 +14,8 @@ typedef struct {
     int32_t solver;         /* LAG_SOLVER_...: in use */
     const LagMethod *table; /* its functions */
     void *self;             /* its own struct, one of those below */
-    LagDop853 dop853;
+    int32_t explicit_solver; /* the one that takes turns with implicit steps: erk or erk5 */
+    LagExplicit dop853, tsit5;
     LagLinearMethod linear;
     LagIslands islands;
     LagRadau radau;
@@ -28,7 +29,7 @@ int32_t lag_methods_first(const LagSettings *settings, const LagModel *model);
 /* Whether the model can be run by it. */
 int lag_methods_permit(const LagModel *model, int32_t solver);
 
-/* Whether a run that begins with this solver may go on with erk or implicit, whichever serves. */
+/* Whether a run that begins with this solver may go on with explicit or implicit steps, whichever serve. */
 int lag_methods_alternate(const LagModel *model, int32_t solver);
 
 /* The methods that a run with these settings may use take their memory. */

@@ -23,6 +23,8 @@
  * positions. In units of error: what a good step may be corrected by; a unit counts as no less than FINEST of the magnitude
  * that matters, since velocities are corrected by noise, too, near singular positions. */
 static const double ROUNDING = 4 * DBL_EPSILON, SQUARE_IS_ROUNDING = 1e-9, NOISE = 1e-6;
+/* What a step's projection may leave of its error, in its tolerance; rows are projected to rounding. */
+static const double LEFT_BY_STEPS = 1e-3;
 static const double MOST_UNITS = 100, FINEST = 1e-11, NEAR_SINGULAR = 1e-9, FALL = 0.75;
 enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2 };
 
@@ -112,11 +114,11 @@ static void take_back(const LagProjection *s, int n, double *state, double *carr
 
 /* Whether the correction just made needs no second look: what is left is rounding, and it is too short to harm were it
  * noise. Velocities are corrected by linear equations: nothing is left of them. */
-static int is_last(const LagRun *run, Level level, double size)
+static int is_last(const LagRun *run, Level level, double size, double left)
 {
     const LagProjection *s = &run->projection;
     const int n = run->model->n, first = level == POSITIONS ? 0 : n;
-    if (level == POSITIONS && size > SQUARE_IS_ROUNDING)
+    if (level == POSITIONS && size > SQUARE_IS_ROUNDING && size * size > left)
         return 0;
     for (int i = 0; i < n; ++i)
         if (fabs(s->correction[i]) > lag_scale_unit(&run->scale, first + i, run->motion.y, s->state))
@@ -124,8 +126,9 @@ static int is_last(const LagRun *run, Level level, double size)
     return 1;
 }
 
-/* Corrects the projection's state. Returns 1 when it is where it should be. */
-static int correct(LagRun *run, Level level, double t)
+/* Corrects the projection's state until what is left, relative to the coordinates, is below `left` or rounding. Returns 1 when
+ * it is where it should be. */
+static int correct(LagRun *run, Level level, double t, double left)
 {
     LagProjection *s = &run->projection;
     const int n = run->model->n, most = level == POSITIONS ? PLACE_ITERATIONS : STEER_ITERATIONS;
@@ -143,22 +146,22 @@ static int correct(LagRun *run, Level level, double t)
         apply(s, n, state, carry);
         ++run->statistics.projections;
         last = size;
-        if (is_last(run, level, size))
+        if (is_last(run, level, size, left))
             return 1;
     }
     return level == RATES ? last < INFINITY : last < NOISE;
 }
 
 /* Projects (y, carry) at t; both stay as they are when that fails or goes farther than `most` units of error. */
-static int project(LagRun *run, double t, double most, double *y, double *carry, int *worst)
+static int project(LagRun *run, double t, double most, double left, double *y, double *carry, int *worst)
 {
     LagProjection *s = &run->projection;
     const size_t size = 2 * (size_t)run->model->n * sizeof *y;
     memcpy(s->state, y, size);
     memcpy(s->carry, carry, size);
-    if (run->model->n_holonomic > 0 && !correct(run, POSITIONS, t))
+    if (run->model->n_holonomic > 0 && !correct(run, POSITIONS, t, left))
         return 0;
-    if (!correct(run, RATES, t) || !(distance(run, y, s->state, worst) <= most))
+    if (!correct(run, RATES, t, left) || !(distance(run, y, s->state, worst) <= most))
         return 0;
     memcpy(y, s->state, size);
     memcpy(carry, s->carry, size);
@@ -170,14 +173,14 @@ int lag_project_step(LagRun *run, double t, int *worst)
     if (run->model->n_multipliers == 0)
         return 1;
     const double most = run->careful ? fmax(MOST_UNITS, NEAR_SINGULAR / run->scale.tolerance) : MOST_UNITS;
-    return project(run, t, most, run->motion.other, run->motion.other_carry, worst);
+    return project(run, t, most, LEFT_BY_STEPS * run->scale.tolerance, run->motion.other, run->motion.other_carry, worst);
 }
 
 void lag_project_present(LagRun *run)
 {
     int worst;
     if (run->model->n_multipliers > 0)
-        project(run, run->motion.t, INFINITY, run->motion.y, run->motion.carry, &worst);
+        project(run, run->motion.t, INFINITY, 0, run->motion.y, run->motion.carry, &worst);
 }
 
 void lag_project_inside(LagRun *run, double t, double *y)
@@ -186,7 +189,7 @@ void lag_project_inside(LagRun *run, double t, double *y)
     if (run->model->n_multipliers == 0)
         return;
     memset(run->inside_carry, 0, 2 * (size_t)run->model->n * sizeof *y);
-    project(run, t, INFINITY, y, run->inside_carry, &worst);
+    project(run, t, INFINITY, 0, y, run->inside_carry, &worst);
 }
 
 static double largest_residual(const LagRun *run, int count)

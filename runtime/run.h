@@ -13,7 +13,7 @@
 
 typedef struct LagRun LagRun;
 
-/* Ways to step; LAG_SOLVER_AUTO stands for the one the model names, or the cheaper one of ERK and TAYLOR. */
+/* Ways to step; LAG_SOLVER_AUTO stands for the one the model names, or the cheapest one of ERK, ERK5 and TAYLOR. */
 enum {
     LAG_SOLVER_AUTO,
     LAG_SOLVER_ERK,
@@ -21,7 +21,8 @@ enum {
     LAG_SOLVER_IMPLICIT,
     LAG_SOLVER_ISLANDS,
     LAG_SOLVER_CONSERVATIVE,
-    LAG_SOLVER_TAYLOR
+    LAG_SOLVER_TAYLOR,
+    LAG_SOLVER_ERK5
 };
 
 /* Smaller tolerances are raised to this one. */

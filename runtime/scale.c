@@ -42,6 +42,7 @@ void lag_scale_layout(LagScale *scale, LagArena *arena)
     scale->largest = lag_take(arena, size);
     scale->floor = lag_take(arena, size);
     scale->group = lag_take(arena, 2 * kinds);
+    scale->noise = lag_take(arena, (size_t)scale->n);
     scale->motion = lag_take(arena, kinds);
     scale->change = lag_take(arena, kinds);
 }
@@ -52,8 +53,10 @@ void lag_scale_reset(LagScale *scale)
     const size_t size = 2 * (size_t)n * sizeof(double);
     memset(scale->largest, 0, size);
     memset(scale->floor, 0, size);
+    memset(scale->noise, 0, size / 2);
     memset(scale->group, 0, 2 * (size_t)scale->kinds * sizeof(double));
-    scale->rate_rounding = 0;
+    scale->rate_rounding = scale->step = 0;
+    scale->is_resting = 1;
     for (int i = 0; i < n; ++i) {
         scale->cap[i] = scale->kind[i] == LAG_KIND_ANGLE ? ANGLE_CAP : INFINITY;
         scale->cap[n + i] = INFINITY;
@@ -77,6 +80,22 @@ void lag_scale_note(LagScale *scale, const double *y)
     }
     for (int i = 0; i < size; ++i)
         scale->floor[i] = fmax(OWN * scale->largest[i], GROUP * *group_of(scale, i));
+    scale->is_resting = 0;
+    for (int k = scale->kinds; k < 2 * scale->kinds; ++k)
+        scale->is_resting |= scale->group[k] == 0;
+}
+
+void lag_scale_foresee(const LagScale *scale, const double *y_new)
+{
+    const int n = scale->n;
+    memset(scale->motion, 0, (size_t)scale->kinds * sizeof(double));
+    for (int i = 0; i < n; ++i) {
+        double *rate = &scale->motion[scale->kind[i]];
+        *rate = fmax(*rate, fabs(y_new[n + i]));
+    }
+    for (int i = 0; i < n; ++i)
+        if (*group_of(scale, n + i) == 0)
+            scale->floor[n + i] = GROUP * scale->motion[scale->kind[i]];
 }
 
 int lag_scale_at_rest(const LagScale *scale)
@@ -87,4 +106,8 @@ int lag_scale_at_rest(const LagScale *scale)
     return 1;
 }
 
-void lag_scale_set_step(LagScale *scale, double h) { scale->rate_rounding = DBL_EPSILON / h; }
+void lag_scale_set_step(LagScale *scale, double h)
+{
+    scale->rate_rounding = DBL_EPSILON / h;
+    scale->step = h;
+}

@@ -11,10 +11,13 @@ typedef struct {
     const int *kind; /* n: coordinates of one kind share an order of magnitude */
     double tolerance;
     double rate_rounding; /* rounding error of a position, over the step: relative uncertainty of a rate */
+    double step;          /* length of the latest step */
+    int is_resting;       /* rates of some kind have all been 0 so far */
     double *cap;          /* 2 n: magnitudes above this one count no more */
     double *largest;      /* 2 n: magnitude seen so far */
     double *floor;        /* 2 n: magnitude that counts at least */
     double *group;        /* 2 kinds: largest magnitude of a kind, positions then rates */
+    double *noise;        /* n: uncertainty of the accelerations by rounding */
     double *motion, *change; /* kinds: scratch of lag_first_step */
 } LagScale;
 
@@ -28,6 +31,9 @@ void lag_scale_reset(LagScale *scale);
 
 /* Takes notice of a state (q, v) that was reached. */
 void lag_scale_note(LagScale *scale, const double *y);
+
+/* While rates of some kind rest, those of a state that is being tried say how large they will be. */
+void lag_scale_foresee(const LagScale *scale, const double *y_new);
 
 /* Whether nothing has moved yet, so that no motion has a size. */
 int lag_scale_at_rest(const LagScale *scale);
@@ -50,7 +56,8 @@ static inline double lag_scale_unit(const LagScale *scale, int i, const double *
         return unit;
     const int position = i - scale->n;
     const double rounding = scale->rate_rounding * lag_scale_magnitude(scale, position, y_old[position], y_new[position]);
-    return unit > rounding ? unit : rounding;
+    const double noise = scale->step * scale->noise[position], least = rounding > noise ? rounding : noise;
+    return unit > least ? unit : least;
 }
 
 #endif

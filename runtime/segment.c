@@ -52,6 +52,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
     }
     run->step = first_step(run);
+    run->is_starting = 1;
     run->methods.table->restart(run->methods.self, motion);
     lag_scale_set_step(&run->scale, run->step);
     return LAG_OK;

@@ -38,6 +38,7 @@ struct LagRun {
     LagStiffness stiffness;
 
     int started;
+    int is_starting;      /* no step since the segment began was as long as it could be */
     int troubled;         /* steps in a row that were rejected at first */
     double calm_step;     /* length of those that were not, lately */
     int careful;          /* slopes are taken at projected states: a singular position is near */

@@ -186,7 +186,7 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("-o", "--output", metavar="FILE", help="the result (FILE.csv; - for standard output); by default NAME.csv in this folder")
     add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
     add("--plot-quantities", metavar="NAME,NAME,...", help="what the picture shows; all coordinates by default")
-    add("--solver", default="auto", metavar="NAME", help="how to step: auto, erk, linear, implicit, ...; see `lag help solver`")
+    add("--solver", default="auto", metavar="NAME", help="auto, erk, erk5, linear, implicit, ...; see `lag help solver`")
     add("--engine", choices=("auto", "native", "tape"), default="auto",
         help="compiled, interpreted, or (auto) what costs less time; the reckoning is shown by --stats")
     add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")

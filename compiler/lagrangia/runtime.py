@@ -45,6 +45,7 @@ class Solver(IntEnum):
     ISLANDS = 4
     CONSERVATIVE = 5
     TAYLOR = 6
+    ERK5 = 7
 
 
 class Op(IntEnum):

@@ -1,0 +1,214 @@
+/* Explicit Runge-Kutta pairs, each a table of coefficients: Dormand-Prince 8(5,3) and, for loose tolerances, Tsitouras 5(4).
+ * E. Hairer, S.P. Norsett, G. Wanner, Solving Ordinary Differential Equations I (1993), II.5, II.6.
+ *
+ * State y = (q, v, e): e are energy quadratures, carried along but left out of the error estimate. A stage's velocity is
+ * written where the slope of its position belongs, so q' = v costs nothing. The slope at the end of a step is the first of
+ * the next. Further slopes of the dense output are evaluated only when someone looks inside a step.
+ */
+#include "explicit.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "dop853_tableau.h"
+#include "step.h"
+#include "tsit5_tableau.h"
+
+static const LagTableau DOP853 = {LAG_DOP853_STAGES, LAG_DOP853_ALL_STAGES, LAG_DOP853_DENSE_ROWS, lag_dop853_node,
+                                  lag_dop853_stage, &lag_dop853_error5, &lag_dop853_error3, lag_dop853_dense, 0, 1};
+static const LagTableau TSIT5 = {LAG_TSIT5_STAGES, LAG_TSIT5_STAGES + 1, LAG_TSIT5_DENSE_ROWS, lag_tsit5_node,
+                                 lag_tsit5_stage, &lag_tsit5_error, NULL, lag_tsit5_dense, 1, 2};
+static void layout(LagExplicit *s, const LagTableau *tableau, const LagMotion *m, LagArena *arena)
+{
+    s->tableau = tableau;
+    for (int i = 0; i < tableau->all_stages; ++i)
+        s->k[i] = lag_take(arena, (size_t)m->size);
+    for (int i = 0; i < LAG_HERMITE_ROWS + tableau->dense_rows; ++i)
+        s->dense[i] = lag_take(arena, (size_t)m->size);
+}
+
+static void layout_dop853(void *self, const LagMotion *m, LagArena *arena) { layout(self, &DOP853, m, arena); }
+
+static void layout_tsit5(void *self, const LagMotion *m, LagArena *arena) { layout(self, &TSIT5, m, arena); }
+
+/* By evaluations to the same error on the scenes of the benchmark suite. Motions of closed loops and of coordinates that are all
+ * coupled (long equations, as of chains) are rough enough for short steps to pay; in smooth ones (springs, single pendulums) the
+ * high order nearly always does. */
+int lag_erk5_pays(const LagModel *model, double tolerance)
+{
+    static const double CONSTRAINED = 5e-6, ROUGH = 5e-5, SMOOTH = 5e-3;
+    const int is_rough = model->rhs_cost > 40 * model->n;
+    return tolerance > (model->n_multipliers > 0 ? CONSTRAINED : is_rough ? ROUGH : SMOOTH);
+}
+
+/* sum = weights of the row times slopes, for the first `size` components; four at a time, in four independent chains. */
+static void combine(const LagExplicit *s, const LagTableauRow *row, int size, double *sum)
+{
+    for (int i = 0; i < size; i += 4) {
+        double s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+        for (int j = 0; j < row->count; ++j) {
+            const double w = row->weight[j], *k = s->k[row->column[j]] + i;
+            s0 += w * k[0];
+            s1 += w * k[1];
+            s2 += w * k[2];
+            s3 += w * k[3];
+        }
+        sum[i] = s0;
+        sum[i + 1] = s1;
+        sum[i + 2] = s2;
+        sum[i + 3] = s3;
+    }
+}
+
+/* Slope i of the step of length h from (t, y). */
+static int stage(LagExplicit *s, LagMotion *m, int i, double t, const double *y, double h)
+{
+    const int n = m->n;
+    double *k = s->k[i];
+    combine(s, &s->tableau->stage[i], 2 * n, m->sum);
+    for (int j = 0; j < n; ++j) {
+        m->point[j] = y[j] + h * m->sum[j];
+        k[j] = y[n + j] + h * m->sum[n + j];
+    }
+    return lag_motion_slope(m, t + s->tableau->node[i] * h, m->point, k, k);
+}
+
+static void add_step(LagExplicit *s, LagMotion *m, double h)
+{
+    combine(s, &s->tableau->stage[s->tableau->stages], m->size, m->sum);
+    for (int i = 0; i < m->size; ++i)
+        m->sum[i] *= h;
+    lag_motion_add(m, m->sum);
+}
+
+/* An embedded error divided by h, from `sum`, root mean square in units over positions and rates that move; *worst: where it
+ * is largest. 0 when nothing moves. */
+static double in_units(const LagMotion *m, const double *sum, const LagScale *scale, int *worst)
+{
+    double squares = 0, largest = 0;
+    int moving = 0;
+    for (int i = 0; i < 2 * m->n; ++i) {
+        const double unit = lag_scale_unit(scale, i, m->y, m->other);
+        if (unit == 0)
+            continue;
+        ++moving;
+        const double error = sum[i] / unit;
+        squares += error * error;
+        if (fabs(error) > largest) {
+            largest = fabs(error);
+            *worst = i;
+        }
+    }
+    return moving > 0 ? sqrt(squares / moving) : 0;
+}
+
+/* Hairer's combination where there are two embedded errors. */
+static double estimate(const LagExplicit *s, LagMotion *m, double h, const LagScale *scale, int *worst)
+{
+    const LagTableau *tableau = s->tableau;
+    int ignored;
+    if (scale->is_resting)
+        lag_scale_foresee(scale, m->other);
+    combine(s, tableau->error, 2 * m->n, m->sum);
+    const double fine = in_units(m, m->sum, scale, worst);
+    if (!tableau->coarse_error || fine == 0)
+        return tableau->caution * fabs(h) * fine;
+    combine(s, tableau->coarse_error, 2 * m->n, m->point);
+    const double coarse = in_units(m, m->point, scale, &ignored);
+    return tableau->caution * fabs(h) * fine * fine / sqrt(fine * fine + 0.01 * coarse * coarse);
+}
+
+static void restart(void *self, LagMotion *m)
+{
+    LagExplicit *s = self;
+    memcpy(s->k[0], m->slope, (size_t)m->size * sizeof *m->slope);
+    s->first_slope_is_last = 0;
+}
+
+static void swap(double **a, double **b)
+{
+    double *c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* Where the error estimate needs the slope at the end, it is that of the state before its projection. */
+static int end_slope(LagExplicit *s, LagMotion *m, double t_new)
+{
+    return lag_motion_slope(m, t_new, m->other, m->other + m->n, s->k[s->tableau->stages]);
+}
+
+static double attempt(void *self, LagMotion *m, double t_new, const LagScale *scale, int *worst)
+{
+    LagExplicit *s = self;
+    const int stages = s->tableau->stages;
+    const double h = t_new - m->t;
+    m->t_old = m->t;
+    if (s->first_slope_is_last)
+        swap(&s->k[0], &s->k[stages]);
+    s->first_slope_is_last = 0;
+    for (int i = 1; i < stages; ++i)
+        if (!stage(s, m, i, m->t, m->y, h)) {
+            *worst = m->n + lag_first_not_finite(s->k[i] + m->n, m->n);
+            return INFINITY;
+        }
+    add_step(s, m, h);
+    if (s->tableau->error_at_end && !end_slope(s, m, t_new)) {
+        *worst = m->n + lag_first_not_finite(s->k[stages] + m->n, m->n);
+        return INFINITY;
+    }
+    const double error = estimate(s, m, h, scale, worst);
+    return error >= 0 ? error : INFINITY;
+}
+
+static int accept(void *self, LagMotion *m, double t_new)
+{
+    LagExplicit *s = self;
+    if (s->tableau->error_at_end) /* the projection's correction of the accelerations is below their error */
+        memcpy(s->k[s->tableau->stages], m->other + m->n, (size_t)m->n * sizeof *m->other);
+    else if (!end_slope(s, m, t_new))
+        return 0;
+    lag_motion_take(m, t_new);
+    s->first_slope_is_last = 1;
+    s->dense_ready = 0;
+    return 1;
+}
+
+/* Coefficients of the polynomial that interpolate evaluates. */
+static void prepare_dense(LagExplicit *s, LagMotion *m)
+{
+    const double h = m->t - m->t_old, *k_old = s->k[0], *k_new = s->k[s->tableau->stages];
+    for (int i = s->tableau->stages + 1; i < s->tableau->all_stages; ++i)
+        stage(s, m, i, m->t_old, m->other, h);
+    for (int i = 0; i < m->size; ++i) {
+        const double step = m->y[i] - m->other[i];
+        s->dense[0][i] = step;
+        s->dense[1][i] = h * k_old[i] - step;
+        s->dense[2][i] = 2 * step - h * (k_new[i] + k_old[i]);
+    }
+    for (int r = 0; r < s->tableau->dense_rows; ++r) {
+        double *coefficient = s->dense[LAG_HERMITE_ROWS + r];
+        combine(s, &s->tableau->dense[r], m->size, coefficient);
+        for (int i = 0; i < m->size; ++i)
+            coefficient[i] *= h;
+    }
+    s->dense_ready = 1;
+    ++m->dense_outputs;
+}
+
+static void interpolate(void *self, LagMotion *m, double t, double *y)
+{
+    LagExplicit *s = self;
+    if (!s->dense_ready)
+        prepare_dense(s, m);
+    const double x = (t - m->t_old) / (m->t - m->t_old), rest = 1 - x;
+    for (int i = 0; i < m->size; ++i) {
+        double sum = 0;
+        for (int j = LAG_HERMITE_ROWS + s->tableau->dense_rows - 1; j >= 0; --j)
+            sum = (sum + s->dense[j][i]) * (j % 2 == 0 ? x : rest);
+        y[i] = m->other[i] + sum;
+    }
+}
+
+const LagMethod lag_dop853 = {"erk", 8, layout_dop853, restart, lag_step_adaptive, attempt, accept, interpolate};
+const LagMethod lag_tsit5 = {"erk5", 5, layout_tsit5, restart, lag_step_adaptive, attempt, accept, interpolate};

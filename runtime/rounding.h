@@ -1,0 +1,10 @@
+/* How well rounding lets the accelerations be known, at tight tolerances. */
+#ifndef LAG_ROUNDING_H
+#define LAG_ROUNDING_H
+
+#include "run.h"
+
+/* Before a step: looks now and then. */
+void lag_rounding_watch(LagRun *run);
+
+#endif
