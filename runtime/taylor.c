@@ -14,7 +14,7 @@
 enum { LEAST_ORDER = 4 };
 /* What the last coefficient and the last but one may be worth in units of error, so that errors are those of Dormand-Prince at
  * the same tolerance; by how much a step may be wrong at its end; shrinking after a step that was. */
-static const double LAST = 0.15, BEFORE_LAST = 1.1, WRONG = 20, SHRINK = 0.5;
+static const double LAST = 0.15, BEFORE_LAST = 1.1, WRONG = 20, SHRINK = 0.5, GROW = 100;
 
 /* What a step costs, in tenths of a nanosecond, here and by Dormand-Prince 8(5,3), and by how much its steps of order 8 are
  * longer than eps^(1/8) radii of convergence: measured on pendulums, springs, chains of springs and Kepler orbits. */
@@ -200,11 +200,11 @@ static LagStatus step(LagRun *run)
     s->order = order_for(run->scale.tolerance);
     if (!build(run, s, s->order))
         return lag_step_give_up(run, worst);
-    double h = length_of(run, s);
+    double h = fmin(length_of(run, s), GROW * run->step); /* at rest a series says nothing of what comes */
     if (run->settings.max_step > 0)
         h = fmin(h, run->settings.max_step);
     for (;; h *= SHRINK) {
-        const double t_new = lag_step_end(run, fmin(h, 1e300)), length = t_new - m->t;
+        const double t_new = lag_step_end(run, h), length = t_new - m->t;
         if (!(length >= lag_step_smallest(m->t)))
             return lag_step_give_up(run, run->statistics.worst);
         displacement(run, s->jets, s->order, length, m->sum);

@@ -207,7 +207,7 @@ def test_a_run_that_reaches_its_limit_of_steps_keeps_its_rows(lag: Lag) -> None:
 
 
 def test_max_step_bounds_the_steps(lag: Lag) -> None:
-    said = simulate(lag, "free_bar", "--max-step", 0.01, "--stats").out
+    said = simulate(lag, "free_bar", "--solver", "erk", "--max-step", 0.01, "--stats").out
     steps = int(said.partition(" steps,")[0].split()[-1])
     assert 200 <= steps < 250
 

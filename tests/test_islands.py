@@ -117,7 +117,7 @@ def test_islands_of_like_rates_run_apart_only_when_asked(scene: Scene) -> None:
   Revolute a(a = world, phi(start = 1)), b(a = world, phi(start = 2)); Bar x(m = 1, L = 2, a = a.b), y(m = 1, L = 1.5, a = b.b);
 end Alike;""")
     whole, apart = (model.simulate(stop=5, tolerance=1e-11, solver=solver) for solver in ("auto", "islands"))
-    assert whole.statistics.solver is Solver.ERK
+    assert whole.statistics.solver is Solver.TAYLOR
     assert apart.statistics.solver is Solver.ISLANDS
     for name in model.coordinate_names:
         assert apart[name] == pytest.approx(whole[name], abs=1e-9)
