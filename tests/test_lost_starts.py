@@ -230,3 +230,30 @@ def test_an_fmu_without_a_mass_has_formulas_for_it(scene: Write, tmp_path: Path,
     model.export_fmu(tmp_path / "m.fmu")
     model.export_fmu(tmp_path / "m.fmu", parameters={"coupler.m": 0})
     assert [m.for_any_mass for m in exported] == [False, True]
+
+
+PRESCRIBED = """model M
+  Revolute A(a = world, {start}); Bar p(m = 1, L = 1, a = A.b);
+  Motion m(of = A.phi, to = 2[rad/s]*time);
+end M;"""
+
+
+@pytest.mark.parametrize(("start", "gap"), [("w(start = 5, fixed = true)", "3 (m/s or rad/s)"),
+                                            ("phi(start = 5, fixed = true)", "5 (m or rad)")])
+def test_a_fixed_start_beside_a_prescribed_motion_is_refused(start: str, gap: str, scene: Write) -> None:
+    model = scene(PRESCRIBED.format(start=start))
+    assert f"misses by {gap}" in model.freedom["problem"]
+    with pytest.raises(lag.LagError, match="cannot all hold"):
+        model.simulate()
+
+
+def test_a_guess_beside_a_prescribed_motion_is_moved(scene: Write) -> None:
+    start = begin(scene(PRESCRIBED.format(start="phi(start = 0.5), w(start = 5)")))
+    assert (start["A.phi"], start["der(A.phi)"]) == pytest.approx((0, 2), abs=1e-12)
+
+
+def test_rates_of_a_loop_that_contradict_name_it(scene: Write) -> None:
+    """Crank and rocker turn at rates that the coupler forbids."""
+    model = scene(four_bar(A="phi(start = 1, fixed = true), w(start = 2, fixed = true)", D="w(start = 0, fixed = true)"))
+    assert "the loop world - A - crank" in model.freedom["problem"]
+    assert "(m/s or rad/s)" in model.freedom["problem"]

@@ -253,7 +253,9 @@ def _tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out
     free = [k for k in range(scene.n) if scene.fixed[k] != _FIXED]
     if not (scene.notes["loops"] and scene.sizes["n_initial_positions"] and free and row and row[0] == experiment.start):
         return
-    shown = [f"{scene.coordinates[k].name} = {_quantity(row[1 + k], scene.coordinates[k].unit)}" for k in free[:4]]
+    size = max(map(abs, row[1 : 1 + scene.n]))
+    kept = [x if abs(x) > 1e-12 * size else 0.0 for x in row[1 : 1 + scene.n]]  # but for rounding
+    shown = [f"{scene.coordinates[k].name} = {_quantity(kept[k], scene.coordinates[k].unit)}" for k in free[:4]]
     more = ", ..." if len(free) > 4 else ""
     print(f"  loops closed at {', '.join(shown)}{more}; `lag check` tells whether there are other ways", file=out)
 

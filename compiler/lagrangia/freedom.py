@@ -69,7 +69,9 @@ def _find(
     assembly = begin(kinematics, initial, functions)
     x, worst = assembly.assemble()
     if worst >= 0:
-        return Freedom(n, n, told, _problem(initial, worst, assembly.least_gaps(x))), assembly, x
+        is_rate = worst >= initial.n_positions
+        gaps = assembly.equations(x)[0] if is_rate else assembly.least_gaps(x)
+        return Freedom(n, n, told, _problem(initial, worst, gaps)), assembly, x
     q, numbers = x[:n], _Numbers(kinematics, held)
     slopes = numbers.scaled([q, *numbers.nearby(q)])
     ranks = [_rank(J) for J in slopes]
@@ -86,10 +88,12 @@ def _tell(row: Row) -> str:
 def _problem(initial: InitialConditions, worst: int, residuals: Vector) -> Diagnostic:
     """A loop misses by the length of its gap, whichever way that points."""
     span, loop = initial.residual_spans[worst], initial.residual_loops[worst]
-    together = [k for k in range(initial.n_positions) if loop and initial.residual_loops[k] == loop]
+    is_rate = worst >= initial.n_positions
+    alike = range(initial.n_positions, len(initial.residual_spans)) if is_rate else range(initial.n_positions)
+    together = [k for k in alike if loop and initial.residual_loops[k] == loop]
     gap = float(np.linalg.norm(residuals[together or [worst]]))
     what = f"the loop {loop} cannot close" if loop else "this cannot hold at the start"
-    return Diagnostic("error", "L0606", f"{what}: it misses by {gap:.3g} (m or rad)", span, "",
+    return Diagnostic("error", "L0606", f"{what}: it misses by {gap:.3g} ({'m/s or rad/s' if is_rate else 'm or rad'})", span, "",
                       ("change the lengths, the places of the joints, or the start values it is solved from",))
 
 

@@ -47,7 +47,7 @@ def draw(scene: Scene, time: "np.ndarray", curves: "Sequence[tuple[Column, np.nd
         if 1 < len(members) <= _MOST_IN_LEGEND:
             axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     axes[-1].set_xlabel("time [s]")
-    axes[0].set_title(scene.description or scene.name, fontsize=11)
+    axes[0].set_title(scene.description or scene.name, fontsize=11, wrap=True)
     if path is not None:
         save(figure, Path(path))
     return figure
