@@ -88,6 +88,7 @@ class Problem:
 def build_problem(model: Model, *, stop: float | None = None, points: int = 10,
                   parameters: Mapping[str, float] | None = None) -> Problem:
     """`points` output times at equal distances, the last at the stop time. Raises LagError, RunError."""
+    model.native = True  # compiled as a whole before the clock runs, as the peers are
     whole = plan(model.scene, stop=stop)
     given = dict(parameters or {})
     values = check_values(model.scene, given)
