@@ -36,10 +36,16 @@ static void state_inside(LagRun *run, double t)
     lag_project_inside(run, t, run->inside);
 }
 
-static void row_at(LagRun *run, double t, double *row)
+/* A state beyond the range of numbers is no row: exact solvers reach there without a step that could fail. */
+static LagStatus row_at(LagRun *run, double t, double *row)
 {
+    const int n = run->model->n;
     state_inside(run, t);
+    const int i = lag_first_not_finite(run->inside, 2 * n);
+    if (n > 0 && !isfinite(run->inside[i]))
+        return lag_step_give_up(run, i);
     write_row(run, t, run->inside, row);
+    return LAG_OK;
 }
 
 static int time_is_over(LagRun *run, double deadline)
@@ -79,10 +85,11 @@ LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *re
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
     for (int i = 0; i < rows; ++i) {
         const double t = not_after_stop(run, times[i]);
-        const LagStatus status = reach(run, t, deadline);
+        LagStatus status = reach(run, t, deadline);
+        if (status == LAG_OK)
+            status = row_at(run, t, results + (size_t)i * width);
         if (status != LAG_OK)
             return status;
-        row_at(run, t, results + (size_t)i * width);
         *done = i + 1;
     }
     return LAG_OK;
@@ -96,10 +103,11 @@ LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *don
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
     while (*done < rows && run->motion.t < run->settings.t_stop) {
-        const LagStatus status = time_is_over(run, deadline) ? LAG_PAUSED : lag_step(run);
+        LagStatus status = time_is_over(run, deadline) ? LAG_PAUSED : lag_step(run);
+        if (status == LAG_OK)
+            status = row_at(run, run->motion.t, results + (size_t)*done * width);
         if (status != LAG_OK)
             return status;
-        row_at(run, run->motion.t, results + (size_t)*done * width);
         ++*done;
     }
     return LAG_OK;
@@ -126,6 +134,5 @@ LagStatus lag_run_row(LagRun *run, double *row)
 {
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
-    row_at(run, run->motion.t, row);
-    return LAG_OK;
+    return row_at(run, run->motion.t, row);
 }

@@ -15,10 +15,10 @@ from lagrangia.engines import describe
 from lagrangia.model import Model
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.plot import require_format
-from lagrangia.simulate import Experiment, Progress, check_values, plan
+from lagrangia.simulate import Experiment, Progress, check_values, is_lost, plan, shortcomings
 from lagrangia.solvers import is_casadi, name_of
 from lagrangia.statics import is_static, reaction_table
-from lagrangia.trajectory import ENERGIES, CsvWriter, columns
+from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines
 from lagrangia.values import read_value
 
 _BAR_AFTER = 2.0  # seconds
@@ -176,6 +176,9 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
         return 1
     if failure is not None:
         raise RunError(f"{failure}\n{progress.rows} rows before it are kept in {target}")
+    if is_lost(progress):
+        raise RunError(f"the energy account does not close at all: the rows in {target} are not the motion of this scene, which "
+                       "has a singularity (a collision, a division by zero) or needs a far smaller tolerance")
     return 0
 
 
@@ -185,6 +188,7 @@ class _writer:
     def __init__(self, target: str, scene: Any) -> None:
         self.file = CsvWriter(Path(target), scene) if target != "-" else None
         self.scene = scene
+        self.empty = self.file.empty if self.file is not None else EmptyCells(scene)
 
     def __enter__(self) -> Callable[[Sequence[float]], None]:
         if self.file is not None:
@@ -192,12 +196,13 @@ class _writer:
             return self.file.write
         shown = columns(self.scene)
         print(",".join(c.name for c in shown))
-        width = len(shown) + ENERGIES
-        return lambda rows: print("\n".join(",".join(map(repr, rows[k : k + len(shown)])) for k in range(0, len(rows), width)))
+        return lambda rows: print("\n".join(csv_lines(rows, len(shown), self.empty)))
 
     def __exit__(self, *exception: Any) -> None:
         if self.file is not None:
             self.file.__exit__(*exception)
+        for text in self.empty.describe():
+            print(f"warning: {text}", file=sys.stderr)
 
 
 def _plot(options: Namespace, model: Model, progress: Progress, rows: list[Sequence[float]], values: Any) -> None:
@@ -237,12 +242,10 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
     say(f"  {solver}{how} in {_time(progress.seconds)}")
     if statistics is not None:
         scale = statistics.energy_scale
-        relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if scale > 0 else ""
+        relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if 0 < scale < math.inf else ""
         say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
-        if statistics.tolerance_missed:
-            say(f"  {statistics.tolerance_missed} steps near singular positions missed the tolerance, by rounding")
-        if statistics.tolerance_raised:
-            say("  the tolerance was raised to 1e-14, the smallest that double precision can keep")
+        for text in shortcomings(progress):
+            say(f"  {text}")
     say(f"  {progress.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""))
     if options.stats:
         _tell(model, progress, compiled, loaded, say)

@@ -19,6 +19,7 @@ from lagrangia.solvers import AUTO, is_casadi, number_of
 _PORTION = 4096  # rows
 _PAUSE = 0.1  # seconds between two looks at the clock and the keyboard
 _MOST_ROWS = 100_000_000
+_MANY_STEPS, _MUCH, _ALL = 100, 100.0, 0.1
 
 
 @dataclass(frozen=True)
@@ -309,6 +310,40 @@ def explain(scene: Scene, failure: Failure) -> str:
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
 
 
+def shortcomings(progress: Progress) -> list[str]:
+    """What kept a run from its tolerance, in words; empty when nothing did.
+
+    Beside what the run time counted: an energy account that closes MUCH worse than the tolerance shows that errors have added up,
+    in runs of many steps (in a few, the rounding of the first state can be all that moves).
+    """
+    statistics, tolerance = progress.statistics, progress.experiment.tolerance
+    if statistics is None:
+        return []
+    found = []
+    if statistics.tolerance_raised:
+        found.append("the tolerance was raised to 1e-14, the smallest that double precision can keep")
+    if statistics.tolerance_missed:
+        found.append(f"{statistics.tolerance_missed} steps near singular positions missed the tolerance, by rounding")
+    missed = _missed_energy(statistics)
+    if missed > _MUCH * tolerance:
+        found.append(f"the tolerance {tolerance:g} was not kept to the end: errors have added up until the energy account misses "
+                     f"by {missed:.1e} of its size")
+    return found
+
+
+def is_lost(progress: Progress) -> bool:
+    """Whether the motion computed has nothing to do with that of the scene: a singularity was jumped over, for example."""
+    statistics, tolerance = progress.statistics, progress.experiment.tolerance
+    return statistics is not None and _missed_energy(statistics) > max(_ALL, _MUCH * tolerance)
+
+
+def _missed_energy(statistics: Statistics) -> float:
+    """By how much the energy account misses, relative; 0 for short runs."""
+    scale = statistics.energy_scale
+    return statistics.energy_residual / scale if statistics.steps > _MANY_STEPS and 0 < scale < math.inf else 0.0
+
+
 __all__ = [
-    "Engine", "Experiment", "Progress", "Values", "check_values", "explain", "plan", "simulate", "start_run",
+    "Engine", "Experiment", "Progress", "Values", "check_values", "explain", "is_lost", "plan", "shortcomings",
+    "simulate", "start_run",
 ]

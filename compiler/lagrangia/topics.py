@@ -114,7 +114,11 @@ again, compiled once).
 A scene that cannot move is statics: its reactions are told without being asked for.
 
 Every run keeps the energy account: T + V + dissipated - work of sources - what it began with is zero, but for errors; the
-largest residual is printed. A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says
+largest residual is printed. Where it exceeds a hundred tolerances, errors have added up, which the summary says (`warnings` of a
+trajectory); where it is a tenth of all energy, what was computed is another motion, and the exit code is 1. A tolerance below
+1e-14 is raised to it, and steps that missed theirs are counted. A result file holds finite numbers alone: where an output has
+none (the square root of what became negative), its cell is empty, with a warning; NumPy arrays have nan there.
+A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says
 which, and what it took. Compiled scenes are kept in a cache folder ($LAGRANGIA_CACHE, or the system's place for caches).
 
 Environment: LAGRANGIA_CACHE, LAGRANGIA_CC (a C compiler's command, or none), CC, NO_COLOR, LAGRANGIA_TRACEBACK=1.
@@ -181,7 +185,7 @@ import lagrangia as lag
 model = lag.load("chain.lag", n=20)                    # structural parameters at load
 run = model.simulate(stop=5, tolerance=1e-10, parameters={"link[1].m": 2.0}, initial={"hinge[1].phi": 1.2})
 run.time, run["hinge[1].phi"], run["link[3].b.y"]      # NumPy arrays: coordinates, rates, or any quantity of the scene
-run.energy.total, run.energy.residual, run.statistics
+run.energy.total, run.energy.residual, run.statistics, run.warnings
 many = model.simulate_many(parameters={"link[1].m": [1, 2, 5]}, outputs=["max(hinge[1].phi)"])   # lag help sweep
 many["link[1].m"], many["max(hinge[1].phi)"], many.failures; many.to_pandas(); many.to_parquet("x.parquet")
 run.plot("hinge[1].phi", path="chain.png"); run.to_pandas(); run.to_csv("x.csv")

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.diagnostics import fail, suggest
 from lagrangia.scene import Column, Scene
+from lagrangia.simulate import Progress, shortcomings
 from lagrangia.targets import Target, quoted
 
 if TYPE_CHECKING:
     import numpy as np
     import pandas
-
-    from lagrangia.simulate import Progress
 
 _ENERGIES = ("kinetic", "potential", "total", "dissipated", "work")
 ENERGIES = 5  # T, V, H, dissipated, work: the last of each row
@@ -47,7 +46,7 @@ class Trajectory:
 
     scene: Scene
     rows: "np.ndarray"  # (rows, width)
-    progress: "Progress"
+    progress: Progress
     observe: Callable[[str, "np.ndarray"], "np.ndarray"] | None = None
 
     @property
@@ -91,8 +90,14 @@ class Trajectory:
         names = self.names
         return pandas.DataFrame(self.rows[:, 1 : len(names)], columns=names[1:], index=pandas.Index(self.time, name="time"))
 
+    @property
+    def warnings(self) -> list[str]:
+        """What kept the run from its tolerance, in words; empty when nothing did."""
+        return shortcomings(self.progress)
+
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Comma-separated columns with a line of names; all 17 digits that matter."""
+        """Comma-separated columns with a line of names; all 17 digits that matter. Where a quantity has no finite value, its
+        cell is empty."""
         with CsvWriter(Path(path), self.scene) as writer:
             writer.write(self.rows.ravel().tolist())
 
@@ -116,14 +121,45 @@ class CsvWriter(Target):
 
     def __init__(self, path: Path, scene: Scene) -> None:
         self.shown = len(columns(scene))
-        self.width = self.shown + len(_ENERGIES)
         super().__init__(path)
+        self.empty = EmptyCells(scene)
         self.put(",".join(quoted(column.name) for column in columns(scene)) + "\n")
 
     def write(self, values: Sequence[float]) -> None:
-        width, shown = self.width, self.shown
-        lines = [",".join(map(repr, values[k : k + shown])) for k in range(0, len(values), width)]
-        self.put("\n".join(lines) + "\n")
+        self.put("\n".join(csv_lines(values, self.shown, self.empty)) + "\n")
+
+
+class EmptyCells:
+    """Which columns had no finite value, in how many rows, and when first: the square root of what became negative, 1/0."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.names = [column.name for column in columns(scene)]
+        self.rows: dict[str, int] = {}
+        self.first: dict[str, float] = {}
+
+    def note(self, column: int, t: float) -> None:
+        name = self.names[column]
+        self.rows[name] = self.rows.get(name, 0) + 1
+        self.first.setdefault(name, t)
+
+    def describe(self) -> list[str]:
+        return [f"'{name}' has no finite value in {count} row{'s' if count != 1 else ''}, first at t = {self.first[name]:.6g}: "
+                "these cells are empty" for name, count in self.rows.items()]
+
+
+def csv_lines(values: Sequence[float], shown: int, empty: EmptyCells) -> list[str]:
+    """Rows of results, flat, as lines of their first `shown` columns; cells without a finite value are empty, and noted."""
+    width = shown + ENERGIES
+    lines = [",".join(map(repr, values[k : k + shown])) for k in range(0, len(values), width)]
+    for row, line in enumerate(lines):
+        if "n" in line:  # of nan and inf: no finite number is written with one
+            cells = line.split(",")
+            for column, cell in enumerate(cells):
+                if "n" in cell:
+                    empty.note(column, values[row * width])
+                    cells[column] = ""
+            lines[row] = ",".join(cells)
+    return lines
 
 
 def collect(scene: Scene, portions: Iterable[Sequence[float]]) -> "np.ndarray":

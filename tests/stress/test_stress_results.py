@@ -1,0 +1,111 @@
+"""Nothing but finite numbers reaches a file of results, and a run that falls short of its tolerance says so."""
+
+import csv
+import math
+from pathlib import Path
+
+import pytest
+
+import lagrangia as lag
+from lagrangia.cli import DONE, FAILED, WRONG, main
+from lagrangia.native import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+
+
+def oscillator(declared: str = "", potential: str = "s^2/2", rest: str = "", kinetic: str = "der(s)^2/2") -> str:
+    return (f"model M\n  coordinate Real s(start = 1); {declared}\nenergy\n  kinetic {kinetic};\n  potential {potential};\n"
+            f"  {rest}\n"
+            "  annotation(experiment(StopTime = 10));\nend M;\n")
+
+
+# What becomes of the run, and whether cells are empty: in those of outputs alone.
+SCENES = {
+    "root of what becomes negative": (oscillator("output Real y = sqrt(s);"), DONE, True),
+    "infinite at the start": (oscillator("output Real y = 1/(s - 1);"), DONE, True),
+    "beyond the domain at times": (oscillator("output Real y = asin(1.0001*sin(3*s));"), DONE, True),
+    "output beyond the range of numbers": (oscillator("output Real y = exp(1000*s);"), DONE, True),
+    "output of an acceleration": (oscillator("output Real y = sqrt(der(der(s)));"), DONE, True),
+    "energy that is nothing times nan": (oscillator(potential="s^2/2 + 0*log(s + 0.5)"), DONE, False),
+    "force without a value": (oscillator(potential="0*s", rest="work -sqrt(s) on s;"), FAILED, False),
+    "load without a value": (oscillator(rest="work sqrt(1 - 0.3*time) on s;"), FAILED, False),
+    "mass that vanishes": (oscillator(kinetic="s*der(s)^2/2", potential="s"), FAILED, False),
+    "pole": (oscillator(potential="-1/s"), FAILED, False),
+    "growth beyond the range of numbers": (oscillator(potential="-5000*s^2"), FAILED, False),
+    "explosion": (oscillator(potential="-exp(s)*s^4"), FAILED, False),
+}
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk", "implicit", "linear", "taylor", "conservative"])
+@pytest.mark.parametrize("name", SCENES)
+def test_no_nan_reaches_a_file(name: str, solver: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text, expected, is_empty = SCENES[name]
+    file, target = tmp_path / "scene.lag", tmp_path / "x.csv"
+    file.write_text(text)
+    engine = "native" if solver == "taylor" else "tape"  # series are written in C for the scene
+    try:
+        code = main(["simulate", str(file), "-o", str(target), "--solver", solver, "--max-steps", "100000", "--engine", engine])
+    except SystemExit as stop:
+        code = int(stop.code or 0)
+    said = "".join(capsys.readouterr())
+    assert "Traceback" not in said and "bug:" not in said
+    if code == WRONG and solver != "auto":
+        return  # the solver does not run this scene, and says so
+    assert code == expected
+    rows = list(csv.DictReader(target.open(newline="")))
+    assert rows
+    assert all(math.isfinite(float(row[column])) for row in rows for column in ("time", "s", "der(s)"))
+    cells = [row["y"] for row in rows if "y" in row]
+    assert all(math.isfinite(float(cell)) for cell in cells if cell)
+    assert ("" in cells) == is_empty
+    assert ("'y' has no finite value" in said) == is_empty
+    assert f"in {cells.count('')} row" in said or not is_empty
+
+
+def test_standard_output_has_empty_cells_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "scene.lag"
+    file.write_text(SCENES["root of what becomes negative"][0])
+    assert main(["simulate", str(file), "-o", "-", "--interval", "1", "--quiet"]) == DONE
+    out, err = capsys.readouterr()
+    assert "nan" not in out and out.count(",\n") == 6
+    assert "'y' has no finite value in 6 rows, first at t = 2" in err
+
+
+def test_to_csv_has_empty_cells_and_numpy_has_nan(tmp_path: Path) -> None:
+    file, target = tmp_path / "scene.lag", tmp_path / "x.csv"
+    file.write_text(SCENES["root of what becomes negative"][0])
+    run = lag.load(file).simulate(stop=10, interval=1)
+    run.to_csv(target)
+    empty = [line.endswith(",") for line in target.read_text().splitlines()[1:]]
+    assert empty == [math.isnan(y) for y in run["y"]]
+    assert sum(empty) == 6
+
+
+# ---------------------------------------------------------------- the tolerance
+
+
+def summary(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main(["simulate", *arguments]) == DONE
+    return "".join(capsys.readouterr())
+
+
+def test_what_was_not_reached_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "scene.lag"
+    file.write_text(oscillator(potential="s^2/2 + s^4/4"))
+    common = (str(file), "-o", str(tmp_path / "x.csv"), "--interval", "1000")
+    assert "raised to 1e-14" in summary(capsys, *common, "--stop", "10", "--tolerance", "1e-15", "--interval", "1")
+    long = summary(capsys, *common, "--stop", "50000", "--tolerance", "1e-5", "--solver", "erk")
+    assert "the tolerance 1e-05 was not kept to the end: errors have added up" in long
+    short = summary(capsys, *common, "--stop", "10", "--tolerance", "1e-5", "--interval", "1")
+    assert "tolerance 1e-05" in short and "was not kept" not in short and "raised" not in short
+
+
+def test_a_run_at_rest_has_kept_its_tolerance(tmp_path: Path) -> None:
+    """Rounding of an account that is nearly empty is no error that has added up."""
+    file = tmp_path / "scene.lag"
+    file.write_text(oscillator(potential="s^2/2 + s^4/4"))
+    model = lag.load(file)
+    for start in (0.0, 1e-12, 1e-6):
+        assert model.simulate(stop=100, initial={"s": start}).warnings == []
+    pendulum = lag.load(Path(__file__).parents[2] / "models" / "examples" / "pendulum.lag")
+    assert pendulum.simulate(stop=1e-7, tolerance=1e-12).warnings == []
