@@ -127,6 +127,8 @@ ORDER = """
     fmu_xml
     fmu_xml2
     fmu_xml3
+    fmu_pictures
+    fmu_page
     fmu_build
     fmu
     model

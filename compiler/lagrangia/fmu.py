@@ -1,5 +1,6 @@
 """A compiled scene -> FMU: `export_fmu`. Equal input gives equal bytes, but for the date, which SOURCE_DATE_EPOCH sets."""
 
+import contextlib
 import hashlib
 import io
 import os
@@ -11,18 +12,23 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from lagrangia.diagnostics import fail
+from lagrangia.diagnostics import LagError, fail
 from lagrangia.fmu_build import PLATFORMS, Platform, build_binaries, read_platforms
 from lagrangia.fmu_model import Exportable, FmuModel, build_fmu_model
+from lagrangia.fmu_page import license_text, write_page, write_terminals
+from lagrangia.fmu_pictures import draw_graph, draw_icon
 from lagrangia.fmu_source import scene_source, table_source
 from lagrangia.fmu_xml import About
 from lagrangia.fmu_xml2 import write_fmi2
 from lagrangia.fmu_xml3 import write_build_description, write_fmi3
 from lagrangia.folders import data_folder
+from lagrangia.pipeline import read_files
 from lagrangia.targets import Target
 
 VERSIONS = ("2", "3")
 KINDS = ("me", "cs")
+EXTRA = "io.github.lagrangia"  # its folder in extra/
+_MOST_READABLE = 3  # coordinates of a scene whose equations are written out
 _LONGEST_IDENTIFIER = 60
 _EARLIEST = (1980, 1, 1, 0, 0, 0)  # in an archive; files in it have no dates
 _VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_unused.c", "fmi3_instance.h")}
@@ -41,11 +47,21 @@ class Export:
     info: Mapping[str, str] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Extras:
+    """What an FMU carries beside the model: icon (PNG), component graph (SVG), equations (text), files of its own folder."""
+
+    icon: bytes
+    graph: str
+    equations: str
+    files: Mapping[str, bytes]
+
+
 def export_fmu(model: Exportable, wanted: Export, path: Path, tell: Callable[[str], None] | None = None) -> None:
     """Writes one archive. Raises LagError."""
     described = build_fmu_model(model, wanted.parameters)
     with Target(path, binary=True) as target:
-        target.stream.write(archive(described, wanted, tell))
+        target.stream.write(archive(described, wanted, build_extras(model, described), tell))
 
 
 def export_fmus(
@@ -57,18 +73,19 @@ def export_fmus(
     kinds = read_choice(kind, KINDS, "kind of FMU")
     wanted = Export("", kinds, read_platforms(platforms), sources, parameters or {}, info or {})
     described = build_fmu_model(model, wanted.parameters)
+    extras = build_extras(model, described)
     target = path or Path(f"{identifier_of(model.scene.name)}.fmu")
     written = []
     for version in versions:
         here = target if len(versions) == 1 else target.with_name(f"{target.stem}_fmi{version}{target.suffix or '.fmu'}")
-        content = archive(described, replace(wanted, version=version), tell)
+        content = archive(described, replace(wanted, version=version), extras, tell)
         with Target(here, binary=True) as opened:
             opened.stream.write(content)
         written.append(here)
     return written
 
 
-def archive(described: FmuModel, wanted: Export, tell: Callable[[str], None] | None = None) -> bytes:
+def archive(described: FmuModel, wanted: Export, extras: Extras, tell: Callable[[str], None] | None = None) -> bytes:
     """The bytes of an FMU."""
     from lagrangia import __version__
 
@@ -92,7 +109,37 @@ def archive(described: FmuModel, wanted: Export, tell: Callable[[str], None] | N
     if wanted.sources:
         files |= {f"sources/{name}": text.encode() for name, text in sources.items()}
         files["sources/buildDescription.xml"] = write_build_description(f"{wanted.version}.0", identifier, names).encode()
+    files |= _documents(described, about, wanted, extras)
     return zipped(files)
+
+
+def _documents(described: FmuModel, about: About, wanted: Export, extras: Extras) -> dict[str, bytes]:
+    """All that people look at, and the model's source."""
+    has_windows = any(PLATFORMS[name].suffix == ".dll" for name in wanted.platforms)
+    files = {"documentation/index.html": write_page(described, about, extras.equations, extras.graph).encode(),
+             "documentation/licenses/license.txt": license_text(about, has_windows).encode()}
+    if wanted.version == "2":
+        files["model.png"] = extras.icon
+    else:
+        files |= {"terminalsAndIcons/icon.png": extras.icon,
+                  "terminalsAndIcons/terminalsAndIcons.xml": write_terminals(described).encode()}
+    return files | {f"extra/{EXTRA}/{name}": content for name, content in extras.files.items()}
+
+
+def build_extras(model: Exportable, described: FmuModel) -> Extras:
+    """Pictures, equations when the scene is small, the .lag files, the CasADi functions."""
+    import casadi as ca
+
+    main, imported = read_files(model.path)
+    functions = ca.StringSerializer()
+    functions.pack(list(model.functions().values()))
+    sources = {item.source.name: item.source.text for item in (main, *imported)}
+    files = {"functions.casadi": functions.encode().encode()} | {Path(name).name: text.encode() for name, text in sources.items()}
+    equations = ""
+    if described.scene.n <= _MOST_READABLE:
+        with contextlib.suppress(LagError):
+            equations = model.equations()
+    return Extras(draw_icon(model, described.state_start), draw_graph(model.compilation), equations, files)
 
 
 def _folder(platform: Platform, version: str) -> str:

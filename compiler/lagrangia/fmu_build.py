@@ -135,7 +135,12 @@ def _compile_objects(compiler: "_Compiler", sources: Mapping[str, str], objects:
     try:
         for name, text in sources.items():
             (folder / name).write_text(text, encoding="utf-8")
-        compiler.run(["-c", *sorted(name for name in sources if name.endswith(".c"))], str(folder))
+        files = sorted(name for name in sources if name.endswith(".c"))
+        if PLATFORMS[compiler.platform].suffix == ".dll":  # zig would make one object of them, which it cannot
+            for name in files:
+                compiler.run(["-c", name, "-o", f"{name}.o"], str(folder))
+        else:
+            compiler.run(["-c", *files], str(folder))
         with contextlib.suppress(OSError):  # another process was quicker
             os.rename(folder, objects)
     finally:

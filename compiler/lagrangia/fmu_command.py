@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangia.commands import assignment, load_model, split_names, values_with_units
-from lagrangia.diagnostics import fail
+from lagrangia.diagnostics import RunError, fail
+from lagrangia.native import CompilerError
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.statics import is_static
 
@@ -27,8 +28,11 @@ def export_fmu_command(options: Namespace) -> int:
     for name in info:
         if name not in _INFO:
             fail("L0706", f"--info has no '{name}'", None, f"it has {', '.join(_INFO)}")
-    written = model.export_fmu(options.output, fmi=options.fmi, kind=options.kind, platforms=options.platforms,
-                               sources=options.sources, parameters=values_with_units(others, units), info=info, tell=_tell)
+    try:
+        written = model.export_fmu(options.output, fmi=options.fmi, kind=options.kind, platforms=options.platforms,
+                                   sources=options.sources, parameters=values_with_units(others, units), info=info, tell=_tell)
+    except CompilerError as error:
+        raise RunError(f"the C compiler refused\n{error}") from None
     for path in written:
         print(_summary(model, path))
     return 0

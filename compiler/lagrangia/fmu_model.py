@@ -7,12 +7,14 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.runtime import Tape
 from lagrangia.scene import Column, Scene
 
 if TYPE_CHECKING:
+    import casadi
     import numpy as np
 
     from lagrangia.pipeline import Compilation
@@ -28,10 +30,15 @@ _SMALLEST_NOMINAL = 1e-3  # of the largest of its kind
 class Exportable(Protocol):
     """What is asked of a compiled scene: a Model (model.py)."""
 
+    path: Path
     scene: Scene
 
     @property
     def compilation(self) -> "Compilation": ...
+
+    def functions(self) -> "dict[str, casadi.Function]": ...
+
+    def equations(self) -> str: ...
 
     def parameter_values(self, parameters: Mapping[str, float] | None = None) -> "np.ndarray": ...
 
