@@ -64,6 +64,7 @@ ORDER = """
     hamilton
     spectrum
     islands
+    factors
     functions
     assembly
     assemblies

@@ -92,6 +92,7 @@ def build_problem(model: Model, *, stop: float | None = None, points: int = 10,
     whole = plan(model.scene, stop=stop)
     given = dict(parameters or {})
     values = check_values(model.scene, given)
+    model = model.suited(values)
     table = model.compilation.functions.table
     p = np.array(table["parameters"](values.parameters, values.mask))
     corners = [float(t) for t in switching_times(model.compilation, whole, p)]

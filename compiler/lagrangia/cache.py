@@ -20,10 +20,10 @@ from lagrangia.scene import Scene, from_json, to_json
 
 
 def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
-               for_any_mass: bool = False) -> Scene | None:
+               for_any_mass: bool = False, is_general: bool = False) -> Scene | None:
     """The scene compiled earlier from the same text, or None."""
     try:
-        file = _file(path, model, structural, outputs, for_any_mass)
+        file = _file(path, model, structural, outputs, for_any_mass, is_general)
         stored = json.loads(file.read_text(encoding="utf-8"))
         if all(_digest(Path(name)) == digest for name, digest in stored["imports"].items()):
             return from_json(stored["scene"]) if _digest_text(stored["scene"]) == stored["digest"] else None
@@ -33,12 +33,12 @@ def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], out
 
 
 def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
-               imports: list[Path], for_any_mass: bool = False) -> None:
+               imports: list[Path], for_any_mass: bool = False, is_general: bool = False) -> None:
     """Store a scene; a full or unwritable disk is no error, the next run compiles again."""
     whole = to_json(scene)
     text = json.dumps({"imports": {str(p.resolve()): _digest(p) for p in imports}, "scene": whole, "digest": _digest_text(whole)})
     with contextlib.suppress(OSError):
-        file = _file(path, model, structural, outputs, for_any_mass)
+        file = _file(path, model, structural, outputs, for_any_mass, is_general)
         file.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=file.parent, suffix=".part")
         with os.fdopen(handle, "w", encoding="utf-8") as stream:
@@ -46,8 +46,8 @@ def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[
         os.replace(temporary, file)
 
 
-def _file(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...], for_any_mass: bool) -> Path:
-    what = [str(path.resolve()), _digest(path), model, sorted(structural.items()), outputs, for_any_mass, _installation()]
+def _file(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...], *formulas: bool) -> Path:
+    what = [str(path.resolve()), _digest(path), model, sorted(structural.items()), outputs, formulas, _installation()]
     return cache_folder() / "scenes" / f"{hashlib.sha256(repr(what).encode()).hexdigest()[:32]}.json"
 
 

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import prod
 from typing import Any, Literal
 
 from lagrangia.algorithms import FlatFunction, flatten_function
 from lagrangia.classes import ClassTable
 from lagrangia.diagnostics import LagError, Report, Source, Span, fail, nearest, suggest
-from lagrangia.folding import fold
+from lagrangia.folding import fold, numbers_of
 from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
 from lagrangia.names import FRAME_FUNCTIONS, Names, read_unit
 from lagrangia.tree import (
@@ -18,6 +19,7 @@ from lagrangia.tree import (
     CallEquation,
     ClassDefinition,
     Clause,
+    Declaration,
     EnergyKind,
     EnergyTerm,
     Equality,
@@ -53,6 +55,13 @@ class Variable:
     is_output: bool
     description: str
     span: Span
+    is_evaluated: bool = False  # annotation(Evaluate = true)
+
+    def compiled(self) -> list[float | None]:
+        """The elements that are compiled in: numbers 0, 1 and -1, with which products fall away, of evaluated parameters."""
+        if not self.is_evaluated or self.binding is None:
+            return [None] * prod(self.shape)
+        return [value if value in (0, 1, -1) else None for value in numbers_of(self.binding, self.shape)]
 
     def elements(self) -> list[tuple[str, tuple[int, ...]]]:
         """Names and indices of the scalars it is made of."""
@@ -260,8 +269,17 @@ class _Flattening:
             slot.path, kind, slot.dimensions, self._unit(slot), self._text(slot, "displayUnit"), binding, start,
             self._flag(slot, "fixed"), self._limit(slot, "min"), self._limit(slot, "max"),
             "output" in declaration.prefixes and owner.parent is None, declaration.description,
-            self._place(declaration.name_span, owner),
+            self._place(declaration.name_span, owner), kind == "parameter" and self._is_evaluated(declaration),
         )
+
+    @staticmethod
+    def _is_evaluated(declaration: Declaration) -> bool:
+        """Whether a declaration has annotation(Evaluate = true)."""
+        values = [argument.value for argument in declaration.annotation if argument.name == "Evaluate"]
+        for value in values:
+            if not isinstance(value, Boolean):
+                fail("L0208", "'Evaluate' is true or false", declaration.name_span)
+        return any(isinstance(value, Boolean) and value.value for value in values)
 
     def _kind(self, slot: Slot) -> Kind:
         prefixes = slot.declaration.prefixes

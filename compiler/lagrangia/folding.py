@@ -38,6 +38,18 @@ def fold(node: Flat) -> float | bool | None:
     return None
 
 
+def numbers_of(binding: Flat, shape: tuple[int, ...]) -> list[float | None]:
+    """The elements of a binding: values where it says numbers, None where it depends on something."""
+    if shape and not isinstance(binding, Array):
+        return [None] * math.prod(shape)
+    items = binding.items if isinstance(binding, Array) else (binding,)
+    found: list[float | None] = []
+    for item in items:
+        value = None if isinstance(item, Array) else fold(item)
+        found += numbers_of(item, ()) if isinstance(item, Array) else [None if value is None else float(value)]
+    return found
+
+
 def folded(node: Flat) -> Flat | None:
     """The literal, or array of literals, that an expression of numbers alone stands for, else None."""
     if isinstance(node, String):

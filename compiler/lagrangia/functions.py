@@ -11,6 +11,7 @@ import casadi as ca
 
 from lagrangia.algebra import Mode, Scalar
 from lagrangia.constraints import Constraints
+from lagrangia.factors import hoist
 from lagrangia.hamilton import Hamilton
 from lagrangia.initial import InitialConditions
 from lagrangia.jacobians import Jacobian, build_jacobian
@@ -50,8 +51,8 @@ def build_functions(
     corrections = [held.place, held.phi, held.steer, held.rate] if held else [nothing] * 4
     power, energy = _power(motion), ca.vertcat(motion.T, motion.V, motion.H)
     jacobian, flow = build_jacobian(kinematics, motion), [hamilton.velocity, hamilton.force] if hamilton else []
-    wanted = [motion.acceleration, power, multipliers, y, energy, *corrections, *flow, *jacobian.values]
-    expressions, c, hoisted = _hoist(wanted, motion.p)
+    groups = [[motion.acceleration, power, multipliers], [y], [energy], corrections[:2], corrections[2:], flow, jacobian.values]
+    expressions, c, hoisted = hoist(groups, motion.p)
     acceleration, power, multipliers, y, energy, dq, phi, dv, rate, *rest = expressions
     flow, steps, modes = rest[: len(flow)], rest[len(flow) :], kinematics.algebra.modes
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
@@ -83,7 +84,7 @@ def build_functions(
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     """For some coordinates that are run by themselves: what moves them, without energies and outputs."""
     power, jacobian, modes = _power(motion), build_jacobian(kinematics, motion), kinematics.algebra.modes
-    (acceleration, power, *steps), c, hoisted = _hoist([motion.acceleration, power, *jacobian.values], motion.p)
+    (acceleration, power, *steps), c, hoisted = hoist([[motion.acceleration, power], jacobian.values], motion.p)
     nothing, d = ca.SX(0, 1), ca.vertcat(*[mode.symbol for mode in modes])
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
     given, mask, p = all_parameters(kinematics, motion.p.numel())
@@ -229,20 +230,6 @@ def _outputs(kinematics: Kinematics, names: tuple[str, ...]) -> tuple[tuple[str,
     y = ca.densify(ca.vertcat(*values)) if values else ca.SX(0, 1)
     tau = kinematics.symbols.tau
     return tuple(labels), ca.substitute(y, tau, ca.SX(1)) if values else y
-
-
-def _hoist(expressions: list[ca.SX], p: ca.SX) -> tuple[list[ca.SX], ca.SX, ca.SX]:
-    """The expressions in terms of c, and c as a function of p. Common subexpressions are shared first."""
-    shared = ca.cse([ca.densify(e) for e in expressions])
-    if p.numel() == 0:
-        return shared, ca.SX(0, 1), ca.SX(0, 1)
-    sizes = [e.numel() for e in shared]
-    reduced, symbols, values = ca.extract_parametric(ca.vertcat(*shared), p, {"extract_trivial": True})
-    pieces, start = [], 0
-    for size in sizes:
-        pieces.append(reduced[start : start + size])
-        start += size
-    return pieces, ca.vertcat(*symbols), ca.vertcat(*values)
 
 
 def _start_functions(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> dict[str, ca.Function]:

@@ -17,6 +17,7 @@ from lagrangia.closures import cut_coordinate
 from lagrangia.diagnostics import fail
 from lagrangia.edges import Edge, Step
 from lagrangia.evaluation import Evaluator, Value, scalars_of
+from lagrangia.flat import Variable
 from lagrangia.graph import ComponentGraph
 from lagrangia.scalars import symbol
 
@@ -56,6 +57,7 @@ class Symbols:
     rates: dict[str, Scalar]
     accelerations: dict[str, Scalar]
     values: dict[str, Any]  # parameters and inputs; tuples for arrays
+    compiled: Mapping[str, Any] = field(default_factory=dict)  # the same, with numbers where these are compiled in
 
 
 @dataclass
@@ -86,7 +88,7 @@ class Kinematics:
         if name in self.graph.cut_coordinates:
             read = cut_coordinate(self, self.graph.cut_coordinates[name], level)
             return read + _displacement(*self.released[name], level) if name in self.released else read
-        return self.symbols.values.get(name)
+        return self.symbols.compiled.get(name, self.symbols.values.get(name))
 
     def coordinate(self, name: str, level: int) -> Scalar:
         if name in self.dependents:
@@ -230,8 +232,8 @@ def _change(displacements: list[ca.SX], value: Scalar) -> Scalar:
     return value - ca.substitute([value], displacements, [ca.SX.zeros(x.numel()) for x in displacements])[0]
 
 
-def build_kinematics(graph: ComponentGraph) -> Kinematics:
-    """The kinematics of a scene in fresh CasADi symbols."""
+def build_kinematics(graph: ComponentGraph, is_general: bool = True) -> Kinematics:
+    """The kinematics of a scene in fresh CasADi symbols. Unless `is_general`, numbers are compiled in; see flat.Variable."""
     def symbols(names: list[str]) -> dict[str, ca.SX]:
         return {name: symbol(name) for name in names}
 
@@ -243,7 +245,21 @@ def build_kinematics(graph: ComponentGraph) -> Kinematics:
     values = {v.name: _shaped(v.name, v.shape, ()) for v in variables}
     inputs = [x for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
     moving = ca.vertcat(*positions.values(), *rates.values(), *accelerations.values(), *inputs)
-    return Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values), CasadiAlgebra(time, moving))
+    compiled = {} if is_general else {v.name: _compiled(v, values[v.name]) for v in variables if v.is_evaluated}
+    return Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values, compiled), CasadiAlgebra(time, moving))
+
+
+def _compiled(variable: Variable, value: Value) -> Value:
+    """The symbols of a parameter, with numbers in place of those that are compiled in."""
+    known = iter(variable.compiled())
+
+    def pick(item: Value) -> Value:
+        if isinstance(item, tuple):
+            return tuple(pick(x) for x in item)
+        number = next(known)
+        return item if number is None else number
+
+    return pick(value)
 
 
 def _shaped(name: str, shape: tuple[int, ...], index: tuple[int, ...]) -> Value:

@@ -41,10 +41,10 @@ class Model:
     """A compiled scene. Parameters are numbers of each run: changing one compiles nothing."""
 
     def __init__(self, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
-                 outputs: Sequence[str] = (), for_any_mass: bool = False) -> None:
-        """`for_any_mass`: with formulas that hold whatever the masses; see `suited`."""
-        self.for_any_mass = for_any_mass
-        self._robust: Model | None = None
+                 outputs: Sequence[str] = (), for_any_mass: bool = False, is_general: bool = False) -> None:
+        """`for_any_mass`, `is_general`: with formulas that hold whatever the masses, the numbers compiled in; see `suited`."""
+        self.for_any_mass, self.is_general = for_any_mass, is_general
+        self._others: dict[tuple[bool, bool], Model] = {}
         self.path, self.model, self.structural, self.outputs = path, model, dict(structural or {}), tuple(outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
@@ -52,7 +52,7 @@ class Model:
         self._has_engine = False
         self._implicit_engine: Engine | None = None
         self.native: bool | None = None  # native code, a tape, or what costs less time
-        found = find_scene(path, model, self.structural, self.outputs, for_any_mass)
+        found = find_scene(path, model, self.structural, self.outputs, for_any_mass, is_general)
         self.is_cached = found is not None
         self.scene: Scene = found if found is not None else self._compile_and_keep()
 
@@ -62,7 +62,8 @@ class Model:
 
     def _keep(self, scene: Scene) -> Scene:
         imports = [(self.path.parent / item.path) for item in self.compilation.syntax.imports]
-        keep_scene(scene, self.path, self.model, self.structural, self.outputs, imports, self.for_any_mass)
+        keep_scene(scene, self.path, self.model, self.structural, self.outputs, imports, self.for_any_mass,
+                   self.is_general)
         return scene
 
     @property
@@ -86,7 +87,8 @@ class Model:
         if self._compilation is None:
             from lagrangia.pipeline import compile_file
 
-            self._compilation = compile_file(self.path, self.model, self.structural, self.outputs, self.for_any_mass)
+            self._compilation = compile_file(self.path, self.model, self.structural, self.outputs, self.for_any_mass,
+                                             self.is_general)
         return self._compilation
 
     @property
@@ -135,22 +137,35 @@ class Model:
         return trajectory
 
     def suited(self, values: Values) -> "Model":
-        """This model, or the same scene in formulas that hold for all masses, where those given are uneven or leave parts of a
-        loop without any: these formulas are half as long again, so that they are used where they are needed.
+        """This model, or the same scene in longer formulas where these parameters need them: with nothing compiled in, where
+        one is given that is; for all masses, where those given are uneven or leave parts of a loop without any.
         """
-        scene = self.scene
-        declared = check_values(scene)
-        if scene.evenness is None or (values.parameters, values.mask) == (declared.parameters, declared.mask):
+        declared = check_values(self.scene)
+        if (values.parameters, values.mask) == (declared.parameters, declared.mask):
             return self
-        (parameters,) = evaluate(scene.tapes["parameters"], values.parameters, values.mask)
-        if all(x > 1 for x in evaluate(scene.evenness, parameters)[0]):
+        given = zip(self.scene.parameters, values.parameters, values.mask, strict=True)
+        if any(mask and parameter.compiled not in (None, value) for parameter, value, mask in given):
+            return self.general.suited(values)
+        if self.scene.evenness is None:
             return self
-        return self._for_all_masses()
+        (parameters,) = evaluate(self.scene.tapes["parameters"], values.parameters, values.mask)
+        return self if all(x > 1 for x in evaluate(self.scene.evenness, parameters)[0]) else self._for_all_masses
 
+    @property
+    def general(self) -> "Model":
+        """The scene with all its parameters open: no number is compiled in."""
+        return self if all(p.compiled is None for p in self.scene.parameters) else self._other(self.for_any_mass, True)
+
+    @property
     def _for_all_masses(self) -> "Model":
-        if self._robust is None:
-            self._robust = Model(self.path, self.model, self.structural, self.outputs, for_any_mass=True)
-        return self._robust
+        return self._other(True, self.is_general)
+
+    def _other(self, for_any_mass: bool, is_general: bool) -> "Model":
+        formulas = for_any_mass, is_general
+        if formulas not in self._others:
+            self._others[formulas] = Model(self.path, self.model, self.structural, self.outputs, *formulas)
+            self._others[formulas].native = self.native
+        return self._others[formulas]
 
     def simulate_many(
         self, *, parameters: Mapping[str, Any] | None = None, initial: Mapping[str, Any] | None = None,
@@ -182,20 +197,22 @@ class Model:
         return run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
 
     def suited_to_all(self, job: "Job") -> "tuple[Model, Job]":
-        """The model whose formulas hold for the masses of every run, and the job with its scene; see `suited`."""
-        if self.scene.evenness is None:
-            return self, job
-        for number, values in enumerate(job.parameter_sets()):
-            model = self.suited(values) if number < _MOST_LOOKED_AT else self._for_all_masses()
-            if model is not self:
-                return model, replace(job, scene=model.scene)
-        return self, job
+        """The model whose formulas hold for the parameters of every run, and the job with its scene; see `suited`."""
+        parameters, varied = self.scene.parameters, [k for k in job.sweep.varied if k < len(self.scene.parameters)]
+        suited = self.general if any(parameters[k].compiled is not None for k in varied) else self
+        suited = suited.suited(Values(tuple(job.sweep.given), tuple(job.sweep.mask), (), ()))
+        for number, values in enumerate(job.parameter_sets() if suited.scene.evenness is not None else ()):
+            suited = suited.suited(values) if number < _MOST_LOOKED_AT else suited._for_all_masses
+            if suited.scene.evenness is None:
+                break
+        return (self, job) if suited is self else (suited, replace(job, scene=suited.scene))
 
     def _with_outputs(self, names: Sequence[str]) -> "Model":
         """This model, or one that reports these names too."""
         known = {column.name for column in self.scene.outputs}
         missing = [name for name in names if name not in known and self.scene.slot(name) is None]
-        return Model(self.path, self.model, self.structural, (*self.outputs, *missing)) if missing else self
+        return Model(self.path, self.model, self.structural, (*self.outputs, *missing), self.for_any_mass,
+                     self.is_general) if missing else self
 
     def start(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""
@@ -273,7 +290,7 @@ class Model:
         from lagrangia.functions import people_functions
 
         outputs = tuple(column.name for column in self.scene.outputs)
-        compilation = self.compilation
+        compilation = self.general.compilation
         return people_functions(compilation.kinematics, compilation.motion, compilation.constraints, outputs)
 
     @cached_property

@@ -50,8 +50,9 @@ class Compilation:
 
 
 def compile_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
-                 outputs: tuple[str, ...] = (), for_any_mass: bool = False) -> Compilation:
-    """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
+                 outputs: tuple[str, ...] = (), for_any_mass: bool = False, is_general: bool = False) -> Compilation:
+    """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Unless `is_general`,
+    numbers that make work fall away are compiled in: see flat.Variable.compiled. Raises LagError."""
     from lagrangia.constraints import reduce_kinematics
     from lagrangia.dimensions import check_dimensions
     from lagrangia.energies import build_energies
@@ -72,7 +73,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
         with _timed(seconds, "graph"):
             graph = build_graph(flat)
         with _timed(seconds, "kinematics, energies"):
-            kinematics, constraints = reduce_kinematics(build_kinematics(graph))
+            kinematics, constraints = reduce_kinematics(build_kinematics(graph, is_general))
             energies = build_energies(kinematics)
         with _timed(seconds, "motion"):
             motion = build_motion(kinematics, energies, constraints, for_any_mass)

@@ -12,7 +12,8 @@ from lagrangia.runtime import Tape
 
 @dataclass(frozen=True)
 class Parameter:
-    """A scalar parameter. `value` is None when it follows from other parameters; `place` is where it is declared."""
+    """A scalar parameter. `value` is None when it follows from other parameters; `place` is where it is declared; `compiled` is
+    the only value that the functions hold for, None where it is open."""
 
     name: str
     unit: str
@@ -21,6 +22,7 @@ class Parameter:
     maximum: float | None
     description: str
     place: str
+    compiled: float | None = None
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Functions -> Scene: names, units, defaults and tapes, as plain data."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from math import prod
 
@@ -9,8 +9,8 @@ import casadi as ca
 from lagrangia.ccode import write_motion_series
 from lagrangia.diagnostics import fail
 from lagrangia.dimensions import unit_of
-from lagrangia.flat import FlatModel, Variable
-from lagrangia.folding import fold
+from lagrangia.flat import FlatModel
+from lagrangia.folding import numbers_of
 from lagrangia.functions import Functions, build_island_functions
 from lagrangia.graph import rate_of
 from lagrangia.initial import InitialConditions
@@ -21,7 +21,6 @@ from lagrangia.motion import Motion
 from lagrangia.observables import observe
 from lagrangia.runtime import Solver, Tape
 from lagrangia.scene import Column, Parameter, Scene
-from lagrangia.tree import Array, Flat
 
 
 def build_scene(
@@ -39,7 +38,7 @@ def build_scene(
     slots = {c.name: k for k, c in enumerate(graph.coordinates)}
     aliases = {v.name: len(slots) + slots[of] for v in model.variables.values() if (of := rate_of(v)) in slots and of is not None}
     experiment = model.experiment
-    parameters = _parameters(model, "parameter")
+    parameters = _parameters(model, "parameter", not kinematics.symbols.compiled)
     inputs = _parameters(model, "input")
     held = motion.constrained
     sizes = {
@@ -179,32 +178,16 @@ def _units(model: FlatModel, name: str) -> tuple[str, str, str]:
     return unit_of(model, observe(model, name)), "", ""
 
 
-def _parameters(model: FlatModel, kind: str) -> tuple[Parameter, ...]:
+def _parameters(model: FlatModel, kind: str, is_general: bool = True) -> tuple[Parameter, ...]:
     """The scalars of all parameters or inputs, in the order of the flat model."""
     found = []
     for variable in (v for v in model.variables.values() if v.kind == kind):
         source = variable.binding if kind == "parameter" else variable.start or variable.binding
-        values = _numbers(source, variable) if source is not None else [0.0] * prod(variable.shape)
-        for (name, _), value in zip(variable.elements(), values, strict=True):
+        values = numbers_of(source, variable.shape) if source is not None else [0.0] * prod(variable.shape)
+        compiled = [None] * len(values) if is_general else variable.compiled()
+        for (name, _), value, number in zip(variable.elements(), values, compiled, strict=True):
             if kind == "input" and value is None:
                 fail("L0605", f"the start of the input '{name}' must be a number", variable.span)
             found.append(Parameter(name, variable.unit, value, variable.minimum, variable.maximum, variable.description,
-                                   str(variable.span)))
+                                   str(variable.span), number))
     return tuple(found)
-
-
-def _numbers(binding: Flat, variable: Variable) -> Sequence[float | None]:
-    """Values where the binding says numbers; None where it depends on other parameters."""
-    if variable.shape and not isinstance(binding, Array):
-        return [None] * prod(variable.shape)
-    if isinstance(binding, Array):
-        inner: list[float | None] = []
-        for item in binding.items:
-            inner += [*_numbers(item, variable)] if isinstance(item, Array) else [_number(item)]
-        return inner
-    return [_number(binding)]
-
-
-def _number(node: Flat) -> float | None:
-    value = fold(node)
-    return None if value is None else float(value)

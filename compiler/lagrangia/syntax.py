@@ -195,16 +195,16 @@ class _Nodes(Transformer[Token, Any]):
         (type_name, type_span), dimensions, *declarators = [c for c in children if not isinstance(c, Token)]
         return [
             Declaration(prefixes, type_name, type_span, name, own or dimensions or (), arguments or (), binding, condition,
-                        description, False, span, name_span)
-            for name, own, arguments, binding, condition, description, span, name_span in declarators
+                        description, False, span, name_span, annotation)
+            for name, own, arguments, binding, condition, description, span, name_span, annotation in declarators
         ]
 
     def declarator(self, meta: Any, children: list[Any]) -> tuple[Any, ...]:
-        name, dimensions, arguments, binding, condition, description, _ = children
+        name, dimensions, arguments, binding, condition, description, annotation = children
         if str(name) in _RESERVED:
             fail("L0108", f"'{name}' is a word of the language and cannot be a name", self._token_span(name))
         return (_name(name), dimensions, arguments, binding, condition, _text(description), self._span(meta),
-                self._token_span(name))
+                self._token_span(name), annotation[1] if annotation else ())
 
     def modification(self, meta: Any, children: list[Any]) -> tuple[Argument, ...]:
         return tuple(c for c in children if c is not None)

@@ -33,6 +33,8 @@ hinge.reaction             in outputs: force (2), in world axes, of a joint or a
 initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3
 parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
                            are structural: they decide what the scene consists of
+annotation(Evaluate = true)  behind a parameter: where it is 0, 1 or -1 that number is compiled in, and what it is multiplied with
+                           falls away. It can be given all the same: another value has the scene compiled once more
 input, output              given from outside (-u), and reported
 model M extends B(k = 2)   inheritance with modifications; M m[n](each k = 1, c = {1, 2, 3}) arrays; if conditions on components
 equation for i in 1:n-1 loop connect(link[i].b, link[i+1].a); end for;

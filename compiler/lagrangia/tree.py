@@ -200,6 +200,7 @@ class Declaration:
     is_protected: bool
     span: Span
     name_span: Span
+    annotation: tuple[Argument, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
