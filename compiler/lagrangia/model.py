@@ -279,7 +279,7 @@ class Model:
         """
         from lagrangia.fmu import export_fmus
 
-        suited = self.suited(check_values(self.scene, parameters))
+        suited = self.general.suited(check_values(self.scene, parameters))
         return export_fmus(suited, None if path is None else Path(path), fmi, kind, platforms, sources, parameters, info, tell)
 
     def functions(self) -> "dict[str, casadi.Function]":

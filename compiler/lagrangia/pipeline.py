@@ -51,8 +51,7 @@ class Compilation:
 
 def compile_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
                  outputs: tuple[str, ...] = (), for_any_mass: bool = False, is_general: bool = False) -> Compilation:
-    """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Unless `is_general`,
-    numbers that make work fall away are compiled in: see flat.Variable.compiled. Raises LagError."""
+    """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
     from lagrangia.constraints import reduce_kinematics
     from lagrangia.dimensions import check_dimensions
     from lagrangia.energies import build_energies
