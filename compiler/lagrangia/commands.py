@@ -174,12 +174,17 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     if progress.interrupted:
         print(f"interrupted at t = {progress.time:.6g}; the {progress.rows} rows before are kept", file=sys.stderr)
         return 1
+    _raise_failure(failure, progress, target)
+    return 0
+
+
+def _raise_failure(failure: RunError | None, progress: Progress, target: str) -> None:
+    """Raises RunError for a run that stopped, and for one that went on beyond all sense."""
     if failure is not None:
         raise RunError(f"{failure}\n{progress.rows} rows before it are kept in {target}")
     if is_lost(progress):
         raise RunError(f"the energy account does not close at all: the rows in {target} are not the motion of this scene, which "
                        "has a singularity (a collision, a division by zero) or needs a far smaller tolerance")
-    return 0
 
 
 class _writer:
