@@ -126,27 +126,45 @@ def _private_temporary_folder() -> Path:
     return Path(tempfile.mkdtemp(prefix="lagrangia-"))
 
 
+def _require_success(command: Sequence[str], process: "subprocess.Popen[str]") -> None:
+    output, _ = process.communicate()
+    if process.returncode != 0:
+        raise CompilerError(command, output)
+
+
+def _parts(files: Sequence[str], compiler: Compiler) -> list[Sequence[str]]:
+    """Sources by the core that compiles them; none where one command does it all: zig is parallel by itself."""
+    cores = 1 if any("zig" in word for word in compiler.command) else os.cpu_count() or 1
+    return [files[k::cores] for k in range(min(cores, len(files)))] if cores > 1 and len(files) > 1 else []
+
+
 class Build:
-    """A library in the making. `finish` waits for it; builds that were started together run at the same time."""
+    """A library in the making, on all cores when it has several sources. `finish` waits for it; builds that were started
+    together run at the same time."""
 
     def __init__(self, name: str, sources: str | Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler) -> None:
         self.compiler = compiler
         options = _options(level)
         self._library = _place(name, sources, include, level, compiler)
         self._folder = self._library.parent
-        self._process: subprocess.Popen[str] | None = None
+        self._processes: list[subprocess.Popen[str]] = []
         if _is_whole(self._library):
             return
         self._workplace = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=self._folder.parent))
-        includes = [f"-I{folder}" for folder in include]
+        begin = [*compiler.command, *options, *(f"-I{folder}" for folder in include)]
+        end = ["-o", str(self._workplace / self._library.name)]
         files = [str(file) for file in self._written(name, sources)]
-        output = str(self._workplace / self._library.name)
-        self._command = [*compiler.command, *options, *includes, "-o", output, *files, *_LIBRARIES]
+        parts = _parts(files, compiler)
+        self._commands = [[*begin, "-c", *part] for part in parts] or [[*begin, *end, *files, *_LIBRARIES]]
+        self._link = [*begin, *end, *(f"{Path(file).stem}.o" for file in files), *_LIBRARIES] if parts else []
         try:
-            self._process = subprocess.Popen(self._command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            self._processes = [self._started(command) for command in self._commands]
         except OSError as error:
             shutil.rmtree(self._workplace)
-            raise CompilerError(self._command, str(error)) from error
+            raise CompilerError(self._commands[0], str(error)) from error
+
+    def _started(self, command: Sequence[str]) -> "subprocess.Popen[str]":
+        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=self._workplace)
 
     def _written(self, name: str, sources: str | Sequence[Path]) -> Sequence[Path]:
         if not isinstance(sources, str):
@@ -157,23 +175,33 @@ class Build:
 
     def finish(self) -> Path:
         """The library's path. Raises CompilerError."""
-        if self._process is None:
+        if not self._processes:
             return self._library
-        output, _ = self._process.communicate()
         try:
-            if self._process.returncode != 0:
-                raise CompilerError(self._command, output)
+            for command, process in zip(self._commands, self._processes, strict=True):
+                _require_success(command, process)
+            if self._link:
+                _require_success(self._link, self._started(self._link))
             _digest_file(self._workplace / self._library.name).write_text(_digest(self._workplace / self._library.name))
+            for file in self._workplace.glob("*.o"):
+                file.unlink()
             self._install()
         finally:
             shutil.rmtree(self._workplace, ignore_errors=True)
-            self._process = None
+            self._processes = []
         return self._library
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether nothing is being built any more and the library is not there: it failed, or somebody deleted it."""
+        return not self._processes and not _is_whole(self._library)
 
     def cancel(self) -> None:
         """Ends the compiler, if it is still at work."""
-        if self._process is not None and self._process.poll() is None:
-            self._process.kill()
+        running = [process for process in self._processes if process.poll() is None]
+        for process in running:
+            process.kill()
+        if running:
             shutil.rmtree(self._workplace, ignore_errors=True)
 
     def _install(self) -> None:
@@ -219,7 +247,16 @@ def start_build(
 
 
 def start_runtime_build(compiler: Compiler | None = None, level: str = "-O2") -> Build:
-    """The run time, as one library for all scenes."""
+    """The run time, as one library for all scenes: a process builds it once, however many scenes ask for it meanwhile."""
+    build = _runtime_build(cache_folder(), compiler, level)
+    if build.is_gone:
+        _runtime_build.cache_clear()
+        build = _runtime_build(cache_folder(), compiler, level)
+    return build
+
+
+@cache
+def _runtime_build(_cache: Path, compiler: Compiler | None, level: str) -> Build:
     folder = data_folder("runtime")
     return start_build("runtime", sorted(folder.glob("*.c")), include=[folder], level=level, compiler=compiler)
 
