@@ -13,14 +13,17 @@ void prepare(const double *p, double *c)
     c[8] = c[0] * c[2];
 }
 
-int rhs(const double *const *in, double *const *out, double *w)
+static inline int slopes(const double *const *in, double *const *out, int with_powers)
 {
     const double *q = in[1], *v = in[2], *c = in[5];
-    const double s = sin(q[1]), b = c[1] * cos(q[1]);
-    const double x = c[4] * q[0] + c[5] * v[0] - c[6] * q[1] - c[7] * v[1] - c[1] * s * v[1] * v[1], y = c[3] * s;
+    const double s = sin(q[1]), b = c[1] * cos(q[1]), push = c[4] * q[0] + c[5] * v[0] - c[6] * q[1] - c[7] * v[1];
+    const double x = push - c[1] * s * v[1] * v[1], y = c[3] * s;
     const double scale = 1 / (c[8] - b * b);
-    (void)w;
     out[0][0] = (c[2] * x + b * y) * scale;
     out[0][1] = (c[0] * y + b * x) * scale;
+    if (with_powers) {
+        out[1][0] = 0;
+        out[1][1] = push * v[0];
+    }
     return 0;
 }
