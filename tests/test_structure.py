@@ -132,6 +132,16 @@ ORDER = """
     fmu_page
     fmu_build
     fmu
+    probes
+    small_motion
+    equilibrium
+    linearization
+    mechanism
+    analysis_plot
+    modes
+    response
+    analysis
+    analysis_text
     model
     bench_problem
     bench_peers
@@ -144,6 +154,7 @@ ORDER = """
     commands
     sweep_command
     bench_command
+    analysis_commands
     exports
     equations_command
     fmu_command
@@ -154,6 +165,8 @@ ORDER = """
 EXCEPTIONS = {
     ("cli", "__init__"): "`lag --version` prints the version, which is written in one place",
     ("fmu", "__init__"): "an FMU says which version of the compiler made it",
+    ("analysis_plot", "modes"): "types alone: modes and responses draw themselves by it",
+    ("analysis_plot", "response"): "types alone",
     ("closures", "kinematics"): "types alone: kinematics reads the coordinate of a cut joint off its closure",
 }
 

@@ -104,6 +104,14 @@ def _equations(options: argparse.Namespace) -> int:
     return equations_command(options)
 
 
+def _analysis(options: argparse.Namespace) -> int:
+    from lagrangia import analysis_commands
+
+    commands = {"equilibrium": analysis_commands.equilibrium_command, "linearize": analysis_commands.linearize_command,
+                "modes": analysis_commands.modes_command, "response": analysis_commands.response_command}
+    return commands[options.name](options)
+
+
 def _export(options: argparse.Namespace) -> int:
     from lagrangia.export_command import export_command
 
@@ -146,6 +154,10 @@ def _parser() -> argparse.ArgumentParser:
     explain.add_argument("--json", action="store_true", help="the same for programs")
     _add_bench(_add(commands, "bench", _bench, "measure run time against error, beside other solvers"))
     _add_equations(_add(commands, "equations", _equations, "write the equations of motion for people"))
+    _add_equilibrium(_add(commands, "equilibrium", _analysis, "find positions of rest, their stability and reactions"))
+    _add_linearize(_add(commands, "linearize", _analysis, "give the matrices of small motion"))
+    _add_modes(_add(commands, "modes", _analysis, "find natural frequencies, damping ratios and mode shapes"))
+    _add_response(_add(commands, "response", _analysis, "compute a frequency response"))
     _add_export(_add(commands, "export", _export, "write a scene for other programs"))
     topics = _add(commands, "help", _help, "longer texts: the language, the library, the solver")
     topics.add_argument("topic", nargs="?")
@@ -242,6 +254,57 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
     add("--restart", action="store_true", help="begin anew, whatever an interrupted sweep has left in FILE.part")
     add("--dry-run", action="store_true", help="only say which runs there would be")
     add("--quiet", action="store_true", help="say nothing but errors")
+
+
+def _add_numbers(parser: argparse.ArgumentParser, about: bool) -> None:
+    """What all analyses are told."""
+    add = parser.add_argument
+    add("file", type=Path, metavar="FILE")
+    add("--model", metavar="NAME", help="the model; the last of the file by default")
+    add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter: -p L=2 -p 'k=1[kN/m]' -p n=20")
+    add("--initial", action="append", default=[], metavar="NAME=VALUE", help="where it begins: --initial hinge.phi=10[deg]")
+    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE", help="a constant input")
+    add("--time", type=float, metavar="T", help="the time at which supports and loads are looked at; the start time by default")
+    if about:
+        add("--about", default="equilibrium", metavar="POINT",
+            help="equilibrium: the one found from the start values (default); start: the start values themselves")
+
+
+def _add_equilibrium(parser: argparse.ArgumentParser) -> None:
+    _add_numbers(parser, about=False)
+    parser.add_argument("--starts", type=int, metavar="N", help="from how many places it is searched (24; 1: the start alone)")
+    parser.add_argument("-o", "--output", metavar="FILE", help="a file for programs (.json)")
+
+
+def _add_linearize(parser: argparse.ArgumentParser) -> None:
+    _add_numbers(parser, about=True)
+    _add_pair(parser)
+    parser.add_argument("-o", "--output", metavar="FILE", help="the matrices (.json, .mat, .npz)")
+
+
+def _add_modes(parser: argparse.ArgumentParser) -> None:
+    _add_numbers(parser, about=True)
+    parser.add_argument("--mass-normalised", action="store_true", help="shapes with phi' M phi = 1, not largest entry 1")
+    parser.add_argument("-o", "--output", metavar="FILE", help="a file for programs (.json)")
+    parser.add_argument("--plot", metavar="FILE", type=Path, help="a picture of the shapes (.png, .svg, .pdf)")
+
+
+def _add_response(parser: argparse.ArgumentParser) -> None:
+    _add_numbers(parser, about=True)
+    _add_pair(parser)
+    add = parser.add_argument
+    add("--range", metavar="LOW:HIGH", help="frequencies in Hz; by default a decade beyond the modes on both sides")
+    add("--points", type=int, default=400, metavar="N", help="so many over the range, and more around resonances (400)")
+    add("--at", metavar="F,F,...", help="these frequencies in Hz, instead of a range")
+    add("-o", "--output", metavar="FILE", help="magnitude, phase, real and imaginary parts (.csv)")
+    add("--plot", metavar="FILE", type=Path, help="the Bode plot (.png, .svg, .pdf)")
+
+
+def _add_pair(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--from", dest="excite", metavar="NAME,...",
+                        help="what excites: an input, a load P.force[2], a prescribed coordinate, a place road.y; by default "
+                             "the inputs, and loads and supports that depend on time")
+    parser.add_argument("--to", metavar="NAME,...", help="any quantities; by default the coordinates and declared outputs")
 
 
 def _add_export(parser: argparse.ArgumentParser) -> None:

@@ -21,7 +21,11 @@ if TYPE_CHECKING:
     import casadi
     import numpy as np
 
+    from lagrangia.analysis import Equilibria, Study
+    from lagrangia.linearization import Linearization
+    from lagrangia.modes import Modes
     from lagrangia.pipeline import Compilation
+    from lagrangia.response import Response
     from lagrangia.sweep_plan import Job
     from lagrangia.sweep_table import Sweep
 
@@ -253,6 +257,46 @@ class Model:
             return found[0] if len(labels) == 1 else found.T
 
         return observe
+
+    def equilibrium(self, *, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
+                    inputs: Mapping[str, float] | None = None, time: float | None = None, starts: int | None = None
+                    ) -> "Equilibria":
+        """Positions of rest: the one reached from the start values first, then those found from `starts` - 1 other places.
+
+        Each has `.position`, `.stability`, `.eigenvalues`, `.reactions`; time stands still at `time` (s), the start time by
+        default. Raises LagError for wrong input, RunError where nothing can rest.
+        """
+        return self._study(parameters, initial, inputs, time).equilibria(starts)
+
+    def linearize(self, *, about: str = "equilibrium", excitations: Sequence[str] | None = None,
+                  outputs: Sequence[str] | None = None, parameters: Mapping[str, float] | None = None,
+                  initial: Mapping[str, float] | None = None, inputs: Mapping[str, float] | None = None, time: float | None = None
+                  ) -> "Linearization":
+        """M, C, K and the state-space form of small motion about the equilibrium found from the start, or about the "start".
+
+        `excitations` and `outputs` are names; by default the inputs with all loads that depend on time, and the coordinates with
+        the declared outputs. See `lag help analysis`. Raises LagError, RunError.
+        """
+        return self._study(parameters, initial, inputs, time).linearize(about, excitations, outputs)
+
+    def modes(self, *, about: str = "equilibrium", mass_normalised: bool = False, parameters: Mapping[str, float] | None = None,
+              initial: Mapping[str, float] | None = None, inputs: Mapping[str, float] | None = None, time: float | None = None
+              ) -> "Modes":
+        """Natural frequencies, mode shapes and damping ratios about the equilibrium, or about the "start"."""
+        return self._study(parameters, initial, inputs, time).modes(about, mass_normalised)
+
+    def response(self, excitations: Sequence[str] | None = None, outputs: Sequence[str] | None = None, *,
+                 frequencies: Sequence[float] | None = None, span: tuple[float, float] | None = None, points: int = 400,
+                 about: str = "equilibrium", parameters: Mapping[str, float] | None = None,
+                 initial: Mapping[str, float] | None = None, inputs: Mapping[str, float] | None = None, time: float | None = None
+                 ) -> "Response":
+        """Frequency response of outputs to excitations, at `frequencies` (Hz) or over `span` (Hz, from the modes by default)."""
+        return self._study(parameters, initial, inputs, time).response(excitations, outputs, about, frequencies, span, points)
+
+    def _study(self, parameters: Any, initial: Any, inputs: Any, time: float | None) -> "Study":
+        from lagrangia.analysis import Study
+
+        return Study(self.compilation, check_values(self.scene, parameters, initial, inputs), time)
 
     def equations(self, form: str = "lagrange", format: str = "text", *, names: Mapping[str, str] | None = None,
                   parameters: Mapping[str, float] | None = None, numbers: bool = False, force: bool = False) -> str:

@@ -238,6 +238,35 @@ modelica  a flat model: Lagrange's equations, parameters with units; constraints
 sympy, latex   the script, and the worked derivation
 """
 
+_ANALYSIS = """\
+lag equilibrium FILE    positions of rest: the one reached from the start, and others from --starts N places; stability, reactions
+lag linearize FILE      M x'' + C x' + K x = F u and z' = A z + B w, y = C z + D w; -o FILE.json, FILE.mat, FILE.npz
+lag modes FILE          natural frequencies, damping ratios, mode shapes; --mass-normalised, --plot FILE, -o FILE.json
+lag response FILE       frequency response; --range 0.1:100 or --at 1,2,5 (Hz), --points N, --plot FILE, -o FILE.csv
+all of them             -p NAME=VALUE, --initial NAME=VALUE, -u NAME=VALUE, --time T, --model NAME
+
+Derivatives are exact. Small motion is taken about the equilibrium near the start values, or, far from any, about the one where
+the scene would settle; a start that rests by itself (a pendulum upright) stays. --about start takes the start itself.
+
+Time stands still at T (the start time by default): loads act as they are then, and supports rest where they are then. Where
+nothing but loads depends on time, it goes on: a frame that turns steadily keeps turning, and rest is relative to it.
+
+--from NAME,...   what excites: an input; a load or any variable with a formula (P.force[2], or P for short); a prescribed
+                  coordinate or its Motion; the place of a frame that hangs on another one (road.y), with all it carries. By
+                  default the inputs, and all loads and supports that depend on time. Where its rate or acceleration matters (a
+                  support moves masses or dampers), the state-space form has these as inputs of their own, der(road.y).
+--to NAME,...     any quantities, reactions too; by default the coordinates and the declared outputs
+
+Constraints are kept by motion in their null space, with the stiffness that their forces give to curved ones; redundant ones do
+no harm. The states are coordinates of the scene and their rates, those that have start values by preference. A mode without
+stiffness is rigid-body motion; one that runs away tells its rate. An equilibrium is asymptotically stable, stable (undamped),
+neutral, unstable, or singular: where constraints are less independent than elsewhere, the linearised motion says nothing.
+
+From Python: model.equilibrium(), model.linearize(excitations=["road.y"], outputs=["car.s"]), model.modes(), model.response(...)
+with parameters=, initial=, inputs=, time=, about=. A linearisation has .M, .C, .K, .A, .B, .output, .D, .save(path) and
+.to_control(), modes and responses have .frequencies and .plot(path).
+"""
+
 TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "language": ("models, frames, energies: the language on one page", lambda: _LANGUAGE),
     "library": ("the components and what they state", _library),
@@ -248,6 +277,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "python": ("the Python interface", lambda: _PYTHON),
     "bench": ("run time against error: what is measured, and how", lambda: _BENCH),
     "equations": ("the equations of motion for people: forms, formats, names", lambda: _EQUATIONS),
+    "analysis": ("equilibria, small motion, modes, frequency response", lambda: _ANALYSIS),
     "errors": ("diagnostics and exit codes", lambda: _ERRORS),
 }
 

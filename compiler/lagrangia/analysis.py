@@ -1,0 +1,300 @@
+"""Statics and small motion of a compiled scene in numbers: positions of rest, linearisation, modes, frequency response."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangia.algebra import value_of
+from lagrangia.assembly import Assembly, Equations
+from lagrangia.diagnostics import RunError, fail
+from lagrangia.dimensions import unit_of
+from lagrangia.equilibrium import Rest, StaticEquations, find_all, find_rest
+from lagrangia.initial import FIXED, FREE
+from lagrangia.joints import all_reactions
+from lagrangia.linearization import Given, Linearization, linearization, tangent_of
+from lagrangia.mechanism import Mechanism, build_mechanism
+from lagrangia.modes import Modes, find_modes, stability
+from lagrangia.observables import observe
+from lagrangia.probes import Probe, find_probes, usual_probes
+from lagrangia.response import Response, find_response
+from lagrangia.simulate import Values, check_parameters
+from lagrangia.small_motion import SmallMotion, build_small_motion
+
+if TYPE_CHECKING:
+    from lagrangia.pipeline import Compilation
+
+Vector = NDArray[np.float64]
+ABOUT = ("equilibrium", "start")
+_STEADY = 1e-9
+_MOMENTS = (0.37, 1.71)
+_BALANCED = 1e-9  # of the forces at the point
+_LARGE = 40  # coordinates: above, the usual search is from few starts
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """`position`: all coordinates, those that constraints give too, m and rad. `stability` after the linearised motion:
+    asymptotically stable, stable (it oscillates without damping), neutral (some motion costs nothing), unstable; or singular,
+    where constraints are less independent than elsewhere and the linearised motion says nothing."""
+
+    position: Mapping[str, float]
+    potential: float
+    stability: str
+    growth: float  # the largest real part of an eigenvalue, 1/s
+    eigenvalues: tuple[complex, ...]
+    n_neutral: int
+    reactions: Mapping[str, float]
+    residual: float  # the largest force left, N or N.m
+
+    @property
+    def is_stable(self) -> bool:
+        return self.stability in ("stable", "asymptotically stable")
+
+
+@dataclass(frozen=True)
+class Equilibria(Sequence[Equilibrium]):
+    """The first one is what is reached from the start, where anything is; the others by potential energy."""
+
+    name: str
+    time: float
+    found: tuple[Equilibrium, ...]
+    is_reached: bool  # whether the first was found from the start itself
+    units: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def __getitem__(self, k: Any) -> Any:
+        return self.found[k]
+
+    def __len__(self) -> int:
+        return len(self.found)
+
+    def __iter__(self) -> Iterator[Equilibrium]:
+        return iter(self.found)
+
+
+class Study:
+    """One scene with its numbers: parameters, start values, constant inputs, and the time at which it is looked at."""
+
+    def __init__(self, compilation: "Compilation", values: Values, time: float | None) -> None:
+        self.c, self.scene, self.values = compilation, compilation.scene, values
+        self.time = self.scene.start if time is None else float(time)
+        if not math.isfinite(self.time):
+            fail("L0702", f"the time must be a finite number, not {self.time}")
+        table = compilation.functions.table
+        self.p = table["parameters"](values.parameters, values.mask).full().ravel()
+        check_parameters(self.scene, list(map(float, self.p)))
+        count = len(self.scene.inputs)
+        rows = np.asarray(values.input_values, dtype=float).reshape(-1, count) if count else np.zeros((1, 0))
+        self.u = np.array([np.interp(self.time, values.input_times, rows[:, k]) for k in range(count)])
+        if self.scene.n == 0:
+            fail("L0505", "nothing can move: the scene has no coordinate", compilation.flat.span,
+                 "lag simulate tells the reactions of such a scene")
+        self.names = tuple(c.name for c in self.scene.coordinates)
+        self.is_angle = np.array([c.unit == "rad" for c in self.scene.coordinates])
+
+    # ------------------------------------------------------------ where it begins
+
+    @cached_property
+    def start(self) -> tuple[Vector, Vector]:
+        """Positions and rates, assembled. Raises LagError L0606 when it does not assemble."""
+        table, initial, n = self.c.functions.table, self.c.initial, self.scene.n
+        guess = np.concatenate([x.full().ravel() for x in table["start"](self.p)])
+        given = np.array([*self.values.q, *self.values.v])
+        is_given = np.isfinite(given)
+        guess = np.where(is_given, given, guess)
+        if "initial" not in table:
+            return guess[:n], guess[n:]
+        kinds = np.array(self.scene.coordinate_kind)
+        equations = Equations(table["initial"], table.get("momentum"), self.p, self.is_angle, kinds, initial.n_positions)
+        x, worst = Assembly(equations, np.where(is_given, FIXED, np.array(initial.fixed)), guess).assemble()
+        if worst >= 0:
+            fail("L0606", "the start values cannot all hold", initial.residual_spans[worst],
+                 f"written at {self.scene.initial_places[worst]}", "change it, or the values given with --initial")
+        return x[:n], x[n:]
+
+    @cached_property
+    def places(self) -> tuple[tuple[str, ...], ca.Function]:
+        """The frames, and their x, y, phi (frames, 3) as a function of q."""
+        k = self.c.kinematics
+        poses = k.poses(1)
+        flat = [ca.SX(value_of(x)) for pose in poses.values() for x in (pose.x, pose.y, pose.phi)]
+        table = ca.reshape(ca.vertcat(*flat), 3, len(poses)).T
+        m = self.c.motion
+        modes = k.algebra.modes
+        if modes:
+            table = ca.substitute(table, ca.vertcat(*[x.symbol for x in modes]), ca.vertcat(*[x.value for x in modes]))
+        numbers = [ca.SX(self.time), ca.SX(ca.DM(self.p)), ca.SX(ca.DM(self.u))]
+        (table,) = ca.substitute([table], [m.t, m.p, m.u], numbers)
+        return tuple(poses), ca.Function("places", [m.q], [table])
+
+    @cached_property
+    def size(self) -> float:
+        """How large the scene is at its start, m; 1 where all is in one point."""
+        q, _ = self.start
+        places = self.places[1](q).full()[:, :2]
+        lengths = np.abs(q[~self.is_angle])
+        spread = float(np.ptp(places, axis=0).max(initial=0.0)) if np.isfinite(places).all() else 0.0
+        return max(spread, float(lengths.max(initial=0.0))) or 1.0
+
+    @property
+    def reach(self) -> Vector:
+        return np.where(self.is_angle, 1.0, self.size)
+
+    # ------------------------------------------------------------ the equations in numbers
+
+    def equations(self, probes: Sequence[Probe] = (), outputs: Sequence[str] = ()) -> SmallMotion:
+        return build_small_motion(self.c.kinematics, self.c.constraints, self.c.motion, probes, outputs)
+
+    def call(self, function: ca.Function, q: Vector, lam: Vector, pace: float, v: Vector | None = None, a: Vector | None = None,
+             time: float | None = None) -> list[Vector]:
+        still = np.zeros(self.scene.n)
+        state = q, still if v is None else v, still if a is None else a, lam
+        return [x.full() for x in function(*state, self.time if time is None else time, pace, self.u, self.p)]
+
+    def pace(self, e: SmallMotion) -> float:
+        """1 where only loads depend on time, else 0: tried at two other times, at a general state."""
+        if not self.scene.notes["is_driven"] and not self._time_in_energies(e):
+            return 1.0
+        random = np.random.default_rng(2)
+        q = self.start[0] + 0.1 * self.reach * random.uniform(-1, 1, self.scene.n)
+        v, lam = random.uniform(-1, 1, self.scene.n), np.zeros(e.m)
+        here = self.call(e.unsteady, q, lam, 1.0, v)
+        for moment in _MOMENTS:
+            there = self.call(e.unsteady, q, lam, 1.0, v, time=self.time + moment)
+            for x, y in zip(here, there, strict=True):
+                if not np.abs(x - y).max(initial=0.0) <= _STEADY * max(float(np.abs(x).max(initial=0.0)), _STEADY):
+                    return 0.0
+        return 1.0
+
+    def _time_in_energies(self, e: SmallMotion) -> bool:
+        m = self.c.motion
+        return bool(ca.depends_on(ca.vertcat(m.T, m.V, m.D), m.t))
+
+    def static_equations(self, e: SmallMotion, pace: float) -> StaticEquations:
+        nothing = np.zeros(e.m)
+
+        def static(q: Vector) -> tuple[Vector, Vector, float]:
+            R, phi, _, V = self.call(e.static, q, nothing, pace)
+            return R.ravel(), phi.ravel(), float(V[0, 0])
+
+        def stiffness(q: Vector, lam: Vector) -> tuple[Vector, Vector, Vector]:
+            found = self.call(e.tangent, q, lam if lam.size else nothing, pace)
+            return found[2], found[3], found[4]
+
+        return StaticEquations(static, stiffness, self.reach, self.is_angle)
+
+    # ------------------------------------------------------------ what is asked for
+
+    def rest(self, e: SmallMotion, pace: float) -> Rest:
+        """The position of rest found from the start. Raises RunError."""
+        self.require_rest(e, pace)
+        found = find_rest(self.static_equations(e, pace), self.start[0])
+        if found is None:
+            raise RunError("no equilibrium was found from the start values: forces stay unbalanced, or it runs away; "
+                           "try other values with --initial, or look at the start itself with --about start")
+        return found
+
+    def require_rest(self, e: SmallMotion, pace: float) -> None:
+        """Raises RunError when a constraint keeps the scene moving."""
+        rates = self.call(e.static, self.start[0], np.zeros(e.m), pace)[2]
+        if np.abs(rates).max(initial=0.0) > 1e-12 * self.size:
+            raise RunError("nothing can rest here: a constraint prescribes a speed")
+
+    def equilibria(self, starts: int | None) -> Equilibria:
+        """Positions of rest from the start and from `starts` - 1 other places."""
+        graph = self.c.kinematics.graph
+        outputs = [c.name for c in graph.dependent_coordinates]
+        e = self.equations((), outputs)
+        pace = self.pace(e)
+        self.require_rest(e, pace)
+        notes, asked = [], all_reactions(graph)
+        if asked and pace == 0.0 and self.scene.notes["is_driven"]:
+            notes.append("reactions are not told while supports move")
+            asked = []
+        full = self.equations((), (*outputs, *asked)) if asked else e
+        equations = self.static_equations(e, pace)
+        most = starts if starts is not None else (24 if self.scene.n <= _LARGE else 3)
+        found = find_all(equations, self.start[0], most)
+        is_reached = find_rest(equations, self.start[0]) is not None
+        units = {c.name: c.unit for c in self.scene.coordinates}
+        units |= {name: unit_of(graph.model, observe(graph.model, name)) for name in outputs}
+        return Equilibria(self.scene.name, self.time, tuple(self._told(full, rest, pace, len(outputs)) for rest in found),
+                          is_reached, units, tuple(notes))
+
+    def _told(self, e: SmallMotion, rest: Rest, pace: float, n_given: int) -> Equilibrium:
+        y = self.call(e.observed, rest.q, rest.multipliers, pace)[0].ravel()
+        position = dict(zip(self.names, map(float, rest.q), strict=True))
+        position |= dict(zip(e.outputs[:n_given], map(float, y[:n_given]), strict=True))
+        reactions = dict(zip(e.outputs[n_given:], map(float, y[n_given:]), strict=True))
+        linear = self.linear_at(e, rest.q, np.zeros(self.scene.n), rest.multipliers, pace, True)
+        kind, growth = ("singular", math.nan) if rest.is_singular else stability(linear)
+        R = self.call(e.static, rest.q, rest.multipliers, pace)[0]
+        return Equilibrium(position, rest.V, kind, growth, tuple(map(complex, linear.eigenvalues)), rest.n_neutral, reactions,
+                           float(np.abs(R).max(initial=0.0)))
+
+    def linear_at(self, e: SmallMotion, q: Vector, v: Vector, lam: Vector, pace: float, is_equilibrium: bool,
+                  a: Vector | None = None) -> Linearization:
+        """About a state and its accelerations; the forces R that are left over without those are the load."""
+        preferred = [kind != FREE for kind in self.c.initial.fixed[: self.scene.n]]
+        tangent = tangent_of(self.call(e.tangent, q, lam, pace, v, a), preferred, self.reach)
+        residual = np.zeros(e.n) if is_equilibrium else self.call(e.static, q, lam, pace, v)[0].ravel()
+        given = Given(self.scene.name, self.names, tuple(p.name for p in e.probes), e.outputs,
+                      dict(zip(self.names, map(float, q), strict=True)), residual, is_equilibrium,
+                      self.call(e.observed, q, lam, pace, v, a))
+        return linearization(tangent, given)
+
+    def linearize(self, about: str, excitations: Sequence[str] | None, outputs: Sequence[str] | None) -> Linearization:
+        """About the equilibrium found from the start, or the start itself. Raises LagError, RunError."""
+        if about not in ABOUT:
+            fail("L0702", f"a linearisation is about the equilibrium or the start, not '{about}'", None, *ABOUT)
+        kinematics = self.c.kinematics
+        probes = usual_probes(kinematics) if excitations is None else find_probes(kinematics, self.c.constraints, excitations)
+        usual = tuple(dict.fromkeys((*self.names, *(x.name for x in self.scene.outputs))))
+        e = self.equations(probes, usual if outputs is None else tuple(outputs))
+        pace = self.pace(e)
+        if about == "equilibrium":
+            rest = self.rest(e, pace)
+            return self.linear_at(e, rest.q, np.zeros(self.scene.n), rest.multipliers, pace, True)
+        return self._about_start(e, pace)
+
+    def _about_start(self, e: SmallMotion, pace: float) -> Linearization:
+        """The exact derivatives of the motion there: of a moving or accelerated state, of scenes without constraints alone."""
+        q, v = self.start
+        if not v.any():
+            self.require_rest(e, pace)
+        R = self.call(e.static, q, np.zeros(e.m), pace, v)[0].ravel()
+        M, *_, rows = self.call(e.tangent, q, np.zeros(e.m), pace, v)[:5]
+        lam = np.asarray(-np.linalg.pinv(rows.T, rcond=1e-9) @ R) if e.m else np.zeros(0)
+        left = float(np.abs(R + rows.T @ lam).max(initial=0.0))
+        is_rest = left <= _BALANCED * float(np.abs(R).max(initial=0.0)) and not v.any()
+        if e.m and not is_rest:
+            fail("L0916", "not supported yet: a linearisation of a scene with constraints about a point that is no equilibrium",
+                 self.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
+        a = None if is_rest else np.asarray(-np.linalg.solve(M, R), dtype=np.float64)
+        return self.linear_at(e, q, v, lam, pace, is_rest, a)
+
+    def modes(self, about: str, mass_normalised: bool) -> Modes:
+        return find_modes(self.linearize(about, (), ()), self.names, mass_normalised, self.mechanism)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        frames, places = self.places
+        values = {p.name: float(x) for p, x in zip(self.scene.parameters, self.p, strict=True)}
+        return build_mechanism(self.c.kinematics.graph, frames, lambda q: np.asarray(places(q).full()), values)
+
+    def response(self, excitations: Sequence[str] | None, outputs: Sequence[str] | None, about: str,
+                 frequencies: Sequence[float] | None, span: tuple[float, float] | None, points: int) -> Response:
+        """Raises LagError L0718 where nothing excites."""
+        linear = self.linearize(about, excitations, outputs)
+        model = self.c.kinematics.graph.model
+        if not linear.excitations:
+            fail("L0718", "nothing excites this scene: it has no input, and no load depends on time", None,
+                 "name what does with --from: a force (P.force[2]), or the place of a frame that hangs on the ground (road.y)")
+        units = tuple(unit_of(model, observe(model, name)) for name in (*linear.outputs, *linear.excitations))
+        return find_response(linear, frequencies, span, points, units)

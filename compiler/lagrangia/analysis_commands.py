@@ -1,0 +1,148 @@
+"""`lag equilibrium`, `linearize`, `modes` and `response`: options -> numbers -> text, tables and pictures."""
+
+import json
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+from lagrangia.commands import assignment, load_model, number, read_inputs, values_with_units
+from lagrangia.diagnostics import RunError, fail
+from lagrangia.model import Model
+from lagrangia.plot import require_format
+
+_MOST_STARTS, _MOST_POINTS = 10_000, 200_000
+
+
+def equilibrium_command(options: Namespace) -> int:
+    """Exit code 1 where there is no equilibrium to be found."""
+    from lagrangia.analysis_text import equilibria_text
+
+    if options.starts is not None and not 1 <= options.starts <= _MOST_STARTS:
+        fail("L0702", f"--starts must be a number from 1 to {_MOST_STARTS}, not {options.starts}")
+    _require(options.output, ".json")
+    model, values = _load(options)
+    found = model.equilibrium(**values, starts=options.starts)
+    if not found.found:
+        raise RunError("no equilibrium was found: from all starts, forces stay unbalanced or it runs away; "
+                       "try other values with --initial, or more --starts")
+    print(equilibria_text(found))
+    if options.output is not None:
+        _write(options.output, [_plain(item) for item in found.found])
+    return 0
+
+
+def _plain(item: Any) -> dict[str, Any]:
+    plain = {name: getattr(item, name) for name in ("stability", "potential", "growth", "n_neutral", "residual")}
+    pairs = [[x.real, x.imag] for x in item.eigenvalues]
+    return {"position": dict(item.position), **plain, "eigenvalues": pairs, "reactions": dict(item.reactions)}
+
+
+def linearize_command(options: Namespace) -> int:
+    from lagrangia.analysis_text import linearization_text
+
+    _require(options.output, ".json", ".mat", ".npz")
+    model, values = _load(options)
+    linear = model.linearize(**values, about=options.about, excitations=_names(options.excite), outputs=_names(options.to))
+    print(linearization_text(linear))
+    if options.output is not None:
+        print(f"\nmatrices in {linear.save(options.output)}")
+    return 0
+
+
+def modes_command(options: Namespace) -> int:
+    from lagrangia.analysis_text import modes_text
+
+    _require(options.output, ".json")
+    if options.plot is not None:
+        require_format(options.plot)
+    model, values = _load(options)
+    modes = model.modes(**values, about=options.about, mass_normalised=options.mass_normalised)
+    print(modes_text(modes))
+    if options.output is not None:
+        _write(options.output, modes.to_dict())
+    if options.plot is not None:
+        modes.plot(options.plot)
+        print(f"picture in {options.plot}")
+    return 0
+
+
+def response_command(options: Namespace) -> int:
+    from lagrangia.analysis_text import response_text
+
+    _require(options.output, ".csv")
+    if options.plot is not None:
+        require_format(options.plot)
+    if not 2 <= options.points <= _MOST_POINTS:
+        fail("L0702", f"--points must be a number from 2 to {_MOST_POINTS}, not {options.points}")
+    frequencies = None if options.at is None else [_frequency(text, "--at") for text in options.at.split(",")]
+    span = _span(options.range)
+    model, values = _load(options)
+    response = model.response(_names(options.excite), _names(options.to), **values, frequencies=frequencies, span=span,
+                              points=options.points, about=options.about)
+    print(response_text(response))
+    if options.output is not None:
+        print(f"{response.frequencies.size} rows in {response.to_csv(options.output)}")
+    if options.plot is not None:
+        response.plot(options.plot)
+        print(f"picture in {options.plot}")
+    return 0
+
+
+def _load(options: Namespace) -> tuple[Model, dict[str, Any]]:
+    """The model and the numbers it is looked at with. Raises LagError."""
+    given = [assignment(text, "-p") for text in options.parameter]
+    model = load_model(options, given, ())
+    scene = model.scene
+    parameters = values_with_units([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural],
+                                   {p.name: p.unit for p in scene.parameters})
+    units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
+    units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
+    initial = values_with_units([assignment(text, "--initial") for text in options.initial], units)
+    inputs = read_inputs(options.input, scene)
+    return model, {"parameters": parameters, "initial": initial, "inputs": inputs, "time": options.time}
+
+
+def _names(text: str | None) -> tuple[str, ...] | None:
+    """Names between commas outside brackets; None where nothing is said."""
+    if text is None:
+        return None
+    names, depth, word = [], 0, ""
+    for letter in f"{text},":
+        depth += (letter in "[(") - (letter in "])")
+        if letter == "," and depth == 0:
+            names.append(word.strip())
+            word = ""
+        else:
+            word += letter
+    return tuple(name for name in names if name)
+
+
+def _frequency(text: str, option: str) -> float:
+    value = number(text, option)
+    if not 0 < value < float("inf"):
+        fail("L0702", f"a frequency is a positive number of Hz, not {text.strip()}")
+    return value
+
+
+def _span(text: str | None) -> tuple[float, float] | None:
+    if text is None:
+        return None
+    low, colon, high = text.partition(":")
+    if not colon:
+        fail("L0706", f"'{text}' after --range is not of the form LOW:HIGH", None, "in Hz: --range 0.1:100")
+    span = _frequency(low, "--range"), _frequency(high, "--range")
+    if not span[0] < span[1]:
+        fail("L0702", f"the frequencies must rise, not go from {span[0]:g} to {span[1]:g}")
+    return span
+
+
+def _require(path: str | None, *endings: str) -> None:
+    if path is not None and Path(path).suffix not in endings:
+        fail("L0004", f"'{path}' is no file that can be written here", None, f"its name should end in {' or '.join(endings)}")
+
+
+def _write(path: str, plain: Any) -> None:
+    try:
+        Path(path).write_text(json.dumps(plain, indent=1) + "\n", encoding="utf-8")
+    except OSError as error:
+        fail("L0004", f"'{path}' cannot be written: {error.strerror}")

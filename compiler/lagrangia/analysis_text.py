@@ -1,0 +1,181 @@
+"""Equilibria, matrices, modes and responses as text for people."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from lagrangia.analysis import Equilibria, Equilibrium
+    from lagrangia.linearization import Linearization
+    from lagrangia.modes import Modes
+    from lagrangia.response import Response
+
+Matrix = NDArray[np.float64]
+_WIDEST = 130
+_MOST_ROWS = 40  # of a table on the screen; files have all
+_NEGLIGIBLE = 1e-13
+_DEGREE = 180 / np.pi
+
+
+def equilibria_text(found: "Equilibria", is_quiet_about_reactions: bool = False) -> str:
+    if not found.found:
+        return f"{found.name}: no equilibrium was found"
+    count = len(found.found)
+    lines = [f"{found.name}: {count} {'equilibrium' if count == 1 else 'equilibria'}, time standing still at {found.time:g} s"]
+    if not found.is_reached:
+        lines.append("  none is reached from the start itself; found from other places:")
+    for k, item in enumerate(found.found):
+        reached = ", reached from the start" if k == 0 and found.is_reached else ""
+        lines.append(f"{k + 1}: {_verdict(item)}{reached}")
+        lines += [f"  {text}" for text in _positions(item.position, found.units)]
+        lines.append(f"  V = {_shown(item.potential)} J; the largest force left over is {item.residual:.1e}")
+        if item.reactions and not is_quiet_about_reactions:
+            lines += [f"  {text}" for text in _reactions(item.reactions, item.residual)]
+    return "\n".join([*lines, *found.notes])
+
+
+def _verdict(item: "Equilibrium") -> str:
+    if item.stability == "unstable":
+        return f"unstable: it runs away as exp({item.growth:.4g} t)"
+    if item.stability == "singular":
+        return "at rest in a singular position, where ways of moving meet: the linearised motion says nothing"
+    if item.stability == "neutral":
+        family = "one of a family: " if item.n_neutral else ""
+        return f"neutral: {family}some motion costs nothing, and the linearised motion does not decide"
+    if item.stability == "stable":
+        return "stable: it oscillates about it, undamped"
+    return f"asymptotically stable: motion dies out at least as exp({item.growth:.4g} t)"
+
+
+def _positions(position: Mapping[str, float], units: Mapping[str, str]) -> Iterator[str]:
+    width = max(map(len, position), default=0)
+    for k, (name, value) in enumerate(position.items()):
+        if k == _MOST_ROWS:
+            yield f"... and {len(position) - k} more"
+            return
+        unit = units.get(name, "")
+        angle = f" = {_shown(value * _DEGREE)} deg" if unit == "rad" else ""
+        yield f"{name:{width}} = {_shown(value)} {unit}{angle}".rstrip()
+
+
+def _reactions(values: Mapping[str, float], residual: float) -> Iterator[str]:
+    """A line for each joint."""
+    joints: dict[str, list[float]] = {}
+    for name, value in values.items():
+        joints.setdefault(name.rpartition(".")[0], []).append(value)
+    width = max(map(len, joints))
+    rounding = max(1e-12 * max(map(abs, values.values())), 10 * residual)
+    yield f"{'reactions on port b':{width}}{'F_x [N]':>14}{'F_y [N]':>14}{'M [N.m]':>14}"
+    indent = max(width, len("reactions on port b"))
+    for joint, numbers in joints.items():
+        yield f"{joint:{indent}}" + "".join(f"{0.0 if abs(x) < rounding else x:>14.6g}" for x in numbers)
+
+
+def linearization_text(linear: "Linearization") -> str:
+    about = "equilibrium" if linear.is_equilibrium else "point, which is no equilibrium:"
+    point = ", ".join(f"{name} = {_shown(x)}" for name, x in list(linear.point.items())[:8])
+    more = ", ..." if len(linear.point) > 8 else ""
+    lines = [f"{linear.name}: small motion about the {about} {point}{more}", "", "M x'' + C x' + K x = F u, with x ="]
+    names = linear.coordinates
+    lines[-1] += " " + ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
+    for name, table, columns in (("M", linear.M, names), ("C", linear.C, names), ("K", linear.K, names),
+                                 ("F of u", linear.F[0], linear.excitations), ("F of u'", linear.F[1], linear.excitations),
+                                 ("F of u''", linear.F[2], linear.excitations)):
+        if table.size and (name in "MCK" or table.any()):
+            lines += ["", f"{name}", *_matrix(table, names, columns)]
+    if not linear.is_equilibrium:
+        lines += ["", "load, left over at the point", *_matrix(linear.load[:, None], names, ("",))]
+    lines += ["", "z' = A z + B w, y = C z + D w"]
+    for name, table, rows, columns in (
+        ("A", linear.A, linear.states, linear.states), ("B", linear.B, linear.states, linear.inputs),
+        ("C", linear.output, linear.outputs, linear.states), ("D", linear.D, linear.outputs, linear.inputs),
+    ):
+        if table.size:
+            lines += ["", name, *_matrix(table, rows, columns)]
+    s = linear.eigenvalues
+    lines += ["", "eigenvalues of A: " + ", ".join(_complex(x) for x in s[:12] if x.imag >= 0) + (", ..." if s.size > 12 else "")]
+    return "\n".join(lines)
+
+
+def _matrix(table: Matrix, rows: Sequence[str], columns: Sequence[str]) -> list[str]:
+    """With the names of rows and columns; of a large one its corner."""
+    largest = float(np.abs(table).max(initial=0.0))
+    left = max((len(x) for x in rows[:_MOST_ROWS]), default=0) + 2
+    widths = [max(12, len(name) + 2) for name in columns]
+    shown = len(widths)
+    while shown > 1 and left + sum(widths[:shown]) > _WIDEST:
+        shown -= 1
+    head = "".join(f"{name:>{w}}" for name, w in zip(columns[:shown], widths, strict=False))
+    lines = [" " * left + head] if any(columns) else []
+    for name, row in list(zip(rows, table, strict=True))[:_MOST_ROWS]:
+        cells = [0.0 if abs(x) <= _NEGLIGIBLE * largest else x for x in row[:shown]]
+        lines.append(f"{name:{left}}" + "".join(f"{x:>{w}.6g}" for x, w in zip(cells, widths, strict=False)))
+    if shown < table.shape[1] or len(rows) > _MOST_ROWS:
+        lines.append(f"  ... of {table.shape[0]} x {table.shape[1]}; -o FILE.json or FILE.mat has all of it")
+    return lines
+
+
+def modes_text(modes: "Modes") -> str:
+    point = ", ".join(f"{name} = {_shown(x)}" for name, x in list(modes.linearization.point.items())[:6])
+    more = ", ..." if len(modes.coordinates) > 6 else ""
+    lines = [f"{modes.name}: modes about {point}{more}", ""]
+    lines.append(f"mode{'f [Hz]':>14}{'omega [rad/s]':>15}{'period [s]':>13}")
+    for k, mode in enumerate(modes.modes[:_MOST_ROWS]):
+        if mode.kind == "oscillation":
+            lines.append(f"{k + 1:>4}{mode.frequency:>14.7g}{mode.omega:>15.7g}{1 / mode.frequency:>13.6g}")
+        elif mode.kind == "rigid body":
+            lines.append(f"{k + 1:>4}{0:>14g}{0:>15g}   rigid-body motion: nothing brings it back")
+        else:
+            lines.append(f"{k + 1:>4}   runs away as exp({mode.growth:.7g} t): the equilibrium is unstable")
+    if len(modes) > _MOST_ROWS:
+        lines.append(f" ... and {len(modes) - _MOST_ROWS} more; -o FILE.json has all of them")
+    if modes.has_damping:
+        lines += ["", *_damped(modes)]
+    scaled = "mass-normalised" if modes.scaling == "mass" else "the largest entry of each is 1"
+    lines += ["", f"shapes ({scaled})"]
+    shown = min(len(modes), 8)
+    lines += _matrix(modes.shapes[:, :shown], modes.coordinates, [f"mode {k + 1}" for k in range(shown)]) if shown else []
+    return "\n".join([*lines, *(f"note: {note}" for note in modes.notes)])
+
+
+def _damped(modes: "Modes") -> Iterator[str]:
+    yield f"with damping{'f [Hz]':>14}{'omega [rad/s]':>15}{'|s| [rad/s]':>13}{'zeta':>11}"
+    for item in modes.damped[:_MOST_ROWS]:
+        if item.eigenvalue.imag > 0:
+            yield f"{'':12}{item.frequency:>14.7g}{item.damped_omega:>15.7g}{item.omega:>13.7g}{item.damping_ratio:>11.5g}"
+        elif item.eigenvalue == 0:
+            yield f"{'':12}{0:>14g}{0:>15g}{0:>13g}"
+        else:
+            way = "dies out" if item.eigenvalue.real < 0 else "runs away"
+            yield f"{'':12}   no oscillation: {way} as exp({item.eigenvalue.real:.7g} t)"
+
+
+def response_text(response: "Response") -> str:
+    f = response.frequencies
+    from lagrangia.analysis_plot import ratio_unit
+
+    lines = [f"{response.name}: frequency response, {f.size} frequencies from {f[0]:.4g} to {f[-1]:.4g} Hz"]
+    phase = response.phase
+    for y, u, i, j in response.pairs():
+        unit = ratio_unit(response.units[i], response.units[len(response.outputs) + j])
+        curve = response.magnitude[:, i, j]
+        lines.append(f"{y} / {u} [{unit}]")
+        marks = [("lowest", 0), *(("peak", int(k)) for k in _peaks(curve)), ("highest", f.size - 1)]
+        lines += [f"  {what:8}{f[k]:>12.6g} Hz   magnitude {curve[k]:>12.6g}   phase {phase[k, i, j] + 0.0:>9.4g} deg"
+                  for what, k in marks]
+    return "\n".join(lines)
+
+
+def _peaks(curve: Matrix) -> list[int]:
+    inner = np.flatnonzero((curve[1:-1] > curve[:-2]) & (curve[1:-1] >= curve[2:])) + 1
+    return [int(k) for k in inner[:8]]
+
+
+def _complex(x: complex) -> str:
+    return f"{x.real + 0.0:.6g}" if x.imag == 0 else f"{x.real + 0.0:.6g} +- {abs(x.imag):.6g}i"
+
+
+def _shown(x: float) -> str:
+    return f"{0.0 if abs(x) < 1e-12 else x:.7g}"

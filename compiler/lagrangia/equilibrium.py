@@ -1,0 +1,253 @@
+"""Positions of rest: N^T (R + J^T lambda) = 0 on Phi = 0, by Newton's method with line search, from one start or from many.
+
+The residual is that of the free directions N, the null space of J, so that redundant constraints and directions that cost nothing
+do no harm; the exact derivative has the stiffness that multipliers give to curved constraints. After each step the position goes
+back onto the constraints by the shortest corrections. Far from any position of rest Newton's method is erratic: from there the
+scene is let down, by steps that turn back in directions of negative stiffness, to where it would settle.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+_MOST_STEPS, _MOST_DESCENTS, _MOST_RETURNS, _SHORTEST = 50, 300, 15, 1e-3
+_RANK = 1e-9
+_NEAR = 0.5  # natural sizes: rad, or the size of the scene
+_ASIDE, _SAFE = 0.03, 1e-6  # where the rank is compared; constraints less independent leave no digits
+_STALLED, _PATIENCE = 0.5, 8  # so many steps that take off less than half of the residual
+_AT_REST = 1e-9  # of the forces that a natural displacement calls up
+_SAME = 1e-6
+_LARGEST_TURN, _SETTLING = 0.8, 0.2  # of one step, in natural sizes
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A position of rest, its multipliers, its potential energy, and how many free directions cost nothing there.
+
+    Singular: fewer constraints are independent there than in general positions, so that ways of moving meet.
+    """
+
+    q: Vector
+    multipliers: Vector
+    V: float
+    n_neutral: int
+    is_singular: bool = False
+
+
+@dataclass(frozen=True)
+class StaticEquations:
+    """`static`: q -> R at rest without multipliers (n,), Phi (m_h,), V; `stiffness`: q, lambda -> dR/dq (n, n), dPhi/dq (m_h, n),
+    rows of the rates (m, n). `reach`: natural sizes of the coordinates. `is_angle`: those that may go round."""
+
+    static: Callable[[Vector], tuple[Vector, Vector, float]]
+    stiffness: Callable[[Vector, Vector], tuple[Vector, Vector, Vector]]
+    reach: Vector
+    is_angle: NDArray[np.bool_]
+
+
+def find_rest(equations: StaticEquations, start: Vector) -> Rest | None:
+    """The position of rest near the start, or else the one where it would settle; None when there is no rest to be found."""
+    newton = _Newton(equations)
+    with np.errstate(all="ignore"):
+        near = newton.solve(start)
+        if near is not None and np.abs((near.q - start) / equations.reach).max(initial=0.0) < _NEAR:
+            return near
+        return newton.settle(start) or near
+
+
+def find_all(equations: StaticEquations, start: Vector, most: int) -> list[Rest]:
+    """Positions of rest from `most` starts: the given one first, then by potential energy; each once, angles modulo 2 pi."""
+    found: list[Rest] = []
+    newton = _Newton(equations)
+    first = find_rest(equations, start)
+    for k, guess in enumerate(starts(equations, start, most)):
+        with np.errstate(all="ignore"):
+            rest = newton.solve(guess) if k else first
+        if rest is None:
+            continue
+        rest = _unwound(equations, rest)
+        if not any(_is_same(equations, rest, other) for other in found):
+            found.append(rest)
+    return found if first is None else [found[0], *sorted(found[1:], key=lambda rest: rest.V)]
+
+
+def starts(equations: StaticEquations, start: Vector, most: int) -> list[Vector]:
+    """The given one, those with angles turned by half a turn, and random ones all over the circle: the same every time."""
+    angles = np.flatnonzero(equations.is_angle)
+    found = [start]
+    if angles.size <= 5:
+        for turns in list(product((0.0, np.pi), repeat=angles.size))[1:]:
+            other = start.copy()
+            other[angles] += turns
+            found.append(other)
+    random = np.random.default_rng(1)
+    while len(found) < most:
+        other = start + equations.reach * random.uniform(-2, 2, start.size)
+        other[angles] = random.uniform(-np.pi, np.pi, angles.size)
+        found.append(other)
+    return found[:most]
+
+
+def _unwound(equations: StaticEquations, rest: Rest) -> Rest:
+    """The same position with its angles between -pi and pi, where that is the same: a wound torsion spring is not."""
+    turns = np.where(equations.is_angle, np.round(rest.q / (2 * np.pi)), 0.0)
+    if not turns.any():
+        return rest
+    other = rest.q - 2 * np.pi * turns
+    size = _force_size(equations, rest)
+    R, phi, V = equations.static(other)
+    here, _, _ = equations.static(rest.q)
+    same = np.abs(R - here).max(initial=0.0) <= 1e-6 * size and np.abs(phi).max(initial=0.0) <= 1e-9
+    return replace(rest, q=other, V=V) if same and abs(V - rest.V) <= 1e-6 * size else rest
+
+
+def _force_size(equations: StaticEquations, rest: Rest) -> float:
+    K, _, _ = equations.stiffness(rest.q, rest.multipliers)
+    return float(np.abs(K * equations.reach).max(initial=0.0)) + 1e-300
+
+
+def _is_same(equations: StaticEquations, a: Rest, b: Rest) -> bool:
+    """The same place; or two of a family that costs nothing to go through, with the same energy and stiffness."""
+    gap = a.q - b.q
+    turned = gap - 2 * np.pi * np.round(gap / (2 * np.pi))
+    gap = np.where(equations.is_angle & (np.abs(np.abs(a.q) - np.pi) < 0.1), turned, gap)
+    if np.abs(gap / equations.reach).max(initial=0.0) < _SAME * 100:
+        return True
+    size = _force_size(equations, a)
+    is_alike = abs(a.V - b.V) <= 1e-6 * size and abs(size - _force_size(equations, b)) <= 1e-4 * size
+    return a.n_neutral == b.n_neutral > 0 and is_alike
+
+
+class _Newton:
+    def __init__(self, equations: StaticEquations) -> None:
+        self.e, self.reach = equations, equations.reach
+
+    def solve(self, start: Vector) -> Rest | None:
+        try:
+            found = self._onto(start)
+            return None if found is None else self._judge(self._iterate(self._look(found)))
+        except np.linalg.LinAlgError:  # of what is not finite
+            return None
+
+    def _iterate(self, best: "_Look") -> "_Look":
+        history: list[float] = []
+        for _ in range(_MOST_STEPS):
+            q, r, N, K, _, _ = best
+            size = float(r @ r)
+            history.append(size)
+            if len(history) > _PATIENCE and size > _STALLED * history[-1 - _PATIENCE]:
+                break
+            step = N @ np.linalg.lstsq(N.T @ K @ N, -r, rcond=1e-12)[0]
+            longest = float(np.abs(step).max(initial=0.0))
+            better = self._descend(q, step * min(1.0, _LARGEST_TURN / longest), size) if longest > 1e-14 else None
+            if better is None:
+                break
+            best = better
+        return best
+
+    def settle(self, start: Vector) -> Rest | None:
+        """Downhill, the stiffness taken without its signs, and the last digits by Newton's method."""
+        try:
+            q = self._onto(start)
+            for _ in range(_MOST_DESCENTS):
+                if q is None:
+                    return None
+                _, r, N, K, _, _ = look = self._look(q)
+                reduced = N.T @ K @ N
+                values, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
+                sizes = np.maximum(np.abs(values), 1e-6 * np.abs(values).max(initial=0.0) + 1e-300)
+                step = N @ (vectors @ (-(vectors.T @ r) / sizes))
+                longest = float(np.abs(step).max(initial=0.0))
+                if longest < 1e-6:
+                    return self._judge(self._iterate(look))
+                q = self._onto(q + step * min(1.0, _SETTLING / longest) * self.reach)
+        except np.linalg.LinAlgError:
+            pass
+        return None
+
+    def _judge(self, best: "_Look") -> Rest | None:
+        q, r, N, K, lam, V = best
+        reduced = N.T @ K @ N
+        size = max(float(np.abs(reduced).max(initial=0.0)), float(np.abs(K).max(initial=0.0)) * 1e-6, self._held(q, lam))
+        if not np.isfinite(r).all() or np.abs(r).max(initial=0.0) > _AT_REST * max(size, 1e-300):
+            return None
+        sizes = np.linalg.svd(reduced, compute_uv=False)
+        neutral = int((sizes <= 1e-9 * max(sizes.max(initial=0.0), 1e-3 * size)).sum()) if sizes.size else 0
+        rank, margin = self._rank(q)
+        general = max((self._rank(x)[0] for x in self._nearby(q, N)), default=rank)
+        return Rest(q, lam, V, neutral, rank < general) if rank < general or margin > _SAFE else None
+
+    def _nearby(self, q: Vector, N: Vector) -> list[Vector]:
+        """Other positions near by that the constraints allow."""
+        random = np.random.default_rng(3)
+        moved = [self._onto(q + _ASIDE * self.reach * (N @ random.uniform(-1, 1, N.shape[1]))) for _ in range(2)]
+        return [x for x in moved if x is not None]
+
+    def _rank(self, q: Vector) -> tuple[int, float]:
+        """How many constraints are independent, and the least of them beside the largest."""
+        _, _, rows = self.e.stiffness(q, np.zeros(0))
+        sizes = np.linalg.svd(rows * self.reach, compute_uv=False)
+        kept = sizes[sizes > _RANK * sizes.max(initial=0.0)]
+        return kept.size, float(kept.min() / kept.max()) if kept.size else 1.0
+
+    def _held(self, q: Vector, lam: Vector) -> float:
+        """The size of the forces themselves, in natural displacements."""
+        R, _, _ = self.e.static(q)
+        return float(np.abs(R * self.reach).max(initial=0.0))
+
+    def _look(self, q: Vector) -> "_Look":
+        """In natural sizes: the residual in the free directions, those directions, the stiffness, the multipliers, V."""
+        R, _, V = self.e.static(q)
+        scaled = self.e.stiffness(q, np.zeros(0))[2] * self.reach
+        lam = -np.linalg.pinv(scaled.T, rcond=_RANK) @ (R * self.reach) if scaled.size else np.zeros(len(scaled))
+        N = _null_space(scaled)
+        K, _, _ = self.e.stiffness(q, lam)
+        return q, N.T @ (R * self.reach), N, K * self.reach * self.reach[:, None], lam, V
+
+    def _descend(self, q: Vector, step: Vector, before: float) -> "_Look | None":
+        part = 1.0
+        while part > _SHORTEST:
+            trial = self._onto(q + part * step * self.reach)
+            if trial is not None:
+                look = self._look(trial)
+                after = float(look[1] @ look[1])
+                if after < before:
+                    return look
+            part /= 2
+        return None
+
+    def _onto(self, q: Vector) -> Vector | None:
+        """Onto the constraints, by the shortest corrections."""
+        last = np.inf
+        for _ in range(_MOST_RETURNS):
+            _, phi, _ = self.e.static(q)
+            if not np.isfinite(phi).all():
+                return None
+            size = float(np.abs(phi).max(initial=0.0))
+            if size == 0.0 or (size < 1e-9 and size >= 0.5 * last):
+                return q
+            _, J, _ = self.e.stiffness(q, np.zeros(0))
+            if not np.isfinite(J).all():
+                return None
+            step = np.linalg.lstsq(J * self.reach, -phi, rcond=1e-8)[0]
+            longest = float(np.abs(step).max(initial=0.0))
+            q = q + step * min(1.0, _LARGEST_TURN / max(longest, 1e-300)) * self.reach
+            last = size
+        return q if size < 1e-9 else None
+
+
+_Look = tuple[Vector, Vector, Vector, Vector, Vector, float]
+
+
+def _null_space(A: Vector) -> Vector:
+    if not A.shape[0]:
+        return np.eye(A.shape[1])
+    _, sizes, rows = np.linalg.svd(A)
+    rank = int((sizes > _RANK * sizes.max(initial=0.0)).sum())
+    return np.asarray(rows[rank:].T)
+
+

@@ -1,0 +1,271 @@
+"""Small motion about a point: the matrices in the coordinates that are left free, and the state-space form.
+
+With dq = N x + P s on the tangent of the constraints (J N = 0, J P = -dPhi/ds), s the excitations,
+
+    M x'' + C x' + K x = -(E0 s + E1 s' + E2 s''),   M = N^T (dR/da) N, C = N^T (dR/dv) N, K = N^T (dR/dq) N,
+
+where dR/dq holds the stiffness that multipliers give to curved constraints. x are coordinates of the scene, so that they have
+names: those whose columns of J are not needed to solve for the others. Works with loops, redundant rows and rigid-body motions.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangia.diagnostics import RunError, fail
+
+Matrix = NDArray[np.float64]
+_RANK = 1e-9
+_ROUNDING = 1e-14  # of the terms that cancel in an output
+_PREFERRED = 0.1  # weight in the choice of dependent coordinates of those that the model starts itself
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """All at one point. N (n, f), P (n, k): dq = N x + P s. M, C, K, E0, E1, E2 in x; `full` in all coordinates.
+
+    `rolling`: constraints on velocities let x' only be W z, W (f, w); the identity without them.
+    """
+
+    independent: tuple[int, ...]
+    N: Matrix
+    P: Matrix
+    W: Matrix
+    M: Matrix
+    C: Matrix
+    K: Matrix
+    E: tuple[Matrix, Matrix, Matrix]
+    full: tuple[Matrix, ...]  # M, C, K (n, n), J (m, n), and dR/ds, ds', ds'' at fixed coordinates (n, k)
+
+
+def tangent_of(values: Sequence[Matrix], is_preferred: Sequence[bool], reach: Matrix) -> Tangent:
+    """`values` as SmallMotion.tangent gives them. Coordinates that are preferred stay free where the choice is open."""
+    M, C, K, J, rates, E0, E1, E2, pushed = values
+    n = M.shape[0]
+    weight = reach * np.where(is_preferred, _PREFERRED, 1.0)
+    dependent = _pivots(J, weight)
+    independent = tuple(k for k in range(n) if k not in set(dependent))
+    N, P = np.zeros((n, len(independent))), np.zeros((n, E0.shape[1]))
+    N[list(independent), range(len(independent))] = 1.0
+    if dependent:
+        inverse = np.linalg.pinv(J[:, dependent], rcond=_RANK)
+        N[dependent] = -inverse @ J[:, list(independent)]
+        P[dependent] = -inverse @ pushed
+    W = _null_space(rates @ N) if rates.shape[0] > J.shape[0] else np.eye(len(independent))
+    E = (E0 + K @ P, E1 + C @ P, E2 + M @ P)
+    return Tangent(independent, N, P, W, N.T @ M @ N, N.T @ C @ N, N.T @ K @ N, (N.T @ E[0], N.T @ E[1], N.T @ E[2]),
+                   (M, C, K, rates, E0, E1, E2))
+
+
+def _pivots(J: Matrix, weight: Matrix) -> list[int]:
+    """Columns that span all others: Gram and Schmidt, the longest remainder first."""
+    lengths = np.linalg.norm(J * weight, axis=1)
+    rest = (J * weight / np.where(lengths > 0, lengths, 1.0)[:, None]).copy()
+    found: list[int] = []
+    first = 0.0
+    for _ in range(min(J.shape)):
+        norms = np.linalg.norm(rest, axis=0)
+        k = int(norms.argmax())
+        first = first or float(norms[k])
+        if not norms[k] > _RANK * first:
+            break
+        found.append(k)
+        direction = rest[:, k] / norms[k]
+        for _twice in range(2):
+            rest -= np.outer(direction, direction @ rest)
+        rest[:, k] = 0.0
+    return sorted(found)
+
+
+def _null_space(A: Matrix) -> Matrix:
+    _, sizes, rows = np.linalg.svd(A)
+    rank = int((sizes > _RANK * sizes.max(initial=0.0)).sum())
+    return np.asarray(rows[rank:].T)
+
+
+# -------------------------------------------------------------------- state space
+
+
+@dataclass(frozen=True)
+class Linearization:
+    """M x'' + C x' + K x = F0 u + F1 u' + F2 u'' + load, and z' = A z + B w + drift, y = D w + G z + y0 about the point.
+
+    `coordinates` name x, `states` z = (x, x'), `inputs` w: the excitations u, and where they matter their derivatives.
+    Matrices are NumPy arrays in SI units; `output` is the C of the state-space form, which is not the damping matrix C.
+    """
+
+    name: str
+    coordinates: tuple[str, ...]
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    input_orders: tuple[tuple[int, int], ...]  # of each input: which derivative, of which excitation
+    outputs: tuple[str, ...]
+    excitations: tuple[str, ...]
+    point: Mapping[str, float]
+    outputs_at_point: tuple[float, ...]
+    is_equilibrium: bool
+    M: Matrix
+    C: Matrix
+    K: Matrix
+    F: tuple[Matrix, Matrix, Matrix]  # of u, u', u''
+    load: Matrix  # what is left of the forces at the point: zero at an equilibrium
+    A: Matrix
+    B: Matrix
+    output: Matrix
+    D: Matrix
+    drift: Matrix
+    tangent: Tangent
+
+    @cached_property
+    def eigenvalues(self) -> NDArray[np.complex128]:
+        """Of A, by size."""
+        found = np.linalg.eigvals(self.A).astype(complex)
+        return np.asarray(found[np.lexsort((found.imag, np.round(np.abs(found), 12)))])
+
+    def tables(self) -> dict[str, Matrix]:
+        found = {"M": self.M, "C": self.C, "K": self.K, "F": self.F[0], "load": self.load,
+                 "A": self.A, "B": self.B, "C_output": self.output, "D": self.D, "drift": self.drift}
+        return found | {f"F_{k}": x for k, x in enumerate(self.F) if k and x.any()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain lists and names, as the JSON file has them."""
+        names = {"name": self.name, "is_equilibrium": self.is_equilibrium, "point": dict(self.point),
+                 "coordinates": self.coordinates, "states": self.states, "excitations": self.excitations, "inputs": self.inputs,
+                 "outputs": self.outputs, "outputs_at_point": self.outputs_at_point}
+        return names | {name: table.tolist() for name, table in self.tables().items()}
+
+    def save(self, path: "str | Path") -> Path:
+        """.json, .npz or .mat (for which SciPy is needed). Raises LagError L0004 for another ending, L0901 without SciPy."""
+        path = Path(path)
+        names = {key: list(getattr(self, key)) for key in ("coordinates", "states", "excitations", "inputs", "outputs")}
+        try:
+            if path.suffix == ".json":
+                path.write_text(json.dumps(self.to_dict(), indent=1) + "\n", encoding="utf-8")
+            elif path.suffix == ".npz":
+                np.savez(path, **self.tables(), **{key: np.array(x, dtype=str) for key, x in names.items()})  # type: ignore[arg-type]
+            elif path.suffix == ".mat":
+                _scipy_io().savemat(path, self.tables() | {key: np.array(x, dtype=object) for key, x in names.items()})
+            else:
+                fail("L0004", f"'{path}' is no file for matrices", None, "its name should end in .json, .mat or .npz")
+        except OSError as error:
+            fail("L0004", f"'{path}' cannot be written: {error.strerror}")
+        return path
+
+    def to_control(self) -> Any:
+        """A control.StateSpace with named states, inputs and outputs. Raises LagError L0901 without python-control."""
+        try:
+            import control
+        except ImportError:
+            fail("L0901", "python-control is not installed", None, "pip install control")
+        return control.ss(self.A, self.B, self.output, self.D, states=list(self.states), inputs=list(self.inputs),
+                          outputs=list(self.outputs), name=self.name)
+
+
+def _scipy_io() -> Any:
+    try:
+        import scipy.io
+    except ImportError:
+        fail("L0901", "SciPy, which writes .mat files, is not installed", None, "pip install scipy, or write .json or .npz")
+    return scipy.io
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a linearisation is told of its point: names, the residual there, and the outputs with their derivatives."""
+
+    name: str
+    coordinates: tuple[str, ...]
+    excitations: tuple[str, ...]
+    outputs: tuple[str, ...]
+    point: Mapping[str, float]
+    residual: Matrix  # R at zero accelerations of the free coordinates, (n,)
+    is_equilibrium: bool
+    observed: Sequence[Matrix]  # y, dy/dq, dv, da, dlambda, ds, ds', ds''
+
+
+def linearization(tangent: Tangent, given: Given) -> Linearization:
+    """Raises RunError where M is singular."""
+    t, f = tangent, tangent.M.shape[0]
+    inverse = _inverse_mass(t)
+    names = [given.coordinates[k] for k in t.independent]
+    rates = [f"der({name})" for name in names]
+    w = t.W.shape[1]
+    if w < f:  # a rolling wheel cannot move aside: fewer rates than coordinates
+        rates = [f"rate[{k + 1}]" for k in range(w)]
+    load = -t.N.T @ given.residual
+    A = np.block([[np.zeros((f, f)), t.W], [-inverse @ t.K, -inverse @ t.C @ t.W]])
+    drift = np.concatenate([np.zeros(f), inverse @ load])
+    inputs = _inputs(t, given)
+    columns = [np.concatenate([np.zeros(f), -inverse @ t.E[order][:, k]]) for _, order, k in inputs]
+    B = np.array(columns).T if columns else np.zeros((f + w, 0))
+    output, D = _observation(t, given, inverse, inputs)
+    return Linearization(
+        given.name, tuple(names), (*names, *rates), tuple(name for name, _, _ in inputs),
+        tuple((order, k) for _, order, k in inputs), given.outputs, given.excitations, given.point,
+        tuple(map(float, given.observed[0].ravel())), given.is_equilibrium, t.M, t.C, t.K, (-t.E[0], -t.E[1], -t.E[2]), load,
+        A, B, output, D, drift, t,
+    )
+
+
+def _inverse_mass(t: Tangent) -> Matrix:
+    """(W^T M W)^-1 W^T: forces -> z'' of the rates that are free."""
+    M = t.W.T @ t.M @ t.W
+    scale = np.sqrt(np.abs(np.diag(M)))
+    if M.size and (not np.isfinite(M).all() or not scale.all()
+                   or np.linalg.eigvalsh(M / np.outer(scale, scale)).min() < 1e-14):
+        raise RunError("the mass matrix is singular at this point: a motion that the constraints allow moves no mass")
+    return np.asarray(np.linalg.solve(M, t.W.T)) if M.size else np.zeros((0, t.M.shape[0]))
+
+
+Column = tuple[str, int, int]  # name, order of the derivative, excitation
+
+
+def _inputs(t: Tangent, given: Given) -> list[Column]:
+    """The excitations, and those derivatives of theirs that matter anywhere."""
+    _, _, yv, ya, _, *ys = given.observed
+    found = []
+    for order, wrap in enumerate(("{}", "der({})", "der(der({}))")):
+        for k, excitation in enumerate(given.excitations):
+            is_carried = t.P[:, k].any() and (ya.any() or (order < 2 and yv.any()))
+            if order == 0 or is_carried or any(E[:, k].any() for higher in range(order, 3) for E in (t.E[higher], ys[higher])):
+                found.append((wrap.format(excitation), order, k))
+    return found
+
+
+def _observation(t: Tangent, given: Given, inverse: Matrix, inputs: Sequence[Column]) -> tuple[Matrix, Matrix]:
+    """y = output z + D w: with accelerations and multipliers as they follow from z and w."""
+    _, yq, yv, ya, yl, *ys = given.observed
+    M, C, K, J, *E = t.full
+    f = t.M.shape[0]
+    moved, pushed = np.hstack([np.eye(f), np.zeros((f, t.W.shape[1]))]), np.zeros((f, len(inputs)))
+    rate, eased = np.hstack([np.zeros((f, f)), t.W]), pushed
+    fast = -t.W @ inverse @ (t.K @ moved + t.C @ rate)
+    columns = [-t.W @ inverse @ t.E[order][:, [k]] for _, order, k in inputs]
+    jolt = np.hstack(columns) if columns else pushed
+    q, v, a = (t.N @ moved, t.N @ pushed), (t.N @ rate, t.N @ eased), (t.N @ fast, t.N @ jolt)
+    q, v, a = ((x[0], x[1] + _follow(t.P, inputs, order)) for order, x in enumerate((q, v, a)))
+    direct = [np.hstack([e[order][:, [k]] if order == own else np.zeros((e[0].shape[0], 1)) for _, order, k in inputs])
+              if inputs else np.zeros((e[0].shape[0], 0)) for e in (E, ys) for own in range(3)]
+    held = np.linalg.pinv(J.T, rcond=_RANK) if J.size else np.zeros((J.shape[0], M.shape[0]))
+    force = [M @ a[0] + C @ v[0] + K @ q[0], M @ a[1] + C @ v[1] + K @ q[1] + sum(direct[:3])]
+    lam = [-held @ x for x in force]
+    found = [yq @ q[k] + yv @ v[k] + ya @ a[k] + yl @ lam[k] for k in (0, 1)]
+    sizes = [abs(yq) @ abs(q[k]) + abs(yv) @ abs(v[k]) + abs(ya) @ abs(a[k]) + abs(yl) @ abs(lam[k]) for k in (0, 1)]
+    found[1] = found[1] + sum(direct[3:])
+    output, D = (np.where(np.abs(x) > _ROUNDING * size, x, 0.0) for x, size in zip(found, sizes, strict=True))
+    return np.asarray(output), np.asarray(D)
+
+
+def _follow(P: Matrix, inputs: Sequence[Column], order: int) -> Matrix:
+    """What the inputs move of the dependent coordinates, or of their rates or accelerations."""
+    found = np.zeros((P.shape[0], len(inputs)))
+    for column, (_, own, k) in enumerate(inputs):
+        if own == order:
+            found[:, column] = P[:, k]
+    return found

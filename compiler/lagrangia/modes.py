@@ -1,0 +1,187 @@
+"""Natural modes: undamped, K phi = omega^2 M phi, and the eigenvalues of the damped motion, s = -zeta omega +- i omega_d."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangia.diagnostics import RunError
+from lagrangia.linearization import Linearization
+from lagrangia.mechanism import Mechanism
+
+Matrix = NDArray[np.float64]
+_ROUNDING = 1e-11  # of the largest omega^2: below, a mode is rigid-body motion
+_DEFECTIVE = 1e-6  # of the largest |s|: what rounding makes of a double zero
+_SYMMETRIC = 1e-9
+
+
+@dataclass(frozen=True)
+class Mode:
+    """`omega2` (rad/s)^2, negative where the motion runs away; `shape` of all coordinates, by the scaling asked for."""
+
+    omega2: float
+    shape: Mapping[str, float]
+    kind: str  # "oscillation", "rigid body", "divergence"
+
+    @property
+    def omega(self) -> float:
+        """rad/s; 0 for rigid-body motion, and for motion that runs away, whose rate is `growth`."""
+        return float(np.sqrt(self.omega2)) if self.kind == "oscillation" else 0.0
+
+    @property
+    def frequency(self) -> float:
+        """Hz."""
+        return self.omega / (2 * np.pi)
+
+    @property
+    def growth(self) -> float:
+        """1/s, of motion that runs away as exp(growth t)."""
+        return float(np.sqrt(-self.omega2)) if self.kind == "divergence" else 0.0
+
+
+@dataclass(frozen=True)
+class DampedMode:
+    """One eigenvalue s of the damped motion, of a pair the one with the positive imaginary part."""
+
+    eigenvalue: complex
+
+    @property
+    def omega(self) -> float:
+        """|s|, rad/s."""
+        return abs(self.eigenvalue)
+
+    @property
+    def damped_omega(self) -> float:
+        return self.eigenvalue.imag
+
+    @property
+    def frequency(self) -> float:
+        """Hz, of the oscillation as one sees it."""
+        return self.eigenvalue.imag / (2 * np.pi)
+
+    @property
+    def damping_ratio(self) -> float:
+        """zeta = -Re(s)/|s|; NaN for s = 0."""
+        return 0.0 - self.eigenvalue.real / self.omega if self.omega else float("nan")
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Undamped modes by frequency; `damped` by |s|. `notes` say what does not fit the picture of plain vibration."""
+
+    name: str
+    coordinates: tuple[str, ...]
+    modes: tuple[Mode, ...]
+    damped: tuple[DampedMode, ...]
+    has_damping: bool
+    scaling: str
+    notes: tuple[str, ...]
+    linearization: Linearization
+    mechanism: Mechanism | None = None
+
+    def __len__(self) -> int:
+        return len(self.modes)
+
+    def __getitem__(self, k: int) -> Mode:
+        return self.modes[k]
+
+    @property
+    def frequencies(self) -> Matrix:
+        """Hz, undamped."""
+        return np.array([mode.frequency for mode in self.modes])
+
+    @property
+    def omega(self) -> Matrix:
+        """rad/s, undamped."""
+        return np.array([mode.omega for mode in self.modes])
+
+    @property
+    def shapes(self) -> Matrix:
+        """(coordinates, modes)."""
+        return np.array([[mode.shape[name] for mode in self.modes] for name in self.coordinates])
+
+    def to_dict(self) -> dict[str, Any]:
+        undamped = [{"frequency": m.frequency, "omega": m.omega, "growth": m.growth, "kind": m.kind, "shape": dict(m.shape)}
+                    for m in self.modes]
+        damped = [{"real": m.eigenvalue.real, "imag": m.eigenvalue.imag, "frequency": m.frequency, "omega": m.omega,
+                   "damping_ratio": None if np.isnan(m.damping_ratio) else m.damping_ratio} for m in self.damped]
+        return {"name": self.name, "point": dict(self.linearization.point), "scaling": self.scaling, "modes": undamped,
+                "damped": damped, "notes": self.notes}
+
+    def plot(self, path: Any = None) -> Any:
+        """Each shape as the deflected mechanism, or as bars where nothing has an extent; returns the matplotlib Figure."""
+        from lagrangia.analysis_plot import draw_modes
+
+        return draw_modes(self, path)
+
+
+def find_modes(linear: Linearization, coordinates: tuple[str, ...], mass_normalised: bool = False,
+               mechanism: Mechanism | None = None) -> Modes:
+    """Raises RunError where M is singular."""
+    t = linear.tangent
+    M, C, K = (t.W.T @ A @ t.W for A in (t.M, t.C, t.K))
+    notes = []
+    is_symmetric = bool(np.abs(K - K.T).max(initial=0.0) <= _SYMMETRIC * np.abs(K).max(initial=0.0))
+    if not is_symmetric:
+        notes.append("the stiffness is not symmetric: forces follow the motion; modes that the undamped form does not know are "
+                     "among the eigenvalues")
+    if not linear.is_equilibrium:
+        notes.append("the point is no equilibrium: these are modes of the motion seen from a point that it leaves")
+    omega2, shapes = _undamped(M, K, is_symmetric)
+    scale = float(np.abs(omega2).max(initial=0.0))
+    full = t.N @ t.W @ shapes
+    modes = []
+    for w2, column in zip(omega2, full.T, strict=True):
+        kind = "rigid body" if abs(w2) <= _ROUNDING * scale or w2 == 0 else "oscillation" if w2 > 0 else "divergence"
+        largest = column[int(np.abs(column).argmax())] if column.size else 1.0
+        scaled = (column * np.sign(largest) if mass_normalised else column / largest) + 0.0
+        modes.append(Mode(float(w2), dict(zip(coordinates, map(float, scaled), strict=True)), kind))
+    has_damping = bool(np.abs(C).max(initial=0.0) > 0)
+    damped = damped_modes(linear, any(mode.kind == "rigid body" for mode in modes))
+    return Modes(linear.name, coordinates, tuple(modes), damped, has_damping, "mass" if mass_normalised else "maximum 1",
+                 tuple(notes), linear, mechanism)
+
+
+def _undamped(M: Matrix, K: Matrix, is_symmetric: bool) -> tuple[Matrix, Matrix]:
+    """omega^2 in rising order, and shapes with phi^T M phi = 1."""
+    try:
+        L = np.linalg.cholesky(M)
+    except np.linalg.LinAlgError:
+        raise RunError("the mass matrix is singular at this point: a motion that the constraints allow moves no mass") from None
+    reduced = np.linalg.solve(L, np.linalg.solve(L, K).T).T
+    if is_symmetric:
+        values, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
+    else:
+        found, complex_vectors = np.linalg.eig(reduced)
+        order = np.argsort(found.real)
+        values, vectors = found.real[order], complex_vectors.real[:, order]
+        vectors = vectors / np.maximum(np.linalg.norm(vectors, axis=0), 1e-300)
+    return np.asarray(values), np.linalg.solve(L.T, vectors)
+
+
+def damped_modes(linear: Linearization, has_rigid: bool) -> tuple[DampedMode, ...]:
+    """Eigenvalues of A with Im >= 0 by size; those that only rounding keeps from zero are zero."""
+    s = linear.eigenvalues
+    largest = float(np.abs(s).max(initial=0.0))
+    nothing = (_DEFECTIVE if has_rigid else 1e-14) * largest
+    found = [complex(0.0) if abs(x) <= nothing else complex(x.real, 0.0 if abs(x.imag) <= 1e-13 * largest else x.imag) for x in s]
+    return tuple(DampedMode(x) for x in sorted((x for x in found if x.imag >= 0), key=abs))
+
+
+def stability(linear: Linearization) -> tuple[str, float]:
+    """What the eigenvalues say of a position of rest, and the largest real part, 1/s."""
+    t = linear.tangent
+    omega2, _ = _undamped(t.W.T @ t.M @ t.W, t.W.T @ t.K @ t.W, False)
+    scale = float(np.abs(omega2).max(initial=0.0))
+    has_rigid = bool((np.abs(omega2) <= _ROUNDING * scale).any()) or scale == 0
+    s = linear.eigenvalues
+    size = max(float(np.abs(s).max(initial=0.0)), float(np.sqrt(scale)))
+    margin = (_DEFECTIVE if has_rigid else 1e-9) * size
+    growth = float(s.real.max(initial=-np.inf)) if s.size else 0.0
+    if growth > margin:
+        return "unstable", growth
+    if has_rigid:
+        return "neutral", 0.0
+    return ("asymptotically stable", growth) if growth < -margin else ("stable", 0.0)

@@ -1,0 +1,120 @@
+"""Frequency response: y(i omega)/u(i omega) of small motion, from the matrices of the linearisation.
+
+    (-omega^2 M + i omega C + K) x = (F0 + i omega F1 - omega^2 F2) u,   y = Cz (x, i omega x) + D w
+"""
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangia.diagnostics import fail
+from lagrangia.linearization import Linearization
+
+Matrix = NDArray[np.float64]
+_USUAL_RANGE = (0.1, 100.0)  # Hz, of a scene that does not oscillate
+_MARGIN = 10.0
+_AROUND_PEAK = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+_LEAST_DAMPING = 1e-5
+_MOST_PEAKS = 60
+
+
+@dataclass(frozen=True)
+class Response:
+    """`values` (frequencies, outputs, inputs), complex, in SI units of output over input; frequencies in Hz."""
+
+    name: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    units: tuple[str, ...]  # of outputs, then of inputs
+    frequencies: Matrix
+    values: NDArray[np.complex128]
+    linearization: Linearization
+
+    @property
+    def magnitude(self) -> Matrix:
+        return np.abs(self.values)
+
+    @property
+    def phase(self) -> Matrix:
+        """Degrees, without jumps along the frequencies."""
+        return np.asarray(np.degrees(np.unwrap(np.angle(self.values), axis=0)))
+
+    def of(self, output: str, input: str | None = None) -> NDArray[np.complex128]:
+        """(frequencies,) of one pair; the first input by default."""
+        return np.asarray(self.values[:, self.outputs.index(output), 0 if input is None else self.inputs.index(input)])
+
+    def pairs(self) -> list[tuple[str, str, int, int]]:
+        """Output, input, and their places."""
+        return [(y, u, i, j) for j, u in enumerate(self.inputs) for i, y in enumerate(self.outputs)]
+
+    def to_csv(self, path: "str | Path") -> Path:
+        """Frequency, and magnitude, phase, real and imaginary part of each pair. Raises LagError L0004."""
+        path = Path(path)
+        header = ["frequency"]
+        columns: list[Matrix] = [self.frequencies]
+        phase = self.phase
+        for y, u, i, j in self.pairs():
+            header += [f"{what}({y}/{u})" for what in ("magnitude", "phase_deg", "real", "imag")]
+            value = self.values[:, i, j]
+            columns += [np.abs(value), phase[:, i, j], value.real, value.imag]
+        try:
+            with path.open("w", newline="", encoding="utf-8") as stream:
+                writer = csv.writer(stream, lineterminator="\n")
+                writer.writerow(header)
+                writer.writerows([repr(float(x)) for x in row] for row in zip(*columns, strict=True))
+        except OSError as error:
+            fail("L0004", f"'{path}' cannot be written: {error.strerror}")
+        return path
+
+    def plot(self, path: Any = None) -> Any:
+        """The Bode plot; returns the matplotlib Figure."""
+        from lagrangia.analysis_plot import draw_bode
+
+        return draw_bode(self, path)
+
+
+def find_response(linear: Linearization, frequencies: Sequence[float] | None, span: tuple[float, float] | None, points: int,
+                  units: tuple[str, ...]) -> Response:
+    """At the frequencies given (Hz), or at points evenly spread over the logarithm of `span`, denser around resonances."""
+    chosen = np.array(frequencies, dtype=float) if frequencies is not None else _grid(linear, span, points)
+    values = np.array([transfer(linear, 2 * np.pi * f) for f in chosen])
+    shape = (chosen.size, len(linear.outputs), len(linear.excitations))
+    return Response(linear.name, linear.excitations, linear.outputs, units, chosen, values.reshape(shape), linear)
+
+
+def transfer(linear: Linearization, omega: float) -> NDArray[np.complex128]:
+    """(outputs, excitations) at one angular frequency, rad/s. Infinite exactly at an undamped resonance."""
+    s, t = 1j * omega, linear.tangent
+    w = np.zeros((len(linear.inputs), len(linear.excitations)), dtype=complex)
+    for row, (order, k) in enumerate(linear.input_orders):
+        w[row, k] = s**order
+    force = sum(F * s**k for k, F in enumerate(linear.F))
+    try:
+        if t.W.shape[1] == t.M.shape[0]:
+            x = np.linalg.solve(s * s * t.M + s * t.C + t.K, force)
+            z = np.vstack([x, s * x])
+        else:
+            z = np.linalg.solve(s * np.eye(linear.A.shape[0]) - linear.A, linear.B @ w)
+    except np.linalg.LinAlgError:
+        return np.full((len(linear.outputs), len(linear.excitations)), np.inf, dtype=complex)
+    return np.asarray(linear.output @ z + linear.D @ w)
+
+
+def _grid(linear: Linearization, span: tuple[float, float] | None, points: int) -> Matrix:
+    s = linear.eigenvalues
+    largest = float(np.abs(s).max(initial=0.0))
+    oscillating = s[(s.imag > 1e-6 * largest)]
+    hertz = np.abs(oscillating) / (2 * np.pi)
+    low, high = span or ((float(hertz.min()) / _MARGIN, float(hertz.max()) * _MARGIN) if hertz.size else _USUAL_RANGE)
+    grid = list(np.geomspace(low, high, points))
+    for x in oscillating[:_MOST_PEAKS]:
+        damping = max(-x.real / abs(x), _LEAST_DAMPING)
+        centre = abs(x) / (2 * np.pi) * np.sqrt(max(1 - 2 * damping**2, 1e-3))
+        is_damped = -x.real / abs(x) > _LEAST_DAMPING
+        grid += [centre * (1 + side * part * damping) for part in _AROUND_PEAK for side in (-1, 1) if part or is_damped]
+    return np.unique(np.clip(grid, low, high))

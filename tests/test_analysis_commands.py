@@ -1,0 +1,146 @@
+"""`lag equilibrium`, `linearize`, `modes`, `response`: text, files, pictures, and what is wrong."""
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.cli import main
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
+BAR = str(EXAMPLES / "suspended_bar.lag")
+Lag = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Lag:
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        try:
+            code = main(arguments)
+        except SystemExit as stop:
+            code = int(stop.code or 0)
+        said = capsys.readouterr()
+        return code, said.out, said.err
+
+    return call
+
+
+def test_equilibrium_as_text_and_json(run: Lag) -> None:
+    code, out, _ = run("equilibrium", str(EXAMPLES / "double_pendulum.lag"), "-o", "rest.json")
+    assert code == 0
+    assert "DoublePendulum: 4 equilibria" in out and "1: stable" in out and "reached from the start" in out
+    assert "shoulder" in out and "-90 deg" in out and "F_y [N]" in out
+    found = json.loads(Path("rest.json").read_text())
+    assert [item["stability"] for item in found].count("stable") == 1
+    weight = 9.81 * sum(lag.load(EXAMPLES / "double_pendulum.lag").parameter_values()[k] for k in masses())
+    assert found[0]["reactions"]["shoulder.reaction[2]"] == pytest.approx(weight)
+
+
+def masses() -> list[int]:
+    names = lag.load(EXAMPLES / "double_pendulum.lag").parameter_names
+    return [k for k, name in enumerate(names) if name in ("upper.m", "lower.m")]
+
+
+def test_matrices_in_files(run: Lag) -> None:
+    wanted = lag.load(BAR).linearize()
+    code, out, _ = run("linearize", BAR, "-o", "bar.json")
+    assert code == 0 and "P.force[2]" in out and "eigenvalues of A" in out
+    plain = json.loads(Path("bar.json").read_text())
+    np.testing.assert_array_equal(plain["A"], wanted.A)
+    assert plain["states"] == ["guide.s", "tilt.phi", "der(guide.s)", "der(tilt.phi)"]
+    assert run("linearize", BAR, "-o", "bar.npz")[0] == 0
+    np.testing.assert_array_equal(np.load("bar.npz")["C_output"], wanted.output)
+    scipy_io = pytest.importorskip("scipy.io")
+    assert run("linearize", BAR, "-o", "bar.mat")[0] == 0
+    np.testing.assert_array_equal(scipy_io.loadmat("bar.mat")["K"], wanted.K)
+
+
+def test_a_control_object_has_the_names() -> None:
+    control = pytest.importorskip("control")
+    linear = lag.load(BAR).linearize()
+    system = linear.to_control()
+    assert system.state_labels == list(linear.states) and system.input_labels == ["P.force[2]"]
+    response = lag.load(BAR).response(frequencies=[1.0, 3.0])
+    for k, f in enumerate(response.frequencies):
+        np.testing.assert_allclose(control.evalfr(system, 2j * np.pi * f)[:, 0], response.values[k, :, 0], rtol=1e-9)
+
+
+def test_modes_with_a_picture(run: Lag) -> None:
+    for name, size in (("suspended_bar", 10_000), ("disc_and_block", 8_000), ("vibration_absorber", 8_000)):
+        code, out, _ = run("modes", str(EXAMPLES / f"{name}.lag"), "--plot", "modes.png", "-o", "modes.json")
+        assert code == 0 and "omega [rad/s]" in out
+        assert Path("modes.png").stat().st_size > size
+    plain = json.loads(Path("modes.json").read_text())
+    assert len(plain["modes"]) == 2 and plain["modes"][0]["kind"] == "oscillation"
+    code, out, _ = run("modes", str(EXAMPLES / "torsion_rotor.lag"), "--mass-normalised")
+    assert code == 0 and "rigid-body motion" in out and "mass-normalised" in out
+
+
+def test_a_response_as_table_and_bode_plot(run: Lag) -> None:
+    code, out, _ = run("response", BAR, "--to", "tilt.phi,bar.a.y", "-o", "bar.csv", "--plot", "bode.svg", "--points", "50")
+    assert code == 0 and "tilt.phi / P.force[2] [rad/N]" in out and "peak" in out
+    assert Path("bode.svg").stat().st_size > 5_000
+    with Path("bar.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) >= 50
+    first = rows[0]
+    value = complex(float(first["real(tilt.phi/P.force[2])"]), float(first["imag(tilt.phi/P.force[2])"]))
+    assert abs(value) == pytest.approx(float(first["magnitude(tilt.phi/P.force[2])"]))
+    modes = lag.load(BAR).modes()
+    frequencies = [float(row["frequency"]) for row in rows]
+    assert frequencies == sorted(frequencies)
+    assert frequencies[0] < modes.frequencies[0] / 5 and frequencies[-1] > modes.frequencies[-1] * 5
+
+
+def test_numbers_of_the_command_line(run: Lag) -> None:
+    values = ("-p", "n=2", "-p", "link[1].L=1[m]", "--initial", "hinge[1].phi=-80[deg]")
+    code, out, _ = run("modes", str(EXAMPLES / "chain.lag"), *values)
+    assert code == 0 and out.count("hinge[2].phi") == 2
+
+
+WRONG = {
+    "modes nothing.lag": "L0001",
+    f"modes {BAR} --plot x.txt": "L0004",
+    f"modes {BAR} -o x.csv": "L0004",
+    f"modes {BAR} --about somewhere": "L0702",
+    f"linearize {BAR} --from nothing": "L0701",
+    f"linearize {BAR} --to nothing": "L0701",
+    f"linearize {BAR} --from k1": "L0717",
+    f"linearize {BAR} --from guide.s": "L0717",
+    f"linearize {BAR} --from der(guide.s)": "L0717",
+    f"linearize {BAR} --from world.x": "L0717",
+    f"linearize {BAR} -p k1=stiff": "L0706",
+    f"equilibrium {BAR} --starts 0": "L0702",
+    f"equilibrium {BAR} --time nan": "L0702",
+    f"equilibrium {BAR} --initial nothing=1": "L0701",
+    f"response {BAR} --range 3": "L0706",
+    f"response {BAR} --range 3:1": "L0702",
+    f"response {BAR} --range=-1:1": "L0702",
+    f"response {BAR} --at 1,x": "L0706",
+    f"response {BAR} --points 1": "L0702",
+    f"response {EXAMPLES / 'pendulum.lag'}": "L0718",
+    f"linearize {EXAMPLES / 'four_bar.lag'} --about start": "L0916",
+}
+
+
+@pytest.mark.parametrize("command", list(WRONG))
+def test_what_is_wrong(command: str, run: Lag) -> None:
+    code, _, err = run(*command.split())
+    assert code == 2, err
+    assert f"error[{WRONG[command]}]" in err and "Traceback" not in err
+
+
+def test_where_nothing_rests(run: Lag, tmp_path: Path) -> None:
+    (tmp_path / "falling.lag").write_text("model Falling PointMass p(m = 1); end Falling;")
+    for command in ("equilibrium", "modes", "linearize"):
+        code, _, err = run(command, "falling.lag")
+        assert code == 1 and "no equilibrium was found" in err
+    (tmp_path / "still.lag").write_text("model Still Weld w(a = world); Bar b(m = 1, L = 1, a = w.b); end Still;")
+    code, _, err = run("modes", "still.lag")
+    assert code == 2 and "L0505" in err
