@@ -1,8 +1,10 @@
 """FMUs of all examples, in FMPy: valid, and the same motion as that of `lag simulate`."""
 
+import importlib.util
 import zipfile
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from fmpy.validation import validate_fmu
 import lagrangia as lag
 from fmus import EXAMPLES, KINDS, VERSIONS, fmu_of, model_of, simulated
 from lagrangia.cli import main
+from lagrangia.fmu_build import PLATFORMS
 
 FILES = sorted(EXAMPLES.glob("*.lag"))
 # Far apart after a while, whatever the solver: the time up to which two runs are compared, in s.
@@ -52,7 +55,7 @@ def test_the_motion_is_that_of_the_native_run(path: Path, kind: str, version: st
 def test_a_scene_without_c_names_and_one_at_rest(tmp_path: Path) -> None:
     """Blanks, accents, 300 characters; no states; no parameters."""
     texts = {
-        "'Größe mit Blanks'": "PointMass p(m = 1); Spring s(a = world, b = p.center, k = 3, s_rel0 = 0.1);",
+        "'Größe mit Blanks'": "Block p(m = 1, base = world, along = {1, 0}); Spring s(k = 3, stretch = p.s + 0.1);",
         "N" * 300: "Revolute h(a = world); Bar b(m = 1, L = 1, a = h.b);",
         "Still": "Weld clamp(a = world); Bar b(m = 1, L = 1, a = clamp.b); output Force F[2] = clamp.reaction;",
     }
@@ -89,3 +92,36 @@ def test_what_cannot_be_exported_is_said(
                     ["-p", "nothing=1"], ["--no-sources", "--platforms", ""], ["-o", "/nowhere/at/all.fmu"]):
         assert main(["export", file, "--to", "fmu", *options]) == 2
         assert "error[L" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="needs ziglang, which compiles for all platforms")
+def test_binaries_of_all_platforms(tmp_path: Path) -> None:
+    """Each is of its own kind; in FMI 2 the one of Darwin is of both processors."""
+    for path in model_of(EXAMPLES / "pendulum.lag").export_fmu(tmp_path / "x.fmu", fmi="both", platforms="all"):
+        assert validate_fmu(str(path)) == []
+        archive = zipfile.ZipFile(path)
+        kinds = {name.split("/")[1]: archive.read(name)[:20] for name in archive.namelist() if name.startswith("binaries/")}
+        assert len(kinds) == len(PLATFORMS)
+        for folder, head in kinds.items():
+            if folder == "darwin64":
+                assert head[:8] == bytes.fromhex("cafebabe00000002")
+            elif "darwin" in folder:
+                assert head[:4] == bytes.fromhex("cffaedfe")
+            elif "win" in folder:
+                assert head[:2] == b"MZ"
+            else:
+                assert head[:4] == b"\x7fELF" and head[18] == (0xB7 if "aarch64" in folder else 0x3E)
+
+
+def test_documents_say_what_is_inside() -> None:
+    for version in VERSIONS:
+        archive = zipfile.ZipFile(fmu_of(EXAMPLES / "suspended_bar.lag", version))
+        page = archive.read("documentation/index.html").decode()
+        for text in ("SuspendedBar", "mass of the bar", "N.s/m", "Equations of motion", "<svg", "tilt.phi"):
+            assert text in page
+        assert archive.read("model.png" if version == "2" else "terminalsAndIcons/icon.png")[:4] == b"\x89PNG"
+        (folder,) = {name.rpartition("/")[0] for name in archive.namelist() if name.startswith("extra/")}
+        assert b"model SuspendedBar" in archive.read(f"{folder}/suspended_bar.lag")
+        functions = ca.StringDeserializer(archive.read(f"{folder}/functions.casadi").decode()).unpack()
+        assert "rhs" in [function.name() for function in functions]

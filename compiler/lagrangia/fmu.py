@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from lagrangia.diagnostics import LagError, fail
-from lagrangia.fmu_build import PLATFORMS, Platform, build_binaries, read_platforms
+from lagrangia.fmu_build import DARWIN, PLATFORMS, Platform, build_binaries, read_platforms, universal
 from lagrangia.fmu_model import Exportable, FmuModel, build_fmu_model
 from lagrangia.fmu_page import license_text, write_page, write_terminals
 from lagrangia.fmu_pictures import draw_graph, draw_icon
@@ -104,6 +104,8 @@ def archive(described: FmuModel, wanted: Export, extras: Extras, tell: Callable[
     about = About(token, identifier, wanted.kinds, listed, f"Lagrangia {__version__}", _date(), wanted.info)
     write = write_fmi2 if wanted.version == "2" else write_fmi3
     files: dict[str, bytes] = {"modelDescription.xml": write(described, about).encode()}
+    if wanted.version == "2" and all(name in binaries for name in DARWIN):
+        binaries[DARWIN[0]] = universal([binaries[name] for name in DARWIN])
     for name, binary in binaries.items():
         files[f"binaries/{_folder(PLATFORMS[name], wanted.version)}/{identifier}{PLATFORMS[name].suffix}"] = binary
     if wanted.sources:

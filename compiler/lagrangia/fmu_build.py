@@ -9,6 +9,7 @@ import hashlib
 import os
 import platform
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -45,6 +46,23 @@ PLATFORMS: Mapping[str, Platform] = {
     "x86_64-darwin": Platform("darwin64", "x86_64-darwin", ".dylib", "x86_64-macos", ("-fPIC",)),
     "aarch64-darwin": Platform("aarch64-darwin", "aarch64-darwin", ".dylib", "aarch64-macos.11.0", ("-fPIC",)),
 }
+
+
+DARWIN = ("x86_64-darwin", "aarch64-darwin")  # in the order of their slices in a universal binary
+_SLICES = ((0x01000007, 3), (0x0100000C, 0))  # CPU type and subtype of each
+
+
+def universal(libraries: Sequence[bytes]) -> bytes:
+    """One Mach-O file of the libraries for DARWIN: a header in big endian, the slices at multiples of 16 kB."""
+    align = 14
+    header, content = struct.pack(">II", 0xCAFEBABE, len(libraries)), b""
+    offset = 1 << align
+    for (kind, subtype), library in zip(_SLICES, libraries, strict=True):
+        header += struct.pack(">IIIII", kind, subtype, offset, len(library), align)
+        padded = library + bytes(-len(library) % (1 << align))
+        content += padded
+        offset += len(padded)
+    return header.ljust(1 << align, b"\0") + content
 
 
 def host_platform() -> str | None:

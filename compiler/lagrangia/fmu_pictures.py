@@ -42,7 +42,8 @@ def _places(model: Exportable, start: tuple[float, ...]) -> Mapping[str, tuple[f
     from lagrangia.functions import observer
 
     compilation = model.compilation
-    scene, frames = model.scene, list(compilation.flat.frames)[:_MOST_FRAMES]
+    scene, graph = model.scene, compilation.kinematics.graph
+    frames = list(dict.fromkeys((*(root.frame for root in graph.roots), *(edge.child for edge in graph.edges))))[:_MOST_FRAMES]
     _labels, function = observer(compilation.kinematics, compilation.motion, compilation.constraints,
                                  tuple(f"{frame}.r" for frame in frames))
     inputs = [known.value or 0.0 for known in scene.inputs]
