@@ -65,7 +65,8 @@ def test_a_control_object_has_the_names() -> None:
     control = pytest.importorskip("control")
     linear = lag.load(BAR).linearize()
     system = linear.to_control()
-    assert system.state_labels == list(linear.states) and system.input_labels == ["P.force[2]"]
+    assert system.state_labels == [name.replace(".", "_") for name in linear.states]
+    assert system.input_labels == ["P_force[2]"]
     response = lag.load(BAR).response(frequencies=[1.0, 3.0])
     for k, f in enumerate(response.frequencies):
         np.testing.assert_allclose(control.evalfr(system, 2j * np.pi * f)[:, 0], response.values[k, :, 0], rtol=1e-9)

@@ -158,13 +158,20 @@ class Linearization:
         return path
 
     def to_control(self) -> Any:
-        """A control.StateSpace with named states, inputs and outputs. Raises LagError L0901 without python-control."""
+        """A control.StateSpace with named states, inputs and outputs, `_` for the dots that python-control does not allow.
+
+        Raises LagError L0901 without python-control.
+        """
         try:
             import control
         except ImportError:
             fail("L0901", "python-control is not installed", None, "pip install control")
-        return control.ss(self.A, self.B, self.output, self.D, states=list(self.states), inputs=list(self.inputs),
-                          outputs=list(self.outputs), name=self.name)
+
+        def plain(names: Sequence[str]) -> list[str]:
+            return [name.replace(".", "_") for name in names]
+
+        return control.ss(self.A, self.B, self.output, self.D, states=plain(self.states), inputs=plain(self.inputs),
+                          outputs=plain(self.outputs), name=self.name)
 
 
 def _scipy_io() -> Any:
