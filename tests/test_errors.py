@@ -57,4 +57,4 @@ def test_every_pattern_of_the_grammar_has_a_spoken_name() -> None:
 
 
 # Told by `lag simulate` only (tests/test_hostile.py), or about bytes that no file of text can hold.
-ELSEWHERE = {"L0101", "L0102", "L0605", "L0606", "L0909"}
+ELSEWHERE = {"L0101", "L0102", "L0605", "L0606", "L0909", "L0912", "L0916"}

@@ -141,7 +141,8 @@ class _Run:
             options = {"reltol": tolerance, "abstol": tolerance * 1e-2, "max_num_steps": _MOST_STEPS}
         elif self.integrator == "collocation":
             options = {"number_of_finite_elements": 20}
-        solver = ca.integrator("run", self.integrator, {"t": t, "x": y, "ode": ca.vertcat(v, a, power)}, now, grid, options)
+        equations = {"t": t, "x": y, "ode": ca.vertcat(v, a, ca.vec(power))}
+        solver = ca.integrator("run", self.integrator, equations, now, grid, options)
         states = np.array(solver(x0=self.y)["xf"])
         before, self.y = self.y, states[:, -1]
         place = {when: states[:, k] for k, when in enumerate(grid)} | {now: before}

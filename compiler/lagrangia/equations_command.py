@@ -21,6 +21,7 @@ def equations_command(options: Namespace) -> int:
         print(text)
     else:
         Path(options.output).write_text(text + "\n", encoding="utf-8")
+        print(f"written to {options.output}")
     return 0
 
 
