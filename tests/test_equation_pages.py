@@ -294,8 +294,9 @@ def test_odd_scenes_have_equations_too(what: str, tmp_path: Path, capsys) -> Non
 
 
 def test_a_file_for_the_page(tmp_path: Path, capsys) -> None:
-    assert equations(capsys, "pendulum", "--format", "html", "-o", str(tmp_path / "page.html")) == ""
-    assert (tmp_path / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    page = tmp_path / "page.html"
+    assert equations(capsys, "pendulum", "--format", "html", "-o", str(page)) == f"written to {page}\n"
+    assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
 
 
 @pytest.mark.parametrize("name", ["suspended_bar", "disc_and_block", "cart_pole", "double_pendulum"])
