@@ -326,7 +326,8 @@ def test_the_start_where_it_is_no_equilibrium(scene: Write) -> None:
         lag.load(EXAMPLES / "four_bar.lag").linearize(about="start")
 
 
-@pytest.mark.parametrize("name", ["suspended_bar", "disc_and_block", "cart_pole", "spring_pendulum", "four_bar", "scissor_lift"])
+@pytest.mark.parametrize("name", ["suspended_bar", "disc_and_block", "cart_pole", "spring_pendulum", "four_bar", "scissor_lift",
+                                  "parallelogram"])
 def test_an_equilibrium_stays_where_it_is(name: str) -> None:
     """Simulated from the positions found, at rest and with loads as they are, nothing accelerates."""
     model = lag.load(EXAMPLES / f"{name}.lag")

@@ -69,6 +69,8 @@ ORDER = """
     assembly
     assemblies
     freedom
+    equilibrium
+    linearization
     sympy_algebra
     symbolic
     series
@@ -85,6 +87,8 @@ ORDER = """
     book
     forms
     worked
+    rest_points
+    linear_matrices
     linear_page
     pages
     sympy_script
@@ -105,7 +109,6 @@ ORDER = """
     dumps
     solvers
     explain
-    equation_sheet
     engines
     simulate
     casadi_solvers
@@ -134,14 +137,13 @@ ORDER = """
     fmu
     probes
     small_motion
-    equilibrium
-    linearization
     mechanism
     analysis_plot
     modes
     response
     analysis
     analysis_text
+    equation_sheet
     model
     bench_problem
     bench_peers

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra import value_of
-from lagrangia.assembly import Assembly, Equations
+from lagrangia.assembly import Assembly, start_equations
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.dimensions import unit_of
 from lagrangia.equilibrium import Rest, StaticEquations, find_all, find_rest
@@ -105,18 +105,19 @@ class Study:
         """Positions and rates, assembled. Raises LagError L0606 when it does not assemble."""
         table, initial, n = self.c.functions.table, self.c.initial, self.scene.n
         guess = np.concatenate([x.full().ravel() for x in table["start"](self.p)])
-        given = np.array([*self.values.q, *self.values.v])
+        lost = len(initial.lost)
+        others = self.values.lost or (math.nan,) * (2 * lost)
+        given = np.array([*self.values.q, *others[:lost], *self.values.v, *others[lost:]])
         is_given = np.isfinite(given)
         guess = np.where(is_given, given, guess)
         if "initial" not in table:
             return guess[:n], guess[n:]
-        kinds = np.array(self.scene.coordinate_kind)
-        equations = Equations(table["initial"], table.get("momentum"), self.p, self.is_angle, kinds, initial.n_positions)
+        equations = replace(start_equations(self.c.kinematics, initial, self.c.functions), p=self.p)
         x, worst = Assembly(equations, np.where(is_given, FIXED, np.array(initial.fixed)), guess).assemble()
         if worst >= 0:
             fail("L0606", "the start values cannot all hold", initial.residual_spans[worst],
                  f"written at {self.scene.initial_places[worst]}", "change it, or the values given with --initial")
-        return x[:n], x[n:]
+        return x[:n], x[n + lost : 2 * n + lost]
 
     @cached_property
     def places(self) -> tuple[tuple[str, ...], ca.Function]:
@@ -145,6 +146,11 @@ class Study:
     @property
     def reach(self) -> Vector:
         return np.where(self.is_angle, 1.0, self.size)
+
+    @property
+    def is_preferred(self) -> tuple[bool, ...]:
+        """The coordinates that the model starts itself."""
+        return tuple(kind != FREE for kind in self.c.initial.fixed[: self.scene.n])
 
     # ------------------------------------------------------------ the equations in numbers
 
@@ -241,8 +247,7 @@ class Study:
     def linear_at(self, e: SmallMotion, q: Vector, v: Vector, lam: Vector, pace: float, is_equilibrium: bool,
                   a: Vector | None = None) -> Linearization:
         """About a state and its accelerations; the forces R that are left over without those are the load."""
-        preferred = [kind != FREE for kind in self.c.initial.fixed[: self.scene.n]]
-        tangent = tangent_of(self.call(e.tangent, q, lam, pace, v, a), preferred, self.reach)
+        tangent = tangent_of(self.call(e.tangent, q, lam, pace, v, a), self.is_preferred, self.reach)
         residual = np.zeros(e.n) if is_equilibrium else self.call(e.static, q, lam, pace, v)[0].ravel()
         given = Given(self.scene.name, self.names, tuple(p.name for p in e.probes), e.outputs,
                       dict(zip(self.names, map(float, q), strict=True)), residual, is_equilibrium,

@@ -1,7 +1,8 @@
 """`lag equations`: from a file to a page. Imports SymPy, so only what asks for equations imports this."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,11 @@ from lagrangia.document import Document
 from lagrangia.equations import constants_of_motion, derive, with_values
 from lagrangia.forms import FORMS
 from lagrangia.kinematics import Kinematics
-from lagrangia.linear_page import linear_form, linearize, values_of
+from lagrangia.linear_matrices import Begin, linearize
+from lagrangia.linear_page import linear_form, values_of
 from lagrangia.pages import PRINTERS
 from lagrangia.parameters import all_parameters, scalars
-from lagrangia.pipeline import compile_energies, deep_recursion
+from lagrangia.pipeline import compile_energies, compile_file, deep_recursion
 from lagrangia.series import TooLarge
 from lagrangia.structure import structure_page
 from lagrangia.symbolic import SymbolicScene, build_symbolic
@@ -54,7 +56,9 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
     kinematics, constraints = compile_energies(path, model, structural)
     _check_size(kinematics, request)
     with deep_recursion():
-        return _written(kinematics, build_symbolic(kinematics, constraints), request)
+        scene = build_symbolic(kinematics, constraints, request.form == "linear")
+        begin = cache(lambda: start_of(kinematics, request.parameters, path, model, structural))
+        return _written(kinematics, scene, request, begin)
 
 
 def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> Book:
@@ -81,7 +85,7 @@ def _check_size(kinematics: Kinematics, request: Request) -> None:
              "model.functions() of the Python interface has M, h and the accelerations of any scene")
 
 
-def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request) -> str:
+def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, begin: Callable[[], Begin]) -> str:
     values = parameter_values(kinematics, request.parameters)
     printer = PRINTERS.get(request.format)
     limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
@@ -93,7 +97,7 @@ def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request) -> 
             raise TooLarge(e.terms, e.T)
         presentation = presentation_of(e, names, 20 * limit, _DIGITS if request.has_numbers else 0)
         book = Book(e, presentation, names, constants_of_motion(e), values, request.has_numbers)
-        return write_script(book) if printer is None else printer(_page(book, request, kinematics))
+        return write_script(book) if printer is None else printer(_page(book, request, begin))
     except TooLarge as large:
         if not request.is_forced:
             return _too_large(scene, names, printer, large)
@@ -101,13 +105,25 @@ def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request) -> 
              "the energies and their structure are printed without --force")
 
 
-def _page(book: Book, request: Request, kinematics: Kinematics) -> Document:
+def _page(book: Book, request: Request, begin: Callable[[], Begin]) -> Document:
     if request.form == "worked":
         return worked_form(book)
     if request.form == "linear":
         about = None if request.about is None else _point(book, request.about)
-        return linear_form(book, linearize(book.equations, values_of(book), declared_starts(kinematics), about))
+        return linear_form(book, linearize(book.equations, values_of(book), begin, about))
     return FORMS[request.form](book)
+
+
+def start_of(kinematics: Kinematics, parameters: Mapping[str, float | list[float] | str], path: Path, model: str | None = None,
+             structural: Mapping[str, Any] | None = None) -> Begin:
+    """The assembled start, from which positions of rest are sought. Raises LagError L0606 where it does not assemble."""
+    from lagrangia.analysis import Study
+    from lagrangia.simulate import check_values
+
+    compilation = compile_file(path, model, structural)
+    chosen = chosen_parameters(kinematics, parameters)
+    study = Study(compilation, check_values(compilation.scene, chosen, {}, {}), None)
+    return Begin(study.start[0], study.reach, study.is_angle, study.is_preferred)
 
 
 def _too_large(scene: SymbolicScene, names: Any, printer: Any, large: TooLarge) -> str:
@@ -151,12 +167,31 @@ def _scalar(name: str, text: str, unit: str) -> float:
 def parameter_values(kinematics: Kinematics, given: Mapping[str, float | list[float] | str]) -> dict[str, float]:
     """All parameters by name in SI units, those given changed and the dependent ones following; g under world.gravity.
 
+    Raises LagError as chosen_parameters does.
+    """
+    labels = _parameter_units(kinematics)
+    chosen = chosen_parameters(kinematics, given)
+    n = len(labels)
+    function = ca.Function("parameters", *_arguments(kinematics, n))
+    found = function([chosen.get(label, 0.0) for label in labels], [float(label in chosen) for label in labels])
+    numbers = dict(zip(labels, found.full().ravel().tolist(), strict=True)) if n else {}
+    gravity = [abs(x) for label, x in numbers.items() if label.startswith("world.gravity[") and x]
+    return numbers | ({"world.gravity": gravity[0]} if len(gravity) == 1 else {"world.gravity": 0.0})
+
+
+def _parameter_units(kinematics: Kinematics) -> dict[str, str]:
+    values = kinematics.symbols.values
+    variables = [v for v in kinematics.graph.model.variables.values() if v.kind == "parameter"]
+    return {label: v.unit for v in variables for label, _ in scalars(v.name, values[v.name])}
+
+
+def chosen_parameters(kinematics: Kinematics, given: Mapping[str, float | list[float] | str]) -> dict[str, float]:
+    """The parameters that are given, element by element, in SI units.
+
     Texts may carry units. Raises LagError L0702 for an unknown name, L0706 for what is no value.
     """
-    model, symbols = kinematics.graph.model, kinematics.symbols
-    variables = [v for v in model.variables.values() if v.kind == "parameter"]
-    labels = [label for v in variables for label, _ in scalars(v.name, symbols.values[v.name])]
-    units = {label: v.unit for v in variables for label, _ in scalars(v.name, symbols.values[v.name])}
+    model, units = kinematics.graph.model, _parameter_units(kinematics)
+    labels = list(units)
     chosen: dict[str, float] = {}
     for name, text in given.items():
         mine = [label for label in labels if label == name or label.startswith(name + "[")]
@@ -167,12 +202,7 @@ def parameter_values(kinematics: Kinematics, given: Mapping[str, float | list[fl
         if len(several) != len(mine):
             fail("L0706", f"{name} = {text}: {len(mine)} number{'s are' if len(mine) > 1 else ' is'} needed")
         chosen |= dict(zip(mine, several, strict=True))
-    n = len(labels)
-    function = ca.Function("parameters", *_arguments(kinematics, n))
-    found = function([chosen.get(label, 0.0) for label in labels], [float(label in chosen) for label in labels])
-    numbers = dict(zip(labels, found.full().ravel().tolist(), strict=True)) if n else {}
-    gravity = [abs(x) for label, x in numbers.items() if label.startswith("world.gravity[") and x]
-    return numbers | ({"world.gravity": gravity[0]} if len(gravity) == 1 else {"world.gravity": 0.0})
+    return chosen
 
 
 def _arguments(kinematics: Kinematics, n: int) -> tuple[list[ca.SX], list[ca.SX]]:
@@ -187,15 +217,3 @@ def _read(name: str, value: float | list[float] | str, unit: str) -> float | lis
         return read_value(value, unit)
     except ValueError as error:
         fail("L0706", f"{name} = {value}: {error}")
-
-
-def declared_starts(kinematics: Kinematics) -> dict[str, float]:
-    """Start values of the coordinates where they are plain numbers: a place to begin a search from."""
-    found = {}
-    for c in kinematics.graph.coordinates:
-        if c.start is not None:
-            value = kinematics.evaluator.value(c.start)
-            if isinstance(value, float | int):
-                found[c.name] = float(value)
-    return found
-

@@ -59,6 +59,15 @@ def find_rest(equations: StaticEquations, start: Vector) -> Rest | None:
         return newton.settle(start) or near
 
 
+def onto_constraints(equations: StaticEquations, q: Vector, is_free: NDArray[np.bool_]) -> Vector | None:
+    """The nearest position on the constraints that differs in the free coordinates alone; None when there is none."""
+    with np.errstate(all="ignore"):
+        try:
+            return _Newton(equations).onto(q, is_free)
+        except np.linalg.LinAlgError:
+            return None
+
+
 def find_all(equations: StaticEquations, start: Vector, most: int) -> list[Rest]:
     """Positions of rest from `most` starts: the given one first, then by potential energy; each once, angles modulo 2 pi."""
     found: list[Rest] = []
@@ -128,7 +137,7 @@ class _Newton:
 
     def solve(self, start: Vector) -> Rest | None:
         try:
-            found = self._onto(start)
+            found = self.onto(start)
             return None if found is None else self._judge(self._iterate(self._look(found)))
         except np.linalg.LinAlgError:  # of what is not finite
             return None
@@ -152,7 +161,7 @@ class _Newton:
     def settle(self, start: Vector) -> Rest | None:
         """Downhill, the stiffness taken without its signs, and the last digits by Newton's method."""
         try:
-            q = self._onto(start)
+            q = self.onto(start)
             for _ in range(_MOST_DESCENTS):
                 if q is None:
                     return None
@@ -164,7 +173,7 @@ class _Newton:
                 longest = float(np.abs(step).max(initial=0.0))
                 if longest < 1e-6:
                     return self._judge(self._iterate(look))
-                q = self._onto(q + step * min(1.0, _SETTLING / longest) * self.reach)
+                q = self.onto(q + step * min(1.0, _SETTLING / longest) * self.reach)
         except np.linalg.LinAlgError:
             pass
         return None
@@ -184,7 +193,7 @@ class _Newton:
     def _nearby(self, q: Vector, N: Vector) -> list[Vector]:
         """Other positions near by that the constraints allow."""
         random = np.random.default_rng(3)
-        moved = [self._onto(q + _ASIDE * self.reach * (N @ random.uniform(-1, 1, N.shape[1]))) for _ in range(2)]
+        moved = [self.onto(q + _ASIDE * self.reach * (N @ random.uniform(-1, 1, N.shape[1]))) for _ in range(2)]
         return [x for x in moved if x is not None]
 
     def _rank(self, q: Vector) -> tuple[int, float]:
@@ -211,7 +220,7 @@ class _Newton:
     def _descend(self, q: Vector, step: Vector, before: float) -> "_Look | None":
         part = 1.0
         while part > _SHORTEST:
-            trial = self._onto(q + part * step * self.reach)
+            trial = self.onto(q + part * step * self.reach)
             if trial is not None:
                 look = self._look(trial)
                 after = float(look[1] @ look[1])
@@ -220,8 +229,9 @@ class _Newton:
             part /= 2
         return None
 
-    def _onto(self, q: Vector) -> Vector | None:
+    def onto(self, q: Vector, is_free: NDArray[np.bool_] | None = None) -> Vector | None:
         """Onto the constraints, by the shortest corrections."""
+        reach = self.reach if is_free is None else self.reach * is_free
         last = np.inf
         for _ in range(_MOST_RETURNS):
             _, phi, _ = self.e.static(q)
@@ -233,9 +243,9 @@ class _Newton:
             _, J, _ = self.e.stiffness(q, np.zeros(0))
             if not np.isfinite(J).all():
                 return None
-            step = np.linalg.lstsq(J * self.reach, -phi, rcond=1e-8)[0]
+            step = np.linalg.lstsq(J * reach, -phi, rcond=1e-8)[0]
             longest = float(np.abs(step).max(initial=0.0))
-            q = q + step * min(1.0, _LARGEST_TURN / max(longest, 1e-300)) * self.reach
+            q = q + step * min(1.0, _LARGEST_TURN / max(longest, 1e-300)) * reach
             last = size
         return q if size < 1e-9 else None
 

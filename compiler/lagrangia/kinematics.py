@@ -191,7 +191,10 @@ class Kinematics:
         return pose
 
     def step(self, step: Step, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
-        amount = (evaluator or self.evaluator).value(step.amount, level)
+        return self.along(step, (evaluator or self.evaluator).value(step.amount, level), pose, level)
+
+    def along(self, step: Step, amount: Value, pose: Pose, level: int) -> Pose:
+        """The pose after a step of this amount."""
         if step.kind == "turn":
             if isinstance(amount, tuple):
                 fail("L0303", "an angle is a number", step.amount.span)

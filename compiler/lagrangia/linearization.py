@@ -49,7 +49,7 @@ def tangent_of(values: Sequence[Matrix], is_preferred: Sequence[bool], reach: Ma
     M, C, K, J, rates, E0, E1, E2, pushed = values
     n = M.shape[0]
     weight = reach * np.where(is_preferred, _PREFERRED, 1.0)
-    dependent = _pivots(J, weight)
+    dependent = pivots(J, weight)
     independent = tuple(k for k in range(n) if k not in set(dependent))
     N, P = np.zeros((n, len(independent))), np.zeros((n, E0.shape[1]))
     N[list(independent), range(len(independent))] = 1.0
@@ -63,7 +63,7 @@ def tangent_of(values: Sequence[Matrix], is_preferred: Sequence[bool], reach: Ma
                    (M, C, K, rates, E0, E1, E2))
 
 
-def _pivots(J: Matrix, weight: Matrix) -> list[int]:
+def pivots(J: Matrix, weight: Matrix) -> list[int]:
     """Columns that span all others: Gram and Schmidt, the longest remainder first."""
     lengths = np.linalg.norm(J * weight, axis=1)
     rest = (J * weight / np.where(lengths > 0, lengths, 1.0)[:, None]).copy()

@@ -14,10 +14,11 @@ import sympy as sp
 from lagrangia.algebra import CasadiAlgebra, Dual, Scalar, value_of
 from lagrangia.algorithms import FlatFunction
 from lagrangia.constraints import Constraints
+from lagrangia.edges import Edge, Step
 from lagrangia.energies import Energies, evaluate_energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of
 from lagrangia.flat import Variable
-from lagrangia.kinematics import Dependent, Kinematics, Symbols
+from lagrangia.kinematics import Dependent, Kinematics, Pose, Symbols
 from lagrangia.parameters import scalars
 from lagrangia.sympy_algebra import Expr, SympyAlgebra, exact_throughout
 from lagrangia.tree import Array, Flat, Number, Ref, Unary
@@ -39,15 +40,15 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Given:
-    """A function of time that is given: a load, a prescribed coordinate. `rate` and `acceleration` are symbols of their own
-    unless they do not depend on time."""
+    """A function of time that is given: a load, a prescribed coordinate, the place of a support. `rate` and `acceleration` are
+    symbols of their own unless they do not depend on time."""
 
     name: str
     symbol: Expr
     rate: Expr
     acceleration: Expr
     value: Expr
-    what: str  # "load", "coordinate" or "function"
+    what: str  # "load", "coordinate", "function" or, for small motion, "support"
 
     @property
     def moving(self) -> tuple[Expr, ...]:
@@ -86,9 +87,12 @@ class SymbolicScene:
         return self.time_rate(expression).xreplace(held)
 
 
-def build_symbolic(kinematics: Kinematics, constraints: Constraints) -> SymbolicScene:
-    """The scene of `kinematics` (those that are left after the linear constraints) once more, in SymPy."""
-    symbolic = SymbolicKinematics(kinematics)
+def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: bool = False) -> SymbolicScene:
+    """The scene of `kinematics` (those that are left after the linear constraints) once more, in SymPy.
+
+    For small motion the places of supports are given functions, too, and all rates of given functions symbols.
+    """
+    symbolic = SymbolicKinematics(kinematics, is_small=is_small)
     symbolic = symbolic.reduced(constraints)
     energies = evaluate_energies(symbolic)
     rows = tuple(exact_throughout(row.value(symbolic, 0)) for row in constraints.rows)
@@ -192,14 +196,17 @@ class SymbolicKinematics(Kinematics):
     """The kinematics of a scene in SymPy; its algebra is a SympyAlgebra."""
 
     given: dict[str, Given] = field(default_factory=dict)
+    is_small: bool = False
 
     def __init__(self, base: Kinematics, positions: Iterable[str] | None = None, table: "_ParameterTable | None" = None,
-                 dependents: Mapping[str, Dependent] | None = None, given: dict[str, Given] | None = None) -> None:
+                 dependents: Mapping[str, Dependent] | None = None, given: dict[str, Given] | None = None,
+                 is_small: bool = False) -> None:
         algebra = SympyAlgebra()
         self.table = table or _ParameterTable(base, algebra)
         names = list(base.symbols.positions) if positions is None else list(positions)
         symbols = _symbols(base, names, self.table)
         self.given = given if given is not None else {}
+        self.is_small = is_small
         self.load_variables = _load_variables(base)
         super().__init__(base.graph, symbols, cast(CasadiAlgebra, algebra), dependents or {})
 
@@ -219,7 +226,7 @@ class SymbolicKinematics(Kinematics):
         whole = SymbolicKinematics(_without_dependents(self), [*self.symbols.positions, *lost], self.table)
         unknowns = [whole.symbols.positions[name] for name in lost]
         solved = _solve_linear([exact_throughout(row.value(whole, 0)) for row in constraints.absorbed], unknowns)
-        reduced = SymbolicKinematics(self, None, self.table, {}, self.given)
+        reduced = SymbolicKinematics(self, None, self.table, {}, self.given, self.is_small)
         reduced.dependents = {name: reduced._dependent_of(name, x) for name, x in zip(lost, solved, strict=True)}
         return reduced
 
@@ -272,10 +279,30 @@ class SymbolicKinematics(Kinematics):
             first = value.diff(self.symbols.time)
             second = first.diff(self.symbols.time)
             symbols = [sp.Symbol(label, real=True) for label in (name, f"der({name})", f"der(der({name}))")]
-            still = [not x.has(self.symbols.time) for x in (first, second)]
+            still = [x == 0 or not (self.is_small or x.has(self.symbols.time)) for x in (first, second)]
             rates = [x if is_still else s for x, is_still, s in zip((first, second), still, symbols[1:], strict=True)]
             self.given[name] = Given(name, symbols[0], rates[0], rates[1], value, what)
         return self.given[name]
+
+    def follow(self, edge: Edge, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
+        """For small motion, with what time alone moves as given functions: road.x, arm.phi."""
+        if not (self.is_small and edge.moves_with_time):
+            return super().follow(edge, pose, level, evaluator)
+        for k, step in enumerate(edge.steps):
+            amount = (evaluator or self.evaluator).value(step.amount, level)
+            pose = self.along(step, self._support(edge, step, k, amount, level), pose, level)
+        return pose
+
+    def _support(self, edge: Edge, step: Step, k: int, amount: Value, level: int) -> Value:
+        again = sum(other.kind == step.kind for other in edge.steps[:k])
+
+        def one(axis: str, x: Scalar) -> Scalar:
+            plain = sp.sympify(value_of(value_of(x)))
+            if not plain.has(self.symbols.time) or not self._is_given(plain):
+                return x
+            return self._lift(self.give(f"{edge.child}.{axis}{again or ''}", plain, "support"), level)
+
+        return tuple(map(one, "xy", amount)) if isinstance(amount, tuple) else one("phi", amount)
 
     def _given_symbols(self) -> list[Expr]:
         return [x for g in self.given.values() for x in g.moving]

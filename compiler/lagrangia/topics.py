@@ -217,7 +217,8 @@ forms     lagrange      d/dt dT/dv - dT/dq + dV/dq + dD/dv = f, written out for 
           lagrangian    by L = T - V               elastic      by L_e = T - V_e, all sources on the right
           energies      T, V = V_e + V_f, D and the generalised forces, by component and in all
           matrix        M(q) q'' + h = f           first-order  q' = v, v' = M^-1 (f - h)
-          linear        M, C, K and the load of small motion about an equilibrium, or --about NAME=VALUE,...
+          linear        M, C, K and the load of small motion about an equilibrium, or --about NAME=VALUE,...; with constraints
+                        their Jacobian and multipliers, and then the same without; motion of supports on the right-hand side
           worked        the whole derivation: coordinates, positions, velocities, energies, every partial derivative
 formats   text, markdown (formulas between dollars), latex, html (one page that needs no network and prints well),
           sympy (a Python script that builds the expressions)
