@@ -4,6 +4,7 @@ Exit code 2 for wrong input, 1 for runs that fail, never a traceback, and nothin
 """
 
 import csv
+import hashlib
 import json
 import os
 import resource
@@ -14,6 +15,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -253,12 +255,20 @@ def test_without_a_c_compiler(lag: Run, monkeypatch: pytest.MonkeyPatch) -> None
 
 
 DAMAGES: dict[str, Callable[[str], str]] = {
-    "empty": lambda text: "", "cut": lambda text: text[: len(text) // 2],
-    "no object": lambda text: "[]", "null": lambda text: "null",
-    "imports a list": lambda text: json.dumps(json.loads(text) | {"imports": []}),
-    "no scene": lambda text: json.dumps(json.loads(text) | {"scene": "{}"}),
-    "a number changed": lambda text: json.dumps(json.loads(text) | {"scene": json.loads(text)["scene"].replace("1.0", "2.0")}),
+    "empty": lambda text: "", "cut": lambda text: text[: len(text) // 2], "no digest": lambda text: text.partition("\n")[2],
+    "a number changed": lambda text: text.replace("1.0", "2.0"),
+    "no object": lambda text: signed("[]"), "null": lambda text: signed("null"),
+    "imports a list": lambda text: signed(json.dumps(content(text) | {"imports": []})),
+    "no scene": lambda text: signed(json.dumps(content(text) | {"scene": "{}"})),
 }
+
+
+def content(text: str) -> dict[str, Any]:
+    return json.loads(text.partition("\n")[2])
+
+
+def signed(text: str) -> str:
+    return f"{hashlib.sha256(text.encode()).hexdigest()}\n{text}"
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
@@ -266,11 +276,28 @@ def test_damaged_cache(damage: str, lag: Run, folder: Path, monkeypatch: pytest.
     """A damaged scene is compiled anew, with the same result."""
     monkeypatch.setenv("LAGRANGIA_CACHE", str(folder / "cache"))
     lag("check", "pendulum.lag")
-    (scene,) = (folder / "cache" / "scenes").glob("*.json")
+    (scene,) = (folder / "cache" / "scenes").iterdir()
     whole = scene.read_text()
     scene.write_text(DAMAGES[damage](whole))
     assert lag("check", "pendulum.lag")[0] == DONE
-    assert json.loads(scene.read_text())["scene"] == json.loads(whole)["scene"]
+    assert content(scene.read_text())["scene"] == content(whole)["scene"]
+
+
+@pytest.mark.parametrize("damage", ["empty", "cut", "a letter changed"])
+def test_damaged_syntax(damage: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The parser and the library's syntax are made anew."""
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(folder / "cache"))
+    Path("wrong.lag").write_text("model Wrong\n  World w(\nend Wrong;\n")
+    assert finish(start("check", "pendulum.lag"))[0] == DONE
+    kept = list((folder / "cache" / "syntax").iterdir())
+    assert len(kept) == 2
+    for file in kept:
+        whole = file.read_bytes()
+        changed = {"empty": b"", "cut": whole[: len(whole) // 2], "a letter changed": whole.replace(b"a", b"b", 1)}
+        file.write_bytes(changed[damage])
+    assert finish(start("check", "explosion.lag"))[0] == DONE
+    assert finish(start("check", "wrong.lag"))[0] == WRONG
+    assert all(file.read_bytes() for file in kept)
 
 
 @pytest.mark.parametrize("settings", [

@@ -20,6 +20,7 @@ PACKAGE = ROOT / "compiler" / "lagrangia"
 # A module imports only modules that stand before it: down this list is down the pipeline, from text to the command line.
 ORDER = """
     folders
+    store
     diagnostics
     units
     values

@@ -20,7 +20,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from lagrangia.diagnostics import fail
-from lagrangia.native import CompilerError, cache_folder, find_compiler
+from lagrangia.folders import cache_folder
+from lagrangia.native import CompilerError, find_compiler
 
 # Reproducible on every processor: no contraction to fused multiply-add, no folder names inside.
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-DLAG_STATIC=1",

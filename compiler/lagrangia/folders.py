@@ -1,5 +1,10 @@
-"""Where the data folders are: in a wheel beside the modules, in a checkout two levels above them."""
+"""Where the data folders are (in a wheel beside the modules, in a checkout two levels above them), and where results are kept."""
 
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 _HERE = Path(__file__).resolve().parent
@@ -16,3 +21,45 @@ def data_folder(name: str) -> Path:
         if folder.is_dir():
             return folder
     raise FileNotFoundError(f"the installation of lagrangia lacks its folder {name!r}")
+
+
+def cache_folder() -> Path:
+    """Where libraries and other results are kept: $LAGRANGIA_CACHE, the system's place for caches, a private temporary one."""
+    for folder in _cache_candidates():
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK | os.X_OK):
+            return folder
+    return _private_temporary_folder()
+
+
+def _cache_candidates() -> Iterator[Path]:
+    environment = os.environ.get
+    if chosen := environment("LAGRANGIA_CACHE"):
+        yield Path(chosen)
+    if xdg := environment("XDG_CACHE_HOME"):
+        yield Path(xdg) / "lagrangia"
+    if sys.platform == "win32" and (local := environment("LOCALAPPDATA")):
+        yield Path(local) / "lagrangia" / "cache"
+    try:
+        home = Path.home()
+    except RuntimeError:
+        return
+    yield home / ("Library/Caches" if sys.platform == "darwin" else ".cache") / "lagrangia"
+
+
+@cache
+def _private_temporary_folder() -> Path:
+    """Libraries get loaded, so nobody else may be able to put one there."""
+    user = os.getuid() if hasattr(os, "getuid") else None
+    folder = Path(tempfile.gettempdir()) / f"lagrangia-{'cache' if user is None else user}"
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        stat = folder.lstat()
+        if user is None or (stat.st_uid == user and stat.st_mode & 0o077 == 0 and not folder.is_symlink()):
+            return folder
+    except OSError:
+        pass
+    return Path(tempfile.mkdtemp(prefix="lagrangia-"))

@@ -20,7 +20,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from sysconfig import get_platform
 
-from lagrangia.folders import data_folder
+from lagrangia.folders import cache_folder, data_folder
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 # No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
@@ -82,48 +82,6 @@ def _candidates() -> Iterator[Compiler]:
 def find_compiler() -> Compiler | None:
     """The first of $LAGRANGIA_CC ("none": pretend there is none), $CC, cc, gcc, clang and PyPI's ziglang that works."""
     return next((compiler for compiler in _candidates() if compiler.works()), None)
-
-
-def cache_folder() -> Path:
-    """Where libraries are kept: $LAGRANGIA_CACHE, the system's place for caches, or a private temporary folder."""
-    for folder in _cache_candidates():
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(folder, os.W_OK | os.X_OK):
-            return folder
-    return _private_temporary_folder()
-
-
-def _cache_candidates() -> Iterator[Path]:
-    environment = os.environ.get
-    if chosen := environment("LAGRANGIA_CACHE"):
-        yield Path(chosen)
-    if xdg := environment("XDG_CACHE_HOME"):
-        yield Path(xdg) / "lagrangia"
-    if sys.platform == "win32" and (local := environment("LOCALAPPDATA")):
-        yield Path(local) / "lagrangia" / "cache"
-    try:
-        home = Path.home()
-    except RuntimeError:
-        return
-    yield home / ("Library/Caches" if sys.platform == "darwin" else ".cache") / "lagrangia"
-
-
-@cache
-def _private_temporary_folder() -> Path:
-    """Libraries get loaded, so nobody else may be able to put one there."""
-    user = os.getuid() if hasattr(os, "getuid") else None
-    folder = Path(tempfile.gettempdir()) / f"lagrangia-{'cache' if user is None else user}"
-    try:
-        folder.mkdir(mode=0o700, exist_ok=True)
-        stat = folder.lstat()
-        if user is None or (stat.st_uid == user and stat.st_mode & 0o077 == 0 and not folder.is_symlink()):
-            return folder
-    except OSError:
-        pass
-    return Path(tempfile.mkdtemp(prefix="lagrangia-"))
 
 
 def _require_success(command: Sequence[str], process: "subprocess.Popen[str]") -> None:

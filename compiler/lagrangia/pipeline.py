@@ -3,6 +3,7 @@
 Heavy libraries are imported by the phases that need them, when they are needed.
 """
 
+import pickle
 import sys
 import time
 from collections.abc import Iterator, Mapping
@@ -10,10 +11,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from lagrangia.diagnostics import Report, Source, fail
 from lagrangia.folders import data_folder
+from lagrangia.store import find_kept, keep, key_of
 
 if TYPE_CHECKING:
     from lagrangia.constraints import Constraints
@@ -136,11 +138,16 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
 
 @cache
 def library() -> "tuple[Syntax, ...]":
-    """The syntax of the component library, read once in a process."""
+    """The syntax of the component library, read once in a process and parsed once with an installation."""
+    key = key_of("library", sys.version)
+    if (kept := find_kept("syntax", key)) is not None:
+        return cast("tuple[Syntax, ...]", pickle.loads(kept))
     from lagrangia.syntax import parse
 
     files = sorted((data_folder("models") / "library").glob("*.lag"))
-    return tuple(parse(Source(f"library/{file.name}", file.read_text(encoding="utf-8"))) for file in files)
+    parsed = tuple(parse(Source(f"library/{file.name}", file.read_text(encoding="utf-8"))) for file in files)
+    keep("syntax", key, pickle.dumps(parsed))
+    return parsed
 
 
 def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":

@@ -1,16 +1,20 @@
 """Text -> Syntax: the parser. The grammar is grammar/lag.lark; each method below makes the node of one rule."""
 
 import re
+import sys
 from collections.abc import Iterator as IteratorType
 from functools import cache
+from io import BytesIO
 from typing import Any, cast
 
+import lark
 from lark import Lark, Token, Transformer, UnexpectedInput, v_args
 from lark.exceptions import VisitError
 
 from lagrangia.diagnostics import LagError, Source, Span, fail
 from lagrangia.expectations import refuse, shortened
 from lagrangia.folders import data_folder
+from lagrangia.store import find_kept, keep, key_of
 from lagrangia.tree import (
     Argument,
     Array,
@@ -76,8 +80,15 @@ def parse(source: Source) -> Syntax:
 
 @cache
 def _parser() -> Lark:
+    key = key_of("parser", lark.__version__, sys.version)
+    if (kept := find_kept("syntax", key)) is not None:
+        return Lark.load(BytesIO(kept))
     grammar = (data_folder("grammar") / "lag.lark").read_text(encoding="utf-8")
-    return Lark(grammar, parser="lalr", start="file", propagate_positions=True, maybe_placeholders=True)
+    parser = Lark(grammar, parser="lalr", start="file", propagate_positions=True, maybe_placeholders=True)
+    written = BytesIO()
+    parser.save(written)
+    keep("syntax", key, written.getvalue())
+    return parser
 
 
 def _check_text(source: Source) -> None:
