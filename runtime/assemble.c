@@ -210,8 +210,6 @@ static void prefer_regular(LagAssembly *s, const double *p, const int *fixed, do
 int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
     const int n = lag_start_size(s->model), all = s->model->n_initial, positions = s->model->n_initial_positions;
-    if (all == 0)
-        return -1;
     copy(s, x, s->guess);
     set_reach(s, p, x, work);
     if (positions > 0) {

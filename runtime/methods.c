@@ -1,6 +1,7 @@
 #include "methods.h"
 
 #include "function.h"
+#include "parts.h"
 
 int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
 {
@@ -17,10 +18,10 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     switch (solver) {
     case LAG_SOLVER_ERK:
     case LAG_SOLVER_ERK5: return 1;
-    case LAG_SOLVER_LINEAR: return model->linear_pattern != NULL;
+    case LAG_SOLVER_LINEAR: return lag_parts.linear && model->linear_pattern;
     case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
-    case LAG_SOLVER_ISLANDS: return model->n_islands > 1;
-    case LAG_SOLVER_CONSERVATIVE: return lag_present(&model->velocity);
+    case LAG_SOLVER_ISLANDS: return lag_parts.islands && model->n_islands > 1;
+    case LAG_SOLVER_CONSERVATIVE: return lag_parts.conservative && lag_present(&model->velocity);
     case LAG_SOLVER_TAYLOR: return model->n_jets > 0;
     default: return 0;
     }
@@ -42,13 +43,13 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
         return;
     const int may_turn = settings->solver == LAG_SOLVER_AUTO && lag_methods_alternate(model, solver);
     if (solver == LAG_SOLVER_LINEAR)
-        lag_linear_method.layout(&methods->linear, motion, arena);
+        lag_parts.linear->layout(&methods->linear, motion, arena);
     if (solver == LAG_SOLVER_ISLANDS)
-        lag_islands_method.layout(&methods->islands, motion, arena);
+        lag_parts.islands->layout(&methods->islands, motion, arena);
     if (solver == LAG_SOLVER_TAYLOR)
         lag_taylor.layout(&methods->taylor, motion, arena);
     if (solver == LAG_SOLVER_CONSERVATIVE)
-        lag_gauss.layout(&methods->gauss, motion, arena);
+        lag_parts.conservative->layout(&methods->gauss, motion, arena);
     methods->explicit_solver = is_explicit(solver) ? solver : LAG_SOLVER_ERK;
     if (solver == LAG_SOLVER_ERK5)
         lag_tsit5.layout(&methods->tsit5, motion, arena);
@@ -63,7 +64,7 @@ void lag_methods_choose(LagMethods *methods, int32_t solver)
     methods->solver = solver;
     switch (solver) {
     case LAG_SOLVER_LINEAR:
-        methods->table = &lag_linear_method;
+        methods->table = lag_parts.linear;
         methods->self = &methods->linear;
         break;
     case LAG_SOLVER_IMPLICIT:
@@ -71,11 +72,11 @@ void lag_methods_choose(LagMethods *methods, int32_t solver)
         methods->self = &methods->radau;
         break;
     case LAG_SOLVER_ISLANDS:
-        methods->table = &lag_islands_method;
+        methods->table = lag_parts.islands;
         methods->self = &methods->islands;
         break;
     case LAG_SOLVER_CONSERVATIVE:
-        methods->table = &lag_gauss;
+        methods->table = lag_parts.conservative;
         methods->self = &methods->gauss;
         break;
     case LAG_SOLVER_TAYLOR:

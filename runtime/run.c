@@ -7,6 +7,7 @@
 #include "account.h"
 #include "evaluate.h"
 #include "function.h"
+#include "parts.h"
 
 static size_t work_size(const LagModel *model)
 {
@@ -41,7 +42,8 @@ static void layout(LagRun *run, LagArena *arena)
     run->careful_state = lag_take(arena, 2 * n);
     run->fixed = (int *)lag_take(arena, starts);
     run->work = lag_take(arena, work_size(model));
-    lag_assembly_layout(&run->assembly, arena);
+    if (lag_parts.assembly_layout)
+        lag_parts.assembly_layout(&run->assembly, arena);
     lag_projection_layout(&run->projection, model, arena);
     lag_scale_layout(&run->scale, arena);
     lag_motion_layout(&run->motion, arena);
@@ -83,7 +85,7 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
     arena.used = 0;
     layout(run, &arena);
     if (lag_methods_first(settings, model) == LAG_SOLVER_ISLANDS && lag_methods_permit(model, LAG_SOLVER_ISLANDS)
-        && !lag_islands_open(&run->methods.islands, model, settings)) {
+        && !lag_parts.islands_open(&run->methods.islands, model, settings)) {
         lag_run_free(run);
         return NULL;
     }
@@ -97,7 +99,8 @@ void lag_run_free(LagRun *run)
     if (!run)
         return;
     lag_inputs_free(&run->inputs);
-    lag_islands_close(&run->methods.islands);
+    if (lag_parts.islands_close)
+        lag_parts.islands_close(&run->methods.islands);
     free(run->memory);
     free(run);
 }

@@ -5,6 +5,7 @@
 #include "account.h"
 #include "evaluate.h"
 #include "function.h"
+#include "parts.h"
 #include "segment.h"
 
 static int settings_valid(const LagSettings *s)
@@ -52,7 +53,9 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     if (!settings_valid(&run->settings) || !lag_methods_permit(run->model, run->methods.solver))
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     guess(run, q_given, v_given);
-    const int worst = lag_assemble(&run->assembly, run->p, run->fixed, run->start, run->work);
+    if (run->model->n_initial > 0 && !lag_parts.assemble)
+        return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
+    const int worst = run->model->n_initial > 0 ? lag_parts.assemble(&run->assembly, run->p, run->fixed, run->start, run->work) : -1;
     if (worst >= 0)
         return lag_fail(run, LAG_INITIAL_FAILED, worst, 0, run->assembly.newton.g[worst]);
     const size_t n = (size_t)run->model->n;

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
-from lagrangia.native import start_runtime_build
-from lagrangia.runtime import Runtime
+from lagrangia.runtime_library import Runtime, start_runtime
 
 Compare = Callable[[str, Path], None]
 
@@ -41,7 +40,7 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 @pytest.fixture(scope="session")
 def runtime() -> Runtime:
     """The C run time, compiled; for tests that are skipped where there is no C compiler."""
-    return Runtime(start_runtime_build().finish())
+    return start_runtime()
 
 
 @pytest.fixture

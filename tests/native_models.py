@@ -2,7 +2,8 @@
 
 from lagrangia.folders import data_folder
 from lagrangia.native import build
-from lagrangia.runtime import Model, Run, Runtime, Settings, Status
+from lagrangia.runtime import Model, Run, Settings, Status
+from lagrangia.runtime_library import Runtime
 
 FOLDER = data_folder("runtime")
 OSCILLATOR = "a[0] = -q[0];"

@@ -9,7 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.native import find_compiler
-from lagrangia.runtime import Runtime, Solver
+from lagrangia.runtime import Solver
+from lagrangia.runtime_library import Runtime
 from native_models import FOLDER, OSCILLATOR, compiled, started
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

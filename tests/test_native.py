@@ -9,8 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from lagrangia import native
-from lagrangia.native import Compiler, CompilerError, build, cache_folder, find_compiler, start_build, start_runtime_build
+from lagrangia import folders
+from lagrangia.folders import cache_folder
+from lagrangia.native import Compiler, CompilerError, build, find_compiler, start_build
+from lagrangia.runtime_library import start_runtime
 
 FORTY_TWO = "int answer(void);\n__attribute__((visibility(\"default\"))) int answer(void) { return 42; }\n"
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -89,10 +91,11 @@ def test_builds_at_the_same_time_agree(own_cache: Path) -> None:
 
 @needs_compiler
 def test_builds_started_together_finish_in_any_order() -> None:
-    runtime, scene = start_runtime_build(level="-O0"), start_build("answer", FORTY_TWO)
+    runtime, scene = start_runtime(level="-O0"), start_build("answer", FORTY_TWO)
     assert answer(scene.finish()) == 42
-    assert runtime.finish().exists()
-    assert runtime.finish().exists()
+    assert runtime.path(frozenset()).exists()
+    assert runtime.path().exists()
+    assert runtime.path() != runtime.path(frozenset())
 
 
 @needs_compiler
@@ -135,7 +138,7 @@ def test_ziglang_builds_the_run_time_without_a_warning() -> None:
     pytest.importorskip("ziglang")
     zig = Compiler((sys.executable, "-m", "ziglang", "cc"))
     assert answer(build("answer", FORTY_TWO, compiler=zig)) == 42
-    assert start_runtime_build(zig).finish().exists()
+    assert start_runtime(zig).path().exists()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX folders")
@@ -154,8 +157,8 @@ def test_without_a_home_the_cache_is_a_private_temporary_folder(monkeypatch: pyt
     (tmp_path / "file").touch()
     for name in ("LAGRANGIA_CACHE", "XDG_CACHE_HOME", "HOME"):
         monkeypatch.setenv(name, str(tmp_path / "file"))  # no folder can be made below a file
-    monkeypatch.setattr(native.tempfile, "gettempdir", lambda: str(tmp_path))
-    native._private_temporary_folder.cache_clear()
+    monkeypatch.setattr(folders.tempfile, "gettempdir", lambda: str(tmp_path))
+    folders._private_temporary_folder.cache_clear()
     folder = cache_folder()
     assert folder.parent == tmp_path
     assert stat.S_IMODE(folder.stat().st_mode) == 0o700
@@ -167,7 +170,7 @@ def test_a_temporary_folder_that_others_can_write_to_is_not_used(monkeypatch: py
     trap = tmp_path / f"lagrangia-{os.getuid()}"
     trap.mkdir()
     trap.chmod(0o777)
-    monkeypatch.setattr(native.tempfile, "gettempdir", lambda: str(tmp_path))
-    native._private_temporary_folder.cache_clear()
-    assert native._private_temporary_folder() != trap
-    native._private_temporary_folder.cache_clear()
+    monkeypatch.setattr(folders.tempfile, "gettempdir", lambda: str(tmp_path))
+    folders._private_temporary_folder.cache_clear()
+    assert folders._private_temporary_folder() != trap
+    folders._private_temporary_folder.cache_clear()

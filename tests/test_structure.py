@@ -96,7 +96,6 @@ ORDER = """
     modelica
     numpy_module
     runtime
-    batch
     interpret
     scene
     instructions
@@ -105,6 +104,8 @@ ORDER = """
     scenes
     needs
     native
+    runtime_library
+    batch
     cache
     pipeline
     dumps

@@ -13,7 +13,8 @@ from lagrangia.ccode import write_c
 from lagrangia.diagnostics import LagError
 from lagrangia.instructions import tape_of
 from lagrangia.native import build
-from lagrangia.runtime import Model, Runtime, Settings, Solver, Status
+from lagrangia.runtime import Model, Settings, Solver, Status
+from lagrangia.runtime_library import Runtime
 from native_models import FOLDER
 
 Force = Callable[[ca.SX, ca.SX, ca.SX], ca.SX]

@@ -11,7 +11,8 @@ from enum import IntEnum
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from lagrangia.runtime import Model, Run, Runtime, Settings
+from lagrangia.runtime import Model, Run, Settings
+from lagrangia.runtime_library import Runtime
 
 if TYPE_CHECKING:
     import numpy as np
@@ -103,10 +104,10 @@ class Batch:
     """A run that is driven again and again; use it in a `with` statement, in one thread at a time."""
 
     def __init__(self, runtime: Runtime, model: Model, sweep: Sweep) -> None:
-        self._library = runtime.library
+        self._library = runtime.library_for(model, sweep.settings.solver, frozenset({"batch"}))
         self._declare()
         self.n_reductions, self.n_varied = len(sweep.reductions), len(sweep.varied)
-        self._run = Run(runtime, model, sweep.settings)
+        self._run = Run(self._library, model, sweep.settings)
         if sweep.input_values:
             self._run.set_inputs(sweep.input_times, sweep.input_values)
         reductions = (_Reduction * self.n_reductions)(

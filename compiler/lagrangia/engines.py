@@ -16,8 +16,9 @@ from pathlib import Path
 
 from lagrangia.ccode import write_c
 from lagrangia.folders import data_folder
-from lagrangia.native import Build, Compiler, CompilerError, find_build, find_compiler, start_build, start_runtime_build
-from lagrangia.runtime import Model, Runtime, Solver, Tape
+from lagrangia.native import Build, Compiler, CompilerError, find_build, find_compiler, start_build
+from lagrangia.runtime import Model, Solver, Tape
+from lagrangia.runtime_library import Runtime, start_runtime
 from lagrangia.scene import Scene
 
 # The model of costs, measured with gcc 12 on a chain of 2 to 1000 links: seconds to start a compiler, and for each instruction at
@@ -83,20 +84,20 @@ class Upgrade:
             self._built.append(Model.from_library(build.finish()))
 
 
-def start_building() -> Build | None:
+def start_building() -> Runtime | None:
     """The run time in the making, so that it is ready when the scene is; None when there is no C compiler."""
     compiler = find_compiler()
-    return start_runtime_build(compiler) if compiler is not None else None
+    return start_runtime(compiler) if compiler is not None else None
 
 
 def load_engine(
-    scene: Scene, runtime_build: Build | None = None, native: bool | None = None, is_implicit: bool = False
+    scene: Scene, runtime: Runtime | None = None, native: bool | None = None, is_implicit: bool = False
 ) -> Engine | None:
     """The run time with the scene in it. None when there is no C compiler.
 
     `native` decides instead of the model of costs. `is_implicit`: implicit steps are sure to be made.
     """
-    engine = _load_whole(scene, runtime_build, native, is_implicit)
+    engine = _load_whole(scene, runtime, native, is_implicit)
     return divided(engine, scene, native) if engine is not None and scene.sizes.get("solver") == Solver.ISLANDS else engine
 
 
@@ -104,30 +105,32 @@ def divided(engine: Engine, scene: Scene, native: bool | None = None) -> Engine:
     """The engine with the scene's islands in it."""
     if engine.model.struct.n_islands:
         return engine
-    builds = start_building()
-    parts = [(places, _load_whole(island, builds, native, False)) for places, island in scene.islands]
+    parts = [(places, _load_whole(island, engine.runtime, native, False)) for places, island in scene.islands]
     return replace(engine, model=engine.model.divided([(places, part.model) for places, part in parts if part is not None]))
 
 
 def _load_whole(
-    scene: Scene, runtime_build: Build | None = None, native: bool | None = None, is_implicit: bool = False
+    scene: Scene, runtime: Runtime | None = None, native: bool | None = None, is_implicit: bool = False
 ) -> Engine | None:
     begin = time.perf_counter()
-    runtime_build = runtime_build or start_building()
-    if runtime_build is None:
+    runtime = runtime or start_building()
+    if runtime is None:
         return None
-    compiler = runtime_build.compiler
+    compiler = runtime.compiler
     if native if native is not None else compile_seconds(scene, is_implicit) <= _AT_ONCE:
         scene_build = _start_scene_build(scene, compiler, scene.tapes, is_implicit)
-        runtime = Runtime(runtime_build.finish())
-        return Engine(runtime, Model.from_library(scene_build.finish()), "native", time.perf_counter() - begin)
+        return _engine(runtime, Model.from_library(scene_build.finish()), "native", begin)
     model = Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns)
-    runtime = Runtime(runtime_build.finish())
-    if native is None and (library := _find_library(scene, compiler, is_implicit)) is not None:
-        model.adopt(Model.from_library(library))
-        return Engine(runtime, model, "native", time.perf_counter() - begin)
+    if native is None and (compiled := _find_library(scene, compiler, is_implicit)) is not None:
+        model.adopt(Model.from_library(compiled))
+        return _engine(runtime, model, "native", begin)
     upgrade = Upgrade(scene, compiler, is_implicit) if native is None else None
-    return Engine(runtime, model, "tape", time.perf_counter() - begin, upgrade)
+    return _engine(runtime, model, "tape", begin, upgrade)
+
+
+def _engine(runtime: Runtime, model: Model, how: str, begin: float, upgrade: Upgrade | None = None) -> Engine:
+    runtime.library_for(model)  # built and loaded now
+    return Engine(runtime, model, how, time.perf_counter() - begin, upgrade)
 
 
 def compile_seconds(scene: Scene, is_implicit: bool = False) -> float:

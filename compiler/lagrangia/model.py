@@ -11,7 +11,7 @@ from lagrangia.cache import find_scene, keep_scene
 from lagrangia.diagnostics import RunError
 from lagrangia.engines import Engine, divided, load_engine, start_building
 from lagrangia.interpret import evaluate
-from lagrangia.native import Build
+from lagrangia.runtime_library import Runtime
 from lagrangia.scene import Scene
 from lagrangia.simulate import Values, check_values, plan, simulate
 from lagrangia.solvers import is_casadi
@@ -52,7 +52,7 @@ class Model:
         self.path, self.model, self.structural, self.outputs = path, model, dict(structural or {}), tuple(outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
-        self._runtime_build: Build | None = None
+        self._runtime: Runtime | None = None
         self._has_engine = False
         self._implicit_engine: Engine | None = None
         self.native: bool | None = None  # native code, a tape, or what costs less time
@@ -61,7 +61,7 @@ class Model:
         self.scene: Scene = found if found is not None else self._compile_and_keep()
 
     def _compile_and_keep(self) -> Scene:
-        self._runtime_build = start_building()  # goes on beside the compilation
+        self._runtime = start_building()  # goes on beside the compilation
         return self._keep(self.compilation.scene)
 
     def _keep(self, scene: Scene) -> Scene:
@@ -99,7 +99,7 @@ class Model:
     def engine(self) -> Engine | None:
         """The run time with the scene in it, or None when there is no C compiler."""
         if not self._has_engine:
-            self._engine, self._has_engine = load_engine(self.scene, self._runtime_build, self.native), True
+            self._engine, self._has_engine = load_engine(self.scene, self._runtime, self.native), True
         return self._engine
 
     @property
@@ -236,7 +236,7 @@ class Model:
         if solver != "implicit":
             return self.engine
         if self._implicit_engine is None:
-            self._implicit_engine = load_engine(self.scene, self._runtime_build, self.native, is_implicit=True)
+            self._implicit_engine = load_engine(self.scene, self._runtime, self.native, is_implicit=True)
         return self._implicit_engine
 
     def observer(self, parameters: "np.ndarray", values: Any) -> Any:

@@ -1,9 +1,9 @@
 """C -> shared library: finding a compiler, building once, keeping the result.
 
 The cache is a folder of folders, one for each library ever built: `<name>-<key>/` holds the library and the SHA-256 of its
-bytes. The key is the hash of everything the result depends on: sources, headers, flags and compiler. A library is built in
-a folder of another name and renamed, so that whoever sees the folder sees it whole, and two processes may build the same
-library at the same time: the second one keeps the first one's.
+bytes; `objects/` holds objects to be linked. The key is the hash of everything the result depends on: sources, headers, flags
+and compiler. A library is built in a folder of another name and renamed, so that whoever sees the folder sees it whole, and two
+processes may build the same library at the same time: the second one keeps the first one's.
 """
 
 import hashlib
@@ -15,12 +15,11 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from sysconfig import get_platform
 
-from lagrangia.folders import cache_folder, data_folder
+from lagrangia.folders import cache_folder
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 # No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
@@ -51,6 +50,10 @@ class Compiler:
         file = _ziglang() if "ziglang" in self.command else shutil.which(self.command[0])
         stat = os.stat(os.path.realpath(file)) if file else None
         return repr((self.command, file, stat and (stat.st_size, stat.st_mtime_ns)))
+
+    @property
+    def is_zig(self) -> bool:
+        return any("zig" in word for word in self.command)
 
     def works(self) -> bool:
         """Whether it builds an empty library. A success is remembered in the cache."""
@@ -90,87 +93,136 @@ def _require_success(command: Sequence[str], process: "subprocess.Popen[str]") -
         raise CompilerError(command, output)
 
 
-def _parts(files: Sequence[str], compiler: Compiler) -> list[Sequence[str]]:
-    """Sources by the core that compiles them; none where one command does it all: zig is parallel by itself."""
-    cores = 1 if any("zig" in word for word in compiler.command) else os.cpu_count() or 1
-    return [files[k::cores] for k in range(min(cores, len(files)))] if cores > 1 and len(files) > 1 else []
+class _Work:
+    """Commands running side by side in a folder of their own."""
+
+    def __init__(self, name: str) -> None:
+        self.folder = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=cache_folder()))
+        self._running: list[tuple[Sequence[str], subprocess.Popen[str]]] = []
+
+    def start(self, command: Sequence[str]) -> None:
+        """Raises CompilerError."""
+        try:
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=self.folder)
+        except OSError as error:
+            self.close()
+            raise CompilerError(command, str(error)) from error
+        self._running.append((command, process))
+
+    def wait(self) -> None:
+        """Raises CompilerError."""
+        for command, process in self._running:
+            _require_success(command, process)
+
+    def cancel(self) -> None:
+        running = [process for _, process in self._running if process.poll() is None]
+        for process in running:
+            process.kill()
+        if running:
+            self.close()
+
+    def close(self) -> None:
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class Objects:
+    """Objects of sources, each kept by what it depends on. `start` makes those that are missing, on all cores, `finish` waits."""
+
+    def __init__(self, sources: Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler) -> None:
+        self._folder = cache_folder() / "objects"
+        self._command = [*compiler.command, *_options(level), *(f"-I{folder}" for folder in include), "-c"]
+        self._cores = os.cpu_count() or 1
+        base = _base(include, _options(level), compiler)
+        self._places = {file: self._folder / f"{file.stem}-{_hashed([base, file.read_bytes()])}.o" for file in sources}
+        self._work: _Work | None = None
+
+    @property
+    def paths(self) -> list[Path]:
+        """In the order of the sources; they are there after `finish`."""
+        return list(self._places.values())
+
+    def start(self) -> None:
+        """Raises CompilerError."""
+        missing = [file for file, place in self._places.items() if not _is_whole(place)]
+        if self._work is None and missing:
+            self._work = _Work("objects")
+            for k in range(min(self._cores, len(missing))):
+                self._work.start([*self._command, *map(str, missing[k :: self._cores])])
+
+    def finish(self) -> None:
+        """Raises CompilerError."""
+        self.start()
+        if self._work is None:
+            return
+        try:
+            self._work.wait()
+            self._folder.mkdir(exist_ok=True)
+            for file, place in self._places.items():
+                if (made := self._work.folder / f"{file.stem}.o").exists():
+                    digest = _digest(made)
+                    os.replace(made, place)
+                    _digest_file(place).write_text(digest)
+        finally:
+            self._work.close()
+            self._work = None
+
+    def cancel(self) -> None:
+        """Ends the compilers that are still at work."""
+        if self._work is not None:
+            self._work.cancel()
 
 
 class Build:
-    """A library in the making, on all cores when it has several sources. `finish` waits for it; builds that were started
-    together run at the same time."""
+    """A library in the making. `finish` waits for it; builds that were started together run at the same time."""
 
-    def __init__(self, name: str, sources: str | Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler) -> None:
-        self.compiler = compiler
-        options = _options(level)
-        self._library = _place(name, sources, include, level, compiler)
-        self._folder = self._library.parent
-        self._processes: list[subprocess.Popen[str]] = []
+    def __init__(self, name: str, sources: str | Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler,
+                 objects: Sequence[Path] = (), defines: Sequence[str] = ()) -> None:
+        options = (*_options(level), *(f"-D{name}" for name in defines))
+        self._library = _place(name, sources, objects, include, options, compiler)
+        self._work: _Work | None = None
         if _is_whole(self._library):
             return
-        self._workplace = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=self._folder.parent))
-        begin = [*compiler.command, *options, *(f"-I{folder}" for folder in include)]
-        end = ["-o", str(self._workplace / self._library.name)]
-        files = [str(file) for file in self._written(name, sources)]
-        parts = _parts(files, compiler)
-        self._commands = [[*begin, "-c", *part] for part in parts] or [[*begin, *end, *files, *_LIBRARIES]]
-        self._link = [*begin, *end, *(f"{Path(file).stem}.o" for file in files), *_LIBRARIES] if parts else []
-        try:
-            self._processes = [self._started(command) for command in self._commands]
-        except OSError as error:
-            shutil.rmtree(self._workplace)
-            raise CompilerError(self._commands[0], str(error)) from error
+        self._work = _Work(name)
+        files = [*self._written(self._work, name, sources), *objects]
+        self._work.start([*compiler.command, *options, *(f"-I{folder}" for folder in include),
+                          "-o", str(self._work.folder / self._library.name), *map(str, files), *_LIBRARIES])
 
-    def _started(self, command: Sequence[str]) -> "subprocess.Popen[str]":
-        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=self._workplace)
-
-    def _written(self, name: str, sources: str | Sequence[Path]) -> Sequence[Path]:
+    @staticmethod
+    def _written(work: _Work, name: str, sources: str | Sequence[Path]) -> Sequence[Path]:
         if not isinstance(sources, str):
             return sources
-        file = self._workplace / f"{name}.c"
+        file = work.folder / f"{name}.c"
         file.write_text(sources, encoding="utf-8")
         return [file]
 
     def finish(self) -> Path:
         """The library's path. Raises CompilerError."""
-        if not self._processes:
-            return self._library
-        try:
-            for command, process in zip(self._commands, self._processes, strict=True):
-                _require_success(command, process)
-            if self._link:
-                _require_success(self._link, self._started(self._link))
-            _digest_file(self._workplace / self._library.name).write_text(_digest(self._workplace / self._library.name))
-            for file in self._workplace.glob("*.o"):
-                file.unlink()
-            self._install()
-        finally:
-            shutil.rmtree(self._workplace, ignore_errors=True)
-            self._processes = []
+        if self._work is not None:
+            try:
+                self._work.wait()
+                made = self._work.folder / self._library.name
+                _digest_file(made).write_text(_digest(made))
+                self._install(self._work.folder)
+            finally:
+                self._work.close()
+                self._work = None
         return self._library
-
-    @property
-    def is_gone(self) -> bool:
-        """Whether nothing is being built any more and the library is not there: it failed, or somebody deleted it."""
-        return not self._processes and not _is_whole(self._library)
 
     def cancel(self) -> None:
         """Ends the compiler, if it is still at work."""
-        running = [process for process in self._processes if process.poll() is None]
-        for process in running:
-            process.kill()
-        if running:
-            shutil.rmtree(self._workplace, ignore_errors=True)
+        if self._work is not None:
+            self._work.cancel()
 
-    def _install(self) -> None:
+    def _install(self, made: Path) -> None:
+        folder = self._library.parent
         while not _is_whole(self._library):
             try:
-                os.rename(self._workplace, self._folder)
+                os.rename(made, folder)
             except OSError:
-                if not self._folder.exists():
+                if not folder.exists():
                     raise
                 if not _is_whole(self._library):
-                    shutil.rmtree(self._folder, ignore_errors=True)
+                    shutil.rmtree(folder, ignore_errors=True)
 
 
 def build(
@@ -180,13 +232,15 @@ def build(
     include: Sequence[Path] = (),
     level: str = "-O2",
     compiler: Compiler | None = None,
+    objects: Sequence[Path] = (),
+    defines: Sequence[str] = (),
 ) -> Path:
     """Build a shared library, or find it in the cache.
 
-    `sources` is the text of one C file, or paths; `include` are the folders of headers, `level` is -O0 … -O3.
-    Raises CompilerError; also when there is no compiler at all.
+    `sources` is the text of one C file, or paths; `include` are the folders of headers, `level` is -O0 … -O3, `objects` are
+    linked too, and `defines` are macros without values. Raises CompilerError; also when there is no compiler at all.
     """
-    return start_build(name, sources, include=include, level=level, compiler=compiler).finish()
+    return start_build(name, sources, include=include, level=level, compiler=compiler, objects=objects, defines=defines).finish()
 
 
 def start_build(
@@ -196,52 +250,53 @@ def start_build(
     include: Sequence[Path] = (),
     level: str = "-O2",
     compiler: Compiler | None = None,
+    objects: Sequence[Path] = (),
+    defines: Sequence[str] = (),
 ) -> Build:
     """Like `build`, but does not wait for the compiler."""
-    compiler = compiler or find_compiler()
+    return Build(name, sources, include, level, compiler or require_compiler(), objects, defines)
+
+
+def require_compiler() -> Compiler:
+    """Raises CompilerError when there is none."""
+    compiler = find_compiler()
     if compiler is None:
         raise CompilerError(["cc"], "no C compiler was found; `pip install ziglang` brings one")
-    return Build(name, sources, include, level, compiler)
-
-
-def start_runtime_build(compiler: Compiler | None = None, level: str = "-O2") -> Build:
-    """The run time, as one library for all scenes: a process builds it once, however many scenes ask for it meanwhile."""
-    build = _runtime_build(cache_folder(), compiler, level)
-    if build.is_gone:
-        _runtime_build.cache_clear()
-        build = _runtime_build(cache_folder(), compiler, level)
-    return build
-
-
-@cache
-def _runtime_build(_cache: Path, compiler: Compiler | None, level: str) -> Build:
-    folder = data_folder("runtime")
-    return start_build("runtime", sorted(folder.glob("*.c")), include=[folder], level=level, compiler=compiler)
+    return compiler
 
 
 def find_build(
-    name: str, sources: str | Sequence[Path], *, include: Sequence[Path], level: str, compiler: Compiler
+    name: str, sources: str | Sequence[Path], *, include: Sequence[Path], level: str, compiler: Compiler,
+    objects: Sequence[Path] = (), defines: Sequence[str] = (),
 ) -> Path | None:
     """The library, if it was built before."""
-    library = _place(name, sources, include, level, compiler)
+    options = (*_options(level), *(f"-D{name}" for name in defines))
+    library = _place(name, sources, objects, include, options, compiler)
     return library if _is_whole(library) else None
 
 
-def _place(name: str, sources: str | Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler) -> Path:
-    return cache_folder() / f"{name}-{_key(sources, include, _options(level), compiler)}" / f"{name}{_SUFFIX}"
+def _place(name: str, sources: str | Sequence[Path], objects: Sequence[Path], include: Sequence[Path], options: Sequence[str],
+           compiler: Compiler) -> Path:
+    texts = [sources.encode()] if isinstance(sources, str) else [file.read_bytes() for file in sources]
+    names = [file.name.encode() for file in objects]  # they tell the content
+    return cache_folder() / f"{name}-{_hashed([_base(include, options, compiler), *texts, *names])}" / f"{name}{_SUFFIX}"
+
+
+def _base(include: Sequence[Path], options: Sequence[str], compiler: Compiler) -> bytes:
+    """What a result depends on beside its sources."""
+    headers = [header.read_bytes() for folder in include for header in sorted(folder.glob("*.h"))]
+    return _hashed([repr((tuple(options), compiler.identity, get_platform())).encode(), *headers]).encode()
+
+
+def _hashed(texts: Sequence[bytes]) -> str:
+    hashed = hashlib.sha256()
+    for text in texts:
+        hashed.update(hashlib.sha256(text).digest())
+    return hashed.hexdigest()[:32]
 
 
 def _options(level: str) -> tuple[str, ...]:
     return (*_FLAGS, *_PLATFORM_FLAGS, level)
-
-
-def _key(sources: str | Sequence[Path], include: Sequence[Path], options: Sequence[str], compiler: Compiler) -> str:
-    hashed = hashlib.sha256(repr((options, compiler.identity, get_platform())).encode())
-    texts = [sources.encode()] if isinstance(sources, str) else [file.read_bytes() for file in sources]
-    headers = [header.read_bytes() for folder in include for header in sorted(folder.glob("*.h"))]
-    for text in (*texts, *headers):
-        hashed.update(hashlib.sha256(text).digest())
-    return hashed.hexdigest()[:32]
 
 
 def _digest(library: Path) -> str:

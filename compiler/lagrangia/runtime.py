@@ -347,6 +347,13 @@ class Model:
             setattr(struct, name, _function_of(tape))
         return cls(struct, None)
 
+    def check_tapes(self, runtime: c.CDLL) -> None:
+        """Raises ValueError when a tape reaches outside its vectors or holds an unknown op."""
+        for name in _FUNCTIONS:
+            function = getattr(self.struct, name)
+            if function.tape and not runtime.lag_tape_valid(c.byref(function)):
+                raise ValueError(f"the tape of {name!r} is not valid")
+
     def divided(self, islands: "Sequence[tuple[Sequence[int], Model]]") -> "Model":
         """The same model with its islands: their coordinates, and each as a model of its own."""
         struct = _Model.from_buffer_copy(self.struct)
@@ -375,31 +382,20 @@ def _function_of(tape: Tape) -> _Function:
     )
 
 
-class Runtime:
-    """The loaded library of the run time."""
-
-    def __init__(self, path: Path) -> None:
-        self.library = c.CDLL(str(path))
-        for name, (result, arguments) in _SIGNATURES.items():
-            function = getattr(self.library, name)
-            function.restype, function.argtypes = result, arguments
-
-    def check_tapes(self, model: Model) -> None:
-        """Raises ValueError when a tape reaches outside its vectors or holds an unknown op."""
-        for name in _FUNCTIONS:
-            function = getattr(model.struct, name)
-            if function.tape and not self.library.lag_tape_valid(c.byref(function)):
-                raise ValueError(f"the tape of {name!r} is not valid")
-
-    def run(self, model: Model, settings: Settings) -> "Run":
-        return Run(self, model, settings)
+def load_runtime(path: Path) -> c.CDLL:
+    """A library of the run time."""
+    library = c.CDLL(str(path))
+    for name, (result, arguments) in _SIGNATURES.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library
 
 
 class Run:
     """A run of a model; use it in a `with` statement. Methods answer a Status; `failure` tells more."""
 
-    def __init__(self, runtime: Runtime, model: Model, settings: Settings) -> None:
-        self._library = runtime.library
+    def __init__(self, library: c.CDLL, model: Model, settings: Settings) -> None:
+        self._library = library
         self._model = model
         values = [getattr(settings, name) for name, *_ in _Settings._fields_]
         self._run: int | None = self._library.lag_run_new(c.byref(model.struct), c.byref(_Settings(*values)))
