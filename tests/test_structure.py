@@ -47,6 +47,8 @@ ORDER = """
     kinematics
     energies
     bodies
+    harmonics
+    collected
     parameters
     constraints
     elimination

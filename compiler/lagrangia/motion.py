@@ -3,16 +3,18 @@
     d/dt(dT/dv) - dT/dq + dV/dq + dD/dv = f,   f_k = sum_i F_i . dr_i/dq_k
 
 h is made by algorithmic differentiation: the gradient of T, V and D, and one forward sweep along v for the time derivative of
-dT/dv. The accelerations come from the dense M, or by elimination along the tree of bodies; what counts fewer nodes is taken.
+dT/dv. The accelerations come from the dense M, or by elimination along the tree of bodies, or from M and h of few coordinates
+in which everything is collected that cancels; what counts fewer nodes is taken.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
 
 from lagrangia.algebra import Scalar, rate_of, value_of
 from lagrangia.bodies import Bodies, Inertia, find_bodies
+from lagrangia.collected import MOST_COORDINATES, Collected, collect, split_weights
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
 from lagrangia.elimination import eliminate
@@ -48,8 +50,9 @@ class Motion:
     constrained: "ConstrainedMotion | None"
     dissipated_power: ca.SX  # taken out by dampers
     source_power: ca.SX  # put in by loads and moving supports
-    way: str  # "dense" or "tree"
+    way: str  # "dense", "tree", "collected" or "constrained"
     counted: dict[str, int]  # nodes of each way, where there was a choice
+    collected: Collected | None = None  # where that is the way
 
     @cached_property
     def nodes(self) -> dict[str, int]:
@@ -92,18 +95,24 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     dissipated = ca.dot(v, damping) + tau * ca.gradient(D, tau)
     source = ca.dot(force, v) - tau * dL_dt + tau * ca.gradient(D, tau)
     H = ca.dot(v, momentum) - T + V if ca.depends_on(T, tau) else T + V
+    short = _collected(kinematics, energies, bodies, momentum, damping)
     T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
     constrained, counted = None, dict[str, int]()
     if constraints.rows:
+        if short is not None and short.is_shorter(kinematics, momentum, h):
+            momentum, h = short.momentum, short.h
         acceleration, constrained = _constrain(kinematics, constraints, momentum, h, q, v, for_any_mass)
         way = "constrained"
         source = source + _power_of_constraints(kinematics, constrained)
     else:
         _require_mass(kinematics, momentum, v)
-        acceleration, way, counted = _solve(kinematics, bodies, momentum, h, v)
+        acceleration, way, counted = _solve(kinematics, bodies, momentum, h, v, short)
+        if short is not None and way == "collected":
+            momentum, h = short.momentum, short.h
     names = kinematics.graph.model.variables
     p, u = (_stack(kinematics, [n for n, x in names.items() if x.kind == kind]) for kind in ("parameter", "input"))
-    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, counted)
+    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, counted,
+                  short.inertia if short is not None and way == "collected" else None)
 
 
 def mass_matrix(motion: Motion) -> ca.SX:
@@ -217,7 +226,45 @@ def _missing_port(kinematics: Kinematics, coordinate: str) -> str:
     return f"'{loose[0]}' is joined to nothing: connect a body there" if loose else "give a body behind it a mass"
 
 
-def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v: ca.SX) -> tuple[ca.SX, str, dict[str, int]]:
+@dataclass(frozen=True)
+class _Short:
+    """The collected inertia and what is left beside it: M and h anew."""
+
+    inertia: Collected
+    rest: ca.SX
+    momentum: ca.SX
+
+    @property
+    def h(self) -> ca.SX:
+        return self.inertia.generalised() + self.rest
+
+    def is_shorter(self, kinematics: Kinematics, momentum: ca.SX, h: ca.SX) -> bool:
+        rates = ca.vertcat(*kinematics.symbols.rates.values())
+        own, other = ([ca.jacobian(p, rates), force] for p, force in ((self.momentum, self.h), (momentum, h)))
+        return _work(own, kinematics) < _work(other, kinematics)
+
+
+def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: ca.SX, damping: ca.SX) -> _Short | None:
+    """None for scenes with too many coordinates."""
+    symbols = kinematics.symbols
+    q, v = (ca.vertcat(ca.SX(0, 1), *values.values()) for values in (symbols.positions, symbols.rates))
+    if not 0 < v.numel() <= MOST_COORDINATES:
+        return None
+    weights, springs = split_weights(kinematics, energies.potential)
+    inner = _inertial_force(kinematics, replace(energies, potential=weights, loads=()), bodies, q, v)
+    outer = _inertial_force(kinematics, replace(energies, potential=springs), replace(bodies, inertias=(), rest=()), q, v)
+    resting = ca.substitute(momentum, v, ca.SX.zeros(v.numel()))
+    inner, rest, resting = ca.substitute([inner, outer + damping, resting], [symbols.tau], [ca.SX(1)])
+    inertia = collect(kinematics, ca.jacobian(momentum, v), inner)
+    return _Short(inertia, rest, inertia.momentum(v) + resting) if inertia is not None else None
+
+
+def _work(expressions: list[ca.SX], kinematics: Kinematics) -> int:
+    return count_nodes(expressions, [kinematics.algebra.state])
+
+
+def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v: ca.SX,
+           short: _Short | None) -> tuple[ca.SX, str, dict[str, int]]:
     """The accelerations by each way that is open, and the one that counts fewer nodes."""
     tau = kinematics.symbols.tau
     ways: dict[str, ca.SX] = {}
@@ -226,10 +273,12 @@ def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v:
         ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
     if tree is None or coupled_pairs(kinematics) <= _DENSEST * v.numel():
         ways["dense"] = _dense(momentum, -h, v)
+    if short is not None:
+        ways["collected"] = short.inertia.accelerations(short.rest)
     if len(ways) == 1:
         (way,) = ways
         return ways[way], way, {}
-    nodes = {way: count_nodes([a], [kinematics.algebra.state]) for way, a in ways.items()}
+    nodes = {way: _work([a], kinematics) for way, a in ways.items()}
     best = min(nodes, key=lambda way: nodes[way])
     return ways[best], best, nodes
 
@@ -254,6 +303,8 @@ def _dense(momentum: ca.SX, r: ca.SX, v: ca.SX) -> ca.SX:
 
 def solve_mass(kinematics: Kinematics, motion: Motion, r: ca.SX) -> ca.SX:
     """The solution (n,) of M x = r, the way the accelerations are solved for. Only for scenes without constraints."""
+    if motion.collected is not None:
+        return motion.collected.solve(r)
     tree = eliminate(kinematics, motion.bodies, r) if motion.way == "tree" else None
     if tree is None:
         return _dense(motion.momentum, r, motion.v)

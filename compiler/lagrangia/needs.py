@@ -108,7 +108,7 @@ def _mass(parts: _Parts) -> Iterable[Need]:
         timed = ca.depends_on(M, motion.t)
         why = f"M depends on {_few(moving)}" if moving else "M depends on time" if timed else "M is constant"
         yield Need("refactorising M", bool(moving) or timed, why, saving="its factors are worked out once")
-    yield Need("M as a matrix", motion.way == "dense", f"operations by each way: {ways}")
+    yield Need("M as a matrix", motion.way in ("dense", "collected"), f"operations by each way: {ways}")
     floating = [(root.frame, parts.kinematics.graph.model.frames[root.frame].span)
                 for root in parts.kinematics.graph.roots if not root.is_ground]
     yield _listed("floating coordinates", floating, "every body is joined to the ground", "", "three coordinates a body")
