@@ -346,3 +346,56 @@ def test_the_linear_form_of_the_suspended_bar() -> None:
     close(linear.K, [[2500, 0.75 * 500], [0.75 * 500, 1.5**2 * 2500 / 4]])
     close(linear.C, [[80, 0.75 * 20], [0.75 * 20, 1.5**2 * 80 / 4]])
     close(linear.F[0].ravel(), [1, linear.F[0][1, 0]])
+
+
+# ---------------------------------------------------------------- what a walk through the commands has brought up
+
+
+def test_a_mass_in_a_turning_frame(scene: Write) -> None:
+    """omega^4 - (k_x + k_y + 2 Omega^2) omega^2 + (k_x - Omega^2)(k_y - Omega^2) = 0: not those of M and K alone."""
+    model = scene("""model Gyro World world(gravity = {0, 0}); Frame table = turn(world, 2*time);
+        Prismatic px(a = table, along = {1, 0}), py(a = px.b, along = {0, 1}); PointMass m(m = 1, center = py.b);
+        Spring sx(k = 9, stretch = px.s), sy(k = 16, stretch = py.s); end Gyro;""")
+    modes = model.modes()
+    close(sorted(d.omega**2 for d in modes.damped), np.sort(np.roots([1, -(9 + 16 + 2 * 4), (9 - 4) * (16 - 4)])), 1e-10)
+    close(modes.omega**2, [5, 12])
+    assert modes.is_gyroscopic and not modes.has_damping and "across the motion" in modes.notes[0]
+
+
+def test_a_column_of_two_bars_buckles(scene: Write) -> None:
+    """K = 4 k - 2 P L in the foot's angle, M = m (1/3 + 1/3) L^2: it buckles at P = 2 k/L."""
+    model = scene("""model Buckle parameter Force P = 8; World world(gravity = {0, 0});
+        Revolute foot(a = world, phi(start = 90[deg])), knee(a = lower.b, phi(start = 0));
+        Bar lower(m = 1, L = 1, a = foot.b), upper(m = 1, L = 1, a = knee.b); TorsionSpring t(k = 3, a = lower.b, b = knee.b);
+        PointOnLine guide(line = turn(world, 90[deg]), point = upper.b);
+        AppliedForce load(at = upper.b, force = {0, -P}); end Buckle;""")
+    for P in (5.9, 6.1, 8.0):
+        (mode,) = model.modes(parameters={"P": P})
+        close(mode.omega2, (4 * 3 - 2 * P) / (2 / 3), 1e-8)
+        assert model.equilibrium(parameters={"P": P}, starts=1)[0].stability == ("stable" if P < 6 else "unstable")
+
+
+def test_a_skate_across_a_slope_is_a_family() -> None:
+    """Anywhere on the slope, the blade to either side: two families, not as many places as starts."""
+    found = lag.load(EXAMPLES / "skate.lag").equilibrium()
+    assert sorted(round(item.position["skate.center.phi"], 6) for item in found) == [-1.570796, 1.570796]
+
+
+def test_loops_are_drawn_closed() -> None:
+    """A shape is a straight line in the coordinates; the deflected mechanism stays one."""
+    model = lag.load(EXAMPLES / "four_bar.lag")
+    modes = model.modes()
+    mechanism = modes.mechanism
+    assert mechanism is not None
+    q = np.array([modes.linearization.point[name] for name in modes.coordinates])
+    places = mechanism.places(q + 0.3 * modes.shapes[:, 0])
+    assert len({tuple(np.round(places[k, :2], 9)) for pair in mechanism.bodies for k in pair}) == 4 + 3  # hinges and centres
+
+
+def test_what_is_opposed_lags_by_half_a_turn() -> None:
+    """Above its only resonance an undamped mass moves against the force: -180 degrees, not 180."""
+    response = lag.load(EXAMPLES / "crank_press.lag").response(frequencies=[1.0, 20.0])
+    k = response.outputs.index("table.s")
+    close(response.phase[:, k, 0], [0, -180])
+    assert "O.phi" not in response.outputs and not any(name.startswith("der(") for name in response.outputs)
+    assert response.units[response.outputs.index("pin.phi")] == response.units[-1] == "rad"

@@ -125,6 +125,18 @@ WRONG = {
     f"response {BAR} --range=-1:1": "L0702",
     f"response {BAR} --at 1,x": "L0706",
     f"response {BAR} --points 1": "L0702",
+    f"response {BAR} --at 1e308": "L0702",
+    f"response {BAR} --to ,": "L0706",
+    f"linearize {BAR} --from P.force[": "L0706",
+    f"linearize {BAR} -o nowhere/x.mat": "L0004",
+    f"linearize {BAR} -o nowhere/x.json": "L0004",
+    f"equilibrium {BAR} -o nowhere/x.json": "L0004",
+    f"modes {BAR} --plot nowhere/x.png": "L0004",
+    f"modes {BAR} -p m=nan": "L0706",
+    f"equations {BAR} -o nowhere/x.txt": "L0004",
+    f"equations {BAR} -o .": "L0004",
+    f"export {BAR} --to casadi -o nowhere/x.casadi": "L0004",
+    f"export {BAR} --to modelica -o nowhere/x.mo": "L0004",
     f"response {EXAMPLES / 'pendulum.lag'}": "L0718",
     f"linearize {EXAMPLES / 'four_bar.lag'} --about start": "L0916",
 }
@@ -145,3 +157,31 @@ def test_where_nothing_rests(run: Lag, tmp_path: Path) -> None:
     (tmp_path / "still.lag").write_text("model Still Weld w(a = world); Bar b(m = 1, L = 1, a = w.b); end Still;")
     code, _, err = run("modes", "still.lag")
     assert code == 2 and "L0505" in err
+
+
+def test_files_hold_json_also_of_singular_positions(run: Lag) -> None:
+    """No NaN, which JSON does not know."""
+    code, out, _ = run("equilibrium", str(EXAMPLES / "pantograph.lag"), "-o", "rest.json")
+    assert code == 0 and "written to rest.json" in out and "singular position" in out
+
+    def refuse(name: str) -> None:
+        raise AssertionError(name)
+
+    found = json.loads(Path("rest.json").read_text(), parse_constant=refuse)
+    assert None in [item["growth"] for item in found]
+
+
+def test_reactions_name_the_port_that_they_act_on(run: Lag, tmp_path: Path) -> None:
+    """A block presses down on its base; a slider's port b is held up. No minus before a zero."""
+    (tmp_path / "held.lag").write_text("""model Held Block c(m = 2, base = world); Spring s(k = 1, stretch = c.s);
+        Prismatic p(a = world); PointMass m(m = 5, center = p.b); Spring u(k = 1, stretch = p.s); end Held;""")
+    code, out, _ = run("equilibrium", "held.lag")
+    rows = {line.split()[0]: line.split()[1:] for line in out.splitlines() if len(line.split()) == 4 and "=" not in line}
+    assert code == 0
+    assert (rows["c.base"], rows["p.b"]) == (["0", "-19.62", "0"], ["0", "49.05", "0"])
+
+
+def test_peaks_without_damping_have_no_height(run: Lag) -> None:
+    code, out, _ = run("response", str(EXAMPLES / "disc_and_block.lag"), "--to", "block.s")
+    assert code == 0 and out.count("no bound: resonance without damping") == 2
+    assert "no bound" not in run("response", str(EXAMPLES / "disc_and_block_damped.lag"))[1]

@@ -14,9 +14,9 @@ from lagrangia.algebra import value_of
 from lagrangia.assembly import Assembly, start_equations
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.dimensions import unit_of
-from lagrangia.equilibrium import Rest, StaticEquations, find_all, find_rest
+from lagrangia.equilibrium import Rest, StaticEquations, find_all, find_rest, onto_constraints
 from lagrangia.initial import FIXED, FREE
-from lagrangia.joints import all_reactions
+from lagrangia.joints import all_reactions, reaction_ports
 from lagrangia.linearization import Given, Linearization, linearization, tangent_of
 from lagrangia.mechanism import Mechanism, build_mechanism
 from lagrangia.modes import Modes, find_modes, stability
@@ -25,8 +25,10 @@ from lagrangia.probes import Probe, find_probes, usual_probes
 from lagrangia.response import Response, find_response
 from lagrangia.simulate import Values, check_parameters
 from lagrangia.small_motion import SmallMotion, build_small_motion
+from lagrangia.tree import Ref
 
 if TYPE_CHECKING:
+    from lagrangia.flat import FlatModel
     from lagrangia.pipeline import Compilation
 
 Vector = NDArray[np.float64]
@@ -67,6 +69,7 @@ class Equilibria(Sequence[Equilibrium]):
     is_reached: bool  # whether the first was found from the start itself
     units: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    ports: Mapping[str, str] = field(default_factory=dict)  # of joints and ties, the port that the reaction acts on
 
     def __getitem__(self, k: Any) -> Any:
         return self.found[k]
@@ -193,7 +196,8 @@ class Study:
             found = self.call(e.tangent, q, lam if lam.size else nothing, pace)
             return found[2], found[3], found[4]
 
-        return StaticEquations(static, stiffness, self.reach, self.is_angle)
+        is_rolling = any(not row.is_holonomic for row in self.c.constraints.rows)
+        return StaticEquations(static, stiffness, self.reach, self.is_angle, is_rolling)
 
     # ------------------------------------------------------------ what is asked for
 
@@ -231,7 +235,7 @@ class Study:
         units = {c.name: c.unit for c in self.scene.coordinates}
         units |= {name: unit_of(graph.model, observe(graph.model, name)) for name in outputs}
         return Equilibria(self.scene.name, self.time, tuple(self._told(full, rest, pace, len(outputs)) for rest in found),
-                          is_reached, units, tuple(notes))
+                          is_reached, units, tuple(notes), reaction_ports(graph))
 
     def _told(self, e: SmallMotion, rest: Rest, pace: float, n_given: int) -> Equilibrium:
         y = self.call(e.observed, rest.q, rest.multipliers, pace)[0].ravel()
@@ -260,13 +264,21 @@ class Study:
             fail("L0702", f"a linearisation is about the equilibrium or the start, not '{about}'", None, *ABOUT)
         kinematics = self.c.kinematics
         probes = usual_probes(kinematics) if excitations is None else find_probes(kinematics, self.c.constraints, excitations)
-        usual = tuple(dict.fromkeys((*self.names, *(x.name for x in self.scene.outputs))))
-        e = self.equations(probes, usual if outputs is None else tuple(outputs))
+        e = self.equations(probes, self._usual_outputs(probes) if outputs is None else tuple(dict.fromkeys(outputs)))
         pace = self.pace(e)
         if about == "equilibrium":
             rest = self.rest(e, pace)
             return self.linear_at(e, rest.q, np.zeros(self.scene.n), rest.multipliers, pace, True)
         return self._about_start(e, pace)
+
+    def _usual_outputs(self, probes: Sequence[Probe]) -> tuple[str, ...]:
+        """The coordinates, those that others give too, but none that is itself what excites; and the declared outputs."""
+        variables = self.c.flat.variables
+        prescribed = {name for name, x in self.c.kinematics.dependents.items() if not x.terms}
+        others = [x.name for x in self.scene.outputs if not x.name.startswith("der(") and x.name not in prescribed]
+        declared = [name for name, variable in variables.items() if variable.is_output]
+        told = [x.name for x in self.scene.outputs if x.name.partition("[")[0] in declared]
+        return tuple(dict.fromkeys((*self.names, *(name for name in others if name not in told), *told)))
 
     def _about_start(self, e: SmallMotion, pace: float) -> Linearization:
         """The exact derivatives of the motion there: of a moving or accelerated state, of scenes without constraints alone."""
@@ -289,9 +301,17 @@ class Study:
 
     @property
     def mechanism(self) -> Mechanism:
+        """What can be drawn of the scene, its loops closed where a position is a little beside them."""
         frames, places = self.places
         values = {p.name: float(x) for p, x in zip(self.scene.parameters, self.p, strict=True)}
-        return build_mechanism(self.c.kinematics.graph, frames, lambda q: np.asarray(places(q).full()), values)
+        loops = any(row.is_holonomic for row in self.c.constraints.rows)
+        statics = self.static_equations(self.equations(), 0.0) if loops else None
+
+        def closed(q: Vector) -> Vector:
+            found = None if statics is None else onto_constraints(statics, q, np.full(q.size, True))
+            return q if found is None else found
+
+        return build_mechanism(self.c.kinematics.graph, frames, lambda q: np.asarray(places(closed(q)).full()), values)
 
     def response(self, excitations: Sequence[str] | None, outputs: Sequence[str] | None, about: str,
                  frequencies: Sequence[float] | None, span: tuple[float, float] | None, points: int) -> Response:
@@ -301,5 +321,13 @@ class Study:
         if not linear.excitations:
             fail("L0718", "nothing excites this scene: it has no input, and no load depends on time", None,
                  "name what does with --from: a force (P.force[2]), or the place of a frame that hangs on the ground (road.y)")
-        units = tuple(unit_of(model, observe(model, name)) for name in (*linear.outputs, *linear.excitations))
+        units = tuple(_unit(model, name) for name in (*linear.outputs, *linear.excitations))
         return find_response(linear, frequencies, span, points, units)
+
+
+def _unit(model: "FlatModel", name: str) -> str:
+    """Of a variable without one, such as the `to` of a Motion, that of what an equation sets equal to it."""
+    unit = unit_of(model, observe(model, name))
+    equal = [e.left for e in model.constraints if isinstance(e.right, Ref) and e.right.name == name]
+    bound = [model.variables[x.name].binding for x in equal if isinstance(x, Ref)]
+    return unit or next((x for x in (unit_of(model, node) for node in (*equal, *bound) if node is not None) if x), "")

@@ -1,16 +1,18 @@
 """`lag equilibrium`, `linearize`, `modes` and `response`: options -> numbers -> text, tables and pictures."""
 
 import json
+import math
 from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, load_model, number, read_inputs, values_with_units
+from lagrangia.commands import assignment, load_model, number, read_inputs, values_with_units, write_text
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.model import Model
 from lagrangia.plot import require_format
 
 _MOST_STARTS, _MOST_POINTS = 10_000, 200_000
+_HIGHEST = 1e100  # Hz: its square is still a number
 
 
 def equilibrium_command(options: Namespace) -> int:
@@ -33,6 +35,7 @@ def equilibrium_command(options: Namespace) -> int:
 
 def _plain(item: Any) -> dict[str, Any]:
     plain = {name: getattr(item, name) for name in ("stability", "potential", "growth", "n_neutral", "residual")}
+    plain["growth"] = None if math.isnan(item.growth) else item.growth
     pairs = [[x.real, x.imag] for x in item.eigenvalues]
     return {"position": dict(item.position), **plain, "eigenvalues": pairs, "reactions": dict(item.reactions)}
 
@@ -42,7 +45,8 @@ def linearize_command(options: Namespace) -> int:
 
     _require(options.output, ".json", ".mat", ".npz")
     model, values = _load(options)
-    linear = model.linearize(**values, about=options.about, excitations=_names(options.excite), outputs=_names(options.to))
+    linear = model.linearize(**values, about=options.about, excitations=_names(options.excite, "--from"),
+                             outputs=_names(options.to, "--to"))
     print(linearization_text(linear))
     if options.output is not None:
         print(f"\nmatrices in {linear.save(options.output)}")
@@ -77,8 +81,8 @@ def response_command(options: Namespace) -> int:
     frequencies = None if options.at is None else [_frequency(text, "--at") for text in options.at.split(",")]
     span = _span(options.range)
     model, values = _load(options)
-    response = model.response(_names(options.excite), _names(options.to), **values, frequencies=frequencies, span=span,
-                              points=options.points, about=options.about)
+    response = model.response(_names(options.excite, "--from"), _names(options.to, "--to"), **values, about=options.about,
+                              frequencies=frequencies, span=span, points=options.points)
     print(response_text(response))
     if options.output is not None:
         print(f"{response.frequencies.size} rows in {response.to_csv(options.output)}")
@@ -102,8 +106,8 @@ def _load(options: Namespace) -> tuple[Model, dict[str, Any]]:
     return model, {"parameters": parameters, "initial": initial, "inputs": inputs, "time": options.time}
 
 
-def _names(text: str | None) -> tuple[str, ...] | None:
-    """Names between commas outside brackets; None where nothing is said."""
+def _names(text: str | None, option: str) -> tuple[str, ...] | None:
+    """Names between commas outside brackets, each once; None where nothing is said. Raises LagError L0706."""
     if text is None:
         return None
     names, depth, word = [], 0, ""
@@ -114,12 +118,16 @@ def _names(text: str | None) -> tuple[str, ...] | None:
             word = ""
         else:
             word += letter
-    return tuple(name for name in names if name)
+    found = tuple(dict.fromkeys(name for name in names if name))
+    if depth != 0 or not found:
+        fail("L0706", f"'{text}' after {option} has a bracket too {'many' if depth < 0 else 'few'}" if depth else
+             f"{option} names nothing", None, "names of quantities with commas between them: tilt.phi,bar.a.y")
+    return found
 
 
 def _frequency(text: str, option: str) -> float:
     value = number(text, option)
-    if not 0 < value < float("inf"):
+    if not 0 < value < _HIGHEST:
         fail("L0702", f"a frequency is a positive number of Hz, not {text.strip()}")
     return value
 
@@ -142,7 +150,5 @@ def _require(path: str | None, *endings: str) -> None:
 
 
 def _write(path: str, plain: Any) -> None:
-    try:
-        Path(path).write_text(json.dumps(plain, indent=1) + "\n", encoding="utf-8")
-    except OSError as error:
-        fail("L0004", f"'{path}' cannot be written: {error.strerror}")
+    write_text(Path(path), json.dumps(plain, indent=1, allow_nan=False) + "\n")
+    print(f"written to {path}")

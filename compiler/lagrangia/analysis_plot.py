@@ -21,6 +21,7 @@ _DEFLECTION = 0.14  # of the scene's size
 _COLUMNS = 3
 _COILS, _COIL_WIDTH = 7, 0.03
 _MOST_NAMES = 24
+_MOST_INSIDE = 4  # curves, named in the panel itself
 
 
 def draw_modes(modes: "Modes", path: str | os.PathLike[str] | None = None, first: int = _MOST_DRAWN) -> Any:
@@ -69,11 +70,13 @@ def _draw_bars(panel: Any, modes: "Modes", mode: "Mode") -> None:
     if len(values) <= _MOST_NAMES:
         panel.bar(places, values, width=0.6, color=["C0" if x >= 0 else "C3" for x in values])
         panel.set_xticks(places, modes.coordinates, rotation=90 if len(values) > 3 else 0, fontsize=8)
+        panel.set_xlim(min(-0.6, -1.6 + 0.5 * len(values)), max(len(values) - 0.4, 0.6 + 0.5 * len(values)))
     else:
         panel.plot(places + 1, values, color="C0", linewidth=1.2)
         panel.set_xlabel("coordinate", fontsize=8)
     reach = 1.1 * max(map(abs, values), default=1.0) or 1.0
     panel.set_ylim(-reach, reach)
+    panel.tick_params(axis="y", labelsize=8)
     panel.grid(True, axis="y", alpha=0.3)
 
 
@@ -87,6 +90,8 @@ def _draw_deflected(panel: Any, mechanism: Mechanism, q: Vector, shape: Vector) 
     panel.set_aspect("equal", adjustable="datalim")
     panel.margins(0.08)
     panel.tick_params(labelsize=7)
+    panel.set_xlabel("x [m]", fontsize=7)
+    panel.set_ylabel("y [m]", fontsize=7)
     panel.grid(True, alpha=0.2)
 
 
@@ -152,7 +157,10 @@ def draw_bode(response: "Response", path: str | os.PathLike[str] | None = None) 
         for panel in panels[:, j]:
             panel.grid(True, which="both", alpha=0.2)
             panel.margins(x=0)
-        panels[0, j].legend(frameon=False, fontsize=8)
+        if len(response.outputs) <= _MOST_INSIDE:
+            panels[0, j].legend(frameon=False, fontsize=8)
+    if len(response.outputs) > _MOST_INSIDE:
+        panels[0, -1].legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     figure.suptitle(f"{response.name}: frequency response", fontsize=11)
     if path is not None:
         save(figure, Path(path))

@@ -16,6 +16,7 @@ Matrix = NDArray[np.float64]
 _WIDEST = 130
 _MOST_ROWS = 40  # of a table on the screen; files have all
 _NEGLIGIBLE = 1e-13
+_UNDAMPED = 1e-9  # damping ratios that rounding leaves
 _DEGREE = 180 / np.pi
 
 
@@ -32,7 +33,7 @@ def equilibria_text(found: "Equilibria", is_quiet_about_reactions: bool = False)
         lines += [f"  {text}" for text in _positions(item.position, found.units)]
         lines.append(f"  V = {_shown(item.potential)} J; the largest force left over is {item.residual:.1e}")
         if item.reactions and not is_quiet_about_reactions:
-            lines += [f"  {text}" for text in _reactions(item.reactions, item.residual)]
+            lines += [f"  {text}" for text in _reactions(item.reactions, found.ports, item.residual)]
     return "\n".join([*lines, *found.notes])
 
 
@@ -60,17 +61,18 @@ def _positions(position: Mapping[str, float], units: Mapping[str, str]) -> Itera
         yield f"{name:{width}} = {_shown(value)} {unit}{angle}".rstrip()
 
 
-def _reactions(values: Mapping[str, float], residual: float) -> Iterator[str]:
-    """A line for each joint."""
+def _reactions(values: Mapping[str, float], ports: Mapping[str, str], residual: float) -> Iterator[str]:
+    """A line for each joint, with the port that the reaction acts on."""
     joints: dict[str, list[float]] = {}
     for name, value in values.items():
-        joints.setdefault(name.rpartition(".")[0], []).append(value)
-    width = max(map(len, joints))
+        path = name.rpartition(".")[0]
+        joints.setdefault(f"{path}.{ports.get(path, 'b')}", []).append(value)
     rounding = max(1e-12 * max(map(abs, values.values())), 10 * residual)
-    yield f"{'reactions on port b':{width}}{'F_x [N]':>14}{'F_y [N]':>14}{'M [N.m]':>14}"
-    indent = max(width, len("reactions on port b"))
+    head = "reactions on"
+    width = max(*map(len, joints), len(head))
+    yield f"{head:{width}}{'F_x [N]':>14}{'F_y [N]':>14}{'M [N.m]':>14}"
     for joint, numbers in joints.items():
-        yield f"{joint:{indent}}" + "".join(f"{0.0 if abs(x) < rounding else x:>14.6g}" for x in numbers)
+        yield f"{joint:{width}}" + "".join(f"{0.0 if abs(x) <= rounding else x:>14.6g}" for x in numbers)
 
 
 def linearization_text(linear: "Linearization") -> str:
@@ -131,7 +133,7 @@ def modes_text(modes: "Modes") -> str:
             lines.append(f"{k + 1:>4}   runs away as exp({mode.growth:.7g} t): the equilibrium is unstable")
     if len(modes) > _MOST_ROWS:
         lines.append(f" ... and {len(modes) - _MOST_ROWS} more; -o FILE.json has all of them")
-    if modes.has_damping:
+    if modes.has_damping or modes.is_gyroscopic:
         lines += ["", *_damped(modes)]
     scaled = "mass-normalised" if modes.scaling == "mass" else "the largest entry of each is 1"
     lines += ["", f"shapes ({scaled})"]
@@ -141,10 +143,12 @@ def modes_text(modes: "Modes") -> str:
 
 
 def _damped(modes: "Modes") -> Iterator[str]:
-    yield f"with damping{'f [Hz]':>14}{'omega [rad/s]':>15}{'|s| [rad/s]':>13}{'zeta':>11}"
+    head = "with damping" if modes.has_damping else "gyroscopic  "
+    yield f"{head}{'f [Hz]':>14}{'omega [rad/s]':>15}{'|s| [rad/s]':>13}{'zeta':>11}"
     for item in modes.damped[:_MOST_ROWS]:
         if item.eigenvalue.imag > 0:
-            yield f"{'':12}{item.frequency:>14.7g}{item.damped_omega:>15.7g}{item.omega:>13.7g}{item.damping_ratio:>11.5g}"
+            zeta = item.damping_ratio if abs(item.damping_ratio) > _UNDAMPED else 0.0
+            yield f"{'':12}{item.frequency:>14.7g}{item.damped_omega:>15.7g}{item.omega:>13.7g}{zeta:>11.5g}"
         elif item.eigenvalue == 0:
             yield f"{'':12}{0:>14g}{0:>15g}{0:>13g}"
         else:
@@ -158,13 +162,18 @@ def response_text(response: "Response") -> str:
 
     lines = [f"{response.name}: frequency response, {f.size} frequencies from {f[0]:.4g} to {f[-1]:.4g} Hz"]
     phase = response.phase
+    s = response.linearization.eigenvalues
+    unbounded = s.imag[np.abs(s.real) <= _UNDAMPED * np.abs(s)] / (2 * np.pi)
     for y, u, i, j in response.pairs():
         unit = ratio_unit(response.units[i], response.units[len(response.outputs) + j])
         curve = response.magnitude[:, i, j]
         lines.append(f"{y} / {u} [{unit}]")
         marks = [("lowest", 0), *(("peak", int(k)) for k in _peaks(curve)), ("highest", f.size - 1)]
-        lines += [f"  {what:8}{f[k]:>12.6g} Hz   magnitude {curve[k]:>12.6g}   phase {phase[k, i, j] + 0.0:>9.4g} deg"
-                  for what, k in marks]
+        for what, k in marks:
+            if what == "peak" and (np.abs(unbounded - f[k]) <= 1e-3 * f[k]).any():
+                lines.append(f"  {what:8}{f[k]:>12.6g} Hz   no bound: resonance without damping")
+            else:
+                lines.append(f"  {what:8}{f[k]:>12.6g} Hz   magnitude {curve[k]:>12.6g}   phase {phase[k, i, j] + 0.0:>9.4g} deg")
     return "\n".join(lines)
 
 

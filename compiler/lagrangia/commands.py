@@ -353,6 +353,14 @@ def number(text: str, option: str) -> float:
         fail("L0706", f"'{text}' after {option} is no number")
 
 
+def write_text(path: Path, text: str) -> None:
+    """Raises LagError L0004 where it cannot be written."""
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        fail("L0004", f"'{path}' cannot be written: {error.strerror or error}")
+
+
 def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, float]:
     """Values in SI units; `world.gravity={0,0}` sets the elements of an array."""
     found: dict[str, Any] = {}
@@ -407,5 +415,5 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
 
 __all__ = [
     "assignment", "check_command", "explain_command", "load_model", "number", "read_inputs", "read_table", "simulate_command",
-    "split_names", "structural_value", "values_with_units",
+    "split_names", "structural_value", "values_with_units", "write_text",
 ]

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, structural_value
+from lagrangia.commands import assignment, structural_value, write_text
 from lagrangia.diagnostics import fail
 from lagrangia.pipeline import flatten_file
 
@@ -20,7 +20,7 @@ def equations_command(options: Namespace) -> int:
     if options.output is None:
         print(text)
     else:
-        Path(options.output).write_text(text + "\n", encoding="utf-8")
+        write_text(Path(options.output), text + "\n")
         print(f"written to {options.output}")
     return 0
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lagrangia.commands import write_text
 from lagrangia.diagnostics import fail, suggest
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def export(model: "Model", target: str, path: Path, names: Mapping[str, str] | N
         count = _write_casadi(model, path)
         return f"{path}: {count} CasADi functions; casadi.FileDeserializer('{path}').unpack() is a list of them"
     text = {"python": _python, "modelica": _modelica}.get(target, _page)(model, target, names or {}, force)
-    path.write_text(text if text.endswith("\n") else text + "\n", encoding="utf-8")
+    write_text(path, text if text.endswith("\n") else text + "\n")
     return f"{path}: {text.count(chr(10)) + 1} lines"
 
 
@@ -66,6 +67,7 @@ def _write_casadi(model: "Model", path: Path) -> int:
     functions = [*model.functions().values(),
                  ca.Function("parameters", [], [ca.DM(model.parameter_values())], [], ["p"]),
                  ca.Function("start", [], [q, v], [], ["q", "v"])]
+    write_text(path, "")  # tells what is wrong with the path; CasADi would make folders
     serializer = ca.FileSerializer(str(path))
     serializer.pack(functions)
     del serializer  # closes the file

@@ -7,6 +7,11 @@ from lagrangia.instances import held_port
 
 def all_reactions(graph: ComponentGraph) -> list[str]:
     """The force and torque of every joint and of every equation between the ports of one component."""
+    return [f"{path}.{what}" for path in reaction_ports(graph) for what in ("reaction", "reaction_torque")]
+
+
+def reaction_ports(graph: ComponentGraph) -> dict[str, str]:
+    """Of every joint and tie, by its name, the port that its reaction acts on."""
     held = {*joints_of(graph), *cuts_of(graph)}
     stating = {equation.component for equation in graph.model.constraints}
     frames: dict[str, list[str]] = {}
@@ -14,8 +19,7 @@ def all_reactions(graph: ComponentGraph) -> list[str]:
         if frame not in graph.unused_frames and not frame.endswith("]"):
             frames.setdefault(component_of(frame), []).append(frame.rpartition(".")[2])
     ports = {path: held_port(names) for path, names in frames.items() if path}
-    found = sorted(path for path, port in ports.items() if port and (f"{path}.{port}" in held or path in stating))
-    return [f"{path}.{what}" for path in found for what in ("reaction", "reaction_torque")]
+    return {path: port for path, port in sorted(ports.items()) if port and (f"{path}.{port}" in held or path in stating)}
 
 
 def component_of(frame: str) -> str:

@@ -150,7 +150,8 @@ class Linearization:
             elif path.suffix == ".npz":
                 np.savez(path, **self.tables(), **{key: np.array(x, dtype=str) for key, x in names.items()})  # type: ignore[arg-type]
             elif path.suffix == ".mat":
-                _scipy_io().savemat(path, self.tables() | {key: np.array(x, dtype=object) for key, x in names.items()})
+                with path.open("wb") as stream:
+                    _scipy_io().savemat(stream, self.tables() | {key: np.array(x, dtype=object) for key, x in names.items()})
             else:
                 fail("L0004", f"'{path}' is no file for matrices", None, "its name should end in .json, .mat or .npz")
         except OSError as error:

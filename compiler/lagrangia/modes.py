@@ -76,6 +76,7 @@ class Modes:
     modes: tuple[Mode, ...]
     damped: tuple[DampedMode, ...]
     has_damping: bool
+    is_gyroscopic: bool
     scaling: str
     notes: tuple[str, ...]
     linearization: Linearization
@@ -138,10 +139,14 @@ def find_modes(linear: Linearization, coordinates: tuple[str, ...], mass_normali
         largest = column[int(np.abs(column).argmax())] if column.size else 1.0
         scaled = (column * np.sign(largest) if mass_normalised else column / largest) + 0.0
         modes.append(Mode(float(w2), dict(zip(coordinates, map(float, scaled), strict=True)), kind))
-    has_damping = bool(np.abs(C).max(initial=0.0) > 0)
+    symmetric, skew = (float(np.abs(part).max(initial=0.0)) for part in ((C + C.T) / 2, (C - C.T) / 2))
+    has_damping, is_gyroscopic = symmetric > _SYMMETRIC * skew, skew > _SYMMETRIC * symmetric
+    if is_gyroscopic:
+        notes.append("forces across the motion (the antisymmetric part of C, of frames that turn) are left out of the undamped "
+                     "modes and the shapes; the eigenvalues have them")
     damped = damped_modes(linear, any(mode.kind == "rigid body" for mode in modes))
-    return Modes(linear.name, coordinates, tuple(modes), damped, has_damping, "mass" if mass_normalised else "maximum 1",
-                 tuple(notes), linear, mechanism)
+    return Modes(linear.name, coordinates, tuple(modes), damped, has_damping, is_gyroscopic,
+                 "mass" if mass_normalised else "maximum 1", tuple(notes), linear, mechanism)
 
 
 def _undamped(M: Matrix, K: Matrix, is_symmetric: bool) -> tuple[Matrix, Matrix]:

@@ -21,6 +21,7 @@ _MARGIN = 10.0
 _AROUND_PEAK = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 _LEAST_DAMPING = 1e-5
 _MOST_PEAKS = 60
+_OPPOSITE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,9 @@ class Response:
     @property
     def phase(self) -> Matrix:
         """Degrees, without jumps along the frequencies."""
-        return np.asarray(np.degrees(np.unwrap(np.angle(self.values), axis=0)))
+        angle = np.angle(self.values)
+        angle = np.where(angle > np.pi - _OPPOSITE, angle - 2 * np.pi, angle)  # what is opposed to the input lags by 180 degrees
+        return np.asarray(np.degrees(np.unwrap(angle, axis=0)))
 
     def of(self, output: str, input: str | None = None) -> NDArray[np.complex128]:
         """(frequencies,) of one pair; the first input by default."""
