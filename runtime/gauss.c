@@ -12,11 +12,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "explicit.h"
-#include "segment.h"
+#include "state.h"
 #include "step.h"
+#include "trial.h"
 
-enum { MOST_ITERATIONS = 60, TRIAL_STEPS = 300, TRIAL_REST = 12, MOST_HALVINGS = 40 };
+enum { MOST_ITERATIONS = 60, MOST_HALVINGS = 40 };
 /* Iterations have converged when corrections fall below rounding, or below this and no longer shrink. */
 static const double ROUNDING = 1e-16, NEARLY = 1e-11;
 static const double SAME = 1e-9; /* lengths of steps that differ by less are equal */
@@ -183,37 +183,6 @@ static void swap(double **a, double **b)
     *b = c;
 }
 
-/* The shortest step that Dormand-Prince takes in a trial run, which leaves no trace but the sizes of the motion. */
-static double try_out(LagRun *run)
-{
-    LagMotion *m = &run->motion;
-    const size_t size = (size_t)m->size * sizeof *m->y;
-    const LagStatistics statistics = run->statistics;
-    const double t = m->t, step = run->step;
-    double shortest = INFINITY;
-    memcpy(run->inside, m->y, size);
-    run->methods.table = &lag_dop853;
-    run->methods.self = &run->methods.dop853;
-    lag_dop853.restart(&run->methods.dop853, m);
-    for (int i = 0; i < TRIAL_STEPS && m->t < run->settings.t_stop; ++i) {
-        if (lag_step_adaptive(run) != LAG_OK)
-            break;
-        if ((i >= TRIAL_REST || i == 0) && m->t < run->settings.t_stop)
-            shortest = i == TRIAL_REST ? m->t - m->t_old : fmin(shortest, m->t - m->t_old);
-    }
-    if (!isfinite(shortest))
-        shortest = m->t - t;
-    memcpy(m->y, run->inside, size);
-    memset(m->carry, 0, size);
-    m->t = m->t_old = t;
-    run->step = step;
-    run->statistics = statistics;
-    run->segment_over = 0;
-    run->methods.table = &lag_gauss;
-    run->methods.self = &run->methods.gauss;
-    return shortest;
-}
-
 /* Stages by the tolerance, and equal steps that end where the run does. */
 static void choose(LagRun *run, LagGauss *s)
 {
@@ -222,7 +191,7 @@ static void choose(LagRun *run, LagGauss *s)
     while (tolerance < CHOICE[k].tolerance)
         ++k;
     s->tableau = &LAG_GAUSS[CHOICE[k].tableau];
-    s->h = CHOICE[k].length * try_out(run);
+    s->h = CHOICE[k].length * lag_trial(run).shortest;
     if (run->settings.max_step > 0)
         s->h = fmin(s->h, run->settings.max_step);
     if (isfinite(left))

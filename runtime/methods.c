@@ -21,7 +21,7 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     case LAG_SOLVER_LINEAR: return lag_parts.linear && model->linear_pattern;
     case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
     case LAG_SOLVER_ISLANDS: return lag_parts.islands && model->n_islands > 1;
-    case LAG_SOLVER_CONSERVATIVE: return lag_parts.conservative && lag_present(&model->velocity);
+    case LAG_SOLVER_CONSERVATIVE: return lag_parts.explicit_conservative && (model->is_separable || lag_present(&model->velocity));
     case LAG_SOLVER_TAYLOR: return model->n_jets > 0;
     default: return 0;
     }
@@ -48,8 +48,11 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
         lag_parts.islands->layout(&methods->islands, motion, arena);
     if (solver == LAG_SOLVER_TAYLOR)
         lag_taylor.layout(&methods->taylor, motion, arena);
-    if (solver == LAG_SOLVER_CONSERVATIVE)
-        lag_parts.conservative->layout(&methods->gauss, motion, arena);
+    if (solver == LAG_SOLVER_CONSERVATIVE && model->is_separable)
+        lag_parts.explicit_conservative->layout(&methods->nystrom, motion, arena);
+    if (solver == LAG_SOLVER_CONSERVATIVE && !model->is_separable)
+        lag_parts.implicit_conservative->layout(&methods->gauss, motion, arena);
+    methods->is_separable = model->is_separable;
     methods->explicit_solver = is_explicit(solver) ? solver : LAG_SOLVER_ERK;
     if (solver == LAG_SOLVER_ERK5)
         lag_tsit5.layout(&methods->tsit5, motion, arena);
@@ -76,8 +79,8 @@ void lag_methods_choose(LagMethods *methods, int32_t solver)
         methods->self = &methods->islands;
         break;
     case LAG_SOLVER_CONSERVATIVE:
-        methods->table = lag_parts.conservative;
-        methods->self = &methods->gauss;
+        methods->table = methods->is_separable ? lag_parts.explicit_conservative : lag_parts.implicit_conservative;
+        methods->self = methods->is_separable ? (void *)&methods->nystrom : (void *)&methods->gauss;
         break;
     case LAG_SOLVER_TAYLOR:
         methods->table = &lag_taylor;

@@ -6,6 +6,7 @@
 #include "gauss.h"
 #include "islands.h"
 #include "linear_method.h"
+#include "nystrom.h"
 #include "radau.h"
 #include "run.h"
 #include "taylor.h"
@@ -20,6 +21,8 @@ typedef struct {
     LagIslands islands;
     LagRadau radau;
     LagGauss gauss;
+    LagNystrom nystrom;
+    int is_separable; /* of the two conservative ones nystrom serves */
     LagTaylor taylor;
 } LagMethods;
 

@@ -68,6 +68,7 @@ struct LagModel {
     int n_lower, n_upper; /* most entries of its factors; 0: elimination is dense */
     int n_colours;        /* groups of the matrix's columns without common rows */
     int rhs_cost, jacobian_cost; /* operations in them */
+    int is_separable; /* energy is kept, and accelerations follow from positions alone: M is constant */
     const int *jacobian_pattern; /* of the matrix's columns: starts (size + 1), rows (n_entries), order (size = n + n_multipliers);
                                   * colours (n) of those of the coordinates */
 

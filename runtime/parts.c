@@ -3,6 +3,7 @@
 
 #include "gauss.h"
 #include "linear_method.h"
+#include "nystrom.h"
 
 const LagParts lag_parts = {
 #ifndef LAG_WITHOUT_LINEAR
@@ -14,7 +15,8 @@ const LagParts lag_parts = {
     .islands_close = lag_islands_close,
 #endif
 #ifndef LAG_WITHOUT_CONSERVATIVE
-    .conservative = &lag_gauss,
+    .implicit_conservative = &lag_gauss,
+    .explicit_conservative = &lag_nystrom,
 #endif
 #ifndef LAG_WITHOUT_ASSEMBLY
     .assembly_layout = lag_assembly_layout,

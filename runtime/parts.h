@@ -7,7 +7,8 @@
 #include "islands.h"
 
 typedef struct {
-    const LagMethod *linear, *islands, *conservative;
+    const LagMethod *linear, *islands;
+    const LagMethod *implicit_conservative, *explicit_conservative;
     int (*islands_open)(LagIslands *islands, const LagModel *model, const LagSettings *settings);
     void (*islands_close)(LagIslands *islands);
     void (*assembly_layout)(LagAssembly *assembly, LagArena *arena);

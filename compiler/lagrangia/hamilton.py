@@ -2,7 +2,8 @@
 
     p = dT/dv = M(q) v;   dq/dt = M(q)^-1 p,   dp/dt = dT/dq - dV/dq.
 
-Symplectic steps are taken in (q, p); only scenes have them whose equations know neither time nor power.
+Symplectic steps are taken in (q, p); only scenes have them whose equations know neither time nor power. Where M is constant,
+(q, v) serve as well, and nothing more is needed than accelerations.
 """
 
 from dataclasses import dataclass
@@ -44,6 +45,11 @@ def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Ener
     if motion.q.numel() > _MOST_COORDINATES:
         return f"not supported yet beyond {_MOST_COORDINATES} coordinates"
     return ""
+
+
+def is_separable(motion: Motion) -> bool:
+    """Whether accelerations follow from positions alone, as they do where energy is kept and M is constant."""
+    return not ca.depends_on(motion.acceleration, motion.v)
 
 
 def build_hamilton(kinematics: Kinematics, motion: Motion) -> Hamilton:

@@ -60,7 +60,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.freedom import is_held_still
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
-    from lagrangia.hamilton import build_hamilton, energy_flow
+    from lagrangia.hamilton import build_hamilton, energy_flow, is_separable
     from lagrangia.initial import build_initial
     from lagrangia.kinematics import build_kinematics
     from lagrangia.motion import build_motion
@@ -81,7 +81,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
         with _timed(seconds, "functions"):
             initial = build_initial(kinematics, constraints)
             flow = energy_flow(kinematics, constraints, energies, motion)
-            hamilton = None if flow else build_hamilton(kinematics, motion)
+            hamilton = None if flow or is_separable(motion) else build_hamilton(kinematics, motion)
             functions = build_functions(kinematics, motion, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
         with _timed(seconds, "freedom"):
             is_still = is_held_still(kinematics, motion, constraints, initial, functions)

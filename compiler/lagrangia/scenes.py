@@ -48,6 +48,7 @@ def build_scene(
         "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions, "n_power": functions.n_power,
         "n_holonomic": held.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0,
         "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
+        "is_separable": int("conservative" not in refused and "velocity" not in functions.table),
     }
     sizes |= functions.sizes
     if functions.linear_pays:

@@ -26,7 +26,7 @@ WAYS: Mapping[str, Way] = {
     "islands": Way(Solver.ISLANDS, "islands that do not interact, each by its own solver and steps"),
     "implicit": Way(Solver.IMPLICIT, "Radau IIA of order 5, 9 and 13"),
     "taylor": Way(Solver.TAYLOR, "Taylor series of the motion, of an order that follows from the tolerance"),
-    "conservative": Way(Solver.CONSERVATIVE, "symplectic Gauss collocation of fixed step, for scenes that keep their energy"),
+    "conservative": Way(Solver.CONSERVATIVE, "symplectic steps of fixed length, for scenes that keep their energy"),
 }
 
 

@@ -100,10 +100,11 @@ taylor  Taylor series of the motion about the beginning of each step, of an orde
         Exp. Math. 14, 2005), for small scenes of smooth functions: C written for the scene computes the coefficients. Steps are
         long and rows inside them cost next to nothing. auto takes it instead of erk where it is cheaper, most of all at small
         tolerances.
-conservative  Gauss collocation of order 6 to 16 in coordinates and momenta with equal steps, symplectic (Hairer, Lubich, Wanner,
-        Geometric Numerical Integration, II.1, VI.4): the energy error of a scene that keeps its energy stays bounded, however
-        long. The length of steps follows from the tolerance by a trial at the start, so motions that are quick at times (close
-        encounters) are not for it. auto never takes it: to 1e5 periods taylor and erk at small tolerances cost less.
+conservative  symplectic steps of equal length: the energy error of a scene that keeps its energy stays bounded, however long.
+        Where M is constant, explicit splitting of order 6 (Blanes, Moan, J. Comput. Appl. Math. 142, 2002), whose energy error
+        is the tolerance; else Gauss collocation of order 6 to 16 in coordinates and momenta (Hairer, Lubich, Wanner, Geometric
+        Numerical Integration, II.1, VI.4). The length of steps is chosen in a trial at the start, so motions that are quick at
+        times (close encounters) are not for it. auto never takes it: it promises positions, and these steps keep the energy.
 casadi:cvodes, casadi:idas    integrators of SUNDIALS through CasADi: an independent check, and the way without a C compiler.
 
 Closed loops and constraints: accelerations and multipliers from one sparse linear system, written out and factored without
