@@ -117,6 +117,13 @@ ORDER = """
     simulate
     casadi_solvers
     targets
+    fmu_xmltree
+    fmu_archive
+    fmu_description
+    fmu_rules
+    fmu_structure
+    fmu_binary
+    fmu_parts
     sweep_measures
     sweep_values
     sweep_plan
@@ -139,6 +146,12 @@ ORDER = """
     fmu_page
     fmu_build
     fmu
+    fmu_importer
+    fmu_integrate
+    fmu_probe
+    fmu_worker
+    fmu_process
+    fmu_run
     probes
     small_motion
     mechanism
@@ -164,6 +177,10 @@ ORDER = """
     exports
     equations_command
     fmu_command
+    fmu_compare
+    fmu_check
+    fmu_check_command
+    fmu_simulate_command
     export_command
     cli
     __init__

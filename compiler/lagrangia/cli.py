@@ -69,9 +69,19 @@ def _is_colored() -> bool:
 
 
 def _simulate(options: argparse.Namespace) -> int:
+    if options.file.suffix.lower() == ".fmu":
+        from lagrangia.fmu_simulate_command import simulate_fmu_command
+
+        return simulate_fmu_command(options)
     from lagrangia.commands import simulate_command
 
     return simulate_command(options)
+
+
+def _check_fmu(options: argparse.Namespace) -> int:
+    from lagrangia.fmu_check_command import check_fmu_command
+
+    return check_fmu_command(options)
 
 
 def _sweep(options: argparse.Namespace) -> int:
@@ -142,7 +152,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="lag", description="Lagrangia: a language for mechanics, with a compiler. `lag help` lists the topics.")
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
     commands = parser.add_subparsers(dest="name", required=True, metavar="COMMAND", parser_class=_Parser)
-    _add_simulate(_add(commands, "simulate", _simulate, "compute the motion of a scene"))
+    _add_simulate(_add(commands, "simulate", _simulate, "compute the motion of a scene, or of any FMU"))
     _add_sweep(_add(commands, "sweep", _sweep, "run a scene many times, with other parameters and start values"))
     check = _add(commands, "check", _check, "look for errors without running")
     check.add_argument("files", nargs="+", type=Path, metavar="FILE")
@@ -159,6 +169,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_modes(_add(commands, "modes", _analysis, "find natural frequencies, damping ratios and mode shapes"))
     _add_response(_add(commands, "response", _analysis, "compute a frequency response"))
     _add_export(_add(commands, "export", _export, "write a scene for other programs"))
+    _add_fmu(commands.add_parser("fmu", help="look for errors in an FMU", description="Look for errors in an FMU."))
     topics = _add(commands, "help", _help, "longer texts: the language, the library, the solver")
     topics.add_argument("topic", nargs="?")
     return parser
@@ -203,6 +214,7 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
         help="compiled, interpreted, or (auto) what costs less time; the reckoning is shown by --stats")
     add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")
     add("--max-steps", type=int, default=0, metavar="N", help="give up after so many steps")
+    add("--kind", metavar="KIND", help="of an FMU: me (Model Exchange) or cs (Co-Simulation, where there is one)")
     add("--stats", action="store_true", help="say what was done, and in what time")
     add("--quiet", action="store_true", help="say nothing but errors")
     add("--dump", metavar="PHASE",
@@ -323,6 +335,14 @@ def _add_export(parser: argparse.ArgumentParser) -> None:
     add("--outputs", metavar="NAME,NAME,...", help="more outputs of an FMU")
     add("--info", action="append", default=[], metavar="NAME=TEXT", help="author, version, copyright, license of an FMU")
     add("-o", "--output", metavar="FILE", help="the file; by default the model's name in this folder")
+
+
+def _add_fmu(parser: argparse.ArgumentParser) -> None:
+    commands = parser.add_subparsers(dest="name", required=True, metavar="COMMAND", parser_class=_Parser)
+    check = _add(commands, "check", _check_fmu, "look for errors in an FMU, whoever made it, and in its motion")
+    check.add_argument("files", nargs="+", type=Path, metavar="FILE")
+    check.add_argument("--run", action=argparse.BooleanOptionalAction, default=True,
+                       help="load and run its binary, which is to trust it")
 
 
 def _add_equations(parser: argparse.ArgumentParser) -> None:

@@ -77,6 +77,8 @@ def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
 
 
 def simulate_command(options: Namespace) -> int:
+    if options.kind is not None:
+        fail("L0706", "--kind belongs to FMUs", None, f"'{options.file}' is none: its name would end in .fmu")
     if options.plot is not None:
         require_format(options.plot)
     begin = time.perf_counter()

@@ -3,6 +3,7 @@
 import contextlib
 import hashlib
 import io
+import json
 import os
 import re
 import time
@@ -28,6 +29,7 @@ from lagrangia.targets import Target
 VERSIONS = ("2", "3")
 KINDS = ("me", "cs")
 EXTRA = "io.github.lagrangia"  # its folder in extra/
+SCENE = "scene.json"  # in it: which model of which file was exported, and with what
 _MOST_READABLE = 3  # coordinates of a scene whose equations are written out
 _LONGEST_IDENTIFIER = 60
 _EARLIEST = (1980, 1, 1, 0, 0, 0)  # in an archive; files in it have no dates
@@ -132,16 +134,25 @@ def build_extras(model: Exportable, described: FmuModel) -> Extras:
     """Pictures, equations when the scene is small, the .lag files, the CasADi functions."""
     import casadi as ca
 
-    main, imported = read_files(model.path)
     functions = ca.StringSerializer()
     functions.pack(list(model.functions().values()))
-    sources = {item.source.name: item.source.text for item in (main, *imported)}
-    files = {"functions.casadi": functions.encode().encode()} | {Path(name).name: text.encode() for name, text in sources.items()}
+    files = {"functions.casadi": functions.encode().encode()} | model_files(model)
     equations = ""
     if described.scene.n <= _MOST_READABLE:
         with contextlib.suppress(LagError):
             equations = model.equations()
     return Extras(draw_icon(model, described.state_start), draw_graph(model.compilation), equations, files)
+
+
+def model_files(model: Exportable) -> dict[str, bytes]:
+    """The .lag files, as they lie to each other so that imports find them, and what to compile of them."""
+    main, imported = read_files(model.path)
+    places = {Path(item.source.name).resolve(): item.source.text.encode() for item in (main, *imported)}
+    base = os.path.commonpath([place.parent for place in places])
+    files = {place.relative_to(base).as_posix(): content for place, content in places.items()}
+    scene = {"file": model.path.resolve().relative_to(base).as_posix(), "model": model.model,
+             "structural": dict(model.structural), "outputs": list(model.outputs)}
+    return files | {SCENE: (json.dumps(scene, indent=2, sort_keys=True) + "\n").encode()}
 
 
 def _folder(platform: Platform, version: str) -> str:

@@ -27,6 +27,7 @@ from lagrangia.native import CompilerError, find_compiler
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-DLAG_STATIC=1",
           "-DFMI3_OVERRIDE_FUNCTION_PREFIX=1")
 _GENERATED = ("scene.c", "scene_fmu.c")
+_OF_ONE_VERSION = ("fmi2", "fmi3")  # begin the names of files that only FMUs of this version have
 
 
 @dataclass(frozen=True)
@@ -122,30 +123,40 @@ def _build(identifier: str, sources: Mapping[str, str], target: str, headers: Pa
            tell: Callable[[str], None] | None) -> bytes:
     compiler = _Compiler(target, headers)
     own = {name: text for name, text in sources.items() if name in _GENERATED}
-    shared = {name: text for name, text in sources.items() if name not in _GENERATED}
     kind = PLATFORMS[target]
     flags = [f"-Wl,-install_name,@rpath/{identifier}.dylib"] if kind.suffix == ".dylib" else []
     kept = cache_folder() / f"fmu-{target}-{compiler.key(sources, [identifier, *flags])}{kind.suffix}"
     if kept.is_file():
         return kept.read_bytes()
-    objects = cache_folder() / f"fmu-{target}-{compiler.key(shared)}"
-    if not objects.is_dir():
-        if tell is not None:
-            tell(f"compiling the run time for {target}, the first time"
-                 + (": a minute, with the compiler's own libraries" if kind.suffix == ".dll" else ""))
-        _compile_objects(compiler, shared, objects)
+    objects = _objects(compiler, {name: text for name, text in sources.items() if name not in _GENERATED}, tell)
     with tempfile.TemporaryDirectory(prefix="lagrangia-fmu-") as folder:
         for name, text in sources.items():
             if name in own or name.endswith(".h"):
                 (Path(folder) / name).write_text(text, encoding="utf-8")
         library = f"{identifier}{kind.suffix}"
         files = [name for name in own if name.endswith(".c")]
-        linked = sorted(str(file) for file in objects.glob("*.o"))
+        linked = sorted((str(file) for folder in objects for file in folder.glob("*.o")), key=os.path.basename)
         compiler.run([*flags, "-shared", "-o", library, *files, *linked, *(() if kind.suffix == ".dll" else ("-lm",))], folder)
         temporary = kept.with_suffix(f".{os.getpid()}.part")
         shutil.copyfile(Path(folder) / library, temporary)
         os.replace(temporary, kept)
     return kept.read_bytes()
+
+
+def _objects(compiler: "_Compiler", shared: Mapping[str, str], tell: Callable[[str], None] | None) -> list[Path]:
+    """Folders with the run time and the glue of one version, which are compiled once for all scenes."""
+    common = {name: text for name, text in shared.items() if not name.startswith(_OF_ONE_VERSION)}
+    headers = {name: text for name, text in common.items() if name.endswith(".h")}
+    parts = (common, headers | {name: text for name, text in shared.items() if name not in common})
+    folders = [cache_folder() / f"fmu-{compiler.platform}-{compiler.key(part)}" for part in parts]
+    if tell is not None and not folders[0].is_dir():
+        is_windows = PLATFORMS[compiler.platform].suffix == ".dll"
+        tell(f"compiling the run time for {compiler.platform}, the first time"
+             + (": a minute, with the compiler's own libraries" if is_windows else ""))
+    for part, folder in zip(parts, folders, strict=True):
+        if not folder.is_dir():
+            _compile_objects(compiler, part, folder)
+    return folders
 
 
 def _compile_objects(compiler: "_Compiler", sources: Mapping[str, str], objects: Path) -> None:

@@ -31,6 +31,9 @@ class Exportable(Protocol):
     """What is asked of a compiled scene: a Model (model.py)."""
 
     path: Path
+    model: str | None
+    structural: dict[str, Any]
+    outputs: tuple[str, ...]
     scene: Scene
 
     @property

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.diagnostics import fail
-from lagrangia.scene import Column, Scene
+from lagrangia.scene import Column
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,7 +23,7 @@ def require_format(path: str | os.PathLike[str]) -> None:
         fail("L0004", f"'{path}' is no picture that can be drawn", None, f"its name should end in {', '.join(_FORMATS)}")
 
 
-def draw(scene: Scene, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndarray]]",
+def draw(title: str, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndarray]]",
          path: str | os.PathLike[str] | None = None) -> Any:
     """One panel a unit, angles in degrees when the quantity is shown so; returns the matplotlib Figure.
 
@@ -47,7 +47,7 @@ def draw(scene: Scene, time: "np.ndarray", curves: "Sequence[tuple[Column, np.nd
         if 1 < len(members) <= _MOST_IN_LEGEND:
             axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     axes[-1].set_xlabel("time [s]")
-    axes[0].set_title(scene.description or scene.name, fontsize=11, wrap=True)
+    axes[0].set_title(title, fontsize=11, wrap=True)
     if path is not None:
         save(figure, Path(path))
     return figure

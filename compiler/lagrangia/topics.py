@@ -269,6 +269,36 @@ with parameters=, initial=, inputs=, time=, about=. A linearisation has .M, .C, 
 .to_control(), modes and responses have .frequencies and .plot(path).
 """
 
+_FMU = """\
+lag export FILE --to fmu       writes an FMU: the scene with the same C run time and the same functions as `lag simulate`
+lag fmu check X.fmu ...        looks for faults in any FMU, whoever made it
+lag simulate X.fmu             runs any FMU, to compare; pip install "lagrangia[fmu]" brings FMPy, which these need
+
+Export. --fmi 2, 3 or both; --kind me,cs (Model Exchange, Co-Simulation; both in one archive); --platforms host, all, or names
+of x86_64-linux (glibc 2.17), aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin; --no-sources; --outputs NAME,...;
+-p NAME=VALUE other start values; --info author=TEXT, version, copyright, license. Parameters are tunable, derivatives exact,
+states can be saved and serialised. The source is inside, in extra/. Co-Simulation steps by the scene's own solver, as `lag
+simulate` does. Equal input gives equal bytes but for the date, which SOURCE_DATE_EPOCH sets. From Python:
+model.export_fmu("x.fmu", fmi="both").
+
+Check. What is written in the FMU is read with care and told with its place: FMPy's validation, and what no schema shows,
+among it derivatives that point to another state (by name, unit, kind), start values out of their bounds, listed sources that
+are not there, build descriptions for another version or model, states that are not continuous, flags in the spelling of the
+other version, units that are empty or not defined, rows and dependencies of ModelStructure that point nowhere, terminals that
+name nothing, archives with links, backslashes, ZIP64 or other ways to pack, binaries for another processor, of another name,
+with libraries that are not inside or for a new glibc alone. Then its binary is run, in a process of its own: are the states
+those that the description names, directional derivatives those of differences, is it the same after reset and from a saved
+state. With a Lagrangia source inside, both kinds must move as the native run does, within 100 tolerances or 10 times what
+errors grow to; others are only run. --no-run leaves that out: to run a binary is to trust it. Exit codes: 2 for what is
+written wrong, 1 for what runs wrong, 0.
+
+Simulate. --kind me or cs (cs where there is one), --start, --stop, --interval, --at, --tolerance, -p (parameters), --initial
+(start values), -u (inputs), --outputs, -o, --plot (outputs, or states), --plot-quantities, --stats mean what they mean for a
+scene; what is not given is the FMU's own default experiment. Values may carry units: -p m=300[g]. Model Exchange is
+integrated by the CVode of FMPy, Co-Simulation takes a step from row to row. Rows at the time of an event show the state
+before it.
+"""
+
 TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "language": ("models, frames, energies: the language on one page", lambda: _LANGUAGE),
     "library": ("the components and what they state", _library),
@@ -279,6 +309,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "python": ("the Python interface", lambda: _PYTHON),
     "bench": ("run time against error: what is measured, and how", lambda: _BENCH),
     "equations": ("the equations of motion for people: forms, formats, names", lambda: _EQUATIONS),
+    "fmu": ("FMUs: export, check, simulate", lambda: _FMU),
     "analysis": ("equilibria, small motion, modes, frequency response", lambda: _ANALYSIS),
     "errors": ("diagnostics and exit codes", lambda: _ERRORS),
 }

@@ -108,7 +108,7 @@ class Trajectory:
         chosen = names or tuple(c.name for c in self.scene.coordinates)
         by_name = {column.name: column for column in self.columns}
         curves = [(by_name.get(name, Column(name, "", "", "")), self[name]) for name in chosen]
-        return draw(self.scene, self.time, curves, path)
+        return draw(self.scene.description or self.scene.name, self.time, curves, path)
 
 
 def columns(scene: Scene) -> tuple[Column, ...]:

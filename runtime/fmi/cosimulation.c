@@ -130,8 +130,9 @@ LagAnswer lag_instance_step(LagInstance *s, double t, double h, LagStepResult *r
     if (answer == LAG_ANSWER_OK)
         answer = s->intermediate ? advance_watched(s, target, result) : advance(s, target);
     result->time = vital->t;
-    if (vital->has_slopes)
-        vital->has_slopes = 0;
+    if (vital->has_slopes) /* they are of one step */
+        memset(s->u_slope, 0, (size_t)s->model->n_inputs * sizeof *s->u_slope);
+    vital->has_slopes = 0;
     return answer;
 }
 
@@ -141,6 +142,7 @@ LagAnswer lag_instance_input_slope(LagInstance *s, unsigned int reference, int o
     if (lag_instance_locate(s->fmu, reference, &index) != LAG_GROUP_INPUT || order != 1 || !isfinite(value))
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "inputs have first derivatives that are finite, and no others");
     s->u_slope[index] = value;
-    s->vital.has_slopes = 1;
+    if (value != 0)
+        s->vital.has_slopes = 1;
     return LAG_ANSWER_OK;
 }

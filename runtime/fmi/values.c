@@ -109,10 +109,12 @@ LagAnswer lag_instance_begin(LagInstance *s)
     vital->supports_energy = energies[0] + energies[1] - energies[2];
     vital->dissipated = vital->work = 0;
     lag_instance_forget(s);
-    if (s->kind == LAG_CO_SIMULATION)
+    if (s->kind == LAG_CO_SIMULATION) {
         lag_cosimulation_take_row(s);
-    else
+    } else {
+        lag_scale_note(&run->scale, s->fmu->nominal); /* what is 0 at the start: projecting tells errors from rounding by size */
         lag_exchange_note(s);
+    }
     return LAG_ANSWER_OK;
 }
 

@@ -1,0 +1,94 @@
+"""`lag fmu check`: all that can be found wrong with an FMU, by reading it and by running it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lagrangia.diagnostics import Diagnostic, LagError
+from lagrangia.fmu_archive import DESCRIPTION, archive_rules
+from lagrangia.fmu_compare import compare, experiment_of
+from lagrangia.fmu_parts import part_rules
+from lagrangia.fmu_process import SPOKEN, Job, require_fmpy, run_job
+from lagrangia.fmu_rules import unit_rules, variable_rules
+from lagrangia.fmu_run import Opened, has_binary, open_fmu, unpacked
+from lagrangia.fmu_structure import structure_rules
+
+FMPY = "L0739"
+_LONGEST = 30  # seconds for a look at a running instance
+
+
+@dataclass
+class Checked:
+    """`faults` of what was read; `told`: what running it showed, and whether that is a fault."""
+
+    opened: Opened
+    faults: list[Diagnostic]
+    told: list[tuple[str, bool]] = field(default_factory=list)
+
+    @property
+    def is_wrong(self) -> bool:
+        return any(d.severity == "error" for d in self.faults)
+
+    @property
+    def has_failed(self) -> bool:
+        return any(is_fault for _, is_fault in self.told)
+
+
+def check_fmu(path: Path, run: bool = True) -> Checked:
+    """`run`: its binary for this machine is loaded and simulated, which is to trust it. Raises LagError for what is no FMU."""
+    require_fmpy()
+    opened = open_fmu(path)
+    found = list(read_faults(opened))
+    checked = Checked(opened, found + list(_fmpy_rules(path, found)))
+    if run:
+        _run(opened, checked)
+    return checked
+
+
+def read_faults(opened: Opened) -> Iterator[Diagnostic]:
+    """What our own rules find in the archive and its texts."""
+    description = opened.description
+    yield from archive_rules(opened.archive)
+    yield from unit_rules(description)
+    yield from variable_rules(description)
+    yield from structure_rules(description)
+    yield from part_rules(opened.archive, description)
+
+
+def _fmpy_rules(path: Path, found: list[Diagnostic]) -> Iterator[Diagnostic]:
+    """What FMPy's validation says, but for lines of the description in which a fault is told already."""
+    from fmpy.validation import validate_fmu
+
+    lines = {d.span.source.line_and_column(d.span.start)[0] for d in found
+             if d.span is not None and d.severity == "error" and d.span.source.name.endswith(DESCRIPTION)}
+    told = lines | {line - 1 for line in lines}  # numbers of FMI 2 stand in an element below that of their variable
+    try:
+        messages = validate_fmu(str(path))
+    except Exception as error:  # FMPy reads on where there is nothing to read
+        messages = [f"{type(error).__name__}: {error}"]
+    for message in messages:
+        if not any(f"line {line}{end}" in message for line in told for end in (")", ",")):
+            yield Diagnostic("error", FMPY, f"FMPy: {message}")
+
+
+def _run(opened: Opened, checked: Checked) -> None:
+    if not has_binary(opened):
+        checked.told.append(("it was not run: it has no binary for this machine", False))
+        return
+    try:
+        with unpacked(opened) as folder:
+            for kind in opened.offers:
+                checked.told += [(text, True) for text in _probed(opened, folder, kind)]
+            checked.told += [(found.message, found.is_wrong) for found in compare(opened, folder, opened.offers)]
+    except LagError as error:
+        checked.told += [(d.message, True) for d in error.diagnostics]
+
+
+def _probed(opened: Opened, folder: str, kind: str) -> Iterator[str]:
+    start, stop, tolerance = experiment_of(opened)
+    flags = opened.description.interfaces[kind]
+    derivatives = any(flags.get(f"providesDirectionalDerivative{end}") in ("true", "1") for end in ("", "s"))
+    outcome = run_job(Job(folder, kind, [start], stop, tolerance, probe=True, derivatives=derivatives), _LONGEST)
+    if outcome.message and not outcome.is_given_up:
+        yield f"{SPOKEN[kind]}: {outcome.explanation}"
+    yield from (f"{SPOKEN[kind]}: {fault}" for fault in outcome.faults)

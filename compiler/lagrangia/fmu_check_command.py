@@ -1,0 +1,51 @@
+"""`lag fmu check`: files -> a report."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+from lagrangia.diagnostics import LagError, render_all
+from lagrangia.fmu_check import Checked, check_fmu
+from lagrangia.fmu_process import SPOKEN
+from lagrangia.fmu_run import Opened
+
+
+def check_fmu_command(options: Namespace) -> int:
+    """The exit code is 2 when something written in an FMU is wrong, 1 when only its runs are."""
+    codes = [_check(file, options.run) for file in options.files]
+    return 2 if 2 in codes else max(codes)
+
+
+def _check(file: Path, run: bool) -> int:
+    color = sys.stderr.isatty()
+    try:
+        checked = check_fmu(file, run)
+    except LagError as error:
+        print(render_all(error.diagnostics, color), file=sys.stderr)
+        return 2
+    if checked.faults:
+        print(render_all(checked.faults, color), file=sys.stderr)
+    print(f"{file}: {_describe(checked.opened)}")
+    print(f"  {_count(checked)}")
+    for text, is_fault in checked.told:
+        print(f"  {'wrong: ' if is_fault else ''}{text}", file=sys.stderr if is_fault else sys.stdout)
+    return 2 if checked.is_wrong else 1 if checked.has_failed else 0
+
+
+def _describe(opened: Opened) -> str:
+    description = opened.description
+    kinds = " and ".join(SPOKEN.get(kind, "Scheduled Execution") for kind in description.interfaces) or "no interface"
+    causalities = [q.causality for q in description.quantities]
+    counts = [f"{count} {what}{'s' if count != 1 else ''}" for what, count in (
+        ("state", len(description.states())), *((what, causalities.count(what)) for what in ("input", "output", "parameter")))]
+    parts = [*opened.platforms, *(["sources"] if opened.has_sources else [])]
+    return (f"{opened.name}, FMI {description.root.get('fmiVersion')}, {kinds}; {', '.join(counts)}; "
+            f"{', '.join(parts) or 'no binaries'}")
+
+
+def _count(checked: Checked) -> str:
+    errors = sum(d.severity == "error" for d in checked.faults)
+    warnings = len(checked.faults) - errors
+    if not checked.faults:
+        return "no fault is found in what is written in it"
+    return " and ".join(f"{n} {what}{'s' if n != 1 else ''}" for n, what in ((errors, "fault"), (warnings, "warning")) if n)

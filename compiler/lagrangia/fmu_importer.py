@@ -1,0 +1,237 @@
+"""One instance of any FMU, through FMPy, in the same words for both versions and both kinds. Lives in a process of its own
+(fmu_worker.py), since what is inside an FMU may crash."""
+
+import ctypes
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+_BEFORE = ("exact", "approx")  # `initial` of what may be set before initialization
+_RECORDED = ("Real", "Float32", "Float64", "Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64",
+             "Enumeration", "Boolean")
+_MOST_UPDATES = 1000
+DISCARD = 2
+
+
+class FmuError(Exception):
+    """What an FMU answered instead of going on."""
+
+
+class AskedToEnd(FmuError):
+    """In the way that the standard has for it."""
+
+
+class Importer:
+    """`kind`: ModelExchange or CoSimulation; `folder` holds the unpacked FMU."""
+
+    def __init__(self, folder: str, kind: str) -> None:
+        import fmpy
+        from fmpy.simulation import instantiate_fmu
+
+        self.kind = kind
+        self.description = fmpy.read_model_description(folder, validate=False)
+        self.is_fmi2 = self.description.fmiVersion == "2.0"
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        self.fmu = instantiate_fmu(folder, self.description, kind)
+        if not self.fmu.component:
+            raise FmuError("no instance could be made")
+        interface = self.description.modelExchange if kind == "ModelExchange" else self.description.coSimulation
+        self.interface = interface
+        self.next_event: float | None = None
+
+    # ---------------------------------------------------------------- values
+
+    def getter(self, kind: str) -> Callable[..., Any]:
+        return self._function("get", kind)
+
+    def setter(self, kind: str) -> Callable[..., Any]:
+        return self._function("set", kind)
+
+    def _function(self, what: str, kind: str) -> Callable[..., Any]:
+        enumeration = "Integer" if self.is_fmi2 else "Int64"
+        found: Callable[..., Any] = getattr(self.fmu, what + (enumeration if kind == "Enumeration" else kind))
+        return found
+
+    def columns(self, names: Sequence[str]) -> list[str]:
+        """Elements of arrays have a column each."""
+        return [label for name in names for label in _labels(name, self.variables[name].shape)]
+
+    def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
+        """Reads these variables as numbers; one call of the FMU for each type."""
+        groups: dict[str, list[tuple[int, int, int]]] = {}  # place in the row, value reference, count
+        place = 0
+        for name in names:
+            variable = self.variables[name]
+            count = len(_labels(name, variable.shape))
+            groups.setdefault(variable.type, []).append((place, variable.valueReference, count))
+            place += count
+        calls = [(self.getter(kind), [r for _, r, _ in found], found) for kind, found in groups.items()]
+
+        def read() -> list[float]:
+            row = [0.0] * place
+            for getter, references, found in calls:
+                values = getter(references) if self.is_fmi2 else getter(references, nValues=sum(c for *_, c in found))
+                taken = iter(values)
+                for begin, _reference, count in found:
+                    for k in range(count):
+                        row[begin + k] = float(next(taken))
+            return row
+
+        return read
+
+    def get(self, names: Sequence[str]) -> list[float]:
+        return self.reader(names)() if names else []
+
+    def set(self, values: Mapping[str, Any]) -> None:
+        from fmpy.simulation import apply_start_values
+
+        apply_start_values(self.fmu, self.description, dict(values))
+
+    # ---------------------------------------------------------------- life
+
+    def initialise(self, start: float, stop: float, tolerance: float, values: Mapping[str, Any],
+                   begin: Callable[[], None]) -> None:
+        """`begin` sets the inputs."""
+        early = {name: value for name, value in values.items() if self.variables[name].initial in _BEFORE}
+        if self.is_fmi2:
+            self.fmu.setupExperiment(tolerance=tolerance, startTime=start, stopTime=stop)
+        self.set(early)
+        if self.is_fmi2:
+            self.fmu.enterInitializationMode()
+        else:
+            self.fmu.enterInitializationMode(tolerance=tolerance, startTime=start, stopTime=stop)
+        self.set({name: value for name, value in values.items() if name not in early})
+        begin()
+        self.fmu.exitInitializationMode()
+        if self.kind == "ModelExchange":
+            self.settle()
+            self.fmu.enterContinuousTimeMode()
+
+    def settle(self) -> None:
+        """Events are iterated until nothing changes. Raises AskedToEnd when the FMU wants to stop."""
+        for _ in range(_MOST_UPDATES):
+            again, stops, _nominals, _values, defined, when = (
+                self.fmu.newDiscreteStates() if self.is_fmi2 else self.fmu.updateDiscreteStates())
+            self.next_event = when if defined else None
+            if stops:
+                raise AskedToEnd("the FMU asked to end the simulation")
+            if not again:
+                return
+        raise FmuError(f"its event did not settle in {_MOST_UPDATES} iterations")
+
+    def handle_event(self, set_inputs: Callable[[], None]) -> None:
+        self.fmu.enterEventMode()
+        set_inputs()
+        self.settle()
+        self.fmu.enterContinuousTimeMode()
+
+    def completed_step(self) -> bool:
+        """Whether it asks for an event."""
+        if not self.interface.needsCompletedIntegratorStep:
+            return False
+        event, stops = self.fmu.completedIntegratorStep()
+        if stops:
+            raise AskedToEnd("the FMU asked to end the simulation")
+        return bool(event)
+
+    def step(self, t: float, h: float) -> float:
+        """A communication step; returns the time reached."""
+        from fmpy.fmi1 import FMICallException
+        from fmpy.fmi2 import fmi2Terminated
+
+        if not self.is_fmi2:
+            _event, stops, early, reached = self.fmu.doStep(currentCommunicationPoint=t, communicationStepSize=h)
+            if stops:
+                raise AskedToEnd("the FMU asked to end the simulation")
+            return float(reached) if early and reached < t + h else t + h
+        try:
+            self.fmu.doStep(currentCommunicationPoint=t, communicationStepSize=h)
+        except FMICallException as error:
+            if error.status == DISCARD and self.fmu.getBooleanStatus(fmi2Terminated):
+                raise AskedToEnd("the FMU asked to end the simulation") from None
+            raise
+        return t + h
+
+    def reset(self) -> None:
+        self.fmu.reset()
+        self.next_event = None
+
+    # ---------------------------------------------------------------- vectors of Model Exchange
+
+    def states(self) -> list[float]:
+        return self._vector(self.fmu.getContinuousStates)
+
+    def slopes(self) -> list[float]:
+        return self._vector(self.fmu.getDerivatives if self.is_fmi2 else self.fmu.getContinuousStateDerivatives)
+
+    def nominals(self) -> list[float]:
+        return self._vector(self.fmu.getNominalsOfContinuousStates)
+
+    def set_states(self, x: Sequence[float]) -> None:
+        self.fmu.setContinuousStates((ctypes.c_double * len(x))(*x), len(x))
+
+    def _vector(self, function: Callable[[Any, int], Any]) -> list[float]:
+        n = self.description.numberOfContinuousStates
+        values = (ctypes.c_double * max(n, 1))()
+        if n > 0:
+            function(values, n)
+        return list(values)[:n]
+
+
+def is_recorded(kind: str) -> bool:
+    return kind in _RECORDED
+
+
+def _labels(name: str, shape: Sequence[int] | None) -> list[str]:
+    """x, or x[1,1], x[1,2], ...: row by row."""
+    if not shape:
+        return [name]
+    labels = [""]
+    for size in shape:
+        labels = [f"{label},{k}" if label else str(k) for label in labels for k in range(1, size + 1)]
+    return [f"{name}[{label}]" for label in labels]
+
+
+class Table:
+    """Inputs over time: straight lines between rows, a jump where a time stands twice, held beyond the ends."""
+
+    def __init__(self, importer: Importer, names: Sequence[str], times: Sequence[float], rows: Sequence[Sequence[float]]) -> None:
+        self.importer, self.names, self.times, self.rows = importer, names, times, rows
+        self.jumps = [a for a, b in pairwise(times) if a == b]
+        groups: dict[str, list[int]] = {}
+        for k, name in enumerate(names):
+            groups.setdefault(importer.variables[name].type, []).append(k)
+        self.setters = [(importer.setter(kind), [importer.variables[names[k]].valueReference for k in places], places, kind)
+                        for kind, places in groups.items()]
+
+    def next_jump(self, t: float) -> float | None:
+        return next((jump for jump in self.jumps if jump > t), None)
+
+    def next_corner(self, t: float) -> float | None:
+        return next((corner for corner in self.times if corner > t), None) if self.names else None
+
+    def at(self, t: float, is_after: bool) -> tuple[list[float], list[float]]:
+        """Values and slopes; at a jump those before it or after it."""
+        from bisect import bisect_left, bisect_right
+
+        k = bisect_right(self.times, t) if is_after else bisect_left(self.times, t)
+        if k == 0 or k == len(self.times):
+            return list(self.rows[0 if k == 0 else -1]), [0.0] * len(self.names)
+        a, b = self.times[k - 1], self.times[k]
+        pairs = list(zip(self.rows[k - 1], self.rows[k], strict=True))
+        return [x + (y - x) * (t - a) / (b - a) for x, y in pairs], [(y - x) / (b - a) for x, y in pairs]
+
+    def apply(self, t: float, is_after: bool, with_slopes: bool = False) -> None:
+        if not self.names:
+            return
+        values, slopes = self.at(t, is_after)
+        for setter, references, places, kind in self.setters:
+            setter(references, [_as(kind, values[k]) for k in places])
+            if with_slopes and kind == "Real":
+                self.importer.fmu.setRealInputDerivatives(references, [1] * len(places), [slopes[k] for k in places])
+
+
+def _as(kind: str, value: float) -> float | int | bool:
+    if kind in ("Real", "Float32", "Float64"):
+        return value
+    return value != 0 if kind == "Boolean" else round(value)

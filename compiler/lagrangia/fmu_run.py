@@ -1,0 +1,271 @@
+"""Any FMU -> its motion at given times: what `lag simulate X.fmu` computes."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from lagrangia.diagnostics import fail, suggest
+from lagrangia.fmu_archive import DESCRIPTION, Archive, open_archive
+from lagrangia.fmu_build import PLATFORMS, host_platform
+from lagrangia.fmu_description import Description, Quantity, read_description
+from lagrangia.fmu_importer import is_recorded
+from lagrangia.fmu_process import SPOKEN, Inputs, Job, Outcome, require_fmpy, run_job
+from lagrangia.scene import Column
+
+_USUAL_TOLERANCE = 1e-6
+_ROWS = 500
+_MOST_ROWS = 10_000_000
+_MOST_COLUMNS = 100  # of an FMU without states and outputs
+_SET = ("input", "parameter", "structuralParameter")
+
+
+@dataclass(frozen=True)
+class Request:
+    """None stands for what the FMU says itself. `values` are start values by name, in the FMU's own units."""
+
+    kind: str | None = None
+    start: float | None = None
+    stop: float | None = None
+    tolerance: float | None = None
+    interval: float | None = None
+    at: Sequence[float] | None = None
+    values: Mapping[str, Any] | None = None
+    inputs: Inputs | None = None
+    outputs: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Opened:
+    """An FMU whose description is read."""
+
+    archive: Archive
+    description: Description
+
+    @property
+    def name(self) -> str:
+        return self.description.root.get("modelName") or self.archive.path.stem
+
+    @property
+    def text(self) -> str:
+        """What it says that it is."""
+        return self.description.root.get("description") or ""
+
+    @property
+    def offers(self) -> list[str]:
+        """Of "me" and "cs"."""
+        return [kind for kind in SPOKEN if kind in self.description.interfaces]
+
+    @property
+    def platforms(self) -> list[str]:
+        """Folders of binaries."""
+        files = [name.split("/") for name in self.archive.names if name.startswith("binaries/")]
+        return sorted({parts[1] for parts in files if len(parts) > 2})
+
+    @property
+    def has_sources(self) -> bool:
+        return any(name.startswith("sources/") for name in self.archive.names)
+
+    def column(self, name: str) -> Column:
+        """Of a variable or of an element of one."""
+        found = self.description.by_name.get(name) or self.description.by_name.get(name.rpartition("[")[0])
+        if found is None:
+            return Column(name, "", "", "")
+        return Column(name, found.get("unit") or "", found.get("displayUnit") or "", "")
+
+    def number(self, name: str) -> float | None:
+        """Of the default experiment, when it is finite."""
+        experiment = self.description.root.first("DefaultExperiment")
+        try:
+            value = float((experiment.get(name) if experiment is not None else None) or "nan")
+        except ValueError:
+            return None
+        return value if math.isfinite(value) else None
+
+
+@dataclass(frozen=True)
+class FmuRun:
+    """`columns` after the time."""
+
+    opened: Opened
+    job: Job
+    outcome: Outcome
+    columns: tuple[Column, ...]
+
+    @property
+    def rows(self) -> int:
+        return len(self.outcome.rows) // self.outcome.width
+
+    def lines(self) -> Iterator[list[float]]:
+        width = self.outcome.width
+        for k in range(0, len(self.outcome.rows), width):
+            yield self.outcome.rows[k : k + width].tolist()
+
+    def __getitem__(self, name: str) -> Any:
+        """A NumPy array. Raises LagError L0701 for a column that is not there."""
+        import numpy as np
+
+        names = ["time", *self.outcome.columns]
+        if name not in names:
+            fail("L0701", f"the results have no column '{name}'", None, *filter(None, [suggest(name, names)]))
+        return np.frombuffer(self.outcome.rows).reshape(-1, len(names))[:, names.index(name)]
+
+
+def open_fmu(path: Path) -> Opened:
+    """Raises LagError for what is no FMU of version 2.0 or 3.0."""
+    archive = open_archive(path)
+    return Opened(archive, read_description(archive.read_xml(DESCRIPTION)))
+
+
+@contextmanager
+def unpacked(opened: Opened) -> Iterator[str]:
+    """Raises LagError L0731."""
+    with TemporaryDirectory(prefix="lagrangia-fmu-", ignore_cleanup_errors=True) as folder:
+        opened.archive.extract(Path(folder))
+        yield folder
+
+
+def simulate_fmu(opened: Opened, request: Request) -> FmuRun:
+    """Raises LagError for what the FMU does not have or cannot do. A run that ends early is told in the outcome."""
+    require_fmpy()
+    kind = choose_kind(opened, request.kind)
+    require_binary(opened)
+    times, stop, tolerance = _plan(opened, request)
+    if kind == "cs":
+        _check_steps(opened, times)
+    _check_values(opened, request.values or {})
+    names = _columns(opened, request.outputs)
+    with unpacked(opened) as folder:
+        job = Job(folder, kind, times, stop, tolerance, names, request.values or {}, request.inputs or Inputs())
+        outcome = run_job(job)
+    return FmuRun(opened, job, outcome, tuple(opened.column(name) for name in outcome.columns or names))
+
+
+def choose_kind(opened: Opened, wanted: str | None) -> str:
+    """Co-Simulation where there is one. Raises LagError L0706."""
+    offers = opened.offers
+    if wanted is not None and wanted not in SPOKEN:
+        fail("L0706", f"there is no kind of FMU '{wanted}'", None, f"there are {', '.join(SPOKEN)}")
+    if not offers:
+        fail("L0706", f"{opened.archive.path} offers neither Model Exchange nor Co-Simulation", None,
+             "not supported yet: Scheduled Execution")
+    if wanted is not None and wanted not in offers:
+        fail("L0706", f"{opened.archive.path} offers no {SPOKEN[wanted]}", None,
+             f"it offers {SPOKEN[offers[0]]}: --kind {offers[0]}")
+    return wanted or ("cs" if "cs" in offers else "me")
+
+
+def has_binary(opened: Opened) -> bool:
+    host = host_platform()
+    if host is None:
+        return False
+    folder = PLATFORMS[host].fmi2 if opened.description.version == "2" else PLATFORMS[host].fmi3
+    return folder in opened.platforms
+
+
+def require_binary(opened: Opened) -> None:
+    """Raises LagError L0737."""
+    if not has_binary(opened):
+        has = f"it has binaries for {', '.join(opened.platforms)}" if opened.platforms else "it has no binaries at all"
+        machine = host_platform() or "which FMI does not know"
+        fail("L0737", f"{opened.archive.path} has no binary for this machine, {machine}", None, has,
+             "its sources can be compiled by `fmpy compile`" if opened.has_sources else "ask who made it for one")
+
+
+def _plan(opened: Opened, request: Request) -> tuple[list[float], float, float]:
+    """Times of the rows, the stop time, the tolerance. Raises LagError L0702."""
+    def chosen(given: float | None, name: str, usual: float) -> float:
+        own = opened.number(name)
+        return given if given is not None else own if own is not None else usual
+
+    at = None if request.at is None else list(request.at)
+    if at is not None and (not at or any(not math.isfinite(t) for t in at) or any(b <= a for a, b in pairwise(at))):
+        fail("L0702", "the output times must be finite and rising")
+    start = chosen(request.start, "startTime", 0.0)
+    stop = chosen(request.stop if request.stop is not None or not request.at else request.at[-1], "stopTime", start + 1.0)
+    tolerance = chosen(request.tolerance, "tolerance", _USUAL_TOLERANCE)
+    if not (math.isfinite(start) and math.isfinite(stop) and stop > start):
+        fail("L0702", f"the stop time {stop:g} must be later than the start time {start:g}")
+    if not 0 < tolerance < 1:
+        fail("L0702", f"the tolerance must lie between 0 and 1, not {tolerance:g}")
+    if at is not None:
+        if at[0] < start or at[-1] > stop:
+            fail("L0702", f"the output times must lie between {start:g} and {stop:g}")
+        return ([] if at[0] == start else [start]) + at, stop, tolerance
+    own = opened.number("stepSize") if request.stop is None else None
+    interval = request.interval if request.interval is not None else own or (stop - start) / _ROWS
+    return _grid(start, stop, interval), stop, tolerance
+
+
+def _grid(start: float, stop: float, interval: float) -> list[float]:
+    """Times `interval` apart, and the stop time. Raises LagError L0702."""
+    if not (math.isfinite(interval) and interval > 0):
+        fail("L0702", f"the interval must be a positive number, not {interval:g}")
+    count = math.floor((stop - start) / interval * (1 + 1e-12))
+    if count > _MOST_ROWS:
+        fail("L0702", f"{count} rows are more than {_MOST_ROWS}", None, "choose a longer interval")
+    times = [start + k * interval for k in range(count + 1)]
+    if stop - times[-1] > 1e-9 * interval:
+        times.append(stop)
+    return [*times[:-1], stop]
+
+
+def _check_steps(opened: Opened, times: Sequence[float]) -> None:
+    """FMUs that take steps of one length alone. Raises LagError L0702."""
+    interface = opened.description.interfaces["cs"]
+    if interface.get("canHandleVariableCommunicationStepSize") in ("true", "1"):
+        return
+    steps = [b - a for a, b in pairwise(times)]
+    if steps and max(steps) - min(steps) > 1e-6 * max(steps):
+        fail("L0702", "the FMU takes communication steps of one length alone", None,
+             f"these are of {min(steps):g} to {max(steps):g} s; choose an interval that divides the time")
+
+
+def _columns(opened: Opened, outputs: Sequence[str]) -> list[str]:
+    """States, outputs, and what is asked for. Raises LagError L0701."""
+    description = opened.description
+    for name in outputs:
+        found = description.by_name.get(name)
+        if found is None:
+            fail("L0701", f"the FMU has no variable '{name}'", None, *filter(None, [suggest(name, description.by_name)]))
+        if not is_recorded(found.kind):
+            fail("L0701", f"'{name}' is of the type {found.kind}, which is no number to report")
+    states = [state.name for state, _ in description.states()]
+    declared = [q.name for q in description.quantities if q.causality == "output" and is_recorded(q.kind)]
+    names = [*states, *declared, *outputs]
+    if not names:
+        names = [q.name for q in description.quantities if q.variability in ("continuous", "discrete") and is_recorded(q.kind)
+                 and q.causality == "local"][:_MOST_COLUMNS]
+    return [name for name in dict.fromkeys(names) if description.by_name[name].causality != "independent"]
+
+
+def _check_values(opened: Opened, values: Mapping[str, Any]) -> None:
+    for name in values:
+        quantity = settable(opened.description, name)
+        low, high = (float(text) if (text := quantity.get(bound)) else None for bound in ("min", "max"))
+        value = values[name]
+        if isinstance(value, float) and ((low is not None and value < low) or (high is not None and value > high)):
+            limits = f"from {low if low is not None else '-inf'} to {high if high is not None else 'inf'}"
+            fail("L0605", f"'{name}' is {value:g}, and the FMU says it lies {limits}")
+
+
+def settable(description: Description, name: str) -> Quantity:
+    """A variable that has a start value to be set. Raises LagError L0701."""
+    quantity = description.by_name.get(name)
+    if quantity is None:
+        known = [q.name for q in description.quantities if _can_be_set(q)]
+        fail("L0701", f"the FMU has no variable '{name}'", None, *filter(None, [suggest(name, known)]))
+    if not _can_be_set(quantity):
+        fail("L0701", f"'{name}' cannot be set: it is "
+             + ("constant" if quantity.variability == "constant" else "computed by the FMU"))
+    if quantity.has_dimensions:
+        fail("L0901", f"not supported yet: values for the array '{name}'")
+    return quantity
+
+
+def _can_be_set(q: Quantity) -> bool:
+    return q.variability != "constant" and (q.initial in ("exact", "approx") or q.causality in _SET)

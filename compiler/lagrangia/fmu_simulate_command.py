@@ -1,0 +1,161 @@
+"""`lag simulate X.fmu`: options -> the motion of an FMU, as a table and a picture."""
+
+import math
+import sys
+from argparse import Namespace
+from collections.abc import Iterable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from lagrangia.commands import assignment, number, read_table, split_names
+from lagrangia.diagnostics import RunError, fail
+from lagrangia.fmu_description import Description
+from lagrangia.fmu_process import SPOKEN, Inputs
+from lagrangia.fmu_run import FmuRun, Request, open_fmu, settable, simulate_fmu
+from lagrangia.plot import draw, require_format
+from lagrangia.targets import Target, quoted
+from lagrangia.units import ONE, Unit, parse_unit
+from lagrangia.values import read_value
+
+# Options of `lag simulate` that only a model has a meaning for, and their usual values.
+_ONLY_MODELS = {"model": (None, "the FMU is one model"), "reactions": (False, "what it reports is in its description: --outputs"),
+                "solver": ("auto", "an FMU for Co-Simulation has its own, Model Exchange is integrated by CVode"),
+                "engine": ("auto", "an FMU is compiled"), "max_step": (0.0, "--interval sets the communication step"),
+                "max_steps": (0, ""), "dump": (None, "it has no phases")}
+
+
+def is_fmu(path: Path) -> bool:
+    return path.suffix.lower() == ".fmu"
+
+
+def simulate_fmu_command(options: Namespace) -> int:
+    for name, (usual, hint) in _ONLY_MODELS.items():
+        if getattr(options, name) != usual:
+            fail("L0706", f"not supported for an FMU: --{name.replace('_', '-')}", None, *filter(None, [hint]))
+    if options.plot is not None:
+        require_format(options.plot)
+    opened = open_fmu(options.file)
+    description = opened.description
+    shown = split_names(options.plot_quantities)
+    values = {**_values(description, options.parameter, "-p"), **_values(description, options.initial, "--initial")}
+    at = None if options.at is None else [number(text, "--at") for text in options.at.split(",") if text.strip()]
+    request = Request(options.kind, options.start, options.stop, options.tolerance, options.interval, at, values,
+                      _inputs(description, options.input), split_names(options.outputs) + shown)
+    run = simulate_fmu(opened, request)
+    target = options.output or f"{options.file.stem}.csv"
+    _write(run, target, None if at is None else at[0])
+    if options.plot is not None and run.rows:
+        curves = shown or [c.name for c in _usual_curves(run)]
+        draw(opened.text or opened.name, run["time"], [(opened.column(name), run[name]) for name in curves], options.plot)
+    if not options.quiet:
+        _summarise(options, run, target)
+    if run.outcome.interrupted:
+        print(f"interrupted at t = {run.outcome.time:.6g}; the {run.rows} rows before are kept", file=sys.stderr)
+        return 1
+    if run.outcome.is_asked_for:
+        print(f"{run.outcome.message} at t = {run.outcome.time:.6g}", file=sys.stderr)
+    elif run.outcome.message:
+        raise RunError(f"at t = {run.outcome.time:.9g}: {run.outcome.explanation}\n"
+                       f"{run.rows} rows before it are kept in {target}")
+    return 0
+
+
+def _values(description: Description, given: Iterable[str], option: str) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, text in (assignment(item, option) for item in given):
+        quantity = settable(description, name)
+        is_parameter = quantity.causality in ("parameter", "structuralParameter")
+        if option == "-p" and not is_parameter:
+            fail("L0701", f"'{name}' is no parameter", None, "start values are given by --initial, inputs by -u")
+        if option == "--initial" and quantity.causality in ("parameter", "structuralParameter", "input"):
+            fail("L0701", f"'{name}' is {'an input' if quantity.causality == 'input' else 'a parameter'}", None,
+                 "give it by " + ("-u" if quantity.causality == "input" else "-p"))
+        found[name] = _value(quantity.kind, text, quantity.get("unit") or "", name)
+    return found
+
+
+def _value(kind: str, text: str, unit: str, name: str) -> Any:
+    """In the FMU's own unit. Raises LagError L0706."""
+    if kind in ("String", "Boolean"):
+        if kind == "Boolean" and text not in ("true", "false"):
+            fail("L0706", f"{name} = {text}: it is true or false")
+        return text if kind == "String" else text == "true"
+    if kind in ("Binary", "Clock"):
+        fail("L0901", f"not supported yet: values of the type {kind}")
+    try:
+        value = _in_unit(text, unit) if "[" in text else read_value(text, "")
+    except ValueError as error:
+        fail("L0706", f"{name} = {text}: {error}")
+    if isinstance(value, list):
+        fail("L0706", f"{name} = {text}: one number is needed")
+    if kind not in ("Real", "Float32", "Float64") and value != int(value):
+        fail("L0706", f"{name} = {text}: a whole number is needed")
+    return float(value)
+
+
+def _in_unit(text: str, unit: str) -> float | list[float]:
+    """A value with a unit of its own, in that of the FMU. Raises ValueError; units of other tools may be none of ours."""
+    own = parse_unit(unit) if unit else Unit(1.0, ONE)
+    value = read_value(text, unit or "rad")
+    return value if isinstance(value, list) else (value - own.offset) / own.factor
+
+
+def _inputs(description: Description, given: list[str]) -> Inputs:
+    files = [text for text in given if "=" not in text or Path(text).suffix == ".csv"]
+    names = [q.name for q in description.quantities if q.causality == "input"]
+    known = f"the inputs are {', '.join(names)}" if names else "there are none"
+    constants: dict[str, float] = {}
+    for name, text in (assignment(item, "-u") for item in given if item not in files):
+        quantity = settable(description, name)
+        if quantity.causality != "input":
+            fail("L0701", f"'{name}' is no input", None, known)
+        constants[name] = float(_value(quantity.kind, text, quantity.get("unit") or "", name))
+    if len(files) > 1:
+        fail("L0703", "one table of inputs can be given", None, "put its columns into one file")
+    times, columns = read_table(Path(files[0])) if files else ([0.0], {})
+    for name in columns:
+        if name not in names:
+            fail("L0701", f"the FMU has no input '{name}'", None, known)
+        settable(description, name)
+    if any(b < a for a, b in pairwise(times)) or not all(map(math.isfinite, times)):
+        fail("L0703", "the times of the inputs must be finite and not fall")
+    table = columns | {name: [value] * len(times) for name, value in constants.items()}
+    return Inputs(list(table), times, [[column[row] for column in table.values()] for row in range(len(times))])
+
+
+def _usual_curves(run: FmuRun) -> list[Any]:
+    """Declared outputs; states where there are none."""
+    outputs = {q.name for q in run.opened.description.quantities if q.causality == "output"}
+    return [c for c in run.columns if c.name in outputs] or list(run.columns)
+
+
+def _write(run: FmuRun, target: str, first: float | None) -> None:
+    """A line of names and a line for each row; `first` leaves out the start when no row was asked for there."""
+    names = ",".join(quoted(name) for name in ("time", *(column.name for column in run.columns)))
+    rows = (row for row in run.lines() if first is None or row[0] >= first)
+    lines = (",".join(repr(x) if math.isfinite(x) else "" for x in row) for row in rows)
+    if target == "-":
+        print(names, *lines, sep="\n")
+        return
+    with Target(Path(target)) as opened:
+        opened.put(names + "\n")
+        for line in lines:
+            opened.put(line + "\n")
+
+
+def _summarise(options: Namespace, run: FmuRun, target: str) -> None:
+    out = sys.stdout if target != "-" else sys.stderr
+    opened, job, outcome = run.opened, run.job, run.outcome
+    title = f"{opened.name}: {opened.text}" if opened.text else opened.name
+    states = len(opened.description.states())
+    print(f"{title}\n  FMI {opened.description.root.get('fmiVersion')}, {SPOKEN[job.kind]}; {states} "
+          f"state{'s' if states != 1 else ''}, {job.times[0]:g} to {job.stop:g} s, tolerance {job.tolerance:g}", file=out)
+    how = f"{outcome.steps} communication steps"
+    if job.kind == "me":
+        how = f"CVode: {outcome.steps} intervals, {outcome.evaluations} evaluations, {outcome.events} events"
+    print(f"  {run.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""), file=out)
+    if options.stats:
+        print(f"  {how}; {outcome.seconds:.3g} s with FMPy and loading; made by "
+              f"{opened.description.root.get('generationTool') or 'a tool that does not tell'}", file=out)
+        print(f"  binaries for {', '.join(opened.platforms)}", file=out)

@@ -1,0 +1,93 @@
+"""The process in which an FMU runs: `python -m lagrangia.fmu_worker FOLDER`.
+
+FOLDER/job.json says what to do (fmu_process.py writes it). Rows of time and values go to FOLDER/rows as doubles while they are
+computed, so that they are kept whatever happens; FOLDER/columns.json names them, FOLDER/result.json tells how it ended.
+"""
+
+import json
+import sys
+import time
+from array import array
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from lagrangia.fmu_importer import AskedToEnd, FmuError, Importer, Table
+from lagrangia.fmu_integrate import Count, cosimulate, exchange
+from lagrangia.fmu_probe import probe_derivatives, probe_reset, probe_saved, probe_states
+
+
+def main(folder: Path) -> int:
+    job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
+    begin = time.perf_counter()
+    result: dict[str, Any] = {"message": "", "faults": []}
+    count = Count()
+    try:
+        _work(job, folder, result, count)
+    except AskedToEnd as error:
+        result |= {"message": str(error), "is_asked_for": True}
+    except Exception as error:  # whatever FMPy and the FMU make of it is told in the parent's words
+        result["message"] = _message(error)
+    result |= {"seconds": time.perf_counter() - begin, **asdict(count)}
+    (folder / "result.json").write_text(json.dumps(result), encoding="utf-8")
+    return 0
+
+
+def _message(error: Exception) -> str:
+    from fmpy.fmi1 import FMICallException
+
+    if isinstance(error, FMICallException):
+        status = {1: "warning", 2: "discard", 3: "error", 4: "fatal"}.get(error.status, str(error.status))
+        return f"{error.function} answered '{status}'"
+    return str(error) if isinstance(error, FmuError) else f"{type(error).__name__}: {error}"
+
+
+def _work(job: dict[str, Any], folder: Path, result: dict[str, Any], count: Count) -> None:
+    importer = Importer(job["fmu"], job["kind"])
+    inputs = job["inputs"]
+    table = Table(importer, inputs["names"], inputs["times"], inputs["rows"])
+    start, stop, tolerance = job["times"][0], job["stop"], job["tolerance"]
+
+    def begin() -> None:
+        importer.initialise(start, stop, tolerance, job["values"], lambda: table.apply(start, is_after=True))
+
+    begin()
+    if job["probe"]:
+        result["faults"] = _probe(importer, begin, start, stop, job["derivatives"])
+        return
+    read = importer.reader(job["names"])
+    (folder / "columns.json").write_text(json.dumps(importer.columns(job["names"])), encoding="utf-8")
+    with (folder / "rows").open("wb", buffering=0) as stream:
+
+        def write(t: float) -> None:
+            stream.write(array("d", [t, *read()]).tobytes())
+
+        if job["kind"] == "ModelExchange":
+            exchange(importer, table, job["times"], stop, tolerance, write, count)
+        else:
+            cosimulate(importer, table, job["times"], write, count)
+    importer.fmu.terminate()
+    importer.fmu.freeInstance()
+
+
+def _probe(importer: Importer, begin: Any, start: float, stop: float, derivatives: bool) -> list[str]:
+    computed = [v for v in importer.description.modelVariables if v.causality in ("local", "output")]
+    numbers = [v.name for v in computed if v.type in ("Real", "Float64") and not v.shape and v.variability == "continuous"]
+    read = importer.reader(numbers)
+    if importer.kind == "ModelExchange":
+        faults = probe_states(importer) + (probe_derivatives(importer) if derivatives else [])
+        shifted = [x + 0.01 * max(1.0, abs(x)) for x in importer.states()]
+        faults += probe_reset(importer, begin, read, lambda: importer.set_states(shifted))
+        return faults + probe_saved(importer, read, lambda: importer.set_states(shifted))
+    h = (stop - start) / 1000
+    reached = [start]
+
+    def go_on() -> None:
+        reached[0] = importer.step(start, h)
+
+    faults = probe_reset(importer, begin, read, go_on)
+    return faults + probe_saved(importer, read, go_on)
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1])))
