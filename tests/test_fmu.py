@@ -1,6 +1,5 @@
 """FMUs of all examples, in FMPy: valid, and the same motion as that of `lag simulate`."""
 
-import importlib.util
 import zipfile
 from pathlib import Path
 
@@ -16,7 +15,6 @@ from fmpy.validation import validate_fmu
 import lagrangia as lag
 from fmus import EXAMPLES, KINDS, VERSIONS, fmu_of, model_of, simulated
 from lagrangia.cli import main
-from lagrangia.fmu_build import PLATFORMS
 
 FILES = sorted(EXAMPLES.glob("*.lag"))
 # Far apart after a while, whatever the solver: the time up to which two runs are compared, in s.
@@ -92,26 +90,6 @@ def test_what_cannot_be_exported_is_said(
                     ["-p", "nothing=1"], ["--no-sources", "--platforms", ""], ["-o", "/nowhere/at/all.fmu"]):
         assert main(["export", file, "--to", "fmu", *options]) == 2
         assert "error[L" in capsys.readouterr().err
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="needs ziglang, which compiles for all platforms")
-def test_binaries_of_all_platforms(tmp_path: Path) -> None:
-    """Each is of its own kind; in FMI 2 the one of Darwin is of both processors."""
-    for path in model_of(EXAMPLES / "pendulum.lag").export_fmu(tmp_path / "x.fmu", fmi="both", platforms="all"):
-        assert validate_fmu(str(path)) == []
-        archive = zipfile.ZipFile(path)
-        kinds = {name.split("/")[1]: archive.read(name)[:20] for name in archive.namelist() if name.startswith("binaries/")}
-        assert len(kinds) == len(PLATFORMS)
-        for folder, head in kinds.items():
-            if folder == "darwin64":
-                assert head[:8] == bytes.fromhex("cafebabe00000002")
-            elif "darwin" in folder:
-                assert head[:4] == bytes.fromhex("cffaedfe")
-            elif "win" in folder:
-                assert head[:2] == b"MZ"
-            else:
-                assert head[:4] == b"\x7fELF" and head[18] == (0xB7 if "aarch64" in folder else 0x3E)
 
 
 def test_documents_say_what_is_inside() -> None:

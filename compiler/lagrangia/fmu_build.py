@@ -144,10 +144,15 @@ def _build(identifier: str, sources: Mapping[str, str], target: str, headers: Pa
 
 
 def _objects(compiler: "_Compiler", shared: Mapping[str, str], tell: Callable[[str], None] | None) -> list[Path]:
-    """Folders with the run time and the glue of one version, which are compiled once for all scenes."""
+    """Folders with the run time and the glue of one version, which are compiled once for all scenes.
+
+    zig makes one object of all files for Darwin, out of which hidden functions cannot be called: there they stay together.
+    """
     common = {name: text for name, text in shared.items() if not name.startswith(_OF_ONE_VERSION)}
     headers = {name: text for name, text in common.items() if name.endswith(".h")}
-    parts = (common, headers | {name: text for name, text in shared.items() if name not in common})
+    parts = [common, headers | {name: text for name, text in shared.items() if name not in common}]
+    if PLATFORMS[compiler.platform].suffix == ".dylib":
+        parts = [dict(shared)]
     folders = [cache_folder() / f"fmu-{compiler.platform}-{compiler.key(part)}" for part in parts]
     if tell is not None and not folders[0].is_dir():
         is_windows = PLATFORMS[compiler.platform].suffix == ".dll"
