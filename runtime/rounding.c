@@ -2,7 +2,8 @@
  * uncertain by much more than their last digit. Errors of rates below what that makes of them in a step are noise: no shorter
  * step has smaller ones. A state is moved by rounding errors of its coordinates, and the change of the accelerations tells.
  *
- * A chain of 100 links at tolerance 1e-12: steps of 1e-8 s, with no end in sight, become steps of 1e-4 s.
+ * A chain of 100 links at tolerance 1e-12: steps of 1e-8 s, with no end in sight, become steps of 1e-4 s. The first hundredth
+ * of a second of 2 000 links at 1e-8: 11 steps in place of 4 396.
  */
 #include "rounding.h"
 
@@ -13,9 +14,10 @@
 #include "state.h"
 
 /* Uncertainties in a step that count as one unit of error: errors of noise must stay well below it, or steps would go on
- * shrinking. What each coordinate has at least of the largest of its kind. Tolerances above COARSE are never near noise. */
+ * shrinking. What each coordinate has at least of the largest of its kind. Of FEW coordinates tolerances above COARSE are never
+ * near noise. */
 static const double UNIT = 32, SHARE = 0.1, COARSE = 1e-11;
-enum { INTERVAL = 64 };
+enum { INTERVAL = 64, FEW = 100 };
 
 /* The state with each coordinate moved by rounding of the largest of its kind, or of an angle of 1. */
 static void move(const LagMotion *m, const LagScale *scale, double *moved)
@@ -48,6 +50,7 @@ static void look(LagMotion *m, const LagScale *scale)
 
 void lag_rounding_watch(LagRun *run)
 {
-    if (run->scale.tolerance < COARSE && run->statistics.steps % INTERVAL == 0)
+    const int may_matter = run->scale.tolerance < COARSE || run->model->n > FEW;
+    if (may_matter && run->statistics.steps % INTERVAL == 0)
         look(&run->motion, &run->scale);
 }
