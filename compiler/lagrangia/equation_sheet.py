@@ -29,10 +29,10 @@ from lagrangia.worked import worked_form
 
 ALL_FORMS = (*FORMS, "linear", "worked")
 ALL_FORMATS = (*PRINTERS, "sympy")
-MOST_TERMS = 150  # of the equations on a page that people read
-MOST_KINETIC_TERMS = 60
+MOST_TERMS, MOST_WORKED_TERMS = 700, 300  # of equations that fill two pages, and whose derivation fills six
+MOST_KINETIC_TERMS = 250
 MOST_COORDINATES, MOST_FORCED_COORDINATES = 24, 60
-MOST_PRODUCTS, MOST_FORCED_PRODUCTS = 20_000, 5_000_000
+MOST_PRODUCTS, MOST_FORCED_PRODUCTS = 20_000, 200_000  # some 0.2 ms each
 _DIGITS = 6
 
 
@@ -92,8 +92,9 @@ def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, beg
     names = name_symbols(scene, request.names)
     numbered = with_values(scene, {p.symbol: values[p.name] for p in scene.parameters}) if request.has_numbers else scene
     try:
-        e = derive(numbered, limit, None if request.is_forced else MOST_KINETIC_TERMS)
-        if e.terms > MOST_TERMS and not request.is_forced and request.form != "linear":
+        is_bound = not request.is_forced and request.form != "linear"  # whose matrices are small, or numbers
+        e = derive(numbered, limit, MOST_KINETIC_TERMS if is_bound else None)
+        if is_bound and e.terms > (MOST_WORKED_TERMS if request.form == "worked" else MOST_TERMS):
             raise TooLarge(e.terms, e.T)
         presentation = presentation_of(e, names, 20 * limit, _DIGITS if request.has_numbers else 0)
         book = Book(e, presentation, names, constants_of_motion(e), values, request.has_numbers)

@@ -7,6 +7,7 @@ Every expression is brought to its normal form (series.py) as soon as it is made
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import sympy as sp
 
@@ -56,7 +57,7 @@ class Equations:
     def n(self) -> int:
         return len(self.scene.q)
 
-    @property
+    @cached_property
     def left(self) -> tuple[Expr, ...]:
         """M dv/dt + h, sums of what the steps gave."""
         tidy, n = self.ring.tidy, range(self.n)
@@ -77,12 +78,12 @@ def derive(scene: SymbolicScene, most_products: int, most_terms: int | None = No
         raise TooLarge(len(T.args), T)
     field, elastic = (tidy(sum_of(terms)) for terms in split_potential(energies, model))
     V = tidy(elastic + field)
-    momenta = tuple(tidy(T.diff(v)) for v in scene.v)
-    rates = tuple(tidy(scene.time_rate(p)) for p in momenta)
 
     def slopes(expression: Expr, of: tuple[Expr, ...]) -> tuple[Expr, ...]:
-        return tuple(tidy(expression.diff(x)) for x in of)
+        return tuple(ring.slope(expression, x) for x in of)
 
+    momenta = slopes(T, scene.v)
+    rates = tuple(ring.along(p, scene.rates) for p in momenta)
     dT_dq, dV_dq, dVe_dq, dD_dv = slopes(T, scene.q), slopes(V, scene.q), slopes(elastic, scene.q), slopes(D, scene.v)
     M = tuple(slopes(p, scene.v) for p in momenta)
     at_rest = dict.fromkeys(scene.a, sp.S.Zero)
@@ -129,17 +130,17 @@ def constants_of_motion(e: Equations) -> tuple[Constant, ...]:
     """
     scene, tidy = e.scene, e.ring.tidy
     found = []
-    L = e.T - e.V_elastic - e.V_field
+    L = tidy(e.T - e.V_elastic - e.V_field)
     for k, q in enumerate(scene.q):
         is_free = e.f[k] == 0 and e.dD_dv[k] == 0 and e.reactions[k] == 0
-        if is_free and tidy(L.diff(q)) == 0 and e.momenta[k] != 0:
+        if is_free and e.ring.slope(L, q) == 0 and e.momenta[k] != 0:
             found.append(Constant("momentum", k, e.momenta[k], "cyclic"))
     driven = (x for g in scene.given for x in g.moving if g.value.has(scene.t))
     moving = {*scene.q, *scene.v, scene.t, *scene.inputs.values(), *driven}
     is_lossless = e.D == 0 and not any(x.free_symbols & moving for x in e.f)
-    holds = all(tidy(scene.explicit_rate(row)) == 0 for row in e.rows[: scene.holonomic])
+    holds = all(e.ring.along(row, scene.given_rates) == 0 for row in e.rows[: scene.holonomic])
     homogeneous = all(row.xreplace(dict.fromkeys(scene.v, sp.S.Zero)) == 0 for row in e.rows[scene.holonomic :])
-    if is_lossless and holds and homogeneous and tidy(scene.explicit_rate(L)) == 0:
+    if is_lossless and holds and homogeneous and e.ring.along(L, scene.given_rates) == 0:
         work = sum((f * q for f, q in zip(e.f, scene.q, strict=True)), sp.S.Zero)
         H = sum((v * p for v, p in zip(scene.v, e.momenta, strict=True)), sp.S.Zero) - L - work
         is_energy = tidy(H - e.T - e.V_elastic - e.V_field + work) == 0

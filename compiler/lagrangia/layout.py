@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
+_DEEPEST = 3  # brackets in brackets that are opened to break a line
 _LOWER = ("alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho sigmaf sigma tau upsilon phi "
           "chi psi omega").split()
 GREEK = {name: chr(code) for name, code in zip(_LOWER, range(0x3B1, 0x3CA), strict=True)} | {
@@ -161,7 +162,8 @@ def broken(node: Node, size: Callable[[Node], int], width: int) -> list[Node]:
     if size(node) <= width or not isinstance(node, Relation):
         return [node]
     pieces = [*_pieces(node.left, ""), *_pieces(node.right, node.symbol)]
-    pieces = [part for piece in pieces for part in (_opened(piece) if size(piece[1]) > width else [piece])]
+    for _ in range(_DEEPEST):
+        pieces = [part for piece in pieces for part in (_opened(piece, size) if size(piece[1]) > width else [piece])]
     lines: list[list[tuple[str, Node]]] = [[]]
     length = 0
     for piece in pieces:
@@ -175,17 +177,22 @@ def broken(node: Node, size: Callable[[Node], int], width: int) -> list[Node]:
     return [Pieces(tuple(items)) for items in lines]
 
 
-def _opened(piece: tuple[str, Node]) -> list[tuple[str, Node]]:
-    """A long bracket by its terms."""
+def _opened(piece: tuple[str, Node], size: Callable[[Node], int]) -> list[tuple[str, Node]]:
+    """The longest bracket of a product by its terms."""
     sign, node = piece
-    bracket = node.items[-1] if isinstance(node, Product) else node
-    if not isinstance(bracket, Bracket) or not isinstance(bracket.inside, Total):
+    items = node.items if isinstance(node, Product) else (node,)
+    sums = {k: inside for k, item in enumerate(items)
+            for inside in [item.inside if isinstance(item, Bracket) else item] if isinstance(inside, Total)}
+    if not sums:
         return [piece]
-    before = node.items[:-1] if isinstance(node, Product) else ()
-    (_, first), *rest = _pieces(bracket.inside, "")
-    start = Pieces((("", product(before)), ("(", first))) if before else Pieces((("(", first),))
+    where = max(sums, key=lambda k: size(sums[k]))
+    before, after = items[:where], items[where + 1 :]
+    (first_sign, first), *rest = _pieces(sums[where], "")
+    opening = f"({first_sign}"
+    start = Pieces((("", product(before)), (opening, first))) if before else Pieces(((opening, first),))
     *middle, (last_sign, last) = rest
-    return [(sign, start), *middle, (last_sign, Pieces((("", last), (")", Words("")))))]
+    end = Pieces((("", last), (")", product(after) if after else Words(""))))
+    return [(sign, start), *middle, (last_sign, end)]
 
 
 def _pieces(node: Node, first: str) -> list[tuple[str, Node]]:

@@ -8,7 +8,7 @@ loads and given displacements do. With q = N x + X e, J N = 0, J X = 1, the mult
     N^T M N x'' + N^T C N x' + N^T K N x = N^T (f - M X e'' - C X e' - K X e)
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,7 @@ from lagrangia.symbolic import Given, SymbolicScene
 from lagrangia.sympy_algebra import Expr, exact
 
 Table = tuple[tuple[Expr, ...], ...]
+_NOTHING = 1e-12
 _SUPPORTS = ("coordinate", "support")
 
 
@@ -134,19 +135,20 @@ class _Linearizer:
     def linear(self, begin: Callable[[], Begin]) -> Linear:
         e, scene, at = self.e, self.scene, self.at
         balance = self.statics.balance
-        M = tuple(tuple(at(x) for x in row) for row in e.M)
-        C = tuple(tuple(at(x.diff(v)) for v in scene.v) for x in self.s.force)
-        K = tuple(tuple(at(x.diff(q)) for q in scene.q) for x in balance)
-        J = tuple(tuple(at(x) for x in row) for row in e.J)
+        M = self._table((at(x) for x in row) for row in e.M)
+        C = self._table((at(e.ring.slope(x, v)) for v in scene.v) for x in self.s.force)
+        K = self._table((at(e.ring.slope(x, q)) for q in scene.q) for x in balance)
+        J = self._table((at(x) for x in row) for row in e.J)
         if any(x.has(sp.nan, sp.zoo, sp.oo) for row in (*M, *C, *K, *J) for x in row):
             fail("L0713", "the forces have no slope at the point to linearise about", self.statics.span,
                  "give another: --about NAME=VALUE,...")
         is_still = all(e.ring.is_zero(put(x, self.here)) or self._is_small(put(x, self.here)) for x in balance)
         rest = [at(x) for x in balance]
-        pushed = tuple(e.ring.tidy(-self._moved(row)) for row in e.rows)
+        (pushed,) = self._table([[e.ring.tidy(-self._moved(row)) for row in e.rows]])
         held = [f + sum((lam * row[k] for lam, row in zip(e.multipliers, e.J, strict=True)), sp.S.Zero)
                 for k, f in enumerate(self.s.force)]
-        load = tuple(e.ring.tidy(-at(x) - self._moved(x) + (r if is_still else 0)) for x, r in zip(held, rest, strict=True))
+        (load,) = self._table([[e.ring.tidy(-at(x) - self._moved(x) + (r if is_still else 0))
+                                for x, r in zip(held, rest, strict=True)]])
         reduced = self._reduced(M, C, K, load, J, pushed, begin) if J and scene.holonomic == len(J) else None
         return Linear(self.point.q, self.point.multipliers, self.point.is_numeric, is_still, M, C, K, load, J, pushed,
                       self.s.resting, reduced)
@@ -155,7 +157,8 @@ class _Linearizer:
         """What supports do, to first order: dx/dg g + dx/dg' g' + dx/dg'' g'', g the deviation."""
         pairs = [(y, y - self.s.still[y] if y in self.s.still else y) for g in self.s.supports for y in g.moving]
         quiet = dict.fromkeys(self.s.loads, sp.S.Zero)
-        return sum((self.at(x.diff(y).subs(quiet)) * deviation for y, deviation in pairs if x.has(y)), sp.S.Zero)
+        slope = self.e.ring.slope
+        return sum((self.at(slope(x, y).xreplace(quiet)) * deviation for y, deviation in pairs if x.has(y)), sp.S.Zero)
 
     def _is_small(self, x: Expr) -> bool:
         value = sp.N(x.subs(list(self.numbers.items())))
@@ -187,19 +190,22 @@ class _Linearizer:
         right = sp.Matrix(load) - sp.Matrix(M) * sp.Matrix(second) - sp.Matrix(C) * sp.Matrix(rates) - sp.Matrix(K) * X
 
         def small(A: sp.MatrixBase) -> Table:
-            return tuple(tuple(self._exact(x) for x in row) for row in (N.T * A * N).tolist())
+            return self._table((self.e.ring.tidy(x) for x in row) for row in (N.T * A * N).tolist())
 
         follow = N * sp.Matrix([self.scene.q[k] for k in free]) + X
-        return Reduced(tuple(free), tuple(map(self._exact, follow)), small(sp.Matrix(M)), small(sp.Matrix(C)),
-                       small(sp.Matrix(K)), tuple(map(self._exact, N.T * right)))
+        (loads,) = self._table([map(tidy, N.T * right)])
+        (all_,) = self._table([map(tidy, follow)])
+        return Reduced(tuple(free), all_, small(sp.Matrix(M)), small(sp.Matrix(C)), small(sp.Matrix(K)), loads)
 
-    def _exact(self, x: Expr) -> Expr:
-        """In normal form; of numbers what rounding left goes."""
-        x = self.e.ring.tidy(x)
+    def _table(self, rows: Iterable[Iterable[Expr]]) -> Table:
+        """Of numbers what rounding has left, against the largest, goes."""
+        table = tuple(tuple(row) for row in rows)
         if not self.point.is_numeric:
-            return x
-        terms = [(term, abs(float(term.as_coeff_Mul()[0]))) for term in sp.Add.make_args(x)]
-        return sp.Add(*(term for term, size in terms if size > 1e-12))
+            return table
+        parts = [[[term.as_coeff_Mul() for term in sp.Add.make_args(x)] for x in row] for row in table]
+        least = _NOTHING * max((abs(float(c)) for row in parts for terms in row for c, _ in terms), default=0.0)
+        return tuple(tuple(sp.Add(*(sp.Rational(f"{float(c):.13g}") * rest for c, rest in terms if abs(float(c)) > least))
+                           for terms in row) for row in parts)
 
 
 def _evaluated(x: Expr, wholly: bool) -> Expr:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from lagrangia.diagnostics import RunError, fail
 
 Matrix = NDArray[np.float64]
-_RANK = 1e-9
+_RANK, _TIED = 1e-9, 1e-9
 _ROUNDING = 1e-14  # of the terms that cancel in an output
 _PREFERRED = 0.1  # weight in the choice of dependent coordinates of those that the model starts itself
 
@@ -71,7 +71,7 @@ def pivots(J: Matrix, weight: Matrix) -> list[int]:
     first = 0.0
     for _ in range(min(J.shape)):
         norms = np.linalg.norm(rest, axis=0)
-        k = int(norms.argmax())
+        k = int(np.flatnonzero(norms >= norms.max() * (1 - _TIED))[-1])  # of equals the last, whatever rounding says
         first = first or float(norms[k])
         if not norms[k] > _RANK * first:
             break

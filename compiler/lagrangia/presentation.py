@@ -75,15 +75,17 @@ class Group:
 
 @dataclass
 class Presentation:
-    """Lays expressions out. `most_products` bounds the work of its normal forms."""
+    """Lays expressions out. `most_products` bounds the work of its normal forms; a ring that is given knows some already."""
 
     symbols: Symbols
     most_products: int
+    known: Ring | None = None
     ring: Ring = field(init=False)
     gathered: Ring = field(init=False)
 
     def __post_init__(self) -> None:
-        self.ring = Ring(self.most_products)
+        self.ring = Ring(self.most_products) if self.known is None else self.known
+        self.ring.most = max(self.ring.most, self.most_products)
         self.gathered = Ring(self.most_products, frozenset(self.symbols.rates))
         self._moving = self.symbols.moving
 

@@ -167,10 +167,10 @@ def _is_stable(s: Statics, point: tuple[Expr, ...], numbers: Mapping[Expr, float
 
 def _numeric(s: Statics, numbers: Mapping[Expr, float], begin: Begin) -> StaticEquations:
     q, lam = list(s.equations.scene.q), list(s.equations.multipliers)
-    known = list(numbers.items())
-    R, rows = ([x.subs(known) for x in group] for group in (s.forces, s.rows))
-    J = [[x.subs(known) for x in row] for row in s.J]
-    K = [[s.equations.ring.tidy(x.diff(y)).subs(known) for y in q] for x in s.balance]
+    known = {x: sp.Float(value, 17) for x, value in numbers.items()}
+    R, rows = ([x.xreplace(known) for x in group] for group in (s.forces, s.rows))
+    J = [[x.xreplace(known) for x in row] for row in s.J]
+    K = [[s.equations.ring.slope(x, y).xreplace(known) for y in q] for x in s.balance]
     n, m, holonomic = len(q), len(lam), len(rows)
     forces, places, held, stiff = (sp.lambdify([q, lam], x, "numpy") for x in (R, rows, J, K))
 
@@ -243,4 +243,4 @@ def point_given(s: Statics, given: Mapping[str, float], numbers: Mapping[Expr, f
 
 
 def put(x: Expr, values: Mapping[Expr, Expr]) -> Expr:
-    return x.subs(list(values.items())) if values else x
+    return x.xreplace(dict(values)) if values else x

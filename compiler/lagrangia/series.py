@@ -60,12 +60,33 @@ class Ring:
         self.numbers: dict[Expr, int] = {}
         self.composite: dict[int, Series] = {}  # atoms that are sums: their whole powers are multiplied out
         self._known: dict[Expr, Series] = {}
+        self._inside: dict[int, frozenset[Expr]] = {}  # symbols of atoms
         self.whole = {self._atom(sp.pi)}  # atoms of angles that are not halved: pi, and what depends on time alone
         self.pi = 0
 
     def tidy(self, expression: Expr) -> Expr:
         """The expression in normal form, as few terms as the pairing of sines and cosines gives."""
-        return sp.Add(*(term.expression() for term in self.terms(expression)))
+        return self._tidied(self.series(expression))
+
+    def _tidied(self, series: Series) -> Expr:
+        """Known by what it came from: nothing is multiplied out again, unless SymPy knows more of a function, |x|^2 = x^2."""
+        found = sp.Add(*(term.expression() for term in self._written(series)))
+        if not any(self.atoms[n].is_Function for powers, _, _ in series for n, _ in powers):
+            self._known[found] = series
+        return found
+
+    def slope(self, expression: Expr, x: Expr) -> Expr:
+        """d/dx, tidy: term by term, where x stands by itself or in a sum of angles."""
+        found = self._slope(self.series(expression), x)
+        return self.tidy(expression.diff(x)) if found is None else self._tidied(found)
+
+    def along(self, expression: Expr, pairs: Iterable[tuple[Expr, Expr]]) -> Expr:
+        """sum of d/dx times dx over the pairs (x, dx), tidy."""
+        pairs = list(pairs)
+        slopes = [(self._slope(self.series(expression), x), dx) for x, dx in pairs]
+        if any(series is None for series, _ in slopes):
+            return self.tidy(sp.Add(*(expression.diff(x) * dx for x, dx in pairs if expression.has(x))))
+        return self._tidied(_sum(self.product(series, self.series(dx)) for series, dx in slopes if series))
 
     def terms(self, expression: Expr) -> list[Term]:
         return self._written(self.series(expression))
@@ -184,6 +205,28 @@ class Ring:
 
     def _number(self, e: Expr) -> int:
         return self.numbers[e] if e in self.numbers else self._atom(e)
+
+    # ------------------------------------------------------------ derivatives
+
+    def _slope(self, series: Series, x: Expr) -> Series | None:
+        """None where x stands inside an atom: under a root, in a function."""
+        total: Series = {}
+        here = self._number(x)
+        for (powers, angle, is_sine), number in series.items():
+            for n, _ in (*powers, *angle):
+                if n != here and self._depends(n, x):
+                    return None
+            for k in (k for n, k in powers if n == here):
+                less = tuple((n, p - (n == here)) for n, p in powers if n != here or p != 1)
+                _add(total, (less, angle, is_sine), number * k)
+            for k in (k for n, k in angle if n == here):
+                _add(total, (powers, angle, not is_sine), number * k if is_sine else -number * k)
+        return {key: value for key, value in total.items() if value}
+
+    def _depends(self, n: int, x: Expr) -> bool:
+        if n not in self._inside:
+            self._inside[n] = frozenset(self.atoms[n].free_symbols)
+        return x in self._inside[n]
 
     # ------------------------------------------------------------ products
 
@@ -325,6 +368,10 @@ def _added(a: Angle, b: Angle, sign: int) -> Angle:
 
 def _sorted(parts: dict[int, Fraction]) -> Angle:
     return tuple(sorted((n, k) for n, k in parts.items() if k))
+
+
+def _add(total: Series, key: Key, x: Fraction) -> None:
+    total[key] = total.get(key, Fraction(0)) + x
 
 
 def _sum(series: Iterable[Series]) -> Series:

@@ -27,7 +27,8 @@ def structure_page(scene: SymbolicScene, names: Mapping[Expr, Name], large: TooL
     held = f" and {m} constraint{'s' if m > 1 else ''}" if m else ""
     blocks: list[Block] = [paragraph(f"{model.description}.")] if model.description else []
     blocks += [paragraph(f"The equations of motion of its {n} coordinates{held} {size}: too many to read. Here are its energies "
-                         "and its structure; --force writes everything."), _coordinates(scene, names)]
+                         "and its structure; --form linear gives its small motion, --force writes everything."),
+               _coordinates(scene, names)]
     e = scene.energies
     for heading, base, terms in (("Kinetic energy", "T", e.kinetic), ("Potential energy", "V", e.potential),
                                  ("Dissipation function", "D", e.dissipation)):

@@ -75,16 +75,20 @@ class SymbolicScene:
     rows: tuple[Expr, ...]
     holonomic: int  # the first so many rows are positions, the others rates
 
+    @property
+    def given_rates(self) -> list[tuple[Expr, Expr]]:
+        """What changes by itself, and how fast: t and the given functions."""
+        first = [(g.symbol, g.rate) for g in self.given]
+        return [(self.t, sp.S.One), *first, *((g.rate, g.acceleration) for g in self.given if g.rate in g.moving)]
+
+    @property
+    def rates(self) -> list[tuple[Expr, Expr]]:
+        """All that changes, and how fast: (q, v), (v, a), and what is given."""
+        return [*zip(self.q, self.v, strict=True), *zip(self.v, self.a, strict=True), *self.given_rates]
+
     def time_rate(self, expression: Expr) -> Expr:
         """d/dt along the motion: sum (d/dq) v + (d/dv) a + d/dt."""
-        pairs = [*zip(self.q, self.v, strict=True), *zip(self.v, self.a, strict=True), (self.t, sp.S.One)]
-        pairs += [(g.symbol, g.rate) for g in self.given] + [(g.rate, g.acceleration) for g in self.given if g.rate in g.moving]
-        return sp.Add(*(expression.diff(x) * rate for x, rate in pairs if expression.has(x)))
-
-    def explicit_rate(self, expression: Expr) -> Expr:
-        """The part of d/dt that comes from t and the given functions alone."""
-        held = dict.fromkeys((*self.v, *self.a), sp.S.Zero)
-        return self.time_rate(expression).xreplace(held)
+        return sp.Add(*(expression.diff(x) * rate for x, rate in self.rates if expression.has(x)))
 
 
 def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: bool = False) -> SymbolicScene:

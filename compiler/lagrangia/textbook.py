@@ -57,7 +57,7 @@ def presentation_of(e: Equations, names: Mapping[Expr, Name], most_products: int
     moving = {scene.t, *scene.inputs.values(), *(x for g in scene.given for x in g.moving if g.value.has(scene.t))}
     coordinates = scene.q, scene.v, scene.a
     symbols = Symbols(named, parameter_ranks(scene), *coordinates, e.multipliers, frozenset(moving), digits, _lengths(e))
-    return Presentation(symbols, most_products)
+    return Presentation(symbols, most_products, e.ring)
 
 
 def parameter_ranks(scene: SymbolicScene) -> dict[Expr, int]:

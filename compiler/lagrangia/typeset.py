@@ -117,7 +117,7 @@ def line(node: Node) -> str:
             return f"{line(left)} {symbol} {line(right)}"
         case Pieces(items):
             parts = " ".join(f"{sign} {line(item)}" if sign else line(item) for sign, item in items)
-            return parts.replace("( ", "(").replace(" ) ", ")")
+            return parts.replace("( ", "(").replace("(− ", "(−").replace(" )", ")").rstrip()
         case _:
             return " ".join(text(node).lines)
 
