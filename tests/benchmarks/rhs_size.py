@@ -44,7 +44,7 @@ def ours(n: int, clock: Clock) -> tuple[float, int, str, float]:
     assert engine is not None, "this benchmark needs a C compiler"
     function, tape = engine.model.struct.rhs, scene.tapes["rhs"]
     outputs = [np.zeros(max(1, size)) for size in tape.out_sizes]
-    interpreter = ctypes.cast(engine.runtime.library.lag_tape_run, ctypes.c_void_p)
+    interpreter = ctypes.cast(engine.runtime.library_for(engine.model).lag_tape_run, ctypes.c_void_p)
     seconds = clock.seconds(function, interpreter, state(scene), outputs, tape.n_work, 200 if n <= 1000 else 20)
     return seconds, scene.notes["acceleration_nodes"], engine.how, compiled
 
