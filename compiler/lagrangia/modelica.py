@@ -1,7 +1,11 @@
 """Equations -> a flat Modelica model: parameters with units, start values, Lagrange's equations.
 
 Constraints stand differentiated twice, so that a tool needs no index reduction: the accelerations and multipliers are the
-unknowns of a linear system.
+unknowns of a linear system. So that they hold after a long run, what errors leave of Phi and Phi' dies out as exp(-closing t):
+
+    q' = v + J^T mu,   J q' + Phi_t = -closing Phi,   d/dt (J v + Phi_t) = -closing (J v + Phi_t)
+
+mu is zero on the exact motion, which is not changed (Gear, Gupta and Leimkuhler 1985, with decay in place of an index of two).
 """
 
 import re
@@ -20,6 +24,7 @@ _RESERVED = set("""algorithm and annotation block break class connect connector 
     elseif elsewhen encapsulated end enumeration equation expandable extends external false final flow for function if import
     impure in initial inner input loop model not operator or outer output package parameter partial protected public pure record
     redeclare replaceable return stream then true type when while within time Real Integer Boolean String""".split())
+_CLOSING = 10.0  # 1/s
 _NAMES = {"Abs": "abs", "ceiling": "ceil", "Min": "min", "Max": "max"}
 
 
@@ -50,18 +55,25 @@ def write_modelica(book: Book, starts: Mapping[str, float]) -> str:
             lines.append(f"  Real {names[s]}({start}{f', unit = {_text(dimension)}' if dimension else ''}){_quoted(source)};")
         lines.append(f"  Real {names[scene.a[k]]};")
     lines += [f"  Real {names[x]};" for x in e.multipliers]
+    closers = [_free_name(f"mu_{k + 1}", names) for k in range(scene.holonomic)]
+    lines += [f"  Real {x};" for x in closers]
+    closing = _free_name("closing", names)
+    if e.rows:
+        lines.append(f'  parameter Real {closing}(unit = "1/s") = {_CLOSING!r} "how fast gaps of the constraints close";')
     lines.append("equation")
     lines += [f"  {names[g.symbol]} = {code(g.value)};" for g in scene.given if g.symbol in names]
-    for q, v, a in zip(scene.q, scene.v, scene.a, strict=True):
-        lines += [f"  der({names[q]}) = {names[v]};", f"  der({names[v]}) = {names[a]};"]
+    steps = [sum((sp.Symbol(x, real=True) * row[k] for x, row in zip(closers, e.J, strict=False)), sp.S.Zero) for k in range(e.n)]
+    for q, v, a, step in zip(scene.q, scene.v, scene.a, steps, strict=True):
+        lines += [f"  der({names[q]}) = {code(v + step)};", f"  der({names[v]}) = {names[a]};"]
     lines += _motion(book, names, code)
+    lines += _constraints(book, steps, sp.Symbol(closing, real=True), code)
     run = model.experiment
     lines.append(f"  annotation(experiment(StartTime = {run.start!r}, StopTime = {run.stop!r}, Tolerance = {run.tolerance!r}));")
     return "\n".join([*lines, f"end {model.name};"])
 
 
 def _motion(book: Book, names: Mapping[Expr, str], code: Callable[[Expr], str]) -> list[str]:
-    """M a + h + J^T lambda = f row by row, and the constraints differentiated until accelerations stand in them."""
+    """M a + h + J^T lambda = f row by row."""
     e, scene = book.equations, book.equations.scene
     lines = []
     for k in range(e.n):
@@ -71,10 +83,24 @@ def _motion(book: Book, names: Mapping[Expr, str], code: Callable[[Expr], str]) 
         first, *others = [*terms, *([code(rest)] if rest != 0 else [])] or ["0"]
         left = first + "".join(f" - {x[1:]}" if x.startswith("-") else f" + {x}" for x in others)
         lines.append(f"  {left} = {code(e.f[k])};")
-    for k, row in enumerate(e.rows):
-        rate = scene.time_rate(row) if k < scene.holonomic else row
-        lines.append(f"  {code(e.ring.tidy(scene.time_rate(rate)))} = 0;")
     return lines
+
+
+def _constraints(book: Book, steps: list[Expr], closing: Expr, code: Callable[[Expr], str]) -> list[str]:
+    """The constraints differentiated until accelerations stand in them, and what closes their gaps; `steps` are J^T mu."""
+    e, scene = book.equations, book.equations.scene
+    lines = []
+    for k, row in enumerate(e.rows):
+        rate = e.ring.along(row, scene.rates) if k < scene.holonomic else row
+        lines.append(f"  {code(e.ring.along(rate, scene.rates))} = -{closing}*({code(rate)});")
+        if k < scene.holonomic:
+            across = sp.Add(*(slope * step for slope, step in zip(e.J[k], steps, strict=True)))
+            lines.append(f"  {code(rate + across)} = -{closing}*({code(row)});")
+    return lines
+
+
+def _free_name(wanted: str, names: Mapping[Expr, str]) -> str:
+    return wanted if wanted not in names.values() else _free_name(f"{wanted}_", names)
 
 
 def _without_given_rates(scene: SymbolicScene, x: Expr) -> Expr:

@@ -236,7 +236,8 @@ From Python: model.equations("worked", "html", names={"tilt.phi": "theta"})
 lag export FILE --to TARGET [-o FILE] writes a scene for other programs, with the start values as they were assembled:
 python    a module that needs NumPy alone: M, h, rhs, energies, outputs, ..., slope(t, y) for scipy's solve_ivp; any scene
 casadi    M, h, rhs, energies, ... of t, q, v, u, p, parameters and start: casadi.FileDeserializer(FILE).unpack(); any scene
-modelica  a flat model: Lagrange's equations, parameters with units; constraints differentiated twice, as a linear system
+modelica  a flat model: Lagrange's equations, parameters with units; constraints differentiated twice, as a linear system, and
+          multipliers mu (zero on the exact motion) that keep them closed; `closing` says how fast gaps close, 10/s
 sympy, latex   the script, and the worked derivation
 """
 
