@@ -47,14 +47,7 @@ def write_modelica(book: Book, starts: Mapping[str, float]) -> str:
     for label, x in scene.inputs.items():
         lines += [f"  input Real {names[x]}; // {label}"] if x in names else []
     lines += [f"  Real {names[g.symbol]};" for g in scene.given if g.symbol in names]
-    for k, name in enumerate(scene.names):
-        variable = model.variables.get(name)
-        unit = variable.unit if variable else "rad" if name.endswith("phi") else "m"
-        for s, source, dimension in ((scene.q[k], name, unit), (scene.v[k], f"der({name})", f"{unit}/s" if unit else "")):
-            start = f"start = {starts[source]!r}, fixed = true"
-            lines.append(f"  Real {names[s]}({start}{f', unit = {_text(dimension)}' if dimension else ''}){_quoted(source)};")
-        lines.append(f"  Real {names[scene.a[k]]};")
-    lines += [f"  Real {names[x]};" for x in e.multipliers]
+    lines += [*_states(scene, names, starts), *(f"  Real {names[x]};" for x in e.multipliers)]
     closers = [_free_name(f"mu_{k + 1}", names) for k in range(scene.holonomic)]
     lines += [f"  Real {x};" for x in closers]
     closing = _free_name("closing", names)
@@ -70,6 +63,19 @@ def write_modelica(book: Book, starts: Mapping[str, float]) -> str:
     run = model.experiment
     lines.append(f"  annotation(experiment(StartTime = {run.start!r}, StopTime = {run.stop!r}, Tolerance = {run.tolerance!r}));")
     return "\n".join([*lines, f"end {model.name};"])
+
+
+def _states(scene: SymbolicScene, names: Mapping[Expr, str], starts: Mapping[str, float]) -> list[str]:
+    """Coordinates and rates with their starts, and accelerations."""
+    lines, variables = [], scene.kinematics.graph.model.variables
+    for k, name in enumerate(scene.names):
+        variable = variables.get(name)
+        unit = variable.unit if variable else "rad" if name.endswith("phi") else "m"
+        for s, source, dimension in ((scene.q[k], name, unit), (scene.v[k], f"der({name})", f"{unit}/s" if unit else "")):
+            start = f"start = {starts[source]!r}, fixed = true"
+            lines.append(f"  Real {names[s]}({start}{f', unit = {_text(dimension)}' if dimension else ''}){_quoted(source)};")
+        lines.append(f"  Real {names[scene.a[k]]};")
+    return lines
 
 
 def _motion(book: Book, names: Mapping[Expr, str], code: Callable[[Expr], str]) -> list[str]:
