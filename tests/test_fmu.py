@@ -15,6 +15,7 @@ from fmpy.validation import validate_fmu
 import lagrangia as lag
 from fmus import EXAMPLES, KINDS, VERSIONS, fmu_of, model_of, simulated
 from lagrangia.cli import main
+from lagrangia.fmu_check import check_fmu
 
 FILES = sorted(EXAMPLES.glob("*.lag"))
 # Far apart after a while, whatever the solver: the time up to which two runs are compared, in s.
@@ -103,3 +104,18 @@ def test_documents_say_what_is_inside() -> None:
         assert b"model SuspendedBar" in archive.read(f"{folder}/suspended_bar.lag")
         functions = ca.StringDeserializer(archive.read(f"{folder}/functions.casadi").decode()).unpack()
         assert "rhs" in [function.name() for function in functions]
+
+
+def test_flanges_are_terminals(tmp_path: Path) -> None:
+    """A component with an input and a reported quantity is a mechanical flange of FMI 3."""
+    (tmp_path / "pushed.lag").write_text("""
+model Flange Frame a; input Force f "push"; output Length s = a.x "place"; energy work f on a.x; end Flange;
+model Pushed
+  Block block(m = 2, base = world, along = {1, 0}); Spring spring(k = 50, stretch = block.s); Flange left(a = block.center);
+end Pushed;
+""")
+    (path,) = lag.Model(tmp_path / "pushed.lag", outputs=("left.s",)).export_fmu(tmp_path / "x.fmu", fmi="3")
+    terminals = zipfile.ZipFile(path).read("terminalsAndIcons/terminalsAndIcons.xml").decode()
+    assert '<Terminal name="left" matchingRule="bus" terminalKind="mechanical flange">' in terminals
+    assert 'variableName="left.f"' in terminals and 'variableName="left.s"' in terminals
+    assert not check_fmu(path, run=False).faults

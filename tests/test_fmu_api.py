@@ -252,6 +252,23 @@ def test_interpolated_inputs_are_exact(driven: Path) -> None:
     instance.free()
 
 
+@pytest.mark.parametrize("version", VERSIONS)
+def test_linear_scenes_are_exact_whatever_the_tolerance(version: str, driven: Path) -> None:
+    """Steps of any length, inputs held, a parameter that changes in between."""
+    instance = Instance(driven, version, "CoSimulation").start(tolerance=1e-2)
+    ends, values, rows = np.cumsum([0.3, 0.001, 0.45, 0.249, 0.7, 0.3]), [1.0, -2.0, 0.5, 3.0, 0.0, 1.0], []
+    begins = [0.0, *ends[:-1]]
+    for begin, end, value in zip(begins, ends, values, strict=True):
+        instance.set({"F": value})
+        instance.step(begin, end - begin)
+        rows.append(instance.get("block.s", "block.v"))
+    table = {"F": np.repeat(values, 2)}
+    native = model_of(driven).simulate(stop=ends[-1], at=ends, solver="linear",
+                                       inputs=(np.ravel(np.column_stack([begins, ends])), table))
+    np.testing.assert_allclose(rows, np.array([native["block.s"], native["block.v"]]).T, rtol=1e-12, atol=1e-13)
+    instance.free()
+
+
 def test_a_step_returns_early_at_a_time_event(nonlinear: Path) -> None:
     instance = Instance(nonlinear, "3", "CoSimulation", eventModeUsed=True, earlyReturnAllowed=True).start()
     assert instance.update()[4:] == (True, 0.5)

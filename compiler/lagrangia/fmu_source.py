@@ -22,11 +22,12 @@ def scene_source(model: FmuModel) -> str:
 
 
 def _solver(scene: Scene) -> Solver:
-    """The one that `lag simulate` takes; islands have no place in an FMU yet, where the whole is one model."""
+    """The exact one for every linear scene: communication steps and tolerances are the importer's choice. For the others the one
+    that `lag simulate` takes; islands have no place in an FMU yet, where the whole is one model."""
+    if "linear" not in scene.refused:
+        return Solver.LINEAR
     chosen = Solver(scene.sizes.get("solver", 0))
-    if chosen is not Solver.ISLANDS:
-        return chosen
-    return Solver.AUTO if "linear" in scene.refused else Solver.LINEAR
+    return Solver.AUTO if chosen is Solver.ISLANDS else chosen
 
 
 def _is_long(tape: Tape) -> bool:

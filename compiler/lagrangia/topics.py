@@ -279,8 +279,9 @@ Export. --fmi 2, 3 or both; --kind me,cs (Model Exchange, Co-Simulation; both in
 of x86_64-linux (glibc 2.17), aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin; --no-sources; --outputs NAME,...;
 -p NAME=VALUE other start values; --info author=TEXT, version, copyright, license. Parameters are tunable, derivatives exact,
 states can be saved and serialised. The source is inside, in extra/. Co-Simulation steps by the scene's own solver, as `lag
-simulate` does. Equal input gives equal bytes but for the date, which SOURCE_DATE_EPOCH sets. From Python:
-model.export_fmu("x.fmu", fmi="both").
+simulate` does; linear scenes are exact, at any tolerance, for inputs held over a step or, in FMI 2, with slopes. A component
+with an input and a reported quantity (--outputs flange.s) is a terminal of FMI 3. Equal input gives equal bytes but for the
+date, which SOURCE_DATE_EPOCH sets. From Python: model.export_fmu("x.fmu", fmi="both").
 
 Check. What is written in the FMU is read with care and told with its place: FMPy's validation, and what no schema shows,
 among it derivatives that point to another state (by name, unit, kind), start values out of their bounds, listed sources that
