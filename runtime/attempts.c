@@ -9,9 +9,10 @@
 enum { WAYS = 8, PATIENT = 2 };
 static const double WAY[WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-8;
 /* An ordinary rejection is one that a shorter step mends. Errors (relative to the state) above NOISE cannot be rounding: there
- * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is not one
- * of several in a row, of a step much longer than the last good ones or with an error that is not far off. */
-static const double NOISE = 1e-6, MENDED = 0.25, SUNK = 0.1, MUCH_LONGER = 1.5, MENDABLE = 50;
+ * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is the first
+ * at this place, its error is not far off, or the step is much longer than the last good ones; and above FAINT_NOISE steps may be
+ * rejected in a row, unless they have been getting ever shorter. */
+static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1, MUCH_LONGER = 1.5, MENDABLE = 50;
 
 LagAttempts lag_attempts_begin(LagRun *run)
 {
@@ -26,7 +27,8 @@ static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h,
         return 0;
     if (error < INFINITY && error * run->scale.tolerance > NOISE)
         return error < MENDED * attempts->last && (run->troubled < PATIENT || h > SUNK * run->calm_step);
-    return run->troubled < PATIENT && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
+    const int is_calm = run->troubled < PATIENT || (error * run->scale.tolerance > FAINT_NOISE && h > SUNK * run->calm_step);
+    return is_calm && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
 }
 
 double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double error, double shorter)

@@ -27,8 +27,9 @@ typedef struct LagTape LagTape;
 /* Vectors in, vectors out, all dense; `work` is scratch. Returns 0, or anything else when it has no value here. */
 typedef int (*LagCode)(const double *const *in, double *const *out, double *work);
 
-/* Taylor coefficients of order k of all jets, from those of lower order (jets.h); in: d, c. The first jets are t, q, v, u. */
-typedef void (*LagJets)(int k, const double *const *in, double *jets);
+/* Taylor coefficients of the orders from `first` to before `end` of all jets, from those of lower order, and those of q and v of
+ * one order more (jets.h); in: d, c. The first jets are t, q, v, u. */
+typedef void (*LagJets)(int first, int end, const double *const *in, double *jets);
 
 /* Either `code` or `tape` is set; neither: the function is absent and its outputs are empty. */
 typedef struct {

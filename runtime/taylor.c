@@ -1,7 +1,6 @@
-/* Taylor steps: A. Jorba, M. Zou, Experimental Mathematics 14 (2005). The order follows from the tolerance, -ln(eps)/2 + 1,
- * which makes digits cheapest; the length of a step from the last two coefficients, so hardly a step is ever rejected. The
- * series at the end of a step, differentiated, is compared with the accelerations there: a check that costs nothing, as they
- * are the first coefficients of the next step.
+/* Taylor steps: A. Jorba, M. Zou, Experimental Mathematics 14 (2005). The order is that which makes digits cheapest; the length
+ * of a step follows from the last two coefficients, so hardly one is ever rejected. The series at the end of a step, differentiated,
+ * is compared with the accelerations there: a check that costs next to nothing, as they are the first coefficients of the next step.
  */
 #include "taylor.h"
 
@@ -12,13 +11,18 @@
 #include "step.h"
 
 enum { LEAST_ORDER = 4 };
-/* What the last coefficient and the last but one may be worth in units of error, so that errors are those of Dormand-Prince at
- * the same tolerance; by how much a step may be wrong at its end; shrinking after a step that was. */
-static const double LAST = 0.15, BEFORE_LAST = 1.1, WRONG = 20, SHRINK = 0.5, GROW = 100;
+/* What the rest of the series may be worth in units of error, so that errors are those of Dormand-Prince at the same tolerance; by
+ * how much a step may be wrong at its end; shrinking after a step that was. */
+static const double REST = 0.004, WRONG = 0.5, SHRINK = 0.5, GROW = 100;
 
 /* What a step costs, in tenths of a nanosecond, here and by Dormand-Prince 8(5,3), and by how much its steps of order 8 are
- * longer than eps^(1/8) radii of convergence: measured on pendulums, springs, chains of springs and Kepler orbits. */
-static const double STEP = 1600, JET = 6, PRODUCT = 2, OTHER_STEP = 1000, OTHER_SUM = 600, OTHER_STAGES = 12, OTHER_LENGTH = 1.25;
+ * longer than eps^(1/8) radii of convergence: measured on pendulums, springs, chains of springs and Kepler orbits. What goes
+ * beyond MANY products in all orders costs more. */
+static const double STEP = 1200, ORDER = 50, JET = 7, PRODUCT = 1.2, MANY = 1000, CROWDED = 3;
+static const double OTHER_STEP = 4500, OTHER_SUM = 300, OTHER_STAGES = 12, OTHER_LENGTH = 1.1;
+
+static const double INVERSE[LAG_JET_ORDER] = {1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8, 1. / 9, 1. / 10, 1. / 11,
+                                              1. / 12, 1. / 13, 1. / 14, 1. / 15, 1. / 16, 1. / 17, 1. / 18};
 
 static double *jet(double *jets, int slot) { return jets + (size_t)slot * LAG_JET_STRIDE; }
 
@@ -30,10 +34,35 @@ static void layout(void *self, const LagMotion *motion, LagArena *arena)
     s->old_jets = lag_take(arena, size);
 }
 
+static double cost_of(const LagModel *model, int order)
+{
+    const double products = 0.5 * order * order * model->n_products;
+    return STEP + order * (ORDER + JET * model->n_jets) + PRODUCT * products + CROWDED * fmax(0, products - MANY);
+}
+
+/* Time per radius of convergence; steps of order p are eps^(1/p) radii long. */
+static double pace_of(const LagModel *model, double eps, int order) { return cost_of(model, order) * exp(-log(eps) / order); }
+
+/* Where time is spent mostly on the sums, it is near -ln(eps)/2 + 1; where each step has a price, it is higher. */
+static int order_for(const LagModel *model, double eps)
+{
+    int best = LEAST_ORDER;
+    for (int order = LEAST_ORDER + 1; order <= LAG_JET_ORDER; ++order)
+        if (pace_of(model, eps, order) < pace_of(model, eps, best))
+            best = order;
+    return best;
+}
+
 static void restart(void *self, LagMotion *motion)
 {
     LagTaylor *s = self;
+    const LagRun *run = motion->context;
+    s->order = order_for(run->model, REST * run->scale.tolerance);
+    const double share = exp(log(REST * run->scale.tolerance) / s->order); /* of the radius of convergence in a step */
+    s->last = REST * (1 - share) / share;
+    s->before_last = s->last / share;
     s->begun = 0;
+    s->is_fresh = 1;
     motion->t_old = motion->t;
 }
 
@@ -60,22 +89,16 @@ static void place_known(LagRun *run, double *jets)
     }
 }
 
-/* The coefficients of order k of everything, and from them those of order k + 1 of the state. Returns 1 when finite. */
-static int expand(LagRun *run, double *jets, int k)
+/* The coefficients of everything from order `first` to before `end`, and those of the state of order `end`. Returns 1 when the
+ * last of them are finite: what is not, at a lower order, makes them NaN. */
+static int expand(LagRun *run, double *jets, int first, int end)
 {
     const LagModel *model = run->model;
-    const int n = model->n;
     const double *in[] = {run->d, run->c};
     double probe = 0;
-    model->taylor(k, in, jets);
-    for (int i = 0; i < n; ++i) {
-        const double a = jet(jets, model->jet_places[i])[k];
-        jet(jets, 1 + i)[k + 1] = jet(jets, 1 + n + i)[k] / (k + 1);
-        jet(jets, 1 + n + i)[k + 1] = a / (k + 1);
-        probe += 0 * a;
-    }
-    for (int i = 0; i < model->n_power; ++i)
-        probe += 0 * jet(jets, model->jet_places[n + i])[k];
+    model->taylor(first, end, in, jets);
+    for (int i = 0; i < model->n + model->n_power; ++i)
+        probe += 0 * jet(jets, model->jet_places[i])[end - 1];
     return probe == 0;
 }
 
@@ -89,19 +112,22 @@ static int build(LagRun *run, LagTaylor *s, int order)
             jet(s->jets, 1 + i)[0] = m->y[i];
         ++run->motion.evaluations;
     }
-    for (; s->begun < order; ++s->begun)
-        if (!expand(run, s->jets, s->begun))
-            return 0;
-    return 1;
+    const int first = s->begun;
+    s->begun = order;
+    return first >= order || expand(run, s->jets, first, order);
 }
 
-/* sum of coefficients from 1 to the order times h^k, Horner. */
-static double series(const double *coefficient, int order, double h)
+/* sum of c_k h^k from k = 0 to the order: Horner, in two chains. */
+static double series(const double *c, int order, double h)
 {
-    double sum = 0;
-    for (int k = order; k > 0; --k)
-        sum = (sum + coefficient[k]) * h;
-    return sum;
+    const double square = h * h;
+    double one = c[order], other = c[order - 1];
+    int k = order - 2;
+    for (; k > 0; k -= 2) {
+        one = one * square + c[k];
+        other = other * square + c[k - 1];
+    }
+    return k == 0 ? (one * square + c[0]) + other * h : one * h + other;
 }
 
 /* What a step of length h adds to the state. */
@@ -110,48 +136,48 @@ static void displacement(const LagRun *run, const double *jets, int order, doubl
     const LagModel *model = run->model;
     const int n = model->n;
     for (int i = 0; i < 2 * n; ++i)
-        step[i] = series(jet((double *)jets, 1 + i), order, h);
+        step[i] = series(jet((double *)jets, 1 + i) + 1, order - 1, h) * h;
     for (int i = 0; i < model->n_power; ++i) { /* the integral of a series */
         const double *power = jet((double *)jets, model->jet_places[n + i]);
         double sum = 0;
         for (int k = order - 1; k >= 0; --k)
-            sum = sum * h + power[k] / (k + 1);
+            sum = sum * h + power[k] * INVERSE[k];
         step[2 * n + i] = sum * h;
     }
 }
 
-/* The states at both ends of a step like the planned one, which units are taken for. */
-static void look_at_units(LagRun *run, const LagTaylor *s)
+/* A state near the end of the planned step, which units are taken for: that before the latest one serves as well, if there is one
+ * that moved. */
+static const double *other_end(LagRun *run, const LagTaylor *s)
 {
     LagMotion *m = &run->motion;
+    if (!s->is_fresh && !run->scale.is_resting)
+        return m->other;
     displacement(run, s->jets, s->order, run->step, m->sum);
     for (int i = 0; i < 2 * m->n; ++i)
         m->point[i] = m->y[i] + m->sum[i];
-}
-
-/* The largest coefficient of order k, in units of error; *worst is its component. */
-static double largest(const LagRun *run, const LagTaylor *s, int k, int32_t *worst)
-{
-    const LagMotion *m = &run->motion;
-    double most = 0;
-    for (int i = 0; i < 2 * m->n; ++i) {
-        const double unit = lag_scale_unit(&run->scale, i, m->y, m->point), value = fabs(jet(s->jets, 1 + i)[k]);
-        if (unit > 0 && value > most * unit) {
-            most = value / unit;
-            *worst = i;
-        }
-    }
-    return most;
+    return m->point;
 }
 
 /* The length at which the last two coefficients are worth a unit of error. */
 static double length_of(LagRun *run, const LagTaylor *s)
 {
+    const LagMotion *m = &run->motion;
     const int p = s->order;
-    int32_t other = 0;
-    look_at_units(run, s);
-    const double last = largest(run, s, p, &run->statistics.worst) / LAST, before = largest(run, s, p - 1, &other) / BEFORE_LAST;
-    return fmin(pow(last, -1.0 / p), pow(before, -1.0 / (p - 1)));
+    const double *end = other_end(run, s);
+    double last = 0, before = 0;
+    for (int i = 0; i < 2 * m->n; ++i) {
+        const double unit = lag_scale_unit(&run->scale, i, m->y, end), *c = jet(s->jets, 1 + i);
+        if (unit == 0)
+            continue;
+        const double inverse = 1 / unit;
+        if (fabs(c[p]) * inverse > last) {
+            last = fabs(c[p]) * inverse;
+            run->statistics.worst = i;
+        }
+        before = fmax(before, fabs(c[p - 1]) * inverse);
+    }
+    return exp(-fmax(log(last / s->last) / p, log(before / s->before_last) / (p - 1)));
 }
 
 /* How far the accelerations at the end of the step are from the slope of the series there, as an error of the rates in units. */
@@ -161,13 +187,11 @@ static double defect(LagRun *run, const LagTaylor *s, double h)
     const int n = m->n;
     double largest = 0;
     for (int i = 0; i < n; ++i) {
-        const double *v = jet(s->jets, 1 + n + i), a = jet(s->old_jets, run->model->jet_places[i])[0];
+        const int place = run->model->jet_places[i];
         const double unit = lag_scale_unit(&run->scale, n + i, m->y, m->other);
-        double slope = 0;
-        for (int k = s->order; k > 0; --k)
-            slope = slope * h + k * v[k];
+        const double slope = series(jet(s->jets, place), s->order - 1, h);
         if (unit > 0)
-            largest = fmax(largest, fabs(a - slope) * h / ((s->order + 1) * unit));
+            largest = fmax(largest, fabs(jet(s->old_jets, place)[0] - slope) * h / ((s->order + 1) * unit));
     }
     return largest;
 }
@@ -183,13 +207,7 @@ static int look_ahead(LagRun *run, LagTaylor *s, double t_new)
     for (int i = 0; i < 2 * m->n; ++i)
         jet(s->old_jets, 1 + i)[0] = m->other[i];
     ++m->evaluations;
-    return expand(run, s->old_jets, 0);
-}
-
-static int order_for(double tolerance)
-{
-    const int order = (int)ceil(1 - 0.5 * log(tolerance));
-    return order < LEAST_ORDER ? LEAST_ORDER : order < LAG_JET_ORDER ? order : LAG_JET_ORDER;
+    return expand(run, s->old_jets, 0, 1);
 }
 
 static LagStatus step(LagRun *run)
@@ -197,7 +215,6 @@ static LagStatus step(LagRun *run)
     LagTaylor *s = &run->methods.taylor;
     LagMotion *m = &run->motion;
     int worst = 0;
-    s->order = order_for(run->scale.tolerance);
     if (!build(run, s, s->order))
         return lag_step_give_up(run, worst);
     double h = fmin(length_of(run, s), GROW * run->step); /* at rest a series says nothing of what comes */
@@ -215,6 +232,7 @@ static LagStatus step(LagRun *run)
             s->jets = s->old_jets;
             s->old_jets = jets;
             s->begun = 1;
+            s->is_fresh = 0;
             lag_motion_take(m, t_new);
             run->step = length;
             lag_step_record(run, length);
@@ -236,11 +254,9 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
 
 int lag_taylor_pays(const LagModel *model, double tolerance)
 {
-    const double eps = lag_scale_caution(tolerance), p = order_for(eps);
-    const double length = exp(log(eps) / p), other_length = OTHER_LENGTH * pow(eps, 1.0 / 8); /* in radii of convergence */
-    const double cost = STEP + p * (JET * model->n_jets + PRODUCT * p / 2 * model->n_products);
+    const double eps = lag_scale_caution(tolerance), other_length = OTHER_LENGTH * pow(eps, 1.0 / 8);
     const double other_cost = OTHER_STEP + OTHER_SUM * model->n + OTHER_STAGES * model->series_rhs_cost;
-    return model->n_jets > 0 && cost * other_length < other_cost * length;
+    return model->n_jets > 0 && pace_of(model, REST * eps, order_for(model, REST * eps)) * other_length < other_cost;
 }
 
 const LagMethod lag_taylor = {"taylor", 8, layout, restart, step, NULL, NULL, interpolate};

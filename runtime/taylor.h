@@ -8,9 +8,11 @@
 
 typedef struct {
     int order;
+    double last, before_last; /* what the last two coefficients may be worth in a step, in units of error */
     double *jets;     /* n_jets * LAG_JET_STRIDE: those of the step that begins at the present state */
     double *old_jets; /* those of the latest step */
     int begun;        /* orders of `jets` that are known */
+    int is_fresh;     /* there was no step since the state or the equations changed */
 } LagTaylor;
 
 extern const LagMethod lag_taylor;

@@ -11,7 +11,7 @@ from lagrangia.taylor import NoSeriesError, Series, write_series
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
 _MOVES = (Op.INPUT, Op.OUTPUT, Op.CONST, Op.ASSIGN)
-_QUICK, _SLOWEST = 1, 150
+_QUICK, _SLOWEST = 2, 50
 _SLOW = dict.fromkeys((Op.DIV, Op.INV, Op.SQRT), 12) | dict.fromkeys(
     (op for op in Op if Op.SIN <= op <= Op.CONSTPOW or Op.SINH <= op <= Op.ERF), _SLOWEST)
 _LONGEST_SERIES = 2000  # instructions

@@ -35,6 +35,10 @@ class Status(IntEnum):
     OUT_OF_MEMORY = 11
 
 
+_STATUS = tuple(Status)
+_ZERO = array("d", (0.0,))
+
+
 class Solver(IntEnum):
     """LAG_SOLVER_... of run.h."""
 
@@ -151,7 +155,7 @@ class Failure:
     value: float
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Rows:
     """Rows of results, one after another in `values`: t, q, v, y, T, V, H, dissipated, work."""
 
@@ -286,8 +290,8 @@ _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
     "lag_run_start": (c.c_int, (_RUN, _Doubles, _Doubles)),
     "lag_run_set_stop": (None, (_RUN, c.c_double)),
     "lag_run_row_width": (c.c_int, (c.POINTER(_Model),)),
-    "lag_run_advance": (c.c_int, (_RUN, _Doubles, c.c_int, _Doubles, _Ints, c.c_double)),
-    "lag_run_advance_steps": (c.c_int, (_RUN, c.c_int, _Doubles, _Ints, c.c_double)),
+    "lag_run_advance": (c.c_int, (_RUN, c.c_void_p, c.c_int, c.c_void_p, _Ints, c.c_double)),
+    "lag_run_advance_steps": (c.c_int, (_RUN, c.c_int, c.c_void_p, _Ints, c.c_double)),
     "lag_run_row": (c.c_int, (_RUN, _Doubles)),
     "lag_run_time": (c.c_double, (_RUN,)),
     "lag_run_statistics": (c.POINTER(_Statistics), (_RUN,)),
@@ -403,6 +407,7 @@ class Run:
         if not self._run:
             raise MemoryError("no memory for a run of this model")
         self.width: int = self._library.lag_run_row_width(c.byref(model.struct))
+        self._done = (c.c_int * 1)()
 
     def __enter__(self) -> Self:
         return self
@@ -444,21 +449,22 @@ class Run:
 
     def advance(self, times: Any, seconds: float = 0.0) -> Rows:
         """Rows at ascending times, as many as could be reached (within so many seconds of wall time, if not 0)."""
-        return self._rows(len(times), self._library.lag_run_advance, _buffer(times), len(times), seconds)
+        if times.__class__ is not array or times.typecode != "d":
+            times = array("d", times)
+        most = len(times)
+        values, done = _ZERO * (most * self.width), self._done
+        status = self._library.lag_run_advance(self._run, times.buffer_info()[0], most, values.buffer_info()[0], done, seconds)
+        return self._rows(status, values, done[0])
 
     def advance_steps(self, most: int, seconds: float = 0.0) -> Rows:
         """Rows after each step, until t_stop or `most` of them."""
-        return self._rows(most, self._library.lag_run_advance_steps, most, seconds)
+        values, done = _ZERO * (most * self.width), self._done
+        status = self._library.lag_run_advance_steps(self._run, most, values.buffer_info()[0], done, seconds)
+        return self._rows(status, values, done[0])
 
-    def _rows(self, most: int, function: Any, *arguments: Any) -> Rows:
-        *arguments_before, seconds = arguments
-        values = array("d", bytes(8 * most * self.width))
-        results = (c.c_double * len(values)).from_buffer(values)
-        done = c.c_int()
-        status = Status(function(self._run, *arguments_before, results, c.byref(done), seconds))
-        del results  # the array could not be resized while it is looked at
-        del values[done.value * self.width :]
-        return Rows(status, self.width, done.value, values)
+    def _rows(self, status: int, values: "array[float]", done: int) -> Rows:
+        del values[done * self.width :]
+        return Rows(_STATUS[status], self.width, done, values)
 
     def row(self) -> Rows:
         """The row of the present time."""

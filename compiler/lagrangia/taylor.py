@@ -12,6 +12,7 @@ from lagrangia.runtime import Op, Tape
 
 _MOST_POWER = 8  # integer powers up to this one are products
 _ORDERS = 18  # LAG_JET_ORDER of runtime/jets.h
+_FEW, _UNROLLED = 6, 12  # products up to which each order has a function of its own; the orders that have one otherwise
 # Statements in one order, and what a product adds over all orders; more than so many take longer to compile than they save.
 _PRODUCT, _MOST_STATEMENTS = 150, 4000
 _TIME, _POSITIONS, _RATES, _INPUTS = 0, 1, 2, 3  # arguments of rhs that are jets
@@ -49,7 +50,8 @@ class _Writer:
     expression: Callable[[int, str, str], str]  # C text of an operation on numbers
     number: Callable[[float], str]
     values: dict[int, _Value] = field(default_factory=dict)
-    constants: list[str] = field(default_factory=list)
+    constants: list[str] = field(default_factory=list)  # the values of c[0], c[1], ...
+    named: dict[str, str] = field(default_factory=dict)  # c[...] by its value
     first: list[str] = field(default_factory=list)  # statements for order 0
     later: list[str] = field(default_factory=list)  # statements for order k > 0
     n_jets: int = 0
@@ -67,9 +69,10 @@ class _Writer:
         return jet
 
     def constant(self, text: str) -> str:
-        name = f"c{len(self.constants)}"
-        self.constants.append(f"const double {name} = {text};")
-        return name
+        if text not in self.named:
+            self.named[text] = f"c[{len(self.constants)}]"
+            self.constants.append(text)
+        return self.named[text]
 
     def derivative(self, u: _Jet) -> _Jet:
         """k u_k, which the recurrences of elementary functions ask for."""
@@ -90,22 +93,22 @@ class _Writer:
     def quotient(self, a: _Value, b: _Jet) -> _Jet:
         if isinstance(a, _Jet):
             slot = f"J({self.n_jets})"
-            return self.jet(f"{a}[0] / {b}[0]", f"({a}[k] - lag_jet_inner({b}, {slot}, k)) / {b}[0]")
+            return self.jet(f"{a}[0] / {b}[0]", f"({a}[k] - lag_jet_inner({b}, {slot}, k)) * (1.0 / {b}[0])")
         slot = f"J({self.n_jets})"
-        return self.jet(f"{a} / {b}[0]", f"-lag_jet_inner({b}, {slot}, k) / {b}[0]")
+        return self.jet(f"{a} / {b}[0]", f"lag_jet_inner({b}, {slot}, k) * (-1.0 / {b}[0])")
 
     def circular(self, u: _Jet, sine: str, cosine: str, sign: str) -> tuple[_Jet, _Jet]:
         """sin and cos, or sinh and cosh, of one argument: s' = c u', c' = sign s u'."""
         if (sine, u.slot) not in self.pairs:
             du, s, c = self.derivative(u), f"J({self.n_jets})", f"J({self.n_jets + 1})"
-            one = self.jet(f"{sine}({u}[0])", f"lag_jet_inner({du}, {c}, k) / k")
-            other = self.jet(f"{cosine}({u}[0])", f"{sign}lag_jet_inner({du}, {s}, k) / k")
+            one = self.jet(f"{sine}({u}[0])", f"lag_jet_inner({du}, {c}, k) * (1.0 / k)")
+            other = self.jet(f"{cosine}({u}[0])", f"lag_jet_inner({du}, {s}, k) * ({sign}1.0 / k)")
             self.pairs[(sine, u.slot)] = one, other
         return self.pairs[(sine, u.slot)]
 
     def integral(self, first: str, slope: _Jet, u: _Jet) -> _Jet:
         """w with w' = slope u', w_0 as given."""
-        return self.jet(first, f"lag_jet_inner({self.derivative(u)}, {slope}, k) / k")
+        return self.jet(first, f"lag_jet_inner({self.derivative(u)}, {slope}, k) * (1.0 / k)")
 
     # ------------------------------------------------------------ operations
 
@@ -119,7 +122,7 @@ class _Writer:
         if op == Op.INV:
             return self.quotient("1.0", a)
         if op == Op.SQRT:
-            return self.jet(f"sqrt({a}[0])", f"({a}[k] - lag_jet_between({slot}, k)) / (2.0 * {slot}[0])")
+            return self.jet(f"sqrt({a}[0])", f"({a}[k] - lag_jet_between({slot}, k)) * (0.5 / {slot}[0])")
         if op in (Op.SIN, Op.COS):
             return self.circular(a, "sin", "cos", "-")[op == Op.COS]
         if op in (Op.SINH, Op.COSH):
@@ -127,7 +130,7 @@ class _Writer:
         if op == Op.EXP:
             du = self.derivative(a)
             slot = f"J({self.n_jets})"
-            return self.jet(f"exp({a}[0])", f"lag_jet_inner({du}, {slot}, k) / k")
+            return self.jet(f"exp({a}[0])", f"lag_jet_inner({du}, {slot}, k) * (1.0 / k)")
         if op == Op.LOG:
             return self.integral(f"log({a}[0])", self.quotient("1.0", a), a)
         return self.inverse_function(op, a)
@@ -196,13 +199,13 @@ class _Writer:
         assert isinstance(radius, _Jet)
         x, y = self.quotient(b, radius), self.quotient(a, radius)
         da, db = self.derivative(a), self.derivative(b)
-        return self.jet(f"atan2({a}[0], {b}[0])", f"(lag_jet_inner({da}, {x}, k) - lag_jet_inner({db}, {y}, k)) / k")
+        return self.jet(f"atan2({a}[0], {b}[0])", f"(lag_jet_inner({da}, {x}, k) - lag_jet_inner({db}, {y}, k)) * (1.0 / k)")
 
     # ------------------------------------------------------------ the tape
 
     def read(self, argument: int, element: int) -> _Value:
         if argument not in (_TIME, _POSITIONS, _RATES, _INPUTS):
-            return f"in[{argument - _INPUTS - 1}][{element}]"
+            return self.constant(f"in[{argument - _INPUTS - 1}][{element}]")
         return _Jet(sum(self.tape.in_sizes[:argument]) + element)
 
     def step(self, op: int, out: int, a: int, b: int) -> None:
@@ -257,7 +260,8 @@ def write_series(tape: Tape, expression: Callable[[int, str, str], str], number:
     products = sum("lag_jet_" in line for line in writer.later)
     if products * _PRODUCT + len(writer.later) * _ORDERS > _MOST_STATEMENTS:
         raise NoSeriesError(f"its {products} products of series would take longer to compile than they save")
-    return Series(_text(writer), writer.n_jets, products, tuple(places[key] for key in sorted(places)))
+    found = tuple(places[key] for key in sorted(places))
+    return Series(_text(writer, found[: tape.in_sizes[_POSITIONS]], products), writer.n_jets, products, found)
 
 
 def _wanted(tape: Tape) -> set[int]:
@@ -278,19 +282,27 @@ def _wanted(tape: Tape) -> set[int]:
     return wanted
 
 
-def _text(writer: _Writer) -> str:
-    parts: Mapping[str, Iterable[str]] = {"taylor_first": writer.first, "taylor_later": writer.later}
+def _text(writer: _Writer, accelerations: tuple[int, ...], products: int) -> str:
+    """A function an order, its loops unrolled: all in one, and compilers run out of registers. Where there are many products,
+    code for each of the higher orders takes long to compile and does not stay near the processor: they share a function."""
+    n, size = len(accelerations), max(1, len(writer.constants))
+    states = [f"J({1 + k})[k + 1] = J({1 + n + k})[k] * (1.0 / (k + 1));" for k in range(n)]
+    states += [f"J({1 + n + k})[k + 1] = J({place})[k] * (1.0 / (k + 1));" for k, place in enumerate(accelerations)]
+    parts: Mapping[str, Iterable[str]] = {"taylor_first": [*writer.first, *states], "taylor_later": [*writer.later, *states]}
     lines = ["#define J(slot) (jet + (slot) * LAG_JET_STRIDE)"]
     for name, body in parts.items():
-        lines += [f"LAG_UNROLLED void {name}(const int k, const double *const *in, double *jet)", "{",
-                  "    (void)k; (void)in; (void)jet;"]
-        lines += [f"    {line}" for line in (*_used(writer.constants, body), *body)]
-        lines += ["}", ""]
-    lines += ["static void taylor(int k, const double *const *in, double *jet)", "{", "    switch (k) {",
-              "    case 0: taylor_first(0, in, jet); return;"]
-    lines += [f"    case {k}: taylor_later({k}, in, jet); return;" for k in range(1, _ORDERS)]
-    return "\n".join([*lines, "    default: return;", "    }", "}", ""])
-
-
-def _used(constants: list[str], body: Iterable[str]) -> list[str]:
-    return [*constants, *([] if not constants else [f"(void)c{len(constants) - 1};"])] if body else []
+        lines += [f"LAG_UNROLLED void {name}(const int k, const double *c, double *jet)", "{", "    (void)c;"]
+        lines += [*(f"    {line}" for line in body), "}", ""]
+    unrolled = _ORDERS if products <= _FEW else _UNROLLED
+    arguments = "(int k, const double *c, double *jet)"
+    for k in range(unrolled):
+        lines += [f"static void taylor_{k}{arguments} {{ (void)k; taylor_{'later' if k else 'first'}({k}, c, jet); }}"]
+    if unrolled < _ORDERS:
+        lines += [f"static void taylor_any{arguments} {{ taylor_later(k, c, jet); }}"]
+    names = [f"taylor_{k}" if k < unrolled else "taylor_any" for k in range(_ORDERS)]
+    constants = [f"    c[{k}] = {value};" for k, value in enumerate(writer.constants)]
+    lines += [f"static void (*const taylor_orders[]){arguments} = {{", f"    {', '.join(names)}}};", "",
+              "static void taylor(int first, int end, const double *const *in, double *jet)", "{",
+              f"    double c[{size}] = {{0}};",
+              "    (void)in;", *constants, "    for (int k = first; k < end; ++k)", "        taylor_orders[k](k, c, jet);"]
+    return "\n".join([*lines, "}", ""])

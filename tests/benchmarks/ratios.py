@@ -148,7 +148,7 @@ def _parse() -> argparse.Namespace:
     add = parser.add_argument
     add("--scenes", type=lambda text: text.split(","), help=", ".join(case.name for case in SUITE))
     add("--solvers", type=lambda text: text.split(","), default=SOLVERS)
-    add("--tolerances", type=lambda text: [float(part) for part in text.split(",")], default=list(TOLERANCES))
+    add("--tolerances", type=lambda text: [float(part) for part in text.split(",")], default=[0.1, *TOLERANCES])
     add("--rounds", type=int, default=60)
     add("--budget", type=float, default=20.0, help="seconds of measuring a scene")
     add("--longest", type=float, default=1.0, help="seconds of a run beyond which a solver is asked for no more digits")
