@@ -29,8 +29,8 @@ class Derived:
         return e.left[k] + e.reactions[k] - e.f[k]
 
 
-def derived(path: Path, most_products: int = 10**6) -> Derived:
-    return Derived(derive(build_symbolic(*compile_energies(path)), most_products))
+def derived(path: Path, most_products: int = 10**6, has_named_supports: bool = False) -> Derived:
+    return Derived(derive(build_symbolic(*compile_energies(path), has_named_supports), most_products))
 
 
 def vanishes(expression: sp.Expr) -> bool:
