@@ -51,6 +51,12 @@ def test_the_motion_is_that_of_the_native_run(path: Path, kind: str, version: st
         assert np.abs(found[column.name] - native[column.name]).max() < 1e-6 * scale, column.name
 
 
+def test_into_a_folder(tmp_path: Path) -> None:
+    written = lag.load(EXAMPLES / "pendulum.lag").export_fmu(tmp_path, fmi="both")
+    assert written == [tmp_path / "Pendulum_fmi2.fmu", tmp_path / "Pendulum_fmi3.fmu"]
+    assert all(path.stat().st_size for path in written)
+
+
 def test_a_scene_without_c_names_and_one_at_rest(tmp_path: Path) -> None:
     """Blanks, accents, 300 characters; no states; no parameters."""
     texts = {

@@ -76,7 +76,8 @@ def export_fmus(
     wanted = Export("", kinds, read_platforms(platforms), sources, parameters or {}, info or {})
     described = build_fmu_model(model, wanted.parameters)
     extras = build_extras(model, described)
-    target = path or Path(f"{identifier_of(model.scene.name)}.fmu")
+    name = f"{identifier_of(model.scene.name)}.fmu"
+    target = Path(name) if path is None else path / name if path.is_dir() else path
     written = []
     for version in versions:
         here = target if len(versions) == 1 else target.with_name(f"{target.stem}_fmi{version}{target.suffix or '.fmu'}")

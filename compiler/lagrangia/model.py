@@ -315,7 +315,7 @@ class Model:
         sources: bool = True, parameters: Mapping[str, float] | None = None, info: Mapping[str, str] | None = None,
         tell: Callable[[str], None] | None = None,
     ) -> "list[Path]":
-        """Write an FMU; returns the files, two for fmi="both", whose names get the version.
+        """Write an FMU, at `path` or into that folder; returns the files, two for fmi="both", whose names get the version.
 
         `fmi` is "2", "3" or "both", `kind` "me", "cs" or "me,cs", `platforms` "host", "all" or names (fmu_build.PLATFORMS).
         `parameters` are other start values of the FMU's parameters, in SI units; `info` may give author, version, copyright and
