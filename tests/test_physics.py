@@ -163,6 +163,7 @@ def test_the_error_follows_the_tolerance(name: str, solver: str) -> None:
     runs = [model.simulate(at=times, tolerance=t, solver=solver).rows[:, states] for t in tolerances]
     errors = [np.abs(run - exact).max(axis=0) / size for run in runs]
     worst = np.max(errors, axis=1)
-    slope = np.polyfit(np.log(tolerances), np.log(worst), 1)[0]
+    known = worst > 1e-13  # the reference has rounding of its own
+    slope = np.polyfit(np.log(tolerances[known]), np.log(worst[known]), 1)[0]
     assert 0.85 < slope < 1.15
     assert np.all(worst < 50 * tolerances)
