@@ -63,6 +63,8 @@ static void connect_parts(LagRun *run, const LagModel *model)
     run->motion.context = run;
 }
 
+int32_t lag_run_solver(const LagModel *model, const LagSettings *settings) { return lag_methods_first(settings, model); }
+
 static double tolerance(const LagSettings *settings) { return fmax(settings->tolerance, LAG_SMALLEST_TOLERANCE); }
 
 LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)

@@ -5,9 +5,11 @@ from pathlib import Path
 
 import pytest
 
+import lagrangia as lag
 from lagrangia.cli import main
 from lagrangia.needs import Need, find_needs
 from lagrangia.pipeline import Compilation, compile_file
+from lagrangia.solvers import name_of
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "models" / "examples"
@@ -84,6 +86,15 @@ end Damped;"""
         path = tmp_path / f"c{c}.lag"
         path.write_text(text % c)
         assert needs_of(compile_file(path))["implicit steps"].is_needed is is_stiff
+
+
+@pytest.mark.parametrize("name", ["double_pendulum", "four_bar", "vibration_absorber", "free_bar", "chain"])
+def test_the_solver_told_is_the_one_that_runs(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["explain", str(EXAMPLES / f"{name}.lag"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    model = lag.load(EXAMPLES / f"{name}.lag")
+    assert told["solver"] == name_of(model.simulate(stop=model.scene.stop / 100).statistics.solver)
+    assert told["tolerance"] == model.scene.tolerance
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.lag")), ids=lambda path: path.stem)

@@ -112,8 +112,8 @@ ORDER = """
     pipeline
     dumps
     solvers
-    explain
     engines
+    explain
     simulate
     casadi_solvers
     targets

@@ -45,14 +45,14 @@ def check_command(options: Namespace) -> int:
 
 
 def explain_command(options: Namespace) -> int:
-    from lagrangia.explain import as_json, as_text
+    from lagrangia.explain import as_json, as_text, solver_of
     from lagrangia.needs import find_needs
 
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())
     c = model.compilation
     needs = find_needs(c.kinematics, c.constraints, c.energies, c.motion, c.initial, c.scene)
-    print((as_json if options.json else as_text)(model.scene, needs))
+    print((as_json if options.json else as_text)(model.scene, needs, solver_of(model.scene, model.engine)))
     return 0
 
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from lagrangia.runtime import Solver
+from lagrangia.engines import Engine
+from lagrangia.runtime import Settings, first_solver
 from lagrangia.scene import Scene
 from lagrangia.solvers import WAYS, name_of
 
@@ -16,21 +17,37 @@ if TYPE_CHECKING:
 _WIDTH = 118
 
 
-def solver_of(scene: Scene) -> str:
-    """The name of the solver that `auto` takes."""
-    return name_of(Solver(scene.sizes.get("solver", 0)) or Solver.ERK)
+# Why `auto` takes it.
+_WHY = {
+    "erk": "of those that serve every scene it costs least at this tolerance",
+    "erk5": "at so loose a tolerance it costs less than erk",
+    "taylor": "its series cost less here than Runge-Kutta steps",
+    "linear": "the equations are linear, and exponentials cost less than steps",
+    "islands": "there are coordinates that do not interact",
+}
 
 
-def as_json(scene: Scene, needs: Sequence["Need"]) -> str:
-    chosen = solver_of(scene)
+def solver_of(scene: Scene, engine: Engine | None) -> str:
+    """The name of the solver that `auto` begins with, at the scene's own tolerance."""
+    if engine is None:
+        return "casadi:cvodes"
+    settings = Settings(scene.start, scene.stop, scene.tolerance)
+    return name_of(first_solver(engine.runtime.library_for(engine.model), engine.model, settings))
+
+
+def as_json(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
     solvers = {name: {"title": way.title, "can_run": name not in scene.refused, "reason": scene.refused.get(name, "")}
                for name, way in WAYS.items()}
-    return json.dumps({"model": scene.name, "solver": chosen, "solvers": solvers, "needs": [asdict(n) for n in needs]}, indent=2)
+    return json.dumps({"model": scene.name, "solver": chosen, "tolerance": scene.tolerance, "solvers": solvers,
+                       "needs": [asdict(n) for n in needs]}, indent=2)
 
 
-def as_text(scene: Scene, needs: Sequence["Need"]) -> str:
-    chosen = solver_of(scene)
-    lines = [f"{scene.name}: solver {chosen}, {WAYS[chosen].title}", ""]
+def as_text(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
+    lines = [f"{scene.name}: solver {chosen}: there is no C compiler", ""]
+    if chosen in WAYS:
+        implicit = "" if "implicit" in scene.refused else "; implicit steps when it turns out stiff"
+        lines = [f"{scene.name}: solver {chosen} at tolerance {scene.tolerance:g}, {WAYS[chosen].title}",
+                 f"  {_WHY.get(chosen, 'the equations ask for it')}{'' if chosen in ('linear', 'islands') else implicit}", ""]
     for title, wanted in (("needed", True), ("not needed", False)):
         rows = [need for need in needs if need.is_needed is wanted]
         lines += [title, *(line for need in rows for line in _row(need)), ""]

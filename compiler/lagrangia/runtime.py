@@ -282,6 +282,7 @@ _RUN = c.c_void_p
 _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
     "lag_tape_valid": (c.c_int, (c.POINTER(_Function),)),
     "lag_run_new": (_RUN, (c.POINTER(_Model), c.POINTER(_Settings))),
+    "lag_run_solver": (c.c_int32, (c.POINTER(_Model), c.POINTER(_Settings))),
     "lag_run_free": (None, (_RUN,)),
     "lag_run_set_parameters": (c.c_int, (_RUN, _Doubles, _Doubles)),
     "lag_run_parameters": (_Doubles, (_RUN,)),
@@ -396,14 +397,22 @@ def load_runtime(path: Path) -> c.CDLL:
     return library
 
 
+def first_solver(runtime: c.CDLL, model: Model, settings: Settings) -> Solver:
+    """The solver that a run with these settings begins with."""
+    return Solver(runtime.lag_run_solver(c.byref(model.struct), c.byref(_plain(settings))))
+
+
+def _plain(settings: Settings) -> _Settings:
+    return _Settings(*(getattr(settings, name) for name, *_ in _Settings._fields_))
+
+
 class Run:
     """A run of a model; use it in a `with` statement. Methods answer a Status; `failure` tells more."""
 
     def __init__(self, library: c.CDLL, model: Model, settings: Settings) -> None:
         self._library = library
         self._model = model
-        values = [getattr(settings, name) for name, *_ in _Settings._fields_]
-        self._run: int | None = self._library.lag_run_new(c.byref(model.struct), c.byref(_Settings(*values)))
+        self._run: int | None = self._library.lag_run_new(c.byref(model.struct), c.byref(_plain(settings)))
         if not self._run:
             raise MemoryError("no memory for a run of this model")
         self.width: int = self._library.lag_run_row_width(c.byref(model.struct))
