@@ -43,11 +43,8 @@ def as_json(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
 
 
 def as_text(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
-    lines = [f"{scene.name}: solver {chosen}: there is no C compiler", ""]
-    if chosen in WAYS:
-        implicit = "" if "implicit" in scene.refused else "; implicit steps when it turns out stiff"
-        lines = [f"{scene.name}: solver {chosen} at tolerance {scene.tolerance:g}, {WAYS[chosen].title}",
-                 f"  {_WHY.get(chosen, 'the equations ask for it')}{'' if chosen in ('linear', 'islands') else implicit}", ""]
+    lines = [f"{scene.name}: solver {chosen}, tolerance {scene.tolerance:g}",
+             *textwrap.wrap(_reason(scene, chosen), _WIDTH, initial_indent="  ", subsequent_indent="  "), ""]
     for title, wanted in (("needed", True), ("not needed", False)):
         rows = [need for need in needs if need.is_needed is wanted]
         lines += [title, *(line for need in rows for line in _row(need)), ""]
@@ -59,6 +56,14 @@ def as_text(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
             wrapped = textwrap.wrap(text, _WIDTH - 16, break_long_words=False)
             lines += [f"  {name:13} {wrapped[0]}", *(" " * 16 + line for line in wrapped[1:])]
     return "\n".join(lines).rstrip()
+
+
+def _reason(scene: Scene, chosen: str) -> str:
+    """What it is, and why `auto` takes it."""
+    if chosen not in WAYS:
+        return "there is no C compiler"
+    turns = chosen in ("erk", "erk5", "taylor") and "implicit" not in scene.refused
+    return f"{WAYS[chosen].title}: {_WHY[chosen]}" + ("; implicit steps where it turns out stiff" if turns else "")
 
 
 def _row(need: "Need") -> list[str]:
