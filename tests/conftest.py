@@ -1,5 +1,6 @@
 """Expected texts kept in files: `pytest --update` writes them anew, to be read in the diff."""
 
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -31,9 +32,11 @@ def compare(request: pytest.FixtureRequest) -> Compare:
 
 @pytest.fixture(scope="session", autouse=True)
 def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Compiled scenes of the tests stay out of the cache of the person who runs them."""
+    """Compiled scenes of the tests stay out of the cache of the person who runs them; processes that share the work share it."""
+    base = tmp_path_factory.getbasetemp()
+    shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("LAGRANGIA_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("LAGRANGIA_CACHE", str(shared / "cache"))
         yield
 
 
