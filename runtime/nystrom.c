@@ -16,7 +16,7 @@
 #include "step.h"
 #include "trial.h"
 
-enum { STAGES = 11, MOST_LENGTHS = 24, MOST_HALVINGS = 40 };
+enum { STAGES = 11, MOST_LENGTHS = 24, MOST_STEPS = 5000, MOST_HALVINGS = 40 };
 static const double KICK[STAGES + 1] = {
     0.0414649985182624, 0.198128671918067, -0.0400061921041533, 0.0752539843015807, -0.0115113874206879, 0.2366699247869311,
     0.2366699247869311, -0.0115113874206879, 0.0752539843015807, -0.0400061921041533, 0.198128671918067, 0.0414649985182624,
@@ -85,7 +85,7 @@ static double energy(LagRun *run, const double *y, double *scale)
     return energies[2];
 }
 
-/* The largest change of energy in steps of length h over the trial's span, by the largest of its parts. */
+/* The largest change of energy in steps of length h over the trial's span, or its first MOST_STEPS, by the largest part. */
 static double energy_error(LagRun *run, LagNystrom *s, double h, double span)
 {
     LagMotion *m = &run->motion;
@@ -96,7 +96,7 @@ static double energy_error(LagRun *run, LagNystrom *s, double h, double span)
     memset(m->other_carry, 0, size);
     if (!accelerations(m, m->t, m->other, s->a))
         return INFINITY;
-    for (double t = 0; t < span && largest < INFINITY; t += h) {
+    for (int i = 0; i < MOST_STEPS && i * h < span && largest < INFINITY; ++i) {
         const int is_finite = move(m, m->t, h, m->other, m->other_carry, s->a);
         largest = is_finite ? fmax(largest, fabs(energy(run, m->other, &scale) - begin)) : INFINITY;
     }
