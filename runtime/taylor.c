@@ -159,6 +159,18 @@ static const double *other_end(LagRun *run, const LagTaylor *s)
     return m->point;
 }
 
+/* Raises the last two coefficients, in units, to those of what the energy account integrates: its unit is the tolerance. */
+static void weigh_powers(const LagRun *run, const LagTaylor *s, double *last, double *before)
+{
+    const LagModel *model = run->model;
+    const double unit = run->settings.tolerance * run->statistics.energy_scale;
+    for (int i = 0; i < model->n_power && unit > 0; ++i) {
+        const double *power = jet(s->jets, model->jet_places[model->n + i]);
+        *last = fmax(*last, fabs(power[s->order - 1]) * INVERSE[s->order - 1] / unit);
+        *before = fmax(*before, fabs(power[s->order - 2]) * INVERSE[s->order - 2] / unit);
+    }
+}
+
 /* The length at which the last two coefficients are worth a unit of error. */
 static double length_of(LagRun *run, const LagTaylor *s)
 {
@@ -177,6 +189,7 @@ static double length_of(LagRun *run, const LagTaylor *s)
         }
         before = fmax(before, fabs(c[p - 1]) * inverse);
     }
+    weigh_powers(run, s, &last, &before);
     return exp(-fmax(log(last / s->last) / p, log(before / s->before_last) / (p - 1)));
 }
 
