@@ -12,14 +12,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "equal_steps.h"
 #include "state.h"
-#include "step.h"
-#include "trial.h"
 
-enum { MOST_ITERATIONS = 60, MOST_HALVINGS = 40 };
+enum { MOST_ITERATIONS = 60 };
 /* Iterations have converged when corrections fall below rounding, or below this and no longer shrink. */
 static const double ROUNDING = 1e-16, NEARLY = 1e-11;
-static const double SAME = 1e-9; /* lengths of steps that differ by less are equal */
 
 /* Fewest evaluations to an energy error like the tolerance, on pendulums, double pendulums, Kepler orbits and chains of
  * springs: stages, and the length of a step by the shortest one that Dormand-Prince 8(5,3) takes. */
@@ -163,19 +161,6 @@ static void add(const LagGauss *s, double h, double *const *k, int n, const doub
     }
 }
 
-/* A step of length h; the new state is left in motion->other and s->other. */
-static int attempt(LagGauss *s, LagMotion *m, const LagScale *scale, double h)
-{
-    const int n = m->n;
-    if (!guess(s, m, m->y, s->p) || !solve(s, m, scale, m->y, s->p, h, &s->step)) {
-        s->stages_known = 0;
-        return 0;
-    }
-    add(s, h, s->step.v, n, m->y, m->carry, m->other, m->other_carry);
-    add(s, h, s->step.force, n, s->p, s->carry, s->other, s->other_carry);
-    return velocity(m, m->other, s->other, m->other + n);
-}
-
 static void swap(double **a, double **b)
 {
     double *c = *a;
@@ -186,41 +171,41 @@ static void swap(double **a, double **b)
 /* Stages by the tolerance, and equal steps that end where the run does. */
 static void choose(LagRun *run, LagGauss *s)
 {
-    const double tolerance = run->settings.tolerance, left = run->settings.t_stop - run->motion.t;
+    const double tolerance = run->settings.tolerance;
     size_t k = 0;
     while (tolerance < CHOICE[k].tolerance)
         ++k;
     s->tableau = &LAG_GAUSS[CHOICE[k].tableau];
-    s->h = CHOICE[k].length * lag_trial(run).shortest;
-    if (run->settings.max_step > 0)
-        s->h = fmin(s->h, run->settings.max_step);
-    if (isfinite(left))
-        s->h = left / ceil(left / s->h * (1 - SAME));
+    s->h = lag_equal_length(run, CHOICE[k].length * lag_trial(run).shortest);
+}
+
+/* The new momenta are left in s->p. */
+static int attempt(LagRun *run, double h, int is_cut)
+{
+    LagGauss *s = &run->methods.gauss;
+    LagMotion *m = &run->motion;
+    const int n = m->n;
+    s->stages_known = s->stages_known && !is_cut;
+    if (!guess(s, m, m->y, s->p) || !solve(s, m, &run->scale, m->y, s->p, h, &s->step)) {
+        s->stages_known = 0;
+        return 0;
+    }
+    add(s, h, s->step.v, n, m->y, m->carry, m->other, m->other_carry);
+    add(s, h, s->step.force, n, s->p, s->carry, s->other, s->other_carry);
+    if (!velocity(m, m->other, s->other, m->other + n))
+        return 0;
+    swap(&s->p, &s->other);
+    swap(&s->carry, &s->other_carry);
+    s->stages_known = !is_cut;
+    return 1;
 }
 
 static LagStatus step(LagRun *run)
 {
     LagGauss *s = &run->methods.gauss;
-    LagMotion *m = &run->motion;
     if (s->h == 0)
         choose(run, s);
-    for (int halvings = 0; halvings < MOST_HALVINGS; ++halvings) {
-        const double t_new = lag_step_end(run, s->h * (1 + SAME)), length = t_new - m->t;
-        const int is_cut = !(fabs(length - s->h) < SAME * s->h * 10);
-        s->stages_known = s->stages_known && !is_cut;
-        m->t_old = m->t;
-        if (attempt(s, m, &run->scale, is_cut ? length : s->h)) {
-            lag_motion_take(m, is_cut || t_new == lag_step_end(run, INFINITY) ? t_new : m->t + s->h);
-            swap(&s->p, &s->other);
-            swap(&s->carry, &s->other_carry);
-            s->stages_known = !is_cut;
-            lag_step_record(run, length);
-            return LAG_OK;
-        }
-        ++run->statistics.rejected;
-        s->h /= 2;
-    }
-    return lag_step_give_up(run, 0);
+    return lag_equal_step(run, &s->h, attempt);
 }
 
 /* Lagrange's polynomials through the stages, at x by the length of the step. */

@@ -11,12 +11,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "equal_steps.h"
 #include "evaluate.h"
 #include "state.h"
-#include "step.h"
-#include "trial.h"
 
-enum { STAGES = 11, MOST_LENGTHS = 24, MOST_STEPS = 5000, MOST_HALVINGS = 40 };
+enum { STAGES = 11, MOST_LENGTHS = 24, MOST_STEPS = 5000 };
 static const double KICK[STAGES + 1] = {
     0.0414649985182624, 0.198128671918067, -0.0400061921041533, 0.0752539843015807, -0.0115113874206879, 0.2366699247869311,
     0.2366699247869311, -0.0115113874206879, 0.0752539843015807, -0.0400061921041533, 0.198128671918067, 0.0414649985182624,
@@ -25,8 +24,8 @@ static const double DRIFT[STAGES] = {
     0.123229775946271, 0.290553797799558, -0.127049212625417, -0.246331761062075, 0.357208872795928, 0.20477705429147008,
     0.357208872795928, -0.246331761062075, -0.127049212625417, 0.290553797799558, 0.123229775946271,
 };
-/* The longest step that is tried, by the shortest of the trial's; the next one by the one before; lengths that are equal. */
-static const double LONGEST = 6, SHORTER = 0.8, SAME = 1e-9;
+/* The longest step that is tried, by the shortest of the trial's; the next one by the one before. */
+static const double LONGEST = 6, SHORTER = 0.8;
 
 static void layout(void *self, const LagMotion *motion, LagArena *arena)
 {
@@ -106,54 +105,40 @@ static double energy_error(LagRun *run, LagNystrom *s, double h, double span)
 /* The longest steps whose energy error is below the tolerance. */
 static void choose(LagRun *run, LagNystrom *s)
 {
-    LagMotion *m = &run->motion;
-    const double left = run->settings.t_stop - m->t;
     const LagTrial trial = lag_trial(run);
     s->h = LONGEST * trial.shortest;
     for (int i = 0; i < MOST_LENGTHS && !(energy_error(run, s, s->h, trial.span) <= run->settings.tolerance); ++i)
         s->h *= SHORTER;
-    if (run->settings.max_step > 0)
-        s->h = fmin(s->h, run->settings.max_step);
-    if (isfinite(left))
-        s->h = left / ceil(left / s->h * (1 - SAME));
+    s->h = lag_equal_length(run, s->h);
     s->is_known = 0;
 }
 
-/* A step of length h; the new state is left in motion->other. */
-static int attempt(LagNystrom *s, LagMotion *m, double h)
+static int attempt(LagRun *run, double h, int is_cut)
 {
+    LagNystrom *s = &run->methods.nystrom;
+    LagMotion *m = &run->motion;
     const size_t size = (size_t)m->size * sizeof *m->y;
-    if (!s->is_known && !accelerations(m, m->t, m->y, s->taken))
+    double *const taken = s->taken;
+    (void)is_cut;
+    if (!s->is_known && !accelerations(m, m->t, m->y, taken))
         return 0;
     s->is_known = 1;
     memcpy(m->other, m->y, size);
     memcpy(m->other_carry, m->carry, size);
-    memcpy(s->a, s->taken, (size_t)m->n * sizeof *s->a);
-    return move(m, m->t, h, m->other, m->other_carry, s->a);
+    memcpy(s->a, taken, (size_t)m->n * sizeof *taken);
+    if (!move(m, m->t, h, m->other, m->other_carry, s->a))
+        return 0;
+    s->taken = s->a;
+    s->a = taken;
+    return 1;
 }
 
 static LagStatus step(LagRun *run)
 {
     LagNystrom *s = &run->methods.nystrom;
-    LagMotion *m = &run->motion;
     if (s->h == 0)
         choose(run, s);
-    for (int halvings = 0; halvings < MOST_HALVINGS; ++halvings) {
-        const double t_new = lag_step_end(run, s->h * (1 + SAME)), length = t_new - m->t;
-        const int is_cut = !(fabs(length - s->h) < SAME * s->h * 10);
-        m->t_old = m->t;
-        if (attempt(s, m, is_cut ? length : s->h)) {
-            double *const taken = s->taken;
-            lag_motion_take(m, is_cut || t_new == lag_step_end(run, INFINITY) ? t_new : m->t + s->h);
-            s->taken = s->a;
-            s->a = taken;
-            lag_step_record(run, length);
-            return LAG_OK;
-        }
-        ++run->statistics.rejected;
-        s->h /= 2;
-    }
-    return lag_step_give_up(run, 0);
+    return lag_equal_step(run, &s->h, attempt);
 }
 
 static void interpolate(void *self, LagMotion *m, double t, double *y)

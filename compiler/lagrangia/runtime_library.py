@@ -19,7 +19,7 @@ PARTS = {
     "assembly": ("assemble", "linear", "metric", "newton"),
     "linear": ("dd", "dd_tape", "dd_vector", "linear_ladder", "linear_method", "linear_pace", "linear_series", "linear_system"),
     "islands": ("islands",),
-    "conservative": ("gauss", "nystrom", "trial"),
+    "conservative": ("equal_steps", "gauss", "nystrom"),
     "batch": ("batch", "reduce"),
     "snapshot": ("snapshot",),
 }

@@ -1,4 +1,4 @@
-#include "trial.h"
+#include "equal_steps.h"
 
 #include <math.h>
 #include <string.h>
@@ -7,7 +7,8 @@
 #include "state.h"
 #include "step.h"
 
-enum { STEPS = 300, REST = 12 };
+enum { STEPS = 300, REST = 12, MOST_HALVINGS = 40 };
+static const double SAME = 1e-9; /* lengths of steps that differ by less are equal */
 
 LagTrial lag_trial(LagRun *run)
 {
@@ -40,4 +41,29 @@ LagTrial lag_trial(LagRun *run)
     run->methods.table = table;
     run->methods.self = self;
     return trial;
+}
+
+double lag_equal_length(const LagRun *run, double wish)
+{
+    const double left = run->settings.t_stop - run->motion.t;
+    const double h = run->settings.max_step > 0 ? fmin(wish, run->settings.max_step) : wish;
+    return isfinite(left) ? left / ceil(left / h * (1 - SAME)) : h;
+}
+
+LagStatus lag_equal_step(LagRun *run, double *h, LagTry attempt)
+{
+    LagMotion *m = &run->motion;
+    for (int halvings = 0; halvings < MOST_HALVINGS; ++halvings) {
+        const double t_new = lag_step_end(run, *h * (1 + SAME)), length = t_new - m->t;
+        const int is_cut = !(fabs(length - *h) < SAME * *h * 10);
+        m->t_old = m->t;
+        if (attempt(run, is_cut ? length : *h, is_cut)) {
+            lag_motion_take(m, is_cut || t_new == lag_step_end(run, INFINITY) ? t_new : m->t + *h);
+            lag_step_record(run, length);
+            return LAG_OK;
+        }
+        ++run->statistics.rejected;
+        *h /= 2;
+    }
+    return lag_step_give_up(run, 0);
 }
