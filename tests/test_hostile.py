@@ -283,6 +283,15 @@ def test_damaged_cache(damage: str, lag: Run, folder: Path, monkeypatch: pytest.
     assert content(scene.read_text())["scene"] == content(whole)["scene"]
 
 
+def test_a_wrong_scene_leaves_nothing_half_built(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The compiler was started on the run time meanwhile."""
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(folder / "cache"))
+    Path("wrong.lag").write_text("model Wrong\n  World w(\nend Wrong;\n")
+    assert finish(start("simulate", "wrong.lag"))[0] == WRONG
+    assert (folder / "cache").is_dir()
+    assert not [entry for entry in (folder / "cache").iterdir() if entry.name.startswith(".")]
+
+
 @pytest.mark.parametrize("damage", ["empty", "cut", "a letter changed"])
 def test_damaged_syntax(damage: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The parser and the library's syntax are made anew."""

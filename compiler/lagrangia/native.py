@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import weakref
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -94,11 +95,12 @@ def _require_success(command: Sequence[str], process: "subprocess.Popen[str]") -
 
 
 class _Work:
-    """Commands running side by side in a folder of their own."""
+    """Commands running side by side in a folder of their own. `close` ends and removes them; so does the end of Python."""
 
     def __init__(self, name: str) -> None:
         self.folder = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=cache_folder()))
         self._running: list[tuple[Sequence[str], subprocess.Popen[str]]] = []
+        self.close = weakref.finalize(self, _abandon, self.folder, self._running)
 
     def start(self, command: Sequence[str]) -> None:
         """Raises CompilerError."""
@@ -114,15 +116,13 @@ class _Work:
         for command, process in self._running:
             _require_success(command, process)
 
-    def cancel(self) -> None:
-        running = [process for _, process in self._running if process.poll() is None]
-        for process in running:
-            process.kill()
-        if running:
-            self.close()
 
-    def close(self) -> None:
-        shutil.rmtree(self.folder, ignore_errors=True)
+def _abandon(folder: Path, running: Sequence[tuple[Sequence[str], "subprocess.Popen[str]"]]) -> None:
+    for _, process in running:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 class Objects:
@@ -166,24 +166,22 @@ class Objects:
             self._work.close()
             self._work = None
 
-    def cancel(self) -> None:
-        """Ends the compilers that are still at work."""
-        if self._work is not None:
-            self._work.cancel()
-
 
 class Build:
     """A library in the making. `finish` waits for it; builds that were started together run at the same time."""
 
     def __init__(self, name: str, sources: str | Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler,
-                 objects: Sequence[Path] = (), defines: Sequence[str] = ()) -> None:
+                 objects: Sequence[Objects] = (), defines: Sequence[str] = ()) -> None:
         options = (*_options(level), *(f"-D{name}" for name in defines))
-        self._library = _place(name, sources, objects, include, options, compiler)
+        linked = [path for made in objects for path in made.paths]
+        self._library = _place(name, sources, linked, include, options, compiler)
         self._work: _Work | None = None
         if _is_whole(self._library):
             return
+        for made in objects:
+            made.finish()
         self._work = _Work(name)
-        files = [*self._written(self._work, name, sources), *objects]
+        files = [*self._written(self._work, name, sources), *linked]
         self._work.start([*compiler.command, *options, *(f"-I{folder}" for folder in include),
                           "-o", str(self._work.folder / self._library.name), *map(str, files), *_LIBRARIES])
 
@@ -211,7 +209,7 @@ class Build:
     def cancel(self) -> None:
         """Ends the compiler, if it is still at work."""
         if self._work is not None:
-            self._work.cancel()
+            self._work.close()
 
     def _install(self, made: Path) -> None:
         folder = self._library.parent
@@ -232,13 +230,14 @@ def build(
     include: Sequence[Path] = (),
     level: str = "-O2",
     compiler: Compiler | None = None,
-    objects: Sequence[Path] = (),
+    objects: Sequence[Objects] = (),
     defines: Sequence[str] = (),
 ) -> Path:
     """Build a shared library, or find it in the cache.
 
     `sources` is the text of one C file, or paths; `include` are the folders of headers, `level` is -O0 … -O3, `objects` are
-    linked too, and `defines` are macros without values. Raises CompilerError; also when there is no compiler at all.
+    finished and linked too, when the library is not there, `defines` are macros without values. Raises CompilerError; also when
+    there is no compiler at all.
     """
     return start_build(name, sources, include=include, level=level, compiler=compiler, objects=objects, defines=defines).finish()
 
@@ -250,7 +249,7 @@ def start_build(
     include: Sequence[Path] = (),
     level: str = "-O2",
     compiler: Compiler | None = None,
-    objects: Sequence[Path] = (),
+    objects: Sequence[Objects] = (),
     defines: Sequence[str] = (),
 ) -> Build:
     """Like `build`, but does not wait for the compiler."""
@@ -266,12 +265,10 @@ def require_compiler() -> Compiler:
 
 
 def find_build(
-    name: str, sources: str | Sequence[Path], *, include: Sequence[Path], level: str, compiler: Compiler,
-    objects: Sequence[Path] = (), defines: Sequence[str] = (),
+    name: str, sources: str | Sequence[Path], *, include: Sequence[Path], level: str, compiler: Compiler
 ) -> Path | None:
     """The library, if it was built before."""
-    options = (*_options(level), *(f"-D{name}" for name in defines))
-    library = _place(name, sources, objects, include, options, compiler)
+    library = _place(name, sources, (), include, _options(level), compiler)
     return library if _is_whole(library) else None
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from threading import Lock
 
 from lagrangia.folders import cache_folder, data_folder
-from lagrangia.native import Build, Compiler, Objects, build, find_build, require_compiler, start_build
+from lagrangia.native import Build, Compiler, Objects, build, require_compiler, start_build
 from lagrangia.runtime import Model, Run, Settings, Solver, load_runtime
 
 # The sources of what few scenes need. A part that the core knows by runtime/parts.h is left out by LAG_WITHOUT_<PART>.
@@ -62,16 +62,8 @@ class Runtime:
         if self._whole is not None:
             return self._whole.finish()
         rest = self._objects({name for part in parts for name in PARTS[part]})
-        objects = [*self._core.paths, *rest.paths]
-        source, defines = [self._folder / "parts.c"], [f"LAG_WITHOUT_{part.upper()}" for part in sorted(ALL - parts)]
-        found = find_build("runtime", source, include=[self._folder], level=self._level, compiler=self.compiler,
-                           objects=objects, defines=defines)
-        if found is not None:
-            return found
-        self._core.finish()
-        rest.finish()
-        return build("runtime", source, include=[self._folder], level=self._level, compiler=self.compiler,
-                     objects=objects, defines=defines)
+        return build("runtime", [self._folder / "parts.c"], include=[self._folder], level=self._level, compiler=self.compiler,
+                     objects=[self._core, rest], defines=[f"LAG_WITHOUT_{part.upper()}" for part in sorted(ALL - parts)])
 
     def _objects(self, names: set[str]) -> Objects:
         return Objects([self._folder / f"{name}.c" for name in sorted(names)], [self._folder], self._level, self.compiler)
