@@ -1,7 +1,5 @@
 """Islands: coordinates that do not interact, each group run by its own method and steps."""
 
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,11 +9,11 @@ import pytest
 import lagrangia as lag
 from lagrangia.ccode import write_c
 from lagrangia.diagnostics import LagError, RunError
-from lagrangia.folders import data_folder
 from lagrangia.native import find_compiler
 from lagrangia.runtime import Settings, Solver, Status
 from lagrangia.scene import from_json, to_json
 from lagrangia.simulate import check_values
+from sanitizers import needs_sanitizers, run_sanitized
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
@@ -167,19 +165,12 @@ int main(void)
 """
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
+@needs_sanitizers
 def test_sanitizers_find_nothing(scene: Scene, tmp_path: Path) -> None:
-    compiler, plain = find_compiler(), scene(UNLIKE).scene
-    assert compiler is not None
+    plain = scene(UNLIKE).scene
     names = {"whole": plain, **{f"part{k}": island for k, (_, island) in enumerate(plain.islands)}}
-    (tmp_path / "driver.c").write_text(DRIVER)
+    files = {"driver.c": DRIVER}
     for name, one in names.items():
         text = write_c(one.name, one.sizes, one.tapes, one.coordinate_kind, one.fixed, one.event_kind, one.patterns)
-        (tmp_path / f"{name}.c").write_text(text.replace("lag_model", name))
-    folder, program = data_folder("runtime"), tmp_path / "driver"
-    sources = [*map(str, tmp_path.glob("*.c")), *map(str, sorted(folder.glob("*.c")))]
-    options = ["-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", f"-I{folder}", "-o", str(program)]
-    if subprocess.run([*compiler.command, *options, *sources, "-lm"], capture_output=True, check=False).returncode != 0:
-        pytest.skip("this compiler has no sanitizers")
-    done = subprocess.run([program], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+        files[f"{name}.c"] = text.replace("lag_model", name)
+    run_sanitized(tmp_path, files)

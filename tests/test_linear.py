@@ -1,8 +1,6 @@
 """The matrix exponential: closed forms, 50-digit exponentials, resonance, pieces of loads, inputs, and what is not linear."""
 
 import math
-import subprocess
-import sys
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -15,10 +13,10 @@ import pytest
 import lagrangia as lag
 from lagrangia.ccode import write_c
 from lagrangia.diagnostics import LagError
-from lagrangia.folders import data_folder
 from lagrangia.native import find_compiler
 from lagrangia.runtime import Run, Settings, Solver, Status
 from lagrangia.simulate import check_values
+from sanitizers import needs_sanitizers, run_sanitized
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
@@ -394,21 +392,11 @@ int main(void)
 """
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
+@needs_sanitizers
 def test_sanitizers_find_nothing(scene: Scene, tmp_path: Path) -> None:
-    compiler, plain = find_compiler(), scene(PIECES).scene
-    assert compiler is not None
-    files = {"driver.c": DRIVER, "scene.c": write_c(plain.name, plain.sizes, plain.tapes, plain.coordinate_kind, plain.fixed,
-                                                    plain.event_kind, plain.patterns)}
-    for name, text in files.items():
-        (tmp_path / name).write_text(text)
-    folder, program = data_folder("runtime"), tmp_path / "driver"
-    sources = [*(str(tmp_path / name) for name in files), *map(str, sorted(folder.glob("*.c")))]
-    options = ["-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", f"-I{folder}", "-o", str(program)]
-    if subprocess.run([*compiler.command, *options, *sources, "-lm"], capture_output=True, check=False).returncode != 0:
-        pytest.skip("this compiler has no sanitizers")
-    done = subprocess.run([program], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    plain = scene(PIECES).scene
+    text = write_c(plain.name, plain.sizes, plain.tapes, plain.coordinate_kind, plain.fixed, plain.event_kind, plain.patterns)
+    run_sanitized(tmp_path, {"driver.c": DRIVER, "scene.c": text})
 
 
 # ---------------------------------------------------------------- what is not linear

@@ -1,13 +1,11 @@
 """The C run time under the sanitizers of gcc and clang: all solvers, events, inputs, constraints, and no coordinates at all."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from lagrangia.native import find_compiler
-from native_models import FOLDER
+from sanitizers import needs_sanitizers, run_sanitized
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
@@ -85,16 +83,7 @@ int main(void)
 """
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
+@needs_sanitizers
 @pytest.mark.parametrize("elimination", ["dense", "sparse"])
 def test_sanitizers_find_nothing(tmp_path: Path, elimination: str) -> None:
-    compiler = find_compiler()
-    assert compiler is not None
-    driver, program = tmp_path / "driver.c", tmp_path / "driver"
-    driver.write_text(DRIVER.replace("LOWER", "6" if elimination == "sparse" else "0"))
-    sources = [str(driver), *map(str, sorted(FOLDER.glob("*.c")))]
-    options = ["-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", f"-I{FOLDER}", "-o", str(program)]
-    if subprocess.run([*compiler.command, *options, *sources, "-lm"], capture_output=True, check=False).returncode != 0:
-        pytest.skip("this compiler has no sanitizers")
-    done = subprocess.run([program], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    run_sanitized(tmp_path, {"driver.c": DRIVER.replace("LOWER", "6" if elimination == "sparse" else "0")})

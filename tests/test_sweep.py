@@ -2,8 +2,6 @@
 
 import math
 import re
-import subprocess
-import sys
 import threading
 from collections.abc import Callable
 from itertools import pairwise
@@ -18,6 +16,7 @@ from lagrangia.batch import Ending, Kind
 from lagrangia.folders import data_folder
 from lagrangia.native import find_compiler
 from lagrangia.sweep_pieces import Pieces
+from sanitizers import needs_sanitizers, run_sanitized
 from test_constraints import MASSLESS
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -372,18 +371,9 @@ int main(void)
 """
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
+@needs_sanitizers
 def test_sanitizers_find_nothing(tmp_path: Path) -> None:
-    compiler = find_compiler()
-    assert compiler is not None
-    driver, program = tmp_path / "driver.c", tmp_path / "driver"
-    driver.write_text(DRIVER)
-    sources = [str(driver), *map(str, sorted(FOLDER.glob("*.c")))]
-    options = ["-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", f"-I{FOLDER}", "-o", str(program)]
-    if subprocess.run([*compiler.command, *options, *sources, "-lm"], capture_output=True, check=False).returncode != 0:
-        pytest.skip("this compiler has no sanitizers")
-    done = subprocess.run([program], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    run_sanitized(tmp_path, {"driver.c": DRIVER})
 
 
 def test_pieces_are_handed_out_once() -> None:
