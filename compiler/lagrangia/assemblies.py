@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.assembly import Assembly, Vector, independent
+from lagrangia.assembly import Assembly, Vector, independent_columns
 from lagrangia.functions import at_declared_values
 from lagrangia.graph import Coordinate
 from lagrangia.initial import FIXED, FREE, InitialConditions
@@ -62,8 +62,8 @@ class _Search:
         fixed, positions = self.assembly.fixed[: self.n], self.initial.n_positions
         slopes = self.assembly.slopes(self.x)
         ease = np.where(fixed == FIXED, 0.0, np.where(fixed == FREE, _EASE, 1.0))
-        self.dependent = independent(slopes * ease, _INDEPENDENT)
-        rows = independent(slopes[:, self.dependent].T, _INDEPENDENT)
+        self.dependent = independent_columns(slopes * ease, _INDEPENDENT)
+        rows = independent_columns(slopes[:, self.dependent].T, _INDEPENDENT)
         if rows.size < self.dependent.size or not rows.size:
             return []
         general = np.abs(self.assembly.general.jacobian[:positions, : self.n]) * self.assembly.reach[: self.n]

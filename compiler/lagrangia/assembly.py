@@ -4,6 +4,7 @@ The same algorithm as runtime/assemble.c, newton.c and metric.c, constant for co
 holds the two together.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
@@ -160,12 +161,13 @@ def nearest(A: Vector, b: Vector, wish: Vector, tolerance: float, weight: Vector
     return x, rank
 
 
-def independent(columns: Vector, tolerance: float) -> NDArray[np.int_]:
-    """The places of independent columns, the longest remainder first, as pivots of a QR factorisation."""
+def independent_columns(columns: Vector, tolerance: float, longest: Callable[[Vector], int] = lambda norms: int(norms.argmax())
+                ) -> NDArray[np.int_]:
+    """The places of independent columns, the longest remainder first, as pivots of a QR factorisation. `longest` finds it."""
     rest, found, first = columns.copy(), [], 0.0
     for _ in range(min(columns.shape)):
         norms = np.linalg.norm(rest, axis=0)
-        k = int(norms.argmax())
+        k = longest(norms)
         first = first or float(norms[k])
         if not norms[k] > tolerance * first:
             break
@@ -422,7 +424,7 @@ class Assembly:
         return np.asarray(g)
 
     def _rank_at(self, x: Vector) -> int:
-        return independent(self.slopes(x).T, _SINGULAR).size
+        return independent_columns(self.slopes(x).T, _SINGULAR).size
 
     def _prefer_regular(self, x: Vector) -> Vector:
         n, positions = self.n, self.equations.n_positions

@@ -22,6 +22,7 @@ from pathlib import Path
 from lagrangia.diagnostics import fail
 from lagrangia.folders import cache_folder
 from lagrangia.native import CompilerError, find_compiler
+from lagrangia.store import find_kept, keep
 
 # Reproducible on every processor: no contraction to fused multiply-add, no folder names inside.
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-DLAG_STATIC=1",
@@ -125,9 +126,9 @@ def _build(identifier: str, sources: Mapping[str, str], target: str, headers: Pa
     own = {name: text for name, text in sources.items() if name in _GENERATED}
     kind = PLATFORMS[target]
     flags = [f"-Wl,-install_name,@rpath/{identifier}.dylib"] if kind.suffix == ".dylib" else []
-    kept = cache_folder() / f"fmu-{target}-{compiler.key(sources, [identifier, *flags])}{kind.suffix}"
-    if kept.is_file():
-        return kept.read_bytes()
+    key = f"{target}-{compiler.key(sources, [identifier, *flags])}"
+    if (kept := find_kept("fmu", key)) is not None:
+        return kept
     objects = _objects(compiler, {name: text for name, text in sources.items() if name not in _GENERATED}, tell)
     with tempfile.TemporaryDirectory(prefix="lagrangia-fmu-") as folder:
         for name, text in sources.items():
@@ -137,10 +138,9 @@ def _build(identifier: str, sources: Mapping[str, str], target: str, headers: Pa
         files = [name for name in own if name.endswith(".c")]
         linked = sorted((str(file) for folder in objects for file in folder.glob("*.o")), key=os.path.basename)
         compiler.run([*flags, "-shared", "-o", library, *files, *linked, *(() if kind.suffix == ".dll" else ("-lm",))], folder)
-        temporary = kept.with_suffix(f".{os.getpid()}.part")
-        shutil.copyfile(Path(folder) / library, temporary)
-        os.replace(temporary, kept)
-    return kept.read_bytes()
+        built = (Path(folder) / library).read_bytes()
+    keep("fmu", key, built)
+    return built
 
 
 def _objects(compiler: "_Compiler", shared: Mapping[str, str], tell: Callable[[str], None] | None) -> list[Path]:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.assembly import independent_columns
 from lagrangia.diagnostics import RunError, fail
 
 Matrix = NDArray[np.float64]
@@ -66,21 +67,13 @@ def tangent_of(values: Sequence[Matrix], is_preferred: Sequence[bool], reach: Ma
 def pivots(J: Matrix, weight: Matrix) -> list[int]:
     """Columns that span all others: Gram and Schmidt, the longest remainder first."""
     lengths = np.linalg.norm(J * weight, axis=1)
-    rest = (J * weight / np.where(lengths > 0, lengths, 1.0)[:, None]).copy()
-    found: list[int] = []
-    first = 0.0
-    for _ in range(min(J.shape)):
-        norms = np.linalg.norm(rest, axis=0)
-        k = int(np.flatnonzero(norms >= norms.max() * (1 - _TIED))[-1])  # of equals the last, whatever rounding says
-        first = first or float(norms[k])
-        if not norms[k] > _RANK * first:
-            break
-        found.append(k)
-        direction = rest[:, k] / norms[k]
-        for _twice in range(2):
-            rest -= np.outer(direction, direction @ rest)
-        rest[:, k] = 0.0
-    return sorted(found)
+    rows = J * weight / np.where(lengths > 0, lengths, 1.0)[:, None]
+    return sorted(independent_columns(rows, _RANK, _last_of_the_longest).tolist())
+
+
+def _last_of_the_longest(norms: Matrix) -> int:
+    """Whatever rounding says of equal ones."""
+    return int(np.flatnonzero(norms >= norms.max() * (1 - _TIED))[-1])
 
 
 def _null_space(A: Matrix) -> Matrix:
