@@ -2,7 +2,6 @@
 
 import csv
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -14,23 +13,11 @@ import pytest
 import lagrangia as lag
 from lagrangia.cli import main
 from lagrangia.native import find_compiler
-from test_hostile import EXPLOSION
+from test_hostile import EXPLOSION, PENDULUM, start
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
-PENDULUM = """model Pendulum
-  parameter Mass m = 1; parameter Length L = 1; parameter Integer n = 1; input Torque M0;
-  Revolute hinge[n]; Bar bar[n](each m = m, each L = L);
-  AppliedTorque drive(on = bar[1].center, torque = M0);
-equation
-  connect(world, hinge[1].a);
-  for i in 1:n loop connect(hinge[i].b, bar[i].a); end for;
-  for i in 1:n-1 loop connect(bar[i].b, hinge[i + 1].a); end for;
-initial equation
-  hinge[1].phi = 1;
-end Pendulum;
-"""
 # Long enough to be stopped on the way.
 LONG = ("sweep", "pendulum.lag", "-p", "n=2", "-p", "m=normal(1,0.1)", "-p", "L=0.5,1,1.5", "--samples", "1000", "--stop", "40",
         "--outputs", "max(bar[2].b.y),final(hinge[1].phi)", "--jobs", "1")
@@ -59,11 +46,6 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
         return code, said
 
     return command
-
-
-def start(*arguments: str) -> subprocess.Popen[str]:
-    return subprocess.Popen([sys.executable, "-m", "lagrangia.cli", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                            text=True)
 
 
 def table(name: str) -> tuple[list[str], list[list[str]]]:
