@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "evaluate.h"
+#include "extremes.h"
 
 enum { KINETIC, POTENTIAL, TOTAL, DISSIPATED, WORK };
 
@@ -22,9 +23,9 @@ void lag_account_note(LagRun *run, double t, const double *y, double *entries)
     entries[DISSIPATED] = kept ? quadratures[0] : 0;
     entries[WORK] = kept ? quadratures[1] : 0;
     const double residual = entries[TOTAL] - run->start_energy + entries[DISSIPATED] - entries[WORK];
-    statistics->energy_residual = fmax(statistics->energy_residual, fabs(residual));
+    statistics->energy_residual = lag_max(fabs(residual), statistics->energy_residual);
     for (int i = 0; i < LAG_ACCOUNT_SIZE; ++i)
-        statistics->energy_scale = fmax(statistics->energy_scale, fabs(entries[i]));
+        statistics->energy_scale = lag_max(fabs(entries[i]), statistics->energy_scale);
 }
 
 void lag_account_open(LagRun *run) { run->energy_before = total(run, run->motion.t, run->motion.y); }

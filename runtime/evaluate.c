@@ -5,6 +5,8 @@
 #include "function.h"
 #include "project.h"
 
+enum { DOUBTFUL_FOR = 100 }; /* evaluations */
+
 /* Where careful, the slope at a state is the slope at its projection: on the constraints they are the same, so the order is
  * kept, and near a singular position the errors of the inner stages are not magnified. The rates, which are the slope of q,
  * are corrected in place. */
@@ -27,15 +29,27 @@ static int all_finite(const double *x, int n)
     return probe == 0;
 }
 
+static int evaluate(LagRun *run, const LagFunction *function, const double *const *in, double *a, double *power, double *doubt)
+{
+    double *out[] = {a, power, run->multipliers, doubt};
+    if (lag_call(function, in, out, run->work) != 0)
+        return 0;
+    return all_finite(a, run->model->n) && all_finite(power, run->model->n_power);
+}
+
+/* Where the cheap way failed it is left alone for a while: constraints that repeat each other do so for good. */
 static int accelerations(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
 {
     const LagModel *model = run->model;
     const double *in[] = {&t, q, v, run->u, run->d, run->c};
-    double *out[] = {a, power, run->multipliers};
+    double doubt = 0;
     lag_inputs_at(&run->inputs, t, run->u);
-    if (lag_call(&model->rhs, in, out, run->work) != 0)
-        return 0;
-    return all_finite(a, model->n) && all_finite(power, model->n_power);
+    if (lag_present(&model->regular)) {
+        if (run->doubtful == 0 && evaluate(run, &model->regular, in, a, power, &doubt) && doubt == 0)
+            return 1;
+        run->doubtful = run->doubtful == 0 ? DOUBTFUL_FOR : run->doubtful - 1;
+    }
+    return evaluate(run, &model->rhs, in, a, power, &doubt);
 }
 
 int lag_accelerations(void *context, double t, const double *q, double *v, double *a, double *power)

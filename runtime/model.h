@@ -97,6 +97,7 @@ struct LagModel {
     LagFunction tangent;    /* t, q, v, a, lambda, u, d, c, dq, dv -> S0 (dv, 0), S1 (dv, 0) + S2 (dq, 0) */
     LagFunction velocity;   /* q, p, c              -> v = M^-1 p      these two only where energy is kept */
     LagFunction force;      /* q, v, c              -> dp/dt = dT/dq - dV/dq */
+    LagFunction regular;    /* as rhs, and doubt    where constraints are independent: cheaper than rhs, and as good if doubt is 0 */
 
     int n_jets;            /* 0: there are no series */
     int n_products;        /* sums of products among the jets: their cost grows with the order */

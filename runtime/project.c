@@ -16,6 +16,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "extremes.h"
 #include "function.h"
 #include "state.h"
 
@@ -26,7 +27,9 @@ static const double ROUNDING = 4 * DBL_EPSILON, SQUARE_IS_ROUNDING = 1e-9, NOISE
 /* What a step's projection may leave of its error, in its tolerance; rows are projected to rounding. */
 static const double LEFT_BY_STEPS = 1e-3;
 static const double MOST_UNITS = 100, FINEST = 1e-11, NEAR_SINGULAR = 1e-9, FALL = 0.75;
-enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2 };
+/* Steps that drift little need not be projected one by one: as many go by as drift so far, in units of error. */
+static const double DRIFT = 0.1;
+enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2, MOST_WAITING = 4 };
 
 typedef enum { POSITIONS, RATES } Level;
 
@@ -57,9 +60,9 @@ static int evaluate(LagRun *run, Level level, double t, const double *y)
 /* What a position or rate is measured by: the largest seen so far; angles have a natural unit. */
 static double size_of(const LagRun *run, int i)
 {
-    const double seen = fmax(fabs(run->projection.state[i]), run->scale.largest[i]);
+    const double seen = lag_max(fabs(run->projection.state[i]), run->scale.largest[i]);
     const int is_angle = i < run->model->n && run->model->coordinate_kind[i] == LAG_KIND_ANGLE;
-    return is_angle ? fmax(seen, 1) : seen;
+    return is_angle ? lag_max(seen, 1) : seen;
 }
 
 /* The largest correction, each compared with its coordinate; infinity when they are not finite. */
@@ -72,7 +75,7 @@ static double relative_correction(const LagRun *run, Level level)
         if (!isfinite(length))
             return INFINITY;
         if (length > 0)
-            largest = fmax(largest, size > 0 ? length / size : 1);
+            largest = lag_max(size > 0 ? length / size : 1, largest);
     }
     return largest;
 }
@@ -83,7 +86,7 @@ static double distance(const LagRun *run, const double *from, const double *to, 
     double largest = 0;
     for (int i = 0; i < 2 * run->model->n; ++i) {
         const double length = fabs(to[i] - from[i]);
-        const double unit = fmax(lag_scale_unit(&run->scale, i, from, to), FINEST * run->scale.floor[i]);
+        const double unit = lag_max(lag_scale_unit(&run->scale, i, from, to), FINEST * run->scale.floor[i]);
         const double units = length > 0 ? length / unit : 0;
         if (units > largest) {
             largest = units;
@@ -152,28 +155,34 @@ static int correct(LagRun *run, Level level, double t, double left)
     return level == RATES ? last < INFINITY : last < NOISE;
 }
 
-/* Projects (y, carry) at t; both stay as they are when that fails or goes farther than `most` units of error. */
-static int project(LagRun *run, double t, double most, double left, double *y, double *carry, int *worst)
+/* Projects (y, carry) at t. Both stay as they are when that fails or goes farther than `most` units of error: INFINITY is
+ * returned, else how far it goes. */
+static double project(LagRun *run, double t, double most, double left, double *y, double *carry, int *worst)
 {
     LagProjection *s = &run->projection;
     const size_t size = 2 * (size_t)run->model->n * sizeof *y;
     memcpy(s->state, y, size);
     memcpy(s->carry, carry, size);
-    if (run->model->n_holonomic > 0 && !correct(run, POSITIONS, t, left))
-        return 0;
-    if (!correct(run, RATES, t, left) || !(distance(run, y, s->state, worst) <= most))
-        return 0;
+    if ((run->model->n_holonomic > 0 && !correct(run, POSITIONS, t, left)) || !correct(run, RATES, t, left))
+        return INFINITY;
+    const double units = distance(run, y, s->state, worst);
+    if (!(units <= most))
+        return INFINITY;
     memcpy(y, s->state, size);
     memcpy(carry, s->carry, size);
-    return 1;
+    return units;
 }
 
 int lag_project_step(LagRun *run, double t, int *worst)
 {
-    if (run->model->n_multipliers == 0)
+    LagProjection *s = &run->projection;
+    if (run->model->n_multipliers == 0 || (!run->careful && t < run->settings.t_stop && ++s->waited < s->every))
         return 1;
-    const double most = run->careful ? fmax(MOST_UNITS, NEAR_SINGULAR / run->scale.tolerance) : MOST_UNITS;
-    return project(run, t, most, LEFT_BY_STEPS * run->scale.tolerance, run->motion.other, run->motion.other_carry, worst);
+    const double most = run->careful ? lag_max(NEAR_SINGULAR / run->scale.tolerance, MOST_UNITS) : MOST_UNITS;
+    const double units = project(run, t, most, LEFT_BY_STEPS * run->scale.tolerance, run->motion.other, run->motion.other_carry, worst);
+    s->every = units * MOST_WAITING < DRIFT ? MOST_WAITING : 1 + (int)(DRIFT / units);
+    s->waited = 0;
+    return units < INFINITY;
 }
 
 void lag_project_present(LagRun *run)
@@ -181,6 +190,7 @@ void lag_project_present(LagRun *run)
     int worst;
     if (run->model->n_multipliers > 0)
         project(run, run->motion.t, INFINITY, 0, run->motion.y, run->motion.carry, &worst);
+    run->projection.every = 1;
 }
 
 void lag_project_inside(LagRun *run, double t, double *y)
@@ -196,7 +206,7 @@ static double largest_residual(const LagRun *run, int count)
 {
     double largest = 0;
     for (int i = 0; i < count; ++i)
-        largest = fmax(largest, fabs(run->projection.residual[i]));
+        largest = lag_max(fabs(run->projection.residual[i]), largest);
     return largest;
 }
 

@@ -10,6 +10,7 @@ typedef struct {
     double *state, *carry;         /* 2 n: the state being corrected, and what rounding took from it */
     double *before, *before_carry; /* n: positions or rates before the latest correction */
     double *correction, *residual; /* n, n_multipliers */
+    int every, waited;             /* a step in so many is projected; steps since one was */
 } LagProjection;
 
 void lag_projection_layout(LagProjection *projection, const LagModel *model, LagArena *arena);

@@ -18,6 +18,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "extremes.h"
 #include "model.h"
 
 static const double OWN = 0.3, GROUP = 0.01, CAUTION = 0.05, SMALLEST = 2e-15, ANGLE_CAP = 3.141592653589793;
@@ -79,7 +80,7 @@ void lag_scale_note(LagScale *scale, const double *y)
         *group = magnitude > *group ? magnitude : *group;
     }
     for (int i = 0; i < size; ++i)
-        scale->floor[i] = fmax(OWN * scale->largest[i], GROUP * *group_of(scale, i));
+        scale->floor[i] = lag_max(OWN * scale->largest[i], GROUP * *group_of(scale, i));
     scale->is_resting = 0;
     for (int k = scale->kinds; k < 2 * scale->kinds; ++k)
         scale->is_resting |= scale->group[k] == 0;
@@ -91,7 +92,7 @@ void lag_scale_foresee(const LagScale *scale, const double *y_new)
     memset(scale->motion, 0, (size_t)scale->kinds * sizeof(double));
     for (int i = 0; i < n; ++i) {
         double *rate = &scale->motion[scale->kind[i]];
-        *rate = fmax(*rate, fabs(y_new[n + i]));
+        *rate = lag_max(fabs(y_new[n + i]), *rate);
     }
     for (int i = 0; i < n; ++i)
         if (*group_of(scale, n + i) == 0)

@@ -42,6 +42,7 @@ struct LagRun {
     int troubled;         /* steps in a row that were rejected at first */
     double calm_step;     /* length of those that were not, lately */
     int careful;          /* slopes are taken at projected states: a singular position is near */
+    int doubtful;         /* so many evaluations are made the way that bears dependent constraints */
     int segment_over;     /* an event was reached: the next step begins a new segment */
     double segment_end;   /* time of the next event */
     double wanted;        /* time of the row that is asked for */

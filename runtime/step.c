@@ -4,15 +4,16 @@
 #include <math.h>
 
 #include "account.h"
+#include "extremes.h"
 #include "segment.h"
 
 static const double FIRST_STEP = 1; /* towards no end */
 
-double lag_step_smallest(double t) { return fmax(4 * DBL_EPSILON * fabs(t), DBL_MIN); }
+double lag_step_smallest(double t) { return lag_max(4 * DBL_EPSILON * fabs(t), DBL_MIN); }
 
 double lag_step_end(const LagRun *run, double h)
 {
-    const double t = run->motion.t, limit = fmin(run->segment_end, run->settings.t_stop), left = limit - t;
+    const double t = run->motion.t, limit = lag_min(run->segment_end, run->settings.t_stop), left = limit - t;
     if (h >= left)
         return limit;
     return t + (2 * h > left ? left / 2 : h);
@@ -20,7 +21,7 @@ double lag_step_end(const LagRun *run, double h)
 
 double lag_step_aim(const LagRun *run)
 {
-    const double t = run->motion.t, end = fmin(run->segment_end, run->settings.t_stop);
+    const double t = run->motion.t, end = lag_min(run->segment_end, run->settings.t_stop);
     double target = run->wanted > t && run->wanted < end ? run->wanted : end;
     if (isinf(target))
         target = t + fmax(FIRST_STEP, fabs(t));
@@ -30,8 +31,8 @@ double lag_step_aim(const LagRun *run)
 void lag_step_record(LagRun *run, double h)
 {
     LagStatistics *s = &run->statistics;
-    s->smallest_step = s->steps == 0 ? h : fmin(s->smallest_step, h);
-    s->largest_step = fmax(s->largest_step, h);
+    s->smallest_step = s->steps == 0 ? h : lag_min(h, s->smallest_step);
+    s->largest_step = lag_max(h, s->largest_step);
     ++s->steps;
     run->segment_over = run->motion.t == run->segment_end;
     lag_scale_note(&run->scale, run->motion.y);

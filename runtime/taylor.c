@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "extremes.h"
 #include "segment.h"
 #include "step.h"
 
@@ -117,17 +118,18 @@ static int build(LagRun *run, LagTaylor *s, int order)
     return first >= order || expand(run, s->jets, first, order);
 }
 
-/* sum of c_k h^k from k = 0 to the order: Horner, in two chains. */
-static double series(const double *c, int order, double h)
+/* reversed[order - k] = h^k for k = 0 .. order, so that sums of a series are those of a product of two. */
+static void powers(int order, double h, double *reversed)
 {
     const double square = h * h;
-    double one = c[order], other = c[order - 1];
-    int k = order - 2;
-    for (; k > 0; k -= 2) {
-        one = one * square + c[k];
-        other = other * square + c[k - 1];
+    double even = 1, odd = h;
+    for (int k = order; k >= 0; k -= 2) {
+        reversed[k] = even;
+        if (k > 0)
+            reversed[k - 1] = odd;
+        even *= square;
+        odd *= square;
     }
-    return k == 0 ? (one * square + c[0]) + other * h : one * h + other;
 }
 
 /* What a step of length h adds to the state. */
@@ -135,15 +137,14 @@ static void displacement(const LagRun *run, const double *jets, int order, doubl
 {
     const LagModel *model = run->model;
     const int n = model->n;
+    double reversed[LAG_JET_STRIDE];
+    powers(order, h, reversed);
     for (int i = 0; i < 2 * n; ++i)
-        step[i] = series(jet((double *)jets, 1 + i) + 1, order - 1, h) * h;
-    for (int i = 0; i < model->n_power; ++i) { /* the integral of a series */
-        const double *power = jet((double *)jets, model->jet_places[n + i]);
-        double sum = 0;
-        for (int k = order - 1; k >= 0; --k)
-            sum = sum * h + power[k] * INVERSE[k];
-        step[2 * n + i] = sum * h;
-    }
+        step[i] = lag_jet_chains(jet((double *)jets, 1 + i), reversed, 1, order, order);
+    for (int k = 0; k < order && model->n_power > 0; ++k) /* of an integral */
+        reversed[order - k] *= h * INVERSE[k];
+    for (int i = 0; i < model->n_power; ++i)
+        step[2 * n + i] = lag_jet_chains(jet((double *)jets, model->jet_places[n + i]), reversed, 0, order - 1, order);
 }
 
 /* A state near the end of the planned step, which units are taken for: that before the latest one serves as well, if there is one
@@ -166,8 +167,8 @@ static void weigh_powers(const LagRun *run, const LagTaylor *s, double *last, do
     const double unit = run->settings.tolerance * run->statistics.energy_scale;
     for (int i = 0; i < model->n_power && unit > 0; ++i) {
         const double *power = jet(s->jets, model->jet_places[model->n + i]);
-        *last = fmax(*last, fabs(power[s->order - 1]) * INVERSE[s->order - 1] / unit);
-        *before = fmax(*before, fabs(power[s->order - 2]) * INVERSE[s->order - 2] / unit);
+        *last = lag_max(fabs(power[s->order - 1]) * INVERSE[s->order - 1] / unit, *last);
+        *before = lag_max(fabs(power[s->order - 2]) * INVERSE[s->order - 2] / unit, *before);
     }
 }
 
@@ -187,7 +188,7 @@ static double length_of(LagRun *run, const LagTaylor *s)
             last = fabs(c[p]) * inverse;
             run->statistics.worst = i;
         }
-        before = fmax(before, fabs(c[p - 1]) * inverse);
+        before = lag_max(fabs(c[p - 1]) * inverse, before);
     }
     weigh_powers(run, s, &last, &before);
     return exp(-fmax(log(last / s->last) / p, log(before / s->before_last) / (p - 1)));
@@ -197,16 +198,17 @@ static double length_of(LagRun *run, const LagTaylor *s)
 static double defect(LagRun *run, const LagTaylor *s, double h)
 {
     const LagMotion *m = &run->motion;
-    const int n = m->n;
-    double largest = 0;
+    const int n = m->n, p = s->order;
+    double largest = 0, reversed[LAG_JET_STRIDE];
+    powers(p, h, reversed);
     for (int i = 0; i < n; ++i) {
         const int place = run->model->jet_places[i];
         const double unit = lag_scale_unit(&run->scale, n + i, m->y, m->other);
-        const double slope = series(jet(s->jets, place), s->order - 1, h);
+        const double slope = lag_jet_chains(jet(s->jets, place), reversed, 0, p - 1, p);
         if (unit > 0)
-            largest = fmax(largest, fabs(jet(s->old_jets, place)[0] - slope) * h / ((s->order + 1) * unit));
+            largest = lag_max(fabs(jet(s->old_jets, place)[0] - slope) / unit, largest);
     }
-    return largest;
+    return largest * h / (p + 1);
 }
 
 /* The first coefficients of the next step, in the place of those of the step before this one. */

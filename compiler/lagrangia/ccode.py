@@ -53,7 +53,8 @@ def write_c(
     lines += [f"    .{label} = {value}," for label, value in initializers.items()]
     if not isinstance(series, str):
         lines += [f"    .n_jets = {series.n_jets},", f"    .n_products = {series.n_products},"]
-        lines += [f"    .series_rhs_cost = {_cost(tapes['rhs'])},", "    .jet_places = jet_places,", "    .taylor = taylor,"]
+        cost = _cost(tapes.get("regular", tapes["rhs"]))
+        lines += [f"    .series_rhs_cost = {cost},", "    .jet_places = jet_places,", "    .taylor = taylor,"]
     return "\n".join([*lines, "};", ""])
 
 

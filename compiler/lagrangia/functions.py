@@ -49,12 +49,16 @@ def build_functions(
     held, nothing = motion.constrained, ca.SX(0, 1)
     symbols, multipliers = (held.symbols, held.multipliers) if held else (nothing, nothing)
     corrections = [held.place, held.phi, held.steer, held.rate] if held else [nothing] * 4
-    power, energy = _power(motion), ca.vertcat(motion.T, motion.V, motion.H)
+    power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
     jacobian, flow = build_jacobian(kinematics, motion), [hamilton.velocity, hamilton.force] if hamilton else []
-    groups = [[motion.acceleration, power, multipliers], [y], [energy], corrections[:2], corrections[2:], flow, jacobian.values]
+    regular = held.regular if held else None
+    cheap = [regular.acceleration, _power(motion, regular.source_power), regular.multipliers, regular.doubt] if regular else []
+    groups = [[motion.acceleration, power, multipliers], [y], [energy], corrections[:2], corrections[2:], flow, jacobian.values,
+              cheap]
     expressions, c, hoisted = hoist(groups, motion.p)
     acceleration, power, multipliers, y, energy, dq, phi, dv, rate, *rest = expressions
-    flow, steps, modes = rest[: len(flow)], rest[len(flow) :], kinematics.algebra.modes
+    flow, steps, cheap = rest[: len(flow)], rest[len(flow) : len(rest) - len(cheap)], rest[len(rest) - len(cheap) :]
+    modes = kinematics.algebra.modes
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = ca.vertcat(*[mode.symbol for mode in modes])
     given, mask, p = all_parameters(kinematics, motion.p.numel())
@@ -65,6 +69,7 @@ def build_functions(
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
         "start": ca.Function("start", [motion.p], [initial.q, initial.v], ["p"], ["q", "v"]),
         "rhs": ca.Function("rhs", state, [acceleration, power, multipliers], labels, ["a", "power", "lambda"]),
+        **({"regular": ca.Function("regular", state, cheap, labels, ["a", "power", "lambda", "doubt"])} if cheap else {}),
         "outputs": ca.Function("outputs", full, [y], all_labels, ["y"]),
         "energies": ca.Function("energies", state, [energy], labels, ["energies"]),
     }
@@ -83,7 +88,8 @@ def build_functions(
 
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     """For some coordinates that are run by themselves: what moves them, without energies and outputs."""
-    power, jacobian, modes = _power(motion), build_jacobian(kinematics, motion), kinematics.algebra.modes
+    power, modes = _power(motion, motion.source_power), kinematics.algebra.modes
+    jacobian = build_jacobian(kinematics, motion)
     (acceleration, power, *steps), c, hoisted = hoist([[motion.acceleration, power], jacobian.values], motion.p)
     nothing, d = ca.SX(0, 1), ca.vertcat(*[mode.symbol for mode in modes])
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
@@ -111,10 +117,10 @@ def _flow_functions(motion: Motion, hamilton: Hamilton | None, flow: list[ca.SX]
             "force": ca.Function("force", [motion.q, motion.v, c], [force], ["q", "v", "c"], ["dp"])}
 
 
-def _power(motion: Motion) -> ca.SX:
+def _power(motion: Motion, source: ca.SX) -> ca.SX:
     """Taken out and put in; empty where there are neither."""
     has_power = not (motion.dissipated_power.is_zero() and motion.source_power.is_zero())
-    return ca.vertcat(motion.dissipated_power, motion.source_power) if has_power else ca.SX(0, 1)
+    return ca.vertcat(motion.dissipated_power, source) if has_power else ca.SX(0, 1)
 
 
 def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,

@@ -72,6 +72,17 @@ class ConstrainedMotion:
     place: ca.SX  # dq, one Newton correction onto Phi = 0 in the mass metric
     steer: ca.SX  # dv, the correction of the rates
     evenness: ca.SX  # of p, above 1 all over where these formulas hold; empty where they hold for all masses
+    regular: "RegularMotion | None"
+
+
+@dataclass(frozen=True)
+class RegularMotion:
+    """The same accelerations and multipliers for less, where no constraint nearly repeats others: `doubt` is 0 there."""
+
+    acceleration: ca.SX
+    multipliers: ca.SX
+    doubt: ca.SX
+    source_power: ca.SX
 
 
 def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints, for_any_mass: bool = False) -> Motion:
@@ -101,9 +112,9 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     if constraints.rows:
         if short is not None and short.is_shorter(kinematics, momentum, h):
             momentum, h = short.momentum, short.h
-        acceleration, constrained = _constrain(kinematics, constraints, momentum, h, q, v, for_any_mass)
+        acceleration, constrained = _constrain(kinematics, constraints, momentum, h, q, v, source, for_any_mass)
         way = "constrained"
-        source = source + _power_of_constraints(kinematics, constrained)
+        source = source + _power_of_constraints(kinematics, constrained.rate, constrained.multipliers)
     else:
         _require_mass(kinematics, momentum, v)
         acceleration, way, counted = _solve(kinematics, bodies, momentum, h, v, short)
@@ -121,9 +132,11 @@ def mass_matrix(motion: Motion) -> ca.SX:
 
 
 def _constrain(
-    kinematics: Kinematics, constraints: Constraints, momentum: ca.SX, h: ca.SX, q: ca.SX, v: ca.SX, for_any_mass: bool
+    kinematics: Kinematics, constraints: Constraints, momentum: ca.SX, h: ca.SX, q: ca.SX, v: ca.SX, source: ca.SX,
+    for_any_mass: bool
 ) -> tuple[ca.SX, ConstrainedMotion]:
-    """Accelerations and multipliers from the index-1 system, and the projections onto the constraints."""
+    """Accelerations and multipliers from the index-1 system, and the projections onto the constraints. `source` is the power put
+    in by loads."""
     symbols, remaining = kinematics.symbols, kinematics.without_accelerations()
     phi = ca.vertcat(*[row.value(kinematics, 0) for row in constraints.rows if row.is_holonomic])
     rate = ca.vertcat(*[row.rate(kinematics) for row in constraints.rows])
@@ -139,14 +152,19 @@ def _constrain(
     holonomic = kkt if k == m else factor(M, J[:k, :], is_robust)
     place = holonomic.solve(ca.SX.zeros(q.numel()), -phi, refine=False)[0] if k else ca.SX.zeros(q.numel())
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(m)])
+    regular = None
+    if not is_robust:
+        plain = factor(M, J, False, is_regular=True)
+        a, found = plain.solve(-h, -bias, refine=False)
+        regular = RegularMotion(a, found, plain.doubt, source + _power_of_constraints(kinematics, settled, found))
     return acceleration, ConstrainedMotion(phi, J, settled, multipliers, lambdas, place, steer,
-                                           ca.SX(0, 1) if is_robust else evenness)
+                                           ca.SX(0, 1) if is_robust else evenness, regular)
 
 
-def _power_of_constraints(kinematics: Kinematics, constrained: ConstrainedMotion) -> ca.SX:
+def _power_of_constraints(kinematics: Kinematics, rate: ca.SX, multipliers: ca.SX) -> ca.SX:
     """lambda . dPhi/dt: what supports that move with time put in."""
     rates = ca.vertcat(*kinematics.symbols.rates.values())
-    return ca.dot(constrained.multipliers, ca.substitute(constrained.rate, rates, ca.SX.zeros(rates.numel())))
+    return ca.dot(multipliers, ca.substitute(rate, rates, ca.SX.zeros(rates.numel())))
 
 
 def _inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q: ca.SX, v: ca.SX) -> ca.SX:
