@@ -2,6 +2,8 @@
 #include <math.h>
 
 #include "attempts.h"
+#include "extremes.h"
+#include "rough.h"
 #include "rounding.h"
 #include "step.h"
 
@@ -19,7 +21,7 @@ enum { PATIENCE = 3 };
 /* Factor for a step whose error was `error` units. */
 static double factor(const LagRun *run, double error)
 {
-    return fmax(SHRINK, SAFETY * pow(error, -1.0 / run->methods.table->order));
+    return lag_max(SHRINK, SAFETY * lag_rough_power(error, -1.0 / run->methods.table->order));
 }
 
 static double shrunk(const LagRun *run, double h, double error)
@@ -31,15 +33,15 @@ static double shrunk(const LagRun *run, double h, double error)
  * against the longer one that was planned. */
 static double proposal(LagRun *run, double h, double error, int rejected)
 {
-    const double planned = h < CUT * run->step ? run->step : 0, wish = factor(run, fmax(error, SMALLEST_ERROR));
-    const double next = fmax(planned, h * fmin(rejected ? 1 : run->is_starting ? FIRST_GROW : GROW, wish));
+    const double planned = h < CUT * run->step ? run->step : 0, wish = factor(run, lag_max(error, SMALLEST_ERROR));
+    const double next = lag_max(planned, h * lag_min(rejected ? 1 : run->is_starting ? FIRST_GROW : GROW, wish));
     run->is_starting = run->is_starting && wish > GROW;
-    return run->settings.max_step > 0 ? fmin(next, run->settings.max_step) : next;
+    return run->settings.max_step > 0 ? lag_min(next, run->settings.max_step) : next;
 }
 
 static void settle(LagRun *run, const LagAttempts *attempts, double h, double error)
 {
-    run->step = proposal(run, h, fmin(error, 1), attempts->rejected > 0);
+    run->step = proposal(run, h, lag_min(error, 1), attempts->rejected > 0);
     lag_attempts_end(run, attempts, h, error);
     lag_step_record(run, h);
 }
@@ -51,7 +53,7 @@ LagStatus lag_step_adaptive(LagRun *run)
     void *self = run->methods.self;
     int worst = 0;
     lag_rounding_watch(run);
-    run->step = fmax(run->step, lag_step_smallest(motion->t));
+    run->step = lag_max(run->step, lag_step_smallest(motion->t));
     LagAttempts attempts = lag_attempts_begin(run);
     for (;;) {
         const double t = motion->t, t_new = lag_step_end(run, run->step), h = t_new - t;

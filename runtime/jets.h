@@ -22,14 +22,26 @@ enum { LAG_JET_STRIDE = 20, LAG_JET_ORDER = 18 };
 #define LAG_UNROLL
 #endif
 
-/* sum of a_j b_(k - j) for j = first .. last in two chains, of even and of odd places: two lanes where the compiler has vectors. */
+/* sum of a_j b_(k - j) for j = first .. last, in two chains, long ones in four: as lanes where the compiler has vectors. */
 #if defined(__clang__) || (defined(__GNUC__) && __GNUC__ >= 12)
 typedef double LagPair __attribute__((vector_size(16)));
+
+typedef double LagQuad __attribute__((vector_size(32)));
 
 LAG_UNROLLED double lag_jet_chains(const double *a, const double *b, int first, int last, int k)
 {
     LagPair sum = {0, 0}, x, y;
     int j = first;
+    if (last - first >= 7) {
+        LagQuad four = {0, 0, 0, 0}, u, w;
+        LAG_UNROLL
+        for (; j < last - 2; j += 4) {
+            memcpy(&u, a + j, sizeof u);
+            memcpy(&w, b + k - j - 3, sizeof w);
+            four += u * __builtin_shufflevector(w, w, 3, 2, 1, 0);
+        }
+        sum = __builtin_shufflevector(four, four, 0, 1) + __builtin_shufflevector(four, four, 2, 3);
+    }
     LAG_UNROLL
     for (; j < last; j += 2) {
         memcpy(&x, a + j, sizeof x);
@@ -41,8 +53,16 @@ LAG_UNROLLED double lag_jet_chains(const double *a, const double *b, int first, 
 #else
 LAG_UNROLLED double lag_jet_chains(const double *a, const double *b, int first, int last, int k)
 {
-    double even = 0, odd = 0;
+    double even = 0, odd = 0, third = 0, fourth = 0;
     int j = first;
+    for (; last - first >= 7 && j < last - 2; j += 4) {
+        even += a[j] * b[k - j];
+        odd += a[j + 1] * b[k - j - 1];
+        third += a[j + 2] * b[k - j - 2];
+        fourth += a[j + 3] * b[k - j - 3];
+    }
+    even += third;
+    odd += fourth;
     LAG_UNROLL
     for (; j < last; j += 2) {
         even += a[j] * b[k - j];

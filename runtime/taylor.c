@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "extremes.h"
+#include "rough.h"
 #include "segment.h"
 #include "step.h"
 
@@ -118,18 +119,18 @@ static int build(LagRun *run, LagTaylor *s, int order)
     return first >= order || expand(run, s->jets, first, order);
 }
 
-/* reversed[order - k] = h^k for k = 0 .. order, so that sums of a series are those of a product of two. */
-static void powers(int order, double h, double *reversed)
+/* sum of c_k h^k from k = 0 to the order: Horner, for even and odd powers side by side. Not in vectors: the coefficients have just
+ * been written one by one, and a read of two would wait. */
+static inline double series(const double *c, int order, double h)
 {
     const double square = h * h;
-    double even = 1, odd = h;
-    for (int k = order; k >= 0; k -= 2) {
-        reversed[k] = even;
-        if (k > 0)
-            reversed[k - 1] = odd;
-        even *= square;
-        odd *= square;
+    const int rest = order % 2;
+    double even = c[order - rest], odd = rest ? c[order] : 0;
+    for (int k = order - rest - 2; k >= 0; k -= 2) {
+        even = even * square + c[k];
+        odd = odd * square + c[k + 1];
     }
+    return even + odd * h;
 }
 
 /* What a step of length h adds to the state. */
@@ -137,14 +138,15 @@ static void displacement(const LagRun *run, const double *jets, int order, doubl
 {
     const LagModel *model = run->model;
     const int n = model->n;
-    double reversed[LAG_JET_STRIDE];
-    powers(order, h, reversed);
     for (int i = 0; i < 2 * n; ++i)
-        step[i] = lag_jet_chains(jet((double *)jets, 1 + i), reversed, 1, order, order);
-    for (int k = 0; k < order && model->n_power > 0; ++k) /* of an integral */
-        reversed[order - k] *= h * INVERSE[k];
-    for (int i = 0; i < model->n_power; ++i)
-        step[2 * n + i] = lag_jet_chains(jet((double *)jets, model->jet_places[n + i]), reversed, 0, order - 1, order);
+        step[i] = series(jet((double *)jets, 1 + i) + 1, order - 1, h) * h;
+    for (int i = 0; i < model->n_power; ++i) { /* the integral of a series */
+        const double *power = jet((double *)jets, model->jet_places[n + i]);
+        double sum = 0;
+        for (int k = order - 1; k >= 0; --k)
+            sum = sum * h + power[k] * INVERSE[k];
+        step[2 * n + i] = sum * h;
+    }
 }
 
 /* A state near the end of the planned step, which units are taken for: that before the latest one serves as well, if there is one
@@ -191,24 +193,23 @@ static double length_of(LagRun *run, const LagTaylor *s)
         before = lag_max(fabs(c[p - 1]) * inverse, before);
     }
     weigh_powers(run, s, &last, &before);
-    return exp(-fmax(log(last / s->last) / p, log(before / s->before_last) / (p - 1)));
+    return lag_min(lag_rough_power(s->last / last, INVERSE[p - 1]), lag_rough_power(s->before_last / before, INVERSE[p - 2]));
 }
 
 /* How far the accelerations at the end of the step are from the slope of the series there, as an error of the rates in units. */
 static double defect(LagRun *run, const LagTaylor *s, double h)
 {
     const LagMotion *m = &run->motion;
-    const int n = m->n, p = s->order;
-    double largest = 0, reversed[LAG_JET_STRIDE];
-    powers(p, h, reversed);
+    const int n = m->n;
+    double largest = 0;
     for (int i = 0; i < n; ++i) {
         const int place = run->model->jet_places[i];
         const double unit = lag_scale_unit(&run->scale, n + i, m->y, m->other);
-        const double slope = lag_jet_chains(jet(s->jets, place), reversed, 0, p - 1, p);
+        const double slope = series(jet(s->jets, place), s->order - 1, h);
         if (unit > 0)
             largest = lag_max(fabs(jet(s->old_jets, place)[0] - slope) / unit, largest);
     }
-    return largest * h / (p + 1);
+    return largest * h / (s->order + 1);
 }
 
 /* The first coefficients of the next step, in the place of those of the step before this one. */
@@ -232,9 +233,9 @@ static LagStatus step(LagRun *run)
     int worst = 0;
     if (!build(run, s, s->order))
         return lag_step_give_up(run, worst);
-    double h = fmin(length_of(run, s), GROW * run->step); /* at rest a series says nothing of what comes */
+    double h = lag_min(length_of(run, s), GROW * run->step); /* at rest a series says nothing of what comes */
     if (run->settings.max_step > 0)
-        h = fmin(h, run->settings.max_step);
+        h = lag_min(h, run->settings.max_step);
     for (;; h *= SHRINK) {
         const double t_new = lag_step_end(run, h), length = t_new - m->t;
         if (!(length >= lag_step_smallest(m->t)))
@@ -254,7 +255,7 @@ static LagStatus step(LagRun *run)
             return LAG_OK;
         }
         ++run->statistics.rejected;
-        h = fmin(h, length);
+        h = lag_min(h, length);
     }
 }
 

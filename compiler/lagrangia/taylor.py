@@ -12,7 +12,7 @@ from lagrangia.runtime import Op, Tape
 
 _MOST_POWER = 8  # integer powers up to this one are products
 _ORDERS = 18  # LAG_JET_ORDER of runtime/jets.h
-_FEW, _UNROLLED = 6, 12  # products up to which each order has a function of its own; the orders that have one otherwise
+_FEW, _UNROLLED = 20, 12  # products up to which each order has a function of its own; the orders that have one otherwise
 # Statements in one order, and what a product adds over all orders; more than so many take longer to compile than they save.
 _PRODUCT, _MOST_STATEMENTS = 150, 4000
 _TIME, _POSITIONS, _RATES, _INPUTS = 0, 1, 2, 3  # arguments of rhs that are jets
