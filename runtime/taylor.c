@@ -34,6 +34,7 @@ static void layout(void *self, const LagMotion *motion, LagArena *arena)
     const size_t size = (size_t)motion->n_jets * LAG_JET_STRIDE;
     s->jets = lag_take(arena, size);
     s->old_jets = lag_take(arena, size);
+    s->weights = lag_take(arena, 2 * (size_t)motion->n);
 }
 
 static double cost_of(const LagModel *model, int order)
@@ -119,18 +120,21 @@ static int build(LagRun *run, LagTaylor *s, int order)
     return first >= order || expand(run, s->jets, first, order);
 }
 
-/* sum of c_k h^k from k = 0 to the order: Horner, for even and odd powers side by side. Not in vectors: the coefficients have just
- * been written one by one, and a read of two would wait. */
+/* sum of c_k h^k from k = 0 to the order: Horner in four chains, so that hardly one multiplication waits for
+ * another. */
 static inline double series(const double *c, int order, double h)
 {
-    const double square = h * h;
-    const int rest = order % 2;
-    double even = c[order - rest], odd = rest ? c[order] : 0;
-    for (int k = order - rest - 2; k >= 0; k -= 2) {
-        even = even * square + c[k];
-        odd = odd * square + c[k + 1];
+    const double square = h * h, fourth = square * square;
+    const int rest = order % 4;
+    int k = order - rest;
+    double a0 = c[k], a1 = rest > 0 ? c[k + 1] : 0, a2 = rest > 1 ? c[k + 2] : 0, a3 = rest > 2 ? c[k + 3] : 0;
+    for (k -= 4; k >= 0; k -= 4) {
+        a0 = a0 * fourth + c[k];
+        a1 = a1 * fourth + c[k + 1];
+        a2 = a2 * fourth + c[k + 2];
+        a3 = a3 * fourth + c[k + 3];
     }
-    return even + odd * h;
+    return (a0 + a1 * h) + (a2 + a3 * h) * square;
 }
 
 /* What a step of length h adds to the state. */
@@ -182,32 +186,27 @@ static double length_of(LagRun *run, const LagTaylor *s)
     const double *end = other_end(run, s);
     double last = 0, before = 0;
     for (int i = 0; i < 2 * m->n; ++i) {
-        const double unit = lag_scale_unit(&run->scale, i, m->y, end), *c = jet(s->jets, 1 + i);
-        if (unit == 0)
-            continue;
-        const double inverse = 1 / unit;
-        if (fabs(c[p]) * inverse > last) {
-            last = fabs(c[p]) * inverse;
+        const double unit = lag_scale_unit(&run->scale, i, m->y, end), weight = unit > 0 ? 1 / unit : 0, *c = jet(s->jets, 1 + i);
+        s->weights[i] = weight;
+        if (fabs(c[p]) * weight > last) {
+            last = fabs(c[p]) * weight;
             run->statistics.worst = i;
         }
-        before = lag_max(fabs(c[p - 1]) * inverse, before);
+        before = lag_max(fabs(c[p - 1]) * weight, before);
     }
     weigh_powers(run, s, &last, &before);
     return lag_min(lag_rough_power(s->last / last, INVERSE[p - 1]), lag_rough_power(s->before_last / before, INVERSE[p - 2]));
 }
 
 /* How far the accelerations at the end of the step are from the slope of the series there, as an error of the rates in units. */
-static double defect(LagRun *run, const LagTaylor *s, double h)
+static double defect(const LagRun *run, const LagTaylor *s, double h)
 {
-    const LagMotion *m = &run->motion;
-    const int n = m->n;
+    const int n = run->model->n;
     double largest = 0;
     for (int i = 0; i < n; ++i) {
         const int place = run->model->jet_places[i];
-        const double unit = lag_scale_unit(&run->scale, n + i, m->y, m->other);
         const double slope = series(jet(s->jets, place), s->order - 1, h);
-        if (unit > 0)
-            largest = lag_max(fabs(jet(s->old_jets, place)[0] - slope) / unit, largest);
+        largest = lag_max(fabs(jet(s->old_jets, place)[0] - slope) * s->weights[n + i], largest);
     }
     return largest * h / (s->order + 1);
 }
