@@ -20,8 +20,8 @@ static const double REST = 0.004, WRONG = 0.5, SHRINK = 0.5, GROW = 100;
 /* What a step costs, in tenths of a nanosecond, here and by Dormand-Prince 8(5,3), and by how much its steps of order 8 are
  * longer than eps^(1/8) radii of convergence: measured on pendulums, springs, chains of springs and Kepler orbits. What goes
  * beyond MANY products in all orders costs more. */
-static const double STEP = 1200, ORDER = 50, JET = 7, PRODUCT = 1.2, MANY = 1000, CROWDED = 3;
-static const double OTHER_STEP = 4500, OTHER_SUM = 300, OTHER_STAGES = 12, OTHER_LENGTH = 1.1;
+static const double STEP = 2000, JET = 4.3, PRODUCT = 0.74, MANY = 1200, CROWDED = 2.6;
+static const double OTHER_STEP = 3300, OTHER_SUM = 250, OTHER_STAGES = 12, OTHER_LENGTH = 1.1;
 
 static const double INVERSE[LAG_JET_ORDER] = {1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8, 1. / 9, 1. / 10, 1. / 11,
                                               1. / 12, 1. / 13, 1. / 14, 1. / 15, 1. / 16, 1. / 17, 1. / 18};
@@ -40,7 +40,7 @@ static void layout(void *self, const LagMotion *motion, LagArena *arena)
 static double cost_of(const LagModel *model, int order)
 {
     const double products = 0.5 * order * order * model->n_products;
-    return STEP + order * (ORDER + JET * model->n_jets) + PRODUCT * products + CROWDED * fmax(0, products - MANY);
+    return STEP + JET * order * model->n_jets + PRODUCT * products + CROWDED * fmax(0, products - MANY);
 }
 
 /* Time per radius of convergence; steps of order p are eps^(1/p) radii long. */
