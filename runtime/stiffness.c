@@ -13,7 +13,7 @@
 /* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
  * Tsitouras 5 at 3.5), the share of it where stability does not rule by far; relative length of differences; how much faster the
  * other method must be. */
-static const double RULES = 3.5, RULES5 = 2, RULES_SERIES = 0.7, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
+static const double RULES = 3.5, RULES5 = 2, RULES_SERIES = 0.85, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
 enum { FIRST_LOOK = 16, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIONS = 8, SUSPICIOUS_INTERVAL = 12 };
 enum { TRIAL = 16, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, PASSES = 4, STAGES = 12, STAGES5 = 6 };
 

@@ -34,7 +34,6 @@ static void layout(void *self, const LagMotion *motion, LagArena *arena)
     const size_t size = (size_t)motion->n_jets * LAG_JET_STRIDE;
     s->jets = lag_take(arena, size);
     s->old_jets = lag_take(arena, size);
-    s->weights = lag_take(arena, 2 * (size_t)motion->n);
 }
 
 static double cost_of(const LagModel *model, int order)
@@ -187,7 +186,6 @@ static double length_of(LagRun *run, const LagTaylor *s)
     double last = 0, before = 0;
     for (int i = 0; i < 2 * m->n; ++i) {
         const double unit = lag_scale_unit(&run->scale, i, m->y, end), weight = unit > 0 ? 1 / unit : 0, *c = jet(s->jets, 1 + i);
-        s->weights[i] = weight;
         if (fabs(c[p]) * weight > last) {
             last = fabs(c[p]) * weight;
             run->statistics.worst = i;
@@ -199,14 +197,17 @@ static double length_of(LagRun *run, const LagTaylor *s)
 }
 
 /* How far the accelerations at the end of the step are from the slope of the series there, as an error of the rates in units. */
-static double defect(const LagRun *run, const LagTaylor *s, double h)
+static double defect(LagRun *run, const LagTaylor *s, double h)
 {
-    const int n = run->model->n;
+    const LagMotion *m = &run->motion;
+    const int n = m->n;
     double largest = 0;
     for (int i = 0; i < n; ++i) {
         const int place = run->model->jet_places[i];
+        const double unit = lag_scale_unit(&run->scale, n + i, m->y, m->other);
         const double slope = series(jet(s->jets, place), s->order - 1, h);
-        largest = lag_max(fabs(jet(s->old_jets, place)[0] - slope) * s->weights[n + i], largest);
+        if (unit > 0)
+            largest = lag_max(fabs(jet(s->old_jets, place)[0] - slope) / unit, largest);
     }
     return largest * h / (s->order + 1);
 }

@@ -11,7 +11,6 @@ typedef struct {
     double last, before_last; /* what the last two coefficients may be worth in a step, in units of error */
     double *jets;     /* n_jets * LAG_JET_STRIDE: those of the step that begins at the present state */
     double *old_jets; /* those of the latest step */
-    double *weights;  /* 2 n: one over the units of error of the step that is planned */
     int begun;        /* orders of `jets` that are known */
     int is_fresh;     /* there was no step since the state or the equations changed */
 } LagTaylor;

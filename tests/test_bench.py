@@ -147,6 +147,7 @@ def test_seconds_at_an_error_lie_between_the_points() -> None:
     assert seconds_at(POINTS[:4], 1e-5) == pytest.approx(1.5)
     assert seconds_at(POINTS[:4], 10**-3.5) == pytest.approx(math.sqrt(1.5))
     assert seconds_at(POINTS[:4], 1e-9) is None
+    assert seconds_at([Point("a", 1e-1, 0.1, 4.7), *POINTS[:4]], 1e-2) == 1.0
 
 
 def test_the_duel_takes_the_fastest_of_each_side() -> None:

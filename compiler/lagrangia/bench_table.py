@@ -10,6 +10,7 @@ from typing import Any
 from lagrangia.bench import Point
 
 ERRORS = tuple(10.0**-k for k in range(3, 13))
+_LOST = 0.1
 
 
 def front(points: Sequence[Point]) -> list[Point]:
@@ -22,8 +23,11 @@ def front(points: Sequence[Point]) -> list[Point]:
 
 
 def seconds_at(points: Sequence[Point], error: float) -> float | None:
-    """The time to an error: straight lines between the points of the front on logarithmic scales; None where none is so good."""
-    kept = front(points)
+    """The time to an error: straight lines between the points of the front on logarithmic scales; None where none is so good.
+
+    From a run that lost the motion altogether no line is drawn: how early it failed says nothing.
+    """
+    kept = front([point for point in points if point.error < _LOST])
     if not kept or kept[-1].error > error:
         return None
     before: Point | None = None

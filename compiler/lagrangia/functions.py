@@ -6,6 +6,7 @@ For the run time, in the order that runtime/model.h states, with everything that
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import islice
 
 import casadi as ca
 
@@ -46,37 +47,32 @@ def build_functions(
     """`outputs` are the names to report besides coordinates and rates; see observables.py. Raises LagError L0701."""
     names, y = _outputs(kinematics, outputs)
     y = with_reactions(y, kinematics, motion, constraints)
-    held, nothing = motion.constrained, ca.SX(0, 1)
-    symbols, multipliers = (held.symbols, held.multipliers) if held else (nothing, nothing)
-    corrections = [held.place, held.phi, held.steer, held.rate] if held else [nothing] * 4
+    held, modes = motion.constrained, kinematics.algebra.modes
+    symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
     power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
     jacobian, flow = build_jacobian(kinematics, motion), [hamilton.velocity, hamilton.force] if hamilton else []
-    regular = held.regular if held else None
-    cheap = [regular.acceleration, _power(motion, regular.source_power), regular.multipliers, regular.doubt] if regular else []
-    groups = [[motion.acceleration, power, multipliers], [y], [energy], corrections[:2], corrections[2:], flow, jacobian.values,
-              cheap]
-    expressions, c, hoisted = hoist(groups, motion.p)
-    acceleration, power, multipliers, y, energy, dq, phi, dv, rate, *rest = expressions
-    flow, steps, cheap = rest[: len(flow)], rest[len(flow) : len(rest) - len(cheap)], rest[len(rest) - len(cheap) :]
-    modes = kinematics.algebra.modes
+    found, c, hoisted = _hoisted({
+        "rhs": [motion.acceleration, power, multipliers], "outputs": [y], "energies": [energy], **_constrained(motion),
+        "flow": flow, "jacobian": list(jacobian.values)}, motion.p)
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = ca.vertcat(*[mode.symbol for mode in modes])
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
     full, all_labels = [t, q, v, a, symbols, u, d, c], [*labels[:3], "a", "lambda", *labels[3:]]
-    table = _implicit_function(jacobian, steps, full, all_labels) | {
+    table = _implicit_function(jacobian, found["jacobian"], full, all_labels) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
         "start": ca.Function("start", [motion.p], [initial.q, initial.v], ["p"], ["q", "v"]),
-        "rhs": ca.Function("rhs", state, [acceleration, power, multipliers], labels, ["a", "power", "lambda"]),
-        **({"regular": ca.Function("regular", state, cheap, labels, ["a", "power", "lambda", "doubt"])} if cheap else {}),
-        "outputs": ca.Function("outputs", full, [y], all_labels, ["y"]),
-        "energies": ca.Function("energies", state, [energy], labels, ["energies"]),
+        "rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"]),
+        "outputs": ca.Function("outputs", full, found["outputs"], all_labels, ["y"]),
+        "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
     }
     if held:
-        table["place"] = ca.Function("place", [t, q, u, d, c], [dq, phi], ["t", "q", "u", "d", "c"], ["dq", "phi"])
-        table["steer"] = ca.Function("steer", state, [dv, rate], labels, ["dv", "rate"])
-    table |= _flow_functions(motion, hamilton, flow, c) | _mode_functions(motion, modes)
+        table["place"] = ca.Function("place", [t, q, u, d, c], found["place"], ["t", "q", "u", "d", "c"], ["dq", "phi"])
+        table["steer"] = ca.Function("steer", state, found["steer"], labels, ["dv", "rate"])
+    if "regular" in found:
+        table["regular"] = ca.Function("regular", state, found["regular"], labels, ["a", "power", "lambda", "doubt"])
+    table |= _flow_functions(motion, hamilton, found["flow"], c) | _mode_functions(motion, modes)
     table |= _start_functions(kinematics, motion, initial)
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
@@ -104,6 +100,25 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(mode.kind for mode in modes), power.numel(), False,
                      patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
+
+
+def _constrained(motion: Motion) -> dict[str, list[ca.SX]]:
+    """Results of the functions that only constraints ask for."""
+    held = motion.constrained
+    if held is None:
+        return {}
+    found = {"place": [held.place, held.phi], "steer": [held.steer, held.rate]}
+    if held.regular is not None:
+        power = _power(motion, held.regular.source_power)
+        found["regular"] = [held.regular.acceleration, power, held.regular.multipliers, held.regular.doubt]
+    return found
+
+
+def _hoisted(groups: Mapping[str, list[ca.SX]], p: ca.SX) -> tuple[dict[str, list[ca.SX]], ca.SX, ca.SX]:
+    """`hoist` of groups with names."""
+    expressions, c, hoisted = hoist(list(groups.values()), p)
+    rest = iter(expressions)
+    return {name: list(islice(rest, len(group))) for name, group in groups.items()}, c, hoisted
 
 
 def _flow_functions(motion: Motion, hamilton: Hamilton | None, flow: list[ca.SX], c: ca.SX) -> dict[str, ca.Function]:
