@@ -87,8 +87,8 @@ struct LagModel {
     LagFunction rhs;        /* t, q, v, u, d, c     -> a, power, lambda */
     LagFunction outputs;    /* t, q, v, a, lambda, u, d, c -> y */
     LagFunction energies;   /* t, q, v, u, d, c     -> {T, V, H}       H - H(0) + dissipated - work = 0 */
-    LagFunction place;      /* t, q, u, d, c        -> dq, phi         one Newton correction of q, and Phi(q, t) */
-    LagFunction steer;      /* t, q, v, u, d, c     -> dv, rate        the same for v, and J v + dPhi/dt */
+    LagFunction place;      /* t, q, u, d, c        -> dq              one Newton correction of q */
+    LagFunction steer;      /* t, q, v, u, d, c     -> dv              the same for v */
     LagFunction linear;     /* p, d                 -> numbers of the linear equations; always a tape */
     LagFunction waves;      /* t, p, d              -> states of its loads; always a tape */
     /* The matrix of implicit steps mu S0 + S1 + S2/mu, written out or by its products with directions: derivatives of
@@ -97,6 +97,7 @@ struct LagModel {
     LagFunction tangent;    /* t, q, v, a, lambda, u, d, c, dq, dv -> S0 (dv, 0), S1 (dv, 0) + S2 (dq, 0) */
     LagFunction velocity;   /* q, p, c              -> v = M^-1 p      these two only where energy is kept */
     LagFunction force;      /* q, v, c              -> dp/dt = dT/dq - dV/dq */
+    LagFunction residual;   /* t, q, v, u, d, c     -> Phi(q, t), J v + dPhi/dt */
     LagFunction regular;    /* as rhs, and doubt    where constraints are independent: cheaper than rhs, and as good if doubt is 0 */
 
     int n_jets;            /* 0: there are no series */

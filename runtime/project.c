@@ -41,20 +41,19 @@ void lag_projection_layout(LagProjection *s, const LagModel *model, LagArena *ar
     s->before = lag_take(arena, n);
     s->before_carry = lag_take(arena, n);
     s->correction = lag_take(arena, n);
-    s->residual = lag_take(arena, (size_t)model->n_multipliers);
+    s->phi = lag_take(arena, (size_t)model->n_holonomic);
+    s->rate = lag_take(arena, (size_t)model->n_multipliers);
 }
 
-/* Correction and residual at a state. Returns 0 when there are none. */
+/* The correction at a state. Returns 0 when there is none. */
 static int evaluate(LagRun *run, Level level, double t, const double *y)
 {
     const LagModel *model = run->model;
     const double *q = y, *v = y + model->n;
     const double *place[] = {&t, q, run->u, run->d, run->c}, *steer[] = {&t, q, v, run->u, run->d, run->c};
-    double *out[] = {run->projection.correction, run->projection.residual};
+    double *out[] = {run->projection.correction};
     lag_inputs_at(&run->inputs, t, run->u);
-    const int answer = level == POSITIONS ? lag_call(&model->place, place, out, run->work)
-                                          : lag_call(&model->steer, steer, out, run->work);
-    return answer == 0;
+    return lag_call(level == POSITIONS ? &model->place : &model->steer, level == POSITIONS ? place : steer, out, run->work) == 0;
 }
 
 /* What a position or rate is measured by: the largest seen so far; angles have a natural unit. */
@@ -202,11 +201,11 @@ void lag_project_inside(LagRun *run, double t, double *y)
     project(run, t, INFINITY, 0, y, run->inside_carry, &worst);
 }
 
-static double largest_residual(const LagRun *run, int count)
+static double largest_of(const double *x, int count)
 {
     double largest = 0;
     for (int i = 0; i < count; ++i)
-        largest = lag_max(fabs(run->projection.residual[i]), largest);
+        largest = lag_max(fabs(x[i]), largest);
     return largest;
 }
 
@@ -214,9 +213,10 @@ void lag_project_note(LagRun *run, double t, const double *y)
 {
     const LagModel *model = run->model;
     LagStatistics *statistics = &run->statistics;
-    if (model->n_holonomic > 0 && evaluate(run, POSITIONS, t, y))
-        statistics->constraint_residual = fmax(statistics->constraint_residual, largest_residual(run, model->n_holonomic));
-    if (model->n_multipliers > 0 && evaluate(run, RATES, t, y))
-        statistics->constraint_rate_residual =
-            fmax(statistics->constraint_rate_residual, largest_residual(run, model->n_multipliers));
+    const double *in[] = {&t, y, y + model->n, run->u, run->d, run->c};
+    double *out[] = {run->projection.phi, run->projection.rate};
+    if (model->n_multipliers == 0 || lag_call(&model->residual, in, out, run->work) != 0)
+        return;
+    statistics->constraint_residual = lag_max(largest_of(out[0], model->n_holonomic), statistics->constraint_residual);
+    statistics->constraint_rate_residual = lag_max(largest_of(out[1], model->n_multipliers), statistics->constraint_rate_residual);
 }

@@ -9,7 +9,8 @@
 typedef struct {
     double *state, *carry;         /* 2 n: the state being corrected, and what rounding took from it */
     double *before, *before_carry; /* n: positions or rates before the latest correction */
-    double *correction, *residual; /* n, n_multipliers */
+    double *correction;            /* n */
+    double *phi, *rate;            /* n_holonomic, n_multipliers: residuals */
     int every, waited;             /* a step in so many is projected; steps since one was */
 } LagProjection;
 

@@ -28,8 +28,9 @@ def constrained(
         "start": ([p], [ca.SX(guess or [0] * n), ca.SX.zeros(n)]),
         "rhs": ([t, q, v, u, d, c], [a_lambda[:n], ca.SX(0, 1), a_lambda[n:]]),
         "outputs": ([t, q, v, a, multipliers, u, d, c], [multipliers]),
-        "place": ([t, q, u, d, c], [_solve(M, holonomic, ca.vertcat(ca.SX.zeros(n), -phi))[:n], phi]),
-        "steer": ([t, q, v, u, d, c], [_solve(M, J, ca.vertcat(ca.SX.zeros(n), -rate))[:n], rate]),
+        "place": ([t, q, u, d, c], [_solve(M, holonomic, ca.vertcat(ca.SX.zeros(n), -phi))[:n]]),
+        "steer": ([t, q, v, u, d, c], [_solve(M, J, ca.vertcat(ca.SX.zeros(n), -rate))[:n]]),
+        "residual": ([t, q, v, u, d, c], [phi, rate]),
     }
     sizes = {"n": n, "n_holonomic": phi.numel(), "n_multipliers": m, "n_outputs": m, "outputs_need_acceleration": 1}
     if guess:

@@ -27,8 +27,8 @@ HEADS = {
     "events": "double *a = out[0], *b = out[1];",
     "initial": "const double *q = in[0], *v = in[1];(void)q,(void)v;double *g = out[0], *J = out[1];",
     "parameters": "const double *given = in[0], *mask = in[1];double *p = out[0];",
-    "place": "const double t = *in[0], *q = in[1];(void)t,(void)q;double *dq = out[0], *phi = out[1];",
-    "steer": "const double *q = in[1], *v = in[2];(void)q,(void)v;double *dv = out[0], *rate = out[1];",
+    "place": "const double t = *in[0], *q = in[1];(void)t,(void)q;double *dq = out[0];",
+    "steer": "const double *q = in[1], *v = in[2];(void)q,(void)v;double *dv = out[0];",
     "hoist": "const double *p = in[0];double *c = out[0];",
 }
 

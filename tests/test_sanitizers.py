@@ -32,10 +32,13 @@ static int rod_rhs(const double *const *in, double *const *out, double *work)
   (void)work; out[0][0] = -l*q[0]; out[0][1] = 1 - l*q[1]; out[2][0] = l; return 0; }
 static int rod_place(const double *const *in, double *const *out, double *work)
 { const double *q = in[1], r2 = q[0]*q[0] + q[1]*q[1], phi = r2 - 1;
-  (void)work; out[1][0] = phi; out[0][0] = -phi*q[0]/(2*r2); out[0][1] = -phi*q[1]/(2*r2); return 0; }
+  (void)work; out[0][0] = -phi*q[0]/(2*r2); out[0][1] = -phi*q[1]/(2*r2); return 0; }
 static int rod_steer(const double *const *in, double *const *out, double *work)
 { const double *q = in[1], *v = in[2], rate = q[0]*v[0] + q[1]*v[1], r2 = q[0]*q[0] + q[1]*q[1];
-  (void)work; out[1][0] = 2*rate; out[0][0] = -rate*q[0]/r2; out[0][1] = -rate*q[1]/r2; return 0; }
+  (void)work; out[0][0] = -rate*q[0]/r2; out[0][1] = -rate*q[1]/r2; return 0; }
+static int rod_residual(const double *const *in, double *const *out, double *work)
+{ const double *q = in[1], *v = in[2];
+  (void)work; out[0][0] = q[0]*q[0] + q[1]*q[1] - 1; out[1][0] = 2*(q[0]*v[0] + q[1]*v[1]); return 0; }
 static int rod_start(const double *const *in, double *const *out, double *work)
 { (void)in; (void)work; out[0][0] = 0.6; out[0][1] = 0.8; out[1][0] = out[1][1] = 0; return 0; }
 static const int rod_kind[] = {1, 1}, rod_fixed[] = {0, 0, 0, 0};
@@ -48,7 +51,7 @@ static const int rod_pattern[] = {0, 2, 4, 7, 0, 2, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1
 static const LagModel rod = {.n = 2, .n_entries = 7, .n_lower = LOWER, .n_upper = LOWER, .jacobian_pattern = rod_pattern,
     .jacobian = {.code = rod_jacobian}, .n_holonomic = 1, .n_multipliers = 1, .coordinate_kind = rod_kind,
     .fixed = rod_fixed, .start = {.code = rod_start}, .rhs = {.code = rod_rhs}, .place = {.code = rod_place},
-    .steer = {.code = rod_steer}};
+    .steer = {.code = rod_steer}, .residual = {.code = rod_residual}};
 static int held(const double *const *in, double *const *out, double *work)
 { (void)work; out[0][0] = *in[0]; return 0; }
 static const LagModel still = {.n_outputs = 1, .coordinate_kind = rod_kind, .fixed = rod_fixed, .outputs = {.code = held}};

@@ -68,10 +68,10 @@ def build_functions(
         "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
     }
     if held:
-        table["place"] = ca.Function("place", [t, q, u, d, c], found["place"], ["t", "q", "u", "d", "c"], ["dq", "phi"])
-        table["steer"] = ca.Function("steer", state, found["steer"], labels, ["dv", "rate"])
-    if "regular" in found:
-        table["regular"] = ca.Function("regular", state, found["regular"], labels, ["a", "power", "lambda", "doubt"])
+        table["place"] = ca.Function("place", [t, q, u, d, c], found["place"], ["t", "q", "u", "d", "c"], ["dq"])
+    for name, results in (("steer", ["dv"]), ("residual", ["phi", "rate"]), ("regular", ["a", "power", "lambda", "doubt"])):
+        if name in found:
+            table[name] = ca.Function(name, state, found[name], labels, results)
     table |= _flow_functions(motion, hamilton, found["flow"], c) | _mode_functions(motion, modes)
     table |= _start_functions(kinematics, motion, initial)
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
@@ -107,7 +107,7 @@ def _constrained(motion: Motion) -> dict[str, list[ca.SX]]:
     held = motion.constrained
     if held is None:
         return {}
-    found = {"place": [held.place, held.phi], "steer": [held.steer, held.rate]}
+    found = {"place": [held.place], "steer": [held.steer], "residual": [held.phi, held.rate]}
     if held.regular is not None:
         power = _power(motion, held.regular.source_power)
         found["regular"] = [held.regular.acceleration, power, held.regular.multipliers, held.regular.doubt]

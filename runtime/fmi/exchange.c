@@ -250,7 +250,7 @@ static int is_astray(LagInstance *s)
     LagRun *run = s->run;
     const LagModel *m = s->model;
     const double t = s->vital.t, *in[] = {&t, s->x, run->u, run->d, run->c};
-    double *out[] = {run->projection.correction, run->projection.residual};
+    double *out[] = {run->projection.correction};
     if (m->n_holonomic == 0 || lag_call(&m->place, in, out, run->work) != 0)
         return 0;
     for (int i = 0; i < m->n; ++i)
