@@ -96,6 +96,14 @@ def test_the_first_step_from_rest_is_no_longer_than_the_series_bears(tolerance: 
     assert np.abs(run.energy.residual).max() < 1e-3 * tolerance * run.statistics.energy_scale
 
 
+@pytest.mark.parametrize("tolerance", [1e-12, 1e-13, 1e-14])
+def test_rounding_is_not_taken_for_a_wrong_step(tolerance: float) -> None:
+    """A road begins to rise from rest: 1 - cos has four digits there, and no shorter step has more of them."""
+    run = lag.load(EXAMPLES / "quarter_car.lag").simulate(stop=3, tolerance=tolerance, solver="taylor")
+    assert run.statistics.rejected < 5
+    assert np.abs(run.energy.residual).max() < 1e-13 * run.statistics.energy_scale
+
+
 def test_inputs_and_events_are_met(tmp_path: Path) -> None:
     """A force that is switched on in time, and a table of inputs with a corner: closed form."""
     path = tmp_path / "driven.lag"

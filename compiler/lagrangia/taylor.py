@@ -5,7 +5,8 @@ operation has a recurrence for the next coefficient (A. Jorba, M. Zou, Exp. Math
 Differential Equations I, I.8), in runtime/jets.h. What is constant in a step is computed as a plain number.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from lagrangia.runtime import Op, Tape
@@ -15,6 +16,8 @@ _ORDERS = 18  # LAG_JET_ORDER of runtime/jets.h
 _FEW, _UNROLLED = 20, 12  # products up to which each order has a function of its own; the orders that have one otherwise
 # Statements in one order, and what a product adds over all orders; more than so many take longer to compile than they save.
 _PRODUCT, _MOST_STATEMENTS = 150, 4000
+_JET = re.compile(r"J\((\d+)\)(\[[0k]\])?")
+_WHOLE = re.compile(r"J\((\d+)\)(?!\[k\])")  # more than the coefficient of the present order
 _TIME, _POSITIONS, _RATES, _INPUTS = 0, 1, 2, 3  # arguments of rhs that are jets
 
 
@@ -258,10 +261,28 @@ def write_series(tape: Tape, expression: Callable[[int, str, str], str], number:
         jet = value if isinstance(value, _Jet) else writer.jet(value, "0.0")
         places[(out, b)] = jet.slot
     products = sum("lag_jet_" in line for line in writer.later)
-    if products * _PRODUCT + len(writer.later) * _ORDERS > _MOST_STATEMENTS:
+    unrolled = _unrolled(products, len(writer.later))
+    if unrolled == 0:
         raise NoSeriesError(f"its {products} products of series would take longer to compile than they save")
-    found = tuple(places[key] for key in sorted(places))
-    return Series(_text(writer, found[: tape.in_sizes[_POSITIONS]], products), writer.n_jets, products, found)
+    kept = _kept(writer, places.values())
+    found = tuple(kept[places[key]] for key in sorted(places))
+    source = _text(writer, found[: tape.in_sizes[_POSITIONS]], unrolled, kept)
+    return Series(source, len(kept), products, found)
+
+
+def _unrolled(products: int, statements: int) -> int:
+    """How many orders have a function of their own; 0: there are too many products."""
+    for orders in (_ORDERS if products <= _FEW else _UNROLLED, _UNROLLED):
+        if products * _PRODUCT + statements * (orders + 1) <= _MOST_STATEMENTS:
+            return orders
+    return 1 if products == 0 else 0
+
+
+def _kept(writer: _Writer, places: Iterable[int]) -> dict[int, int]:
+    """The place in memory of each jet whose lower orders are asked for again; the others pass by as local variables."""
+    known = range(writer.n_jets - len(writer.later))
+    again = (int(slot) for line in writer.later for slot in _WHOLE.findall(line))
+    return {slot: k for k, slot in enumerate(sorted({*known, *places, *again}))}
 
 
 def _wanted(tape: Tape) -> set[int]:
@@ -282,18 +303,17 @@ def _wanted(tape: Tape) -> set[int]:
     return wanted
 
 
-def _text(writer: _Writer, accelerations: tuple[int, ...], products: int) -> str:
+def _text(writer: _Writer, accelerations: tuple[int, ...], unrolled: int, kept: Mapping[int, int]) -> str:
     """A function an order, its loops unrolled: all in one, and compilers run out of registers. Where there are many products,
     code for each of the higher orders takes long to compile and does not stay near the processor: they share a function."""
     n, size = len(accelerations), max(1, len(writer.constants))
     states = [f"J({1 + k})[k + 1] = J({1 + n + k})[k] * (1.0 / (k + 1));" for k in range(n)]
     states += [f"J({1 + n + k})[k + 1] = J({place})[k] * (1.0 / (k + 1));" for k, place in enumerate(accelerations)]
-    parts: Mapping[str, Iterable[str]] = {"taylor_first": [*writer.first, *states], "taylor_later": [*writer.later, *states]}
+    parts = {"taylor_first": _placed(writer.first, kept), "taylor_later": _placed(writer.later, kept)}
     lines = ["#define J(slot) (jet + (slot) * LAG_JET_STRIDE)"]
     for name, body in parts.items():
         lines += [f"LAG_UNROLLED void {name}(const int k, const double *c, double *jet)", "{", "    (void)c;"]
-        lines += [*(f"    {line}" for line in body), "}", ""]
-    unrolled = _ORDERS if products <= _FEW else _UNROLLED
+        lines += [*(f"    {line}" for line in [*body, *states]), "}", ""]
     arguments = "(int k, const double *c, double *jet)"
     for k in range(unrolled):
         lines += [f"static void taylor_{k}{arguments} {{ (void)k; taylor_{'later' if k else 'first'}({k}, c, jet); }}"]
@@ -306,3 +326,13 @@ def _text(writer: _Writer, accelerations: tuple[int, ...], products: int) -> str
               f"    double c[{size}] = {{0}};",
               "    (void)in;", *constants, "    for (int k = first; k < end; ++k)", "        taylor_orders[k](k, c, jet);"]
     return "\n".join([*lines, "}", ""])
+
+
+def _placed(statements: Sequence[str], kept: Mapping[int, int]) -> list[str]:
+    """The statements with jets in their places, and one coefficient of the others in a variable."""
+    def name(match: re.Match[str]) -> str:
+        slot = int(match[1])
+        return f"J({kept[slot]}){match[2] or ''}" if slot in kept else f"x{slot}"
+
+    found = [_JET.sub(name, statement) for statement in statements]
+    return [f"const double {statement}" if statement.startswith("x") else statement for statement in found]
