@@ -53,7 +53,7 @@ def write_c(
     lines += [f"    .{label} = {value}," for label, value in initializers.items()]
     if not isinstance(series, str):
         lines += [f"    .n_jets = {series.n_jets},", f"    .n_products = {series.n_products},"]
-        cost = _cost(tapes.get("regular", tapes["rhs"]))
+        cost = _cost(usual_rhs(tapes))
         lines += [f"    .series_rhs_cost = {cost},", "    .jet_places = jet_places,", "    .taylor = taylor,"]
     return "\n".join([*lines, "};", ""])
 
@@ -74,6 +74,11 @@ def _cost(tape: Tape) -> int:
     """Tenths of a nanosecond, about: what matters is the proportion to the cost of series."""
     operations = [tape.code[k] for k in range(0, len(tape.code), 4)]
     return sum(0 if op in _MOVES else _SLOW.get(Op(op), _QUICK) for op in operations)
+
+
+def usual_rhs(tapes: Mapping[str, Tape]) -> Tape:
+    """The function that gives the accelerations of nearly all states."""
+    return tapes.get("regular", tapes["rhs"])
 
 
 def write_motion_series(tapes: Mapping[str, Tape]) -> Series | str:

@@ -123,6 +123,7 @@ def _constraints(parts: _Parts) -> Iterable[Need]:
     nodes = count_nodes([held.place, held.steer], [parts.kinematics.algebra.state, parts.motion.t]) if held else 0
     yield _listed("constraints", spans, "the graph is a tree", f"{len(rows)} rows", "multipliers in every evaluation")
     yield _listed("projection", spans[:1], "nothing can drift off", f"{nodes} operations a correction", "two corrections a step")
+    yield _dependence(parts)
     asked = parts.scene.sizes["outputs_need_acceleration"]
     yield Need("multipliers as results", bool(held) and bool(asked), "outputs ask for them or for accelerations" if held and asked
                else "no output asks for them" if held else "there are none")
@@ -137,6 +138,18 @@ def _constraints(parts: _Parts) -> Iterable[Need]:
                place if driven else "", saving=f"{len(driven)} coordinates" if driven else "")
     repeated = [(row.loop.around if row.loop else row.span.text, row.span) for row in parts.constraints.repeated]
     yield _listed("repeated equations", [], f"left out: {_few([r[0] for r in repeated])}" if repeated else "none repeats another")
+
+
+def _dependence(parts: _Parts) -> Need:
+    """What only constraints that nearly repeat each other ask of the solution of the equations."""
+    held, what = parts.motion.constrained, "dependent constraints"
+    if held is None:
+        return Need(what, False, "there are no constraints")
+    if held.regular is None:
+        return Need(what, True, "the mass matrix is singular or uneven: the equations are solved with a regularised matrix")
+    whole, less = parts.count(parts.motion.acceleration), parts.count(held.regular.acceleration)
+    return Need(what, False, "looked for in every evaluation: only near singular positions are the equations regularised",
+                saving=f"{whole - less} of {whole} operations")
 
 
 # -------------------------------------------------------------------- time

@@ -6,7 +6,7 @@ from math import prod
 
 import casadi as ca
 
-from lagrangia.ccode import write_motion_series
+from lagrangia.ccode import usual_rhs, write_motion_series
 from lagrangia.diagnostics import fail
 from lagrangia.dimensions import unit_of
 from lagrangia.flat import FlatModel
@@ -53,7 +53,7 @@ def build_scene(
     sizes |= functions.sizes
     if functions.linear_pays:
         sizes["solver"] = int(Solver.LINEAR)
-    sizes["rhs_cost"], sizes["jacobian_cost"] = count_operations(tapes["rhs"]), _jacobian_cost(tapes, sizes["n_colours"])
+    sizes["rhs_cost"], sizes["jacobian_cost"] = count_operations(usual_rhs(tapes)), _jacobian_cost(tapes, sizes["n_colours"])
     return Scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
@@ -154,8 +154,8 @@ def _freedom(kinematics: Kinematics, motion: Motion, is_still: bool) -> dict[str
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
     n = motion.q.numel()
-    nodes = count_operations(tapes["rhs"], output=0)
-    return {"rhs_operations": count_operations(tapes["rhs"]), "acceleration_nodes": nodes, "way": motion.way,
+    nodes = count_operations(usual_rhs(tapes), output=0)
+    return {"rhs_operations": count_operations(usual_rhs(tapes)), "acceleration_nodes": nodes, "way": motion.way,
             "ways": motion.counted or {motion.way: nodes}, "nodes_per_coordinate": round(nodes / max(n, 1), 1)}
 
 
