@@ -27,9 +27,10 @@ static const double ROUNDING = 4 * DBL_EPSILON, SQUARE_IS_ROUNDING = 1e-9, NOISE
 /* What a step's projection may leave of its error, in its tolerance; rows are projected to rounding. */
 static const double LEFT_BY_STEPS = 1e-3;
 static const double MOST_UNITS = 100, FINEST = 1e-11, NEAR_SINGULAR = 1e-9, FALL = 0.75;
-/* Steps that drift little need not be projected one by one: as many go by as drift so far, in units of error. */
-static const double DRIFT = 0.1;
-enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2, MOST_WAITING = 4 };
+/* After a step that was projected by less than so many units of error the next one is not; more in a row would cost digits near
+ * singular positions. */
+static const double DRIFT = 0.05;
+enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2 };
 
 typedef enum { POSITIONS, RATES } Level;
 
@@ -175,12 +176,13 @@ static double project(LagRun *run, double t, double most, double left, double *y
 int lag_project_step(LagRun *run, double t, int *worst)
 {
     LagProjection *s = &run->projection;
-    if (run->model->n_multipliers == 0 || (!run->careful && t < run->settings.t_stop && ++s->waited < s->every))
+    const int waits = s->waits && !run->careful && t < run->settings.t_stop;
+    s->waits = 0;
+    if (run->model->n_multipliers == 0 || waits)
         return 1;
     const double most = run->careful ? lag_max(NEAR_SINGULAR / run->scale.tolerance, MOST_UNITS) : MOST_UNITS;
     const double units = project(run, t, most, LEFT_BY_STEPS * run->scale.tolerance, run->motion.other, run->motion.other_carry, worst);
-    s->every = units * MOST_WAITING < DRIFT ? MOST_WAITING : 1 + (int)(DRIFT / units);
-    s->waited = 0;
+    s->waits = units < DRIFT;
     return units < INFINITY;
 }
 
@@ -189,7 +191,7 @@ void lag_project_present(LagRun *run)
     int worst;
     if (run->model->n_multipliers > 0)
         project(run, run->motion.t, INFINITY, 0, run->motion.y, run->motion.carry, &worst);
-    run->projection.every = 1;
+    run->projection.waits = 0;
 }
 
 void lag_project_inside(LagRun *run, double t, double *y)

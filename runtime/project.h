@@ -11,7 +11,7 @@ typedef struct {
     double *before, *before_carry; /* n: positions or rates before the latest correction */
     double *correction;            /* n */
     double *phi, *rate;            /* n_holonomic, n_multipliers: residuals */
-    int every, waited;             /* a step in so many is projected; steps since one was */
+    int waits;                     /* the next step may go without projection */
 } LagProjection;
 
 void lag_projection_layout(LagProjection *projection, const LagModel *model, LagArena *arena);

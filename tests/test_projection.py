@@ -91,13 +91,13 @@ def test_without_constraints_nothing_is_projected(runtime: Runtime) -> None:
 
 
 def test_constraints_out_of_reach_end_the_run(runtime: Runtime) -> None:
-    """A correction that never shrinks: steps are rejected down to the smallest, at the latest at the fourth beyond the place."""
+    """A correction that never shrinks: steps are rejected down to the smallest, at the latest at the second beyond the place."""
     model = compiled(1, numbers=", .n_holonomic = 1, .n_multipliers = 1", rhs="a[0] = -q[0];",
                      place="dq[0] = t > 0.5 ? 1 : 0;", steer="dv[0] = 0;")
     with started(runtime, model, [1], [0], t_stop=1) as run:
         rows = run.advance([0.25, 1])
         assert (rows.status, rows.count) == (Status.STEP_TOO_SMALL, 1)
-        assert 0.5 - 1e-9 < run.failure.time < 0.5 + 4 * run.statistics.largest_step
+        assert 0.5 - 1e-9 < run.failure.time < 0.5 + 2 * run.statistics.largest_step
 
 
 # -------------------------------------------------------------------------------------------------------------- assembly
