@@ -9,11 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from lagrangia import folders
+import lagrangia as lag
+from lagrangia import folders, native
 from lagrangia.folders import cache_folder
 from lagrangia.native import Compiler, CompilerError, build, find_compiler, start_build
 from lagrangia.runtime_library import start_runtime
 
+EXAMPLES = Path(__file__).parents[1] / "models" / "examples"
 FORTY_TWO = "int answer(void);\n__attribute__((visibility(\"default\"))) int answer(void) { return 42; }\n"
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
@@ -96,6 +98,19 @@ def test_builds_started_together_finish_in_any_order() -> None:
     assert runtime.path(frozenset()).exists()
     assert runtime.path().exists()
     assert runtime.path() != runtime.path(frozenset())
+
+
+@needs_compiler
+@pytest.mark.skipif(not native._processor_flags(), reason="the processor has no registers beyond the usual ones")
+@pytest.mark.parametrize(("name", "solver"), [("double_pendulum", "taylor"), ("andrews_squeezer", "erk")])
+def test_wide_registers_change_no_digit(name: str, solver: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def rows() -> "object":
+        return lag.load(EXAMPLES / f"{name}.lag").simulate(solver=solver, interval=0.001, stop=0.03).rows.tolist()
+
+    wide = rows()
+    monkeypatch.setattr(native, "_processor_flags", tuple)
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "narrow"))
+    assert rows() == wide
 
 
 @needs_compiler
