@@ -27,8 +27,8 @@ static const double ROUNDING = 4 * DBL_EPSILON, SQUARE_IS_ROUNDING = 1e-9, NOISE
 /* What a step's projection may leave of its error, in its tolerance; rows are projected to rounding. */
 static const double LEFT_BY_STEPS = 1e-3;
 static const double MOST_UNITS = 100, FINEST = 1e-11, NEAR_SINGULAR = 1e-9, FALL = 0.75;
-/* After a step that was projected by less than so many units of error the next one is not; more in a row would cost digits near
- * singular positions. */
+/* After a step that was projected by less than so many units of error the next one need not be; more in a row would cost digits
+ * near singular positions. */
 static const double DRIFT = 0.05;
 enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2 };
 
@@ -173,12 +173,17 @@ static double project(LagRun *run, double t, double most, double left, double *y
     return units;
 }
 
+int lag_project_waits(LagRun *run, double t)
+{
+    const int waits = run->projection.waits && !run->careful && t < run->settings.t_stop;
+    run->projection.waits = 0;
+    return waits;
+}
+
 int lag_project_step(LagRun *run, double t, int *worst)
 {
     LagProjection *s = &run->projection;
-    const int waits = s->waits && !run->careful && t < run->settings.t_stop;
-    s->waits = 0;
-    if (run->model->n_multipliers == 0 || waits)
+    if (run->model->n_multipliers == 0)
         return 1;
     const double most = run->careful ? lag_max(NEAR_SINGULAR / run->scale.tolerance, MOST_UNITS) : MOST_UNITS;
     const double units = project(run, t, most, LEFT_BY_STEPS * run->scale.tolerance, run->motion.other, run->motion.other_carry, worst);

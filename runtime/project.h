@@ -11,7 +11,7 @@ typedef struct {
     double *before, *before_carry; /* n: positions or rates before the latest correction */
     double *correction;            /* n */
     double *phi, *rate;            /* n_holonomic, n_multipliers: residuals */
-    int waits;                     /* the next step may go without projection */
+    int waits;                     /* the latest step hardly drifted */
 } LagProjection;
 
 void lag_projection_layout(LagProjection *projection, const LagModel *model, LagArena *arena);
@@ -21,6 +21,9 @@ void lag_projection_layout(LagProjection *projection, const LagModel *model, Lag
 /* The state just tried, at t. Returns 0 and changes nothing where the constraints are out of reach or farther away than a
  * good step could have gone astray; *worst is then the component that would have moved most. */
 int lag_project_step(LagRun *run, double t, int *worst);
+
+/* Whether a short step to t may go unprojected: the one before hardly drifted, and it is not the last. */
+int lag_project_waits(LagRun *run, double t);
 
 /* The present state, however far it is from the constraints: at the start, and when parameters or modes have changed. */
 void lag_project_present(LagRun *run);
