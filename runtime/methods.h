@@ -15,7 +15,7 @@ typedef struct {
     int32_t solver;         /* LAG_SOLVER_...: in use */
     const LagMethod *table; /* its functions */
     void *self;             /* its own struct, one of those below */
-    int32_t explicit_solver; /* the one that takes turns with implicit steps: erk or erk5 */
+    int32_t explicit_solver; /* erk or erk5 */
     LagExplicit dop853, tsit5;
     LagLinearMethod linear;
     LagIslands islands;

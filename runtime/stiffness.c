@@ -13,7 +13,7 @@
 /* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
  * Tsitouras 5 at 3.5), the share of it where stability does not rule by far; relative length of differences; how much faster the
  * other method must be. */
-static const double RULES = 3.5, RULES5 = 2, RULES_SERIES = 0.85, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
+static const double RULES = 3.5, RULES5 = 2, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
 enum { FIRST_LOOK = 16, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIONS = 8, SUSPICIOUS_INTERVAL = 12 };
 enum { TRIAL = 16, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, PASSES = 4, STAGES = 12, STAGES5 = 6 };
 
@@ -90,7 +90,7 @@ static int is_low(const LagRun *run) { return run->methods.explicit_solver == LA
 /* Series of order p are stable to about 1.35 + 0.37 p. */
 static double rules(const LagRun *run)
 {
-    if (run->methods.solver == LAG_SOLVER_TAYLOR)
+    if (run->stiffness.explicit_solver == LAG_SOLVER_TAYLOR)
         return RULES_SERIES * (1.35 + 0.37 * run->methods.taylor.order);
     return is_low(run) ? RULES5 : RULES;
 }
@@ -131,6 +131,7 @@ void lag_stiffness_reset(LagRun *run)
     const int solver = run->methods.solver, is_explicit = solver == run->methods.explicit_solver || solver == LAG_SOLVER_TAYLOR;
     s->is_watching = run->settings.solver == LAG_SOLVER_AUTO && is_explicit && lag_methods_alternate(run->model, solver);
     s->next = LAG_SOLVER_AUTO;
+    s->explicit_solver = is_explicit ? solver : run->methods.explicit_solver;
     s->passes = 0;
     s->square = -1;
     s->rate = 0;
@@ -167,7 +168,7 @@ static void watch_implicit(LagRun *run)
     const double pace = (run->motion.t - s->t) / (work(run) - s->work), largest = radius(run);
     const double possible = largest > 0 ? rules(run) / largest / explicit_step_work(run) : INFINITY;
     if (pace < s->pace || pace * FASTER < possible) {
-        s->next = run->methods.explicit_solver;
+        s->next = s->explicit_solver;
         s->wait = s->penalty;
         s->penalty = s->penalty < MOST_WAIT ? 2 * s->penalty : s->penalty;
     }
@@ -210,7 +211,7 @@ int lag_stiffness_turn(LagRun *run)
         return 1;
     if (!restart(run, next))
         return 0;
-    if (next == run->methods.explicit_solver) {
+    if (next == s->explicit_solver) {
         const double largest = (s->rate + sqrt(s->rate * s->rate + 4 * fmax(s->square, 0))) / 2;
         run->step = largest > 0 ? fmin(run->step, 1 / largest) : run->step;
     }

@@ -12,6 +12,7 @@
 
 typedef struct {
     int is_watching;        /* both methods are at hand */
+    int32_t explicit_solver; /* the one that takes turns with implicit steps: series where the run began with them */
     int32_t next;           /* method to go on with: LAG_SOLVER_AUTO stands for the one in use */
     int passes;             /* steps left that the explicit method takes in place of the implicit one */
     int steps, suspicions;  /* since the method in use began; looks in a row at which stability ruled */

@@ -23,7 +23,7 @@ static const double REMAINS = 0.25, NOISE = 1e-10;
 /* What a step costs, in tenths of a nanosecond, here and by Dormand-Prince 8(5,3), and by how much its steps of order 8 are
  * longer than eps^(1/8) radii of convergence: measured on pendulums, springs, chains of springs and Kepler orbits. What goes
  * beyond MANY products in all orders costs more. */
-static const double STEP = 500, ORDER = 42, JET = 10, PRODUCT = 1.4, MANY = 1400, CROWDED = 2.6;
+static const double STEP = 1500, JET = 9.5, PRODUCT = 1.3, MANY = 1400, CROWDED = 2.6;
 static const double OTHER_STEP = 3300, OTHER_SUM = 250, OTHER_STAGES = 12, OTHER_LENGTH = 1.1;
 
 static const double INVERSE[LAG_JET_ORDER] = {1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8, 1. / 9, 1. / 10, 1. / 11,
@@ -42,7 +42,7 @@ static void layout(void *self, const LagMotion *motion, LagArena *arena)
 static double cost_of(const LagModel *model, int order)
 {
     const double products = 0.5 * order * order * model->n_products;
-    return STEP + order * (ORDER + JET * model->n_jets) + PRODUCT * products + CROWDED * lag_max(products - MANY, 0);
+    return STEP + JET * order * model->n_jets + PRODUCT * products + CROWDED * lag_max(products - MANY, 0);
 }
 
 /* Time per radius of convergence; steps of order p are eps^(1/p) radii long. */
