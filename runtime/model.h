@@ -101,6 +101,7 @@ struct LagModel {
     LagFunction regular;    /* as rhs, and doubt    where constraints are independent: cheaper than rhs, and as good if doubt is 0 */
 
     int n_jets;            /* 0: there are no series */
+    int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */
     int n_products;        /* sums of products among the jets: their cost grows with the order */
     int series_rhs_cost;   /* of one evaluation of rhs, in tenths of a nanosecond of some machine */
     const int *jet_places; /* n + n_power: the jets of accelerations and powers */

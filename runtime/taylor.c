@@ -22,14 +22,18 @@ static const double REMAINS = 0.25, NOISE = 1e-10;
 
 /* What a step costs, in tenths of a nanosecond, here and by Dormand-Prince 8(5,3), and by how much its steps of order 8 are
  * longer than eps^(1/8) radii of convergence: measured on pendulums, springs, chains of springs and Kepler orbits. What goes
- * beyond MANY products in all orders costs more. */
+ * beyond MANY products in all orders costs more. A jet without products costs EACH a step and PASSING an order. */
+static const double EACH = 130, PASSING = 4.6;
 static const double STEP = 1500, JET = 9.5, PRODUCT = 1.3, MANY = 1400, CROWDED = 2.6;
-static const double OTHER_STEP = 3300, OTHER_SUM = 250, OTHER_STAGES = 12, OTHER_LENGTH = 1.1;
+static const double OTHER_STEP = 3300, OTHER_SUM = 500, OTHER_STAGES = 12, OTHER_LENGTH = 1.1;
 
 static const double INVERSE[LAG_JET_ORDER] = {1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8, 1. / 9, 1. / 10, 1. / 11,
                                               1. / 12, 1. / 13, 1. / 14, 1. / 15, 1. / 16, 1. / 17, 1. / 18};
 
-static double *jet(double *jets, int slot) { return jets + (size_t)slot * LAG_JET_STRIDE; }
+static double *jet(const LagModel *model, double *jets, int slot)
+{
+    return jets + (model->jet_pitch == 1 ? (size_t)slot * LAG_JET_STRIDE : (size_t)slot);
+}
 
 static void layout(void *self, const LagMotion *motion, LagArena *arena)
 {
@@ -41,6 +45,8 @@ static void layout(void *self, const LagMotion *motion, LagArena *arena)
 
 static double cost_of(const LagModel *model, int order)
 {
+    if (model->jet_pitch > 1)
+        return STEP + model->n_jets * (EACH + PASSING * order);
     const double products = 0.5 * order * order * model->n_products;
     return STEP + JET * order * model->n_jets + PRODUCT * products + CROWDED * lag_max(products - MANY, 0);
 }
@@ -71,26 +77,33 @@ static void restart(void *self, LagMotion *motion)
     motion->t_old = motion->t;
 }
 
+/* The coefficients of value + slope h. */
+static void place_line(const LagModel *model, double *jets, int slot, double value, double slope)
+{
+    double *c = jet(model, jets, slot);
+    for (int k = 2; k < LAG_JET_STRIDE; ++k)
+        c[k * model->jet_pitch] = 0;
+    c[0] = value;
+    c[model->jet_pitch] = slope;
+}
+
 /* Coefficients of time and inputs, which are linear in a segment. */
 static void place_known(LagRun *run, double *jets)
 {
+    const LagModel *model = run->model;
     const LagMotion *m = &run->motion;
-    const int n_inputs = run->model->n_inputs, first = 1 + 2 * m->n;
-    double *t = jet(jets, 0);
-    memset(t, 0, LAG_JET_STRIDE * sizeof *t);
-    t[0] = m->t;
-    t[1] = 1;
-    for (int i = 0; i < n_inputs; ++i)
-        memset(jet(jets, first + i), 0, LAG_JET_STRIDE * sizeof *t);
+    const int n_inputs = model->n_inputs, first = 1 + 2 * m->n, pitch = model->jet_pitch;
+    place_line(model, jets, 0, m->t, 1);
     if (n_inputs == 0)
         return;
     lag_inputs_at(&run->inputs, m->t + 1, run->u);
     for (int i = 0; i < n_inputs; ++i)
-        jet(jets, first + i)[1] = run->u[i];
+        place_line(model, jets, first + i, 0, run->u[i]);
     lag_inputs_at(&run->inputs, m->t, run->u);
     for (int i = 0; i < n_inputs; ++i) {
-        jet(jets, first + i)[0] = run->u[i];
-        jet(jets, first + i)[1] -= run->u[i];
+        double *u = jet(model, jets, first + i);
+        u[0] = run->u[i];
+        u[pitch] -= run->u[i];
     }
 }
 
@@ -103,7 +116,7 @@ static int expand(LagRun *run, double *jets, int first, int end)
     double probe = 0;
     model->taylor(first, end, in, jets);
     for (int i = 0; i < model->n + model->n_power; ++i)
-        probe += 0 * jet(jets, model->jet_places[i])[end - 1];
+        probe += 0 * jet(model, jets, model->jet_places[i])[(end - 1) * model->jet_pitch];
     return probe == 0;
 }
 
@@ -114,7 +127,7 @@ static int build(LagRun *run, LagTaylor *s, int order)
     if (s->begun == 0) {
         place_known(run, s->jets);
         for (int i = 0; i < 2 * m->n; ++i)
-            jet(s->jets, 1 + i)[0] = m->y[i];
+            *jet(run->model, s->jets, 1 + i) = m->y[i];
         ++run->motion.evaluations;
     }
     const int first = s->begun;
@@ -124,33 +137,57 @@ static int build(LagRun *run, LagTaylor *s, int order)
 
 /* sum of c_k h^k from k = 0 to the order: Horner in four chains, so that hardly one multiplication waits for
  * another. */
-static inline double series(const double *c, int order, double h)
+static inline double series(const double *c, int pitch, int order, double h)
 {
     const double square = h * h, fourth = square * square;
     const int rest = order % 4;
     int k = order - rest;
-    double a0 = c[k], a1 = rest > 0 ? c[k + 1] : 0, a2 = rest > 1 ? c[k + 2] : 0, a3 = rest > 2 ? c[k + 3] : 0;
+    const double *b = c + k * pitch;
+    double a0 = b[0], a1 = rest > 0 ? b[pitch] : 0, a2 = rest > 1 ? b[2 * pitch] : 0, a3 = rest > 2 ? b[3 * pitch] : 0;
     for (k -= 4; k >= 0; k -= 4) {
-        a0 = a0 * fourth + c[k];
-        a1 = a1 * fourth + c[k + 1];
-        a2 = a2 * fourth + c[k + 2];
-        a3 = a3 * fourth + c[k + 3];
+        b -= 4 * pitch;
+        a0 = a0 * fourth + b[0];
+        a1 = a1 * fourth + b[pitch];
+        a2 = a2 * fourth + b[2 * pitch];
+        a3 = a3 * fourth + b[3 * pitch];
     }
     return (a0 + a1 * h) + (a2 + a3 * h) * square;
 }
 
+/* The same for the whole state, where coefficients lie order by order: four sums at a time. */
+static void sum_by_orders(const double *first, int pitch, int size, int order, double h, double *step)
+{
+    for (int i = 0; i < size; i += 4) {
+        const double *c = first + order * pitch + i;
+        double s0 = c[0], s1 = c[1], s2 = c[2], s3 = c[3];
+        for (int k = order - 1; k > 0; --k) {
+            c -= pitch;
+            s0 = s0 * h + c[0];
+            s1 = s1 * h + c[1];
+            s2 = s2 * h + c[2];
+            s3 = s3 * h + c[3];
+        }
+        step[i] = s0 * h;
+        step[i + 1] = s1 * h;
+        step[i + 2] = s2 * h;
+        step[i + 3] = s3 * h;
+    }
+}
+
 /* What a step of length h adds to the state. */
-static void displacement(const LagRun *run, const double *jets, int order, double h, double *step)
+static void displacement(const LagRun *run, double *jets, int order, double h, double *step)
 {
     const LagModel *model = run->model;
-    const int n = model->n;
-    for (int i = 0; i < 2 * n; ++i)
-        step[i] = series(jet((double *)jets, 1 + i) + 1, order - 1, h) * h;
+    const int n = model->n, pitch = model->jet_pitch;
+    if (pitch > 1)
+        sum_by_orders(jets + 1, pitch, 2 * n, order, h, step);
+    for (int i = 0; i < 2 * n && pitch == 1; ++i)
+        step[i] = series(jet(model, jets, 1 + i) + 1, 1, order - 1, h) * h;
     for (int i = 0; i < model->n_power; ++i) { /* the integral of a series */
-        const double *power = jet((double *)jets, model->jet_places[n + i]);
+        const double *power = jet(model, jets, model->jet_places[n + i]);
         double sum = 0;
         for (int k = order - 1; k >= 0; --k)
-            sum = sum * h + power[k] * INVERSE[k];
+            sum = sum * h + power[k * pitch] * INVERSE[k];
         step[2 * n + i] = sum * h;
     }
 }
@@ -174,9 +211,9 @@ static void weigh_powers(const LagRun *run, const LagTaylor *s, double *last, do
     const LagModel *model = run->model;
     const double unit = run->settings.tolerance * run->statistics.energy_scale;
     for (int i = 0; i < model->n_power && unit > 0; ++i) {
-        const double *power = jet(s->jets, model->jet_places[model->n + i]);
-        *last = lag_max(fabs(power[s->order - 1]) * INVERSE[s->order - 1] / unit, *last);
-        *before = lag_max(fabs(power[s->order - 2]) * INVERSE[s->order - 2] / unit, *before);
+        const double *power = jet(model, s->jets, model->jet_places[model->n + i]);
+        *last = lag_max(fabs(power[(s->order - 1) * model->jet_pitch]) * INVERSE[s->order - 1] / unit, *last);
+        *before = lag_max(fabs(power[(s->order - 2) * model->jet_pitch]) * INVERSE[s->order - 2] / unit, *before);
     }
 }
 
@@ -184,16 +221,17 @@ static void weigh_powers(const LagRun *run, const LagTaylor *s, double *last, do
 static double length_of(LagRun *run, const LagTaylor *s)
 {
     const LagMotion *m = &run->motion;
-    const int p = s->order;
+    const int p = s->order, pitch = run->model->jet_pitch;
     const double *end = other_end(run, s);
     double last = 0, before = 0;
     for (int i = 0; i < 2 * m->n; ++i) {
-        const double unit = lag_scale_unit(&run->scale, i, m->y, end), weight = unit > 0 ? 1 / unit : 0, *c = jet(s->jets, 1 + i);
-        if (fabs(c[p]) * weight > last) {
-            last = fabs(c[p]) * weight;
+        const double unit = lag_scale_unit(&run->scale, i, m->y, end), weight = unit > 0 ? 1 / unit : 0;
+        const double *c = jet(run->model, s->jets, 1 + i);
+        if (fabs(c[p * pitch]) * weight > last) {
+            last = fabs(c[p * pitch]) * weight;
             run->statistics.worst = i;
         }
-        before = lag_max(fabs(c[p - 1]) * weight, before);
+        before = lag_max(fabs(c[(p - 1) * pitch]) * weight, before);
     }
     weigh_powers(run, s, &last, &before);
     return lag_min(lag_rough_power(s->last / last, INVERSE[p - 1]), lag_rough_power(s->before_last / before, INVERSE[p - 2]));
@@ -208,9 +246,9 @@ static double defect(LagRun *run, const LagTaylor *s, double h)
     for (int i = 0; i < n; ++i) {
         const int place = run->model->jet_places[i];
         const double unit = lag_scale_unit(&run->scale, n + i, m->y, m->other);
-        const double slope = series(jet(s->jets, place), s->order - 1, h);
+        const double slope = series(jet(run->model, s->jets, place), run->model->jet_pitch, s->order - 1, h);
         if (unit > 0)
-            largest = lag_max(fabs(jet(s->old_jets, place)[0] - slope) / unit, largest);
+            largest = lag_max(fabs(*jet(run->model, s->old_jets, place) - slope) / unit, largest);
     }
     return largest * h / (s->order + 1);
 }
@@ -224,7 +262,7 @@ static int look_ahead(LagRun *run, LagTaylor *s, double t_new)
     place_known(run, s->old_jets);
     m->t = t;
     for (int i = 0; i < 2 * m->n; ++i)
-        jet(s->old_jets, 1 + i)[0] = m->other[i];
+        *jet(run->model, s->old_jets, 1 + i) = m->other[i];
     ++m->evaluations;
     return expand(run, s->old_jets, 0, 1);
 }

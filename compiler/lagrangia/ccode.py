@@ -52,9 +52,10 @@ def write_c(
     lines += [f"    .{name} = {name}," for name in patterns]
     lines += [f"    .{label} = {value}," for label, value in initializers.items()]
     if not isinstance(series, str):
-        lines += [f"    .n_jets = {series.n_jets},", f"    .n_products = {series.n_products},"]
+        lines += [f"    .n_jets = {series.n_jets},", f"    .jet_pitch = {series.pitch},"]
         cost = _cost(usual_rhs(tapes))
-        lines += [f"    .series_rhs_cost = {cost},", "    .jet_places = jet_places,", "    .taylor = taylor,"]
+        lines += [f"    .n_products = {series.n_products},", f"    .series_rhs_cost = {cost},"]
+        lines += ["    .jet_places = jet_places,", "    .taylor = taylor,"]
     return "\n".join([*lines, "};", ""])
 
 

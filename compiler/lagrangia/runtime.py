@@ -229,6 +229,7 @@ class _Model(c.Structure):
         ("islands", c.c_void_p),
         *((name, _Function) for name in _FUNCTIONS),
         ("n_jets", c.c_int),
+        ("jet_pitch", c.c_int),
         ("n_products", c.c_int),
         ("series_rhs_cost", c.c_int),
         ("jet_places", _Ints),

@@ -16,7 +16,7 @@ _ORDERS = 18  # LAG_JET_ORDER of runtime/jets.h
 _FEW, _UNROLLED = 20, 12  # products up to which each order has a function of its own; the orders that have one otherwise
 # Statements in one order, and what a product adds over all orders; more than so many take longer to compile than they save.
 _PRODUCT, _MOST_STATEMENTS = 150, 4000
-_JET = re.compile(r"J\((\d+)\)(\[[0k]\])?")
+_JET = re.compile(r"J\((\d+)\)(?:\[([0k])\])?")
 _WHOLE = re.compile(r"J\((\d+)\)(?!\[k\])")  # more than the coefficient of the present order
 _TIME, _POSITIONS, _RATES, _INPUTS = 0, 1, 2, 3  # arguments of rhs that are jets
 
@@ -28,10 +28,11 @@ class NoSeriesError(Exception):
 @dataclass(frozen=True)
 class Series:
     """`places` are the jets of the accelerations, then of the powers. The first jets are t, q, v and u. `n_products` are sums of
-    products, which grow with the order."""
+    products, which grow with the order; `pitch` is the distance between the coefficients of a jet."""
 
     source: str
     n_jets: int
+    pitch: int
     n_products: int
     places: tuple[int, ...]
 
@@ -265,9 +266,10 @@ def write_series(tape: Tape, expression: Callable[[int, str, str], str], number:
     if unrolled == 0:
         raise NoSeriesError(f"its {products} products of series would take longer to compile than they save")
     kept = _kept(writer, places.values())
+    pitch = 1 if products else -(-len(kept) // 4) * 4
     found = tuple(kept[places[key]] for key in sorted(places))
-    source = _text(writer, found[: tape.in_sizes[_POSITIONS]], unrolled, kept)
-    return Series(source, len(kept), products, found)
+    source = _text(writer, found[: tape.in_sizes[_POSITIONS]], unrolled, kept, pitch)
+    return Series(source, len(kept), pitch, products, found)
 
 
 def _unrolled(products: int, statements: int) -> int:
@@ -303,13 +305,14 @@ def _wanted(tape: Tape) -> set[int]:
     return wanted
 
 
-def _text(writer: _Writer, accelerations: tuple[int, ...], unrolled: int, kept: Mapping[int, int]) -> str:
+def _text(writer: _Writer, accelerations: tuple[int, ...], unrolled: int, kept: Mapping[int, int], pitch: int) -> str:
     """A function an order, its loops unrolled: all in one, and compilers run out of registers. Where there are many products,
     code for each of the higher orders takes long to compile and does not stay near the processor: they share a function."""
     n, size = len(accelerations), max(1, len(writer.constants))
-    states = [f"J({1 + k})[k + 1] = J({1 + n + k})[k] * (1.0 / (k + 1));" for k in range(n)]
-    states += [f"J({1 + n + k})[k + 1] = J({place})[k] * (1.0 / (k + 1));" for k, place in enumerate(accelerations)]
-    parts = {"taylor_first": _placed(writer.first, kept), "taylor_later": _placed(writer.later, kept)}
+    slopes = [*range(1 + n, 1 + 2 * n), *accelerations]
+    states = [f"{_coefficient(1 + k, 'k + 1', pitch)} = {_coefficient(slot, 'k', pitch)} * (1.0 / (k + 1));"
+              for k, slot in enumerate(slopes)]
+    parts = {"taylor_first": _placed(writer.first, kept, pitch), "taylor_later": _placed(writer.later, kept, pitch)}
     lines = ["#define J(slot) (jet + (slot) * LAG_JET_STRIDE)"]
     for name, body in parts.items():
         lines += [f"LAG_UNROLLED void {name}(const int k, const double *c, double *jet)", "{", "    (void)c;"]
@@ -328,11 +331,18 @@ def _text(writer: _Writer, accelerations: tuple[int, ...], unrolled: int, kept: 
     return "\n".join([*lines, "}", ""])
 
 
-def _placed(statements: Sequence[str], kept: Mapping[int, int]) -> list[str]:
+def _coefficient(slot: int, order: str, pitch: int) -> str:
+    """Jets lie one after another for the sake of their products, else order by order."""
+    return f"J({slot})[{order}]" if pitch == 1 else f"jet[({order}) * {pitch} + {slot}]"
+
+
+def _placed(statements: Sequence[str], kept: Mapping[int, int], pitch: int) -> list[str]:
     """The statements with jets in their places, and one coefficient of the others in a variable."""
     def name(match: re.Match[str]) -> str:
         slot = int(match[1])
-        return f"J({kept[slot]}){match[2] or ''}" if slot in kept else f"x{slot}"
+        if slot not in kept:
+            return f"x{slot}"
+        return _coefficient(kept[slot], match[2], pitch) if match[2] else f"J({kept[slot]})"
 
     found = [_JET.sub(name, statement) for statement in statements]
     return [f"const double {statement}" if statement.startswith("x") else statement for statement in found]
