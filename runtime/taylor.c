@@ -135,8 +135,7 @@ static int build(LagRun *run, LagTaylor *s, int order)
     return first >= order || expand(run, s->jets, first, order);
 }
 
-/* sum of c_k h^k from k = 0 to the order: Horner in four chains, so that hardly one multiplication waits for
- * another. */
+/* sum of c_k h^k from k = 0 to the order: Horner in four chains, so that hardly one multiplication waits for another. */
 static inline double series(const double *c, int pitch, int order, double h)
 {
     const double square = h * h, fourth = square * square;
