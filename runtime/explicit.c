@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "dop853_tableau.h"
+#include "lanes.h"
 #include "step.h"
 #include "tsit5_tableau.h"
 
@@ -18,6 +19,8 @@ static const LagTableau DOP853 = {LAG_DOP853_STAGES, LAG_DOP853_ALL_STAGES, LAG_
                                   lag_dop853_stage, &lag_dop853_error5, &lag_dop853_error3, lag_dop853_dense, 0, 1};
 static const LagTableau TSIT5 = {LAG_TSIT5_STAGES, LAG_TSIT5_STAGES + 1, LAG_TSIT5_DENSE_ROWS, lag_tsit5_node,
                                  lag_tsit5_stage, &lag_tsit5_error, NULL, lag_tsit5_dense, 1, 2};
+enum { LONG = 16 }; /* coordinates from which on lanes pay */
+
 static void layout(LagExplicit *s, const LagTableau *tableau, const LagMotion *m, LagArena *arena)
 {
     s->tableau = tableau;
@@ -25,6 +28,7 @@ static void layout(LagExplicit *s, const LagTableau *tableau, const LagMotion *m
         s->k[i] = lag_take(arena, (size_t)m->size);
     for (int i = 0; i < LAG_HERMITE_ROWS + tableau->dense_rows; ++i)
         s->dense[i] = lag_take(arena, (size_t)m->size);
+    s->unit = lag_take(arena, 2 * (size_t)m->n);
 }
 
 static void layout_dop853(void *self, const LagMotion *m, LagArena *arena) { layout(self, &DOP853, m, arena); }
@@ -41,12 +45,28 @@ int lag_erk5_pays(const LagModel *model, double tolerance)
     return tolerance > (model->n_multipliers > 0 ? CONSTRAINED : is_rough ? ROUGH : SMOOTH);
 }
 
+static void combine_many(const LagExplicit *s, const LagTableauRow *row, int size, double *sum)
+{
+    for (int i = 0; i < size; i += LAG_LANES) {
+        LagLanes total = LAG_LANES_OF(0), k;
+        for (int j = 0; j < row->count - 1; ++j) {
+            memcpy(&k, s->k[row->column[j]] + i, sizeof k);
+            total += k * LAG_LANES_OF(row->weight[j]);
+        }
+        memcpy(sum + i, &total, sizeof total);
+    }
+}
+
 /* sum = weights of the row times slopes but the last one, for the first `size` components; four at a time, in four independent
  * chains. The last slope is the latest, written number by number a moment ago, and callers add it the same way: reading several
  * at once would wait until all of them are in the cache (a fifth of the time in scenes of one or two coordinates). */
 static void combine_earlier(const LagExplicit *s, const LagTableauRow *row, int size, double *sum)
 {
     const int last = row->count - 1;
+    if (size >= 2 * LONG) {
+        combine_many(s, row, size, sum);
+        return;
+    }
     for (int i = 0; i < size; i += 4) {
         double s0 = 0, s1 = 0, s2 = 0, s3 = 0;
         for (int j = 0; j < last; ++j) {
@@ -71,6 +91,22 @@ static void combine(const LagExplicit *s, const LagTableauRow *row, int size, do
         sum[i] = h * (sum[i] + w * last[i]);
 }
 
+/* to = y + h (sum + w last), as long as there are LAG_LANES. Returns how far it came. */
+static int advance_many(const double *y, const double *sum, const double *last, double w, double h, int n, double *to)
+{
+    const LagLanes weight = LAG_LANES_OF(w), length = LAG_LANES_OF(h);
+    int i = 0;
+    for (; i + LAG_LANES <= n; i += LAG_LANES) {
+        LagLanes base, earlier, latest;
+        memcpy(&base, y + i, sizeof base);
+        memcpy(&earlier, sum + i, sizeof earlier);
+        memcpy(&latest, last + i, sizeof latest);
+        base += length * (earlier + weight * latest);
+        memcpy(to + i, &base, sizeof base);
+    }
+    return i;
+}
+
 /* Slope i of the step of length h from (t, y). */
 static int stage(LagExplicit *s, LagMotion *m, int i, double t, const double *y, double h)
 {
@@ -78,8 +114,13 @@ static int stage(LagExplicit *s, LagMotion *m, int i, double t, const double *y,
     const LagTableauRow *row = &s->tableau->stage[i];
     const double w = row->weight[row->count - 1], *last = s->k[row->column[row->count - 1]], *sum = m->sum;
     double *k = s->k[i], *point = m->point;
+    int j = 0;
     combine_earlier(s, row, 2 * n, m->sum);
-    for (int j = 0; j < n; ++j) {
+    if (n >= LONG) {
+        advance_many(y, sum, last, w, h, n, point);
+        j = advance_many(y + n, sum + n, last + n, w, h, n, k);
+    }
+    for (; j < n; ++j) {
         point[j] = y[j] + h * (sum[j] + w * last[j]);
         k[j] = y[n + j] + h * (sum[n + j] + w * last[n + j]);
     }
@@ -92,36 +133,80 @@ static void add_step(LagExplicit *s, LagMotion *m, double h)
     lag_motion_add(m, m->sum);
 }
 
+/* Sums over the components that move, of errors in units. */
+typedef struct {
+    double fine_squares, coarse_squares, largest;
+    int moving;
+} Errors;
+
+static Errors measure(const LagMotion *m, const LagScale *scale, const double *fine, const double *coarse, int *worst)
+{
+    Errors sums = {0, 0, 0, 0};
+    for (int i = 0; i < 2 * m->n; ++i) {
+        const double unit = lag_scale_unit(scale, i, m->y, m->other);
+        if (unit == 0)
+            continue;
+        const double inverse = 1 / unit, error = fabs(fine[i] * inverse), other = coarse ? coarse[i] * inverse : 0;
+        ++sums.moving;
+        sums.fine_squares += error * error;
+        sums.coarse_squares += other * other;
+        if (error > sums.largest) {
+            sums.largest = error;
+            *worst = i;
+        }
+    }
+    return sums;
+}
+
+/* The same where there are many; `fine` becomes the errors in units. */
+static Errors measure_many(const LagExplicit *s, const LagMotion *m, const LagScale *scale, double *fine, const double *coarse, int *worst)
+{
+    const int size = 2 * m->n;
+    const LagLanes zero = LAG_LANES_OF(0), one = LAG_LANES_OF(1);
+    LagLanes fines = zero, coarses = zero, most = zero, moving = zero;
+    lag_scale_units(scale, m->y, m->other, s->unit);
+    for (int i = 0; i < size; i += LAG_LANES) { /* the padding of units is 0 */
+        LagLanes unit, inverse, error, other = zero;
+        memcpy(&unit, s->unit + i, sizeof unit);
+        memcpy(&error, fine + i, sizeof error);
+        if (coarse)
+            memcpy(&other, coarse + i, sizeof other);
+        inverse = LAG_LANES_SELECT(unit > zero, one / unit, zero);
+        error = LAG_LANES_SELECT(unit > zero, error * inverse, zero);
+        other = LAG_LANES_SELECT(unit > zero, other * inverse, zero);
+        error = LAG_LANES_ABS(error);
+        memcpy(fine + i, &error, sizeof error);
+        fines += error * error;
+        coarses += other * other;
+        moving += LAG_LANES_SELECT(unit > zero, one, zero);
+        most = LAG_LANES_MAX(error, most);
+    }
+    const double largest = lag_lanes_largest(&most, 0);
+    for (int i = 0; i < size && largest > 0; ++i)
+        if (fine[i] == largest) {
+            *worst = i;
+            break;
+        }
+    return (Errors){lag_lanes_sum(&fines), lag_lanes_sum(&coarses), largest, (int)lag_lanes_sum(&moving)};
+}
+
 /* The error of a step, root mean square in units over positions and rates that move, and Hairer's combination where there are
  * two embedded errors; *worst: where it is largest. 0 when nothing moves. */
 static double estimate(const LagExplicit *s, LagMotion *m, double h, const LagScale *scale, int *worst)
 {
     const LagTableau *tableau = s->tableau;
     const int size = 2 * m->n;
-    double *fine = m->sum, *coarse = m->point, fine_squares = 0, coarse_squares = 0, largest = 0;
-    int moving = 0;
+    double *fine = m->sum, *coarse = tableau->coarse_error ? m->point : NULL;
     if (scale->is_resting)
         lag_scale_foresee(scale, m->other);
     combine(s, tableau->error, size, h, fine);
-    if (tableau->coarse_error)
+    if (coarse)
         combine(s, tableau->coarse_error, size, h, coarse);
-    for (int i = 0; i < size; ++i) {
-        const double unit = lag_scale_unit(scale, i, m->y, m->other);
-        if (unit == 0)
-            continue;
-        const double inverse = 1 / unit, error = fabs(fine[i] * inverse), other = tableau->coarse_error ? coarse[i] * inverse : 0;
-        ++moving;
-        fine_squares += error * error;
-        coarse_squares += other * other;
-        if (error > largest) {
-            largest = error;
-            *worst = i;
-        }
-    }
-    if (!(fine_squares > 0))
-        return fine_squares;
-    const double share = tableau->coarse_error ? sqrt(fine_squares / (fine_squares + 0.01 * coarse_squares)) : 1;
-    return tableau->caution * share * sqrt(fine_squares / moving);
+    const Errors sums = m->n >= LONG ? measure_many(s, m, scale, fine, coarse, worst) : measure(m, scale, fine, coarse, worst);
+    if (!(sums.fine_squares > 0))
+        return sums.fine_squares;
+    const double share = coarse ? sqrt(sums.fine_squares / (sums.fine_squares + 0.01 * sums.coarse_squares)) : 1;
+    return tableau->caution * share * sqrt(sums.fine_squares / sums.moving);
 }
 
 static void restart(void *self, LagMotion *m)

@@ -28,6 +28,7 @@ typedef struct {
     const LagTableau *tableau;
     double *k[LAG_MOST_SLOPES];
     double *dense[LAG_MOST_COEFFICIENTS];
+    double *unit;            /* 2 n: of long states */
     int first_slope_is_last; /* the slope at the end of the step before is slope 0 of the next one */
     int dense_ready;
 } LagExplicit;

@@ -8,6 +8,8 @@
 
 #include <string.h>
 
+#include "lanes.h"
+
 enum { LAG_JET_STRIDE = 20, LAG_JET_ORDER = 18 };
 
 /* Scene code calls these with a constant order, so that all loops are unrolled: three to four times as fast. */
@@ -23,17 +25,15 @@ enum { LAG_JET_STRIDE = 20, LAG_JET_ORDER = 18 };
 #endif
 
 /* sum of a_j b_(k - j) for j = first .. last, in two chains, long ones in four: as lanes where the compiler has vectors. */
-#if defined(__clang__) || (defined(__GNUC__) && __GNUC__ >= 12)
+#ifdef LAG_HAS_VECTORS
 typedef double LagPair __attribute__((vector_size(16)));
-
-typedef double LagQuad __attribute__((vector_size(32)));
 
 LAG_UNROLLED double lag_jet_chains(const double *a, const double *b, int first, int last, int k)
 {
     LagPair sum = {0, 0}, x, y;
     int j = first;
     if (last - first >= 7) {
-        LagQuad four = {0, 0, 0, 0}, u, w;
+        LagLanes four = {0, 0, 0, 0}, u, w;
         LAG_UNROLL
         for (; j < last - 2; j += 4) {
             memcpy(&u, a + j, sizeof u);
@@ -117,6 +117,20 @@ LAG_UNROLLED double lag_jet_power(const double *u, const double *w, double expon
     for (int j = 0; j < k; ++j)
         sum += (exponent * (k - j) - j) * u[k - j] * w[j];
     return sum * (1.0 / k) * (1 / u[0]);
+}
+
+/* to_i = factor from_i: the next coefficients of a state whose jets lie order by order. */
+static inline void lag_jet_rows(double *to, const double *from, double factor, int n)
+{
+    int i = 0;
+    for (; i + LAG_LANES <= n; i += LAG_LANES) {
+        LagLanes c;
+        memcpy(&c, from + i, sizeof c);
+        c *= LAG_LANES_OF(factor);
+        memcpy(to + i, &c, sizeof c);
+    }
+    for (; i < n; ++i)
+        to[i] = factor * from[i];
 }
 
 #endif

@@ -72,10 +72,10 @@ static double relative_correction(const LagRun *run, Level level)
     double largest = 0;
     for (int i = 0; i < n; ++i) {
         const double length = fabs(run->projection.correction[i]), size = size_of(run, first + i);
-        if (!isfinite(length))
+        if (!(length < INFINITY))
             return INFINITY;
-        if (length > 0)
-            largest = lag_max(size > 0 ? length / size : 1, largest);
+        if (length > largest * size) /* divisions take longer than all the rest */
+            largest = size > 0 ? length / size : lag_max(1, largest);
     }
     return largest;
 }
@@ -87,9 +87,8 @@ static double distance(const LagRun *run, const double *from, const double *to, 
     for (int i = 0; i < 2 * run->model->n; ++i) {
         const double length = fabs(to[i] - from[i]);
         const double unit = lag_max(lag_scale_unit(&run->scale, i, from, to), FINEST * run->scale.floor[i]);
-        const double units = length > 0 ? length / unit : 0;
-        if (units > largest) {
-            largest = units;
+        if (length > largest * unit) {
+            largest = length / unit;
             *worst = i;
         }
     }

@@ -19,8 +19,10 @@
 #include <string.h>
 
 #include "extremes.h"
+#include "lanes.h"
 #include "model.h"
 
+enum { MANY = 8 }; /* coordinates */
 static const double OWN = 0.3, GROUP = 0.01, CAUTION = 0.05, SMALLEST = 2e-15, ANGLE_CAP = 3.141592653589793;
 
 double lag_scale_caution(double tolerance) { return fmax(CAUTION * tolerance, SMALLEST); }
@@ -31,9 +33,12 @@ void lag_scale_init(LagScale *scale, int n, const int *kind, double tolerance)
     scale->kind = kind;
     scale->tolerance = lag_scale_caution(tolerance);
     scale->kinds = 0;
-    for (int i = 0; i < n; ++i)
+    scale->is_uniform = 1;
+    for (int i = 0; i < n; ++i) {
+        scale->is_uniform &= kind[i] == kind[0];
         if (kind[i] >= scale->kinds)
             scale->kinds = kind[i] + 1;
+    }
 }
 
 void lag_scale_layout(LagScale *scale, LagArena *arena)
@@ -70,17 +75,67 @@ static double *group_of(const LagScale *scale, int i)
     return i < n ? scale->group + scale->kind[i] : scale->group + scale->kinds + scale->kind[i - n];
 }
 
-void lag_scale_note(LagScale *scale, const double *y)
+/* Takes notice of components of one kind, from `first` on as long as there are LAG_LANES before `end`. Returns how far it came. */
+static int note_many(const LagScale *scale, const double *y, int first, int end)
 {
-    const int size = 2 * scale->n;
-    for (int i = 0; i < size; ++i) {
+    double *group = group_of(scale, first);
+    LagLanes most = LAG_LANES_OF(0), value, seen, cap;
+    int i = first;
+    for (; i + LAG_LANES <= end; i += LAG_LANES) {
+        memcpy(&value, y + i, sizeof value);
+        memcpy(&seen, scale->largest + i, sizeof seen);
+        memcpy(&cap, scale->cap + i, sizeof cap);
+        value = LAG_LANES_ABS(value);
+        value = LAG_LANES_MAX(value, seen);
+        value = LAG_LANES_MIN(value, cap);
+        memcpy(scale->largest + i, &value, sizeof value);
+        most = LAG_LANES_MAX(value, most);
+    }
+    *group = lag_lanes_largest(&most, *group);
+    return i;
+}
+
+static int floor_many(const LagScale *scale, int first, int end)
+{
+    const LagLanes own = LAG_LANES_OF(OWN), least = LAG_LANES_OF(GROUP * *group_of(scale, first));
+    int i = first;
+    for (; i + LAG_LANES <= end; i += LAG_LANES) {
+        LagLanes value;
+        memcpy(&value, scale->largest + i, sizeof value);
+        value *= own;
+        value = LAG_LANES_MAX(value, least);
+        memcpy(scale->floor + i, &value, sizeof value);
+    }
+    return i;
+}
+
+static inline void note_each(const LagScale *scale, const double *y, int first, int end)
+{
+    for (int i = first; i < end; ++i) {
         double *group = group_of(scale, i);
         const double magnitude = lag_scale_magnitude(scale, i, y[i], scale->largest[i]);
         scale->largest[i] = magnitude;
         *group = magnitude > *group ? magnitude : *group;
     }
-    for (int i = 0; i < size; ++i)
+}
+
+static inline void floor_each(const LagScale *scale, int first, int end)
+{
+    for (int i = first; i < end; ++i)
         scale->floor[i] = lag_max(OWN * scale->largest[i], GROUP * *group_of(scale, i));
+}
+
+void lag_scale_note(LagScale *scale, const double *y)
+{
+    const int n = scale->n, size = 2 * n, is_long = scale->is_uniform && n >= MANY;
+    for (int first = 0; first < size && is_long; first += n) {
+        note_each(scale, y, note_many(scale, y, first, first + n), first + n);
+        floor_each(scale, floor_many(scale, first, first + n), first + n);
+    }
+    if (!is_long) {
+        note_each(scale, y, 0, size);
+        floor_each(scale, 0, size);
+    }
     scale->is_resting = 0;
     for (int k = scale->kinds; k < 2 * scale->kinds; ++k)
         scale->is_resting |= scale->group[k] == 0;
@@ -97,6 +152,52 @@ void lag_scale_foresee(const LagScale *scale, const double *y_new)
     for (int i = 0; i < n; ++i)
         if (*group_of(scale, n + i) == 0)
             scale->floor[n + i] = GROUP * scale->motion[scale->kind[i]];
+}
+
+/* Magnitudes as lag_scale_magnitude gives them. */
+static inline void magnitudes(const LagScale *scale, int i, const double *y_old, const double *y_new, LagLanes *result)
+{
+    LagLanes old, new, cap;
+    memcpy(&old, y_old + i, sizeof old);
+    memcpy(&new, y_new + i, sizeof new);
+    memcpy(&cap, scale->cap + i, sizeof cap);
+    old = LAG_LANES_ABS(old);
+    new = LAG_LANES_ABS(new);
+    old = LAG_LANES_MAX(old, new);
+    *result = LAG_LANES_MIN(old, cap);
+}
+
+static inline void raise_and_scale(const LagScale *scale, int i, LagLanes *magnitude)
+{
+    LagLanes floor;
+    memcpy(&floor, scale->floor + i, sizeof floor);
+    *magnitude = LAG_LANES_MAX(*magnitude, floor);
+    *magnitude *= LAG_LANES_OF(scale->tolerance);
+}
+
+void lag_scale_units(const LagScale *scale, const double *y_old, const double *y_new, double *unit)
+{
+    const int n = scale->n;
+    const LagLanes step = LAG_LANES_OF(scale->step), rate_rounding = LAG_LANES_OF(scale->rate_rounding);
+    int i = 0;
+    for (; i + LAG_LANES <= n; i += LAG_LANES) {
+        LagLanes places, rates, rounding, noise;
+        magnitudes(scale, i, y_old, y_new, &places);
+        magnitudes(scale, n + i, y_old, y_new, &rates);
+        memcpy(&noise, scale->noise + i, sizeof noise);
+        rounding = rate_rounding * places;
+        noise *= step;
+        noise = LAG_LANES_MAX(rounding, noise);
+        raise_and_scale(scale, i, &places);
+        raise_and_scale(scale, n + i, &rates);
+        rates = LAG_LANES_MAX(rates, noise);
+        memcpy(unit + i, &places, sizeof places);
+        memcpy(unit + n + i, &rates, sizeof rates);
+    }
+    for (; i < n; ++i) {
+        unit[i] = lag_scale_unit(scale, i, y_old, y_new);
+        unit[n + i] = lag_scale_unit(scale, n + i, y_old, y_new);
+    }
 }
 
 int lag_scale_at_rest(const LagScale *scale)

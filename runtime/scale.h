@@ -8,6 +8,7 @@
 
 typedef struct {
     int n, kinds;
+    int is_uniform;  /* all are of one kind */
     const int *kind; /* n: coordinates of one kind share an order of magnitude */
     double tolerance;
     double rate_rounding; /* rounding error of a position, over the step: relative uncertainty of a rate */
@@ -59,5 +60,8 @@ static inline double lag_scale_unit(const LagScale *scale, int i, const double *
     const double noise = scale->step * scale->noise[position], least = rounding > noise ? rounding : noise;
     return unit > least ? unit : least;
 }
+
+/* The same for all 2 n components of a long state. */
+void lag_scale_units(const LagScale *scale, const double *y_old, const double *y_new, double *unit);
 
 #endif

@@ -8,6 +8,8 @@
 #include <string.h>
 
 #include "extremes.h"
+#include "lanes.h"
+#include "long_state.h"
 #include "rough.h"
 #include "segment.h"
 #include "step.h"
@@ -23,16 +25,21 @@ static const double REMAINS = 0.25, NOISE = 1e-10;
 /* What a step costs, in tenths of a nanosecond, here and by Dormand-Prince 8(5,3), and by how much its steps of order 8 are
  * longer than eps^(1/8) radii of convergence: measured on pendulums, springs, chains of springs and Kepler orbits. What goes
  * beyond MANY products in all orders costs more. A jet without products costs EACH a step and PASSING an order. */
-static const double EACH = 130, PASSING = 4.6;
+static const double EACH = 80, PASSING = 7.6;
 static const double STEP = 1500, JET = 9.5, PRODUCT = 1.3, MANY = 1400, CROWDED = 2.6;
 static const double OTHER_STEP = 3300, OTHER_SUM = 500, OTHER_STAGES = 12, OTHER_LENGTH = 1.1;
 
-static const double INVERSE[LAG_JET_ORDER] = {1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8, 1. / 9, 1. / 10, 1. / 11,
-                                              1. / 12, 1. / 13, 1. / 14, 1. / 15, 1. / 16, 1. / 17, 1. / 18};
+const double lag_inverse[LAG_JET_ORDER] = {1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8, 1. / 9, 1. / 10, 1. / 11,
+                                            1. / 12, 1. / 13, 1. / 14, 1. / 15, 1. / 16, 1. / 17, 1. / 18};
 
 static double *jet(const LagModel *model, double *jets, int slot)
 {
     return jets + (model->jet_pitch == 1 ? (size_t)slot * LAG_JET_STRIDE : (size_t)slot);
+}
+
+static double *power_jet(const LagModel *model, double *jets, int i)
+{
+    return jet(model, jets, model->jet_places[model->is_long_state ? i : model->n + i]);
 }
 
 static void layout(void *self, const LagMotion *motion, LagArena *arena)
@@ -41,6 +48,8 @@ static void layout(void *self, const LagMotion *motion, LagArena *arena)
     const size_t size = (size_t)motion->n_jets * LAG_JET_STRIDE;
     s->jets = lag_take(arena, size);
     s->old_jets = lag_take(arena, size);
+    s->unit = lag_take(arena, 2 * (size_t)motion->n + LAG_LANES);
+    s->share = lag_take(arena, 2 * (size_t)motion->n + 2 * LAG_LANES);
 }
 
 static double cost_of(const LagModel *model, int order)
@@ -52,15 +61,23 @@ static double cost_of(const LagModel *model, int order)
 }
 
 /* Time per radius of convergence; steps of order p are eps^(1/p) radii long. */
-static double pace_of(const LagModel *model, double eps, int order) { return cost_of(model, order) * exp(-log(eps) / order); }
+static double pace_of(const LagModel *model, double eps, int order)
+{
+    return cost_of(model, order) * lag_rough_power(1 / eps, lag_inverse[order - 1]);
+}
 
 /* Where time is spent mostly on the sums, it is near -ln(eps)/2 + 1; where each step has a price, it is higher. */
 static int order_for(const LagModel *model, double eps)
 {
     int best = LEAST_ORDER;
-    for (int order = LEAST_ORDER + 1; order <= LAG_JET_ORDER; ++order)
-        if (pace_of(model, eps, order) < pace_of(model, eps, best))
+    double least = pace_of(model, eps, best);
+    for (int order = LEAST_ORDER + 1; order <= LAG_JET_ORDER; ++order) {
+        const double pace = pace_of(model, eps, order);
+        if (pace < least) {
+            least = pace;
             best = order;
+        }
+    }
     return best;
 }
 
@@ -114,9 +131,12 @@ static int expand(LagRun *run, double *jets, int first, int end)
     const LagModel *model = run->model;
     const double *in[] = {run->d, run->c};
     double probe = 0;
+    const int n = model->n, pitch = model->jet_pitch, is_long = model->is_long_state;
     model->taylor(first, end, in, jets);
-    for (int i = 0; i < model->n + model->n_power; ++i)
-        probe += 0 * jet(model, jets, model->jet_places[i])[(end - 1) * model->jet_pitch];
+    for (int i = 0; i < (is_long ? 0 : n) + model->n_power; ++i)
+        probe += 0 * jet(model, jets, model->jet_places[i])[(end - 1) * pitch];
+    for (int i = 0; i < (is_long ? n : 0); ++i)
+        probe += 0 * jets[end * pitch + 1 + n + i];
     return probe == 0;
 }
 
@@ -153,42 +173,32 @@ static inline double series(const double *c, int pitch, int order, double h)
     return (a0 + a1 * h) + (a2 + a3 * h) * square;
 }
 
-/* The same for the whole state, where coefficients lie order by order: four sums at a time. */
-static void sum_by_orders(const double *first, int pitch, int size, int order, double h, double *step)
+/* The integral of a series from 0 to h, in two chains. */
+static double integral(const double *c, int pitch, int order, double h)
 {
-    for (int i = 0; i < size; i += 4) {
-        const double *c = first + order * pitch + i;
-        double s0 = c[0], s1 = c[1], s2 = c[2], s3 = c[3];
-        for (int k = order - 1; k > 0; --k) {
-            c -= pitch;
-            s0 = s0 * h + c[0];
-            s1 = s1 * h + c[1];
-            s2 = s2 * h + c[2];
-            s3 = s3 * h + c[3];
-        }
-        step[i] = s0 * h;
-        step[i + 1] = s1 * h;
-        step[i + 2] = s2 * h;
-        step[i + 3] = s3 * h;
+    const double square = h * h;
+    double even = 0, odd = 0;
+    for (int k = (order - 1) / 2 * 2; k >= 0; k -= 2) {
+        odd = odd * square + (k + 1 < order ? c[(k + 1) * pitch] * lag_inverse[k + 1] : 0);
+        even = even * square + c[k * pitch] * lag_inverse[k];
     }
+    return (even + odd * h) * h;
 }
 
 /* What a step of length h adds to the state. */
-static void displacement(const LagRun *run, double *jets, int order, double h, double *step)
+static void displacement(const LagTaylor *s, const LagModel *model, double *jets, double h, double *step)
 {
-    const LagModel *model = run->model;
-    const int n = model->n, pitch = model->jet_pitch;
-    if (pitch > 1)
-        sum_by_orders(jets + 1, pitch, 2 * n, order, h, step);
-    for (int i = 0; i < 2 * n && pitch == 1; ++i)
-        step[i] = series(jet(model, jets, 1 + i) + 1, 1, order - 1, h) * h;
-    for (int i = 0; i < model->n_power; ++i) { /* the integral of a series */
-        const double *power = jet(model, jets, model->jet_places[n + i]);
-        double sum = 0;
-        for (int k = order - 1; k >= 0; --k)
-            sum = sum * h + power[k * pitch] * INVERSE[k];
-        step[2 * n + i] = sum * h;
-    }
+    const int n = model->n, pitch = model->jet_pitch, order = s->order;
+    if (model->is_long_state)
+        lag_long_displacement(model, jets, order, h, step, s->share);
+    else if (pitch > 1)
+        for (int i = 0; i < 2 * n; ++i)
+            step[i] = series(jets + pitch + 1 + i, pitch, order - 1, h) * h;
+    else
+        for (int i = 0; i < 2 * n; ++i)
+            step[i] = series(jets + (1 + i) * LAG_JET_STRIDE + 1, 1, order - 1, h) * h;
+    for (int i = 0; i < model->n_power; ++i)
+        step[2 * n + i] = integral(power_jet(model, jets, i), pitch, order, h);
 }
 
 /* A state near the end of the planned step, which units are taken for: that before the latest one serves as well, if there is one
@@ -198,7 +208,7 @@ static const double *other_end(LagRun *run, const LagTaylor *s)
     LagMotion *m = &run->motion;
     if (!s->is_fresh && !run->scale.is_resting)
         return m->other;
-    displacement(run, s->jets, s->order, run->step, m->sum);
+    displacement(s, run->model, s->jets, run->step, m->sum);
     for (int i = 0; i < 2 * m->n; ++i)
         m->point[i] = m->y[i] + m->sum[i];
     return m->point;
@@ -210,34 +220,43 @@ static void weigh_powers(const LagRun *run, const LagTaylor *s, double *last, do
     const LagModel *model = run->model;
     const double unit = run->settings.tolerance * run->statistics.energy_scale;
     for (int i = 0; i < model->n_power && unit > 0; ++i) {
-        const double *power = jet(model, s->jets, model->jet_places[model->n + i]);
-        *last = lag_max(fabs(power[(s->order - 1) * model->jet_pitch]) * INVERSE[s->order - 1] / unit, *last);
-        *before = lag_max(fabs(power[(s->order - 2) * model->jet_pitch]) * INVERSE[s->order - 2] / unit, *before);
+        const double *power = power_jet(model, s->jets, i);
+        *last = lag_max(fabs(power[(s->order - 1) * model->jet_pitch]) * lag_inverse[s->order - 1] / unit, *last);
+        *before = lag_max(fabs(power[(s->order - 2) * model->jet_pitch]) * lag_inverse[s->order - 2] / unit, *before);
+    }
+}
+
+/* The last coefficients of the state and those before, in units, as far as they are larger than *last and *before. */
+static void weigh_state(LagRun *run, const LagTaylor *s, const double *end, double *last, double *before)
+{
+    const int p = s->order, pitch = run->model->jet_pitch;
+    for (int i = 0; i < 2 * run->model->n; ++i) {
+        const double unit = lag_scale_unit(&run->scale, i, run->motion.y, end), weight = unit > 0 ? 1 / unit : 0;
+        const double *c = jet(run->model, s->jets, 1 + i), size = fabs(c[p * pitch]) * weight;
+        if (size > *last) {
+            *last = size;
+            run->statistics.worst = i;
+        }
+        *before = lag_max(fabs(c[(p - 1) * pitch]) * weight, *before);
     }
 }
 
 /* The length at which the last two coefficients are worth a unit of error. */
 static double length_of(LagRun *run, const LagTaylor *s)
 {
-    const LagMotion *m = &run->motion;
-    const int p = s->order, pitch = run->model->jet_pitch;
+    const int p = s->order;
     const double *end = other_end(run, s);
     double last = 0, before = 0;
-    for (int i = 0; i < 2 * m->n; ++i) {
-        const double unit = lag_scale_unit(&run->scale, i, m->y, end), weight = unit > 0 ? 1 / unit : 0;
-        const double *c = jet(run->model, s->jets, 1 + i);
-        if (fabs(c[p * pitch]) * weight > last) {
-            last = fabs(c[p * pitch]) * weight;
-            run->statistics.worst = i;
-        }
-        before = lag_max(fabs(c[(p - 1) * pitch]) * weight, before);
-    }
+    if (run->model->is_long_state)
+        lag_long_weigh(run, end, &last, &before);
+    else
+        weigh_state(run, s, end, &last, &before);
     weigh_powers(run, s, &last, &before);
-    return lag_min(lag_rough_power(s->last / last, INVERSE[p - 1]), lag_rough_power(s->before_last / before, INVERSE[p - 2]));
+    return lag_min(lag_rough_power(s->last / last, lag_inverse[p - 1]), lag_rough_power(s->before_last / before, lag_inverse[p - 2]));
 }
 
-/* How far the accelerations at the end of the step are from the slope of the series there, as an error of the rates in units. */
-static double defect(LagRun *run, const LagTaylor *s, double h)
+/* How far the accelerations at the end of the step are from the slope of the series there, in units of rates. */
+static double gap(LagRun *run, const LagTaylor *s, double h)
 {
     const LagMotion *m = &run->motion;
     const int n = m->n;
@@ -249,7 +268,13 @@ static double defect(LagRun *run, const LagTaylor *s, double h)
         if (unit > 0)
             largest = lag_max(fabs(*jet(run->model, s->old_jets, place) - slope) / unit, largest);
     }
-    return largest * h / (s->order + 1);
+    return largest;
+}
+
+/* By how much the step of length h is wrong at its end: an error of the rates in units. */
+static double defect(LagRun *run, const LagTaylor *s, double h)
+{
+    return (run->model->is_long_state ? lag_long_gap(run) : gap(run, s, h)) * h / (s->order + 1);
 }
 
 /* The first coefficients of the next step, in the place of those of the step before this one. */
@@ -293,7 +318,7 @@ static LagStatus step(LagRun *run)
         const double t_new = lag_step_end(run, h), length = t_new - m->t;
         if (!(length >= lag_step_smallest(m->t)))
             return lag_step_give_up(run, run->statistics.worst);
-        displacement(run, s->jets, s->order, length, m->sum);
+        displacement(s, run->model, s->jets, length, m->sum);
         lag_motion_add(m, m->sum);
         m->t_old = m->t;
         if (is_good(run, s, t_new, length, &wrong)) {
@@ -316,7 +341,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
 {
     const LagTaylor *s = self;
     const LagRun *run = m->context;
-    displacement(run, s->old_jets, s->order, t - m->t_old, y);
+    displacement(s, run->model, s->old_jets, t - m->t_old, y);
     for (int i = 0; i < m->size; ++i)
         y[i] += m->other[i];
 }

@@ -123,6 +123,32 @@ end Driven;""")
     assert run["x.v"] == pytest.approx([rate(t) for t in (0.25, 0.5, 1.0, 2.0)], abs=1e-14)
 
 
+ROW = """model Row "Masses between two walls, the second one pushed"
+  parameter Integer n = 8; parameter Damping c = 0.1; parameter Force F = 1; parameter Length a = 1;
+  World  world(gravity = {0, 0});
+  Block  mass[n](each m = 2, each base = world, s(start = {a*sin(3*j) for j in 1:n}));
+  Link left(k = 3, c = c, stretch = mass[1].s), right(k = 5, c = c, stretch = mass[n].s);
+  Link spring[n - 1](each k = 4, each c = c, stretch = {mass[j + 1].s - mass[j].s for j in 1:n - 1});
+  AppliedForce push(at = mass[2].center, force = {if time < 2 then 0 else F, 0});
+end Row;
+"""
+
+
+@pytest.mark.parametrize("n", [7, 8, 9, 10, 11, 17])
+@pytest.mark.parametrize(("solver", "link"), [("taylor", "Spring"), ("erk", "SpringDamper"), ("erk5", "SpringDamper")])
+def test_long_states_are_as_good_as_short_ones(tmp_path: Path, n: int, solver: str, link: str) -> None:
+    """From 8 coordinates on series, and from 16 on all explicit steps, take several components at once: none may be forgotten."""
+    path = tmp_path / "row.lag"
+    text = ROW.replace("Link", link)
+    path.write_text(text if link == "SpringDamper" else text.replace(", c = c", "").replace(", each c = c", ""))
+    model, at, columns = lag.load(path, n=n), np.linspace(0.5, 9.5, 19), slice(1, 1 + 2 * n)
+    exact = model.simulate(at=at, solver="implicit", tolerance=1e-13).rows[:, columns]
+    for tolerance in (1e-4, 1e-7, 1e-10):
+        run = model.simulate(at=at, solver=solver, tolerance=tolerance)
+        assert np.abs(run.rows[:, columns] - exact).max() < 30 * tolerance * np.abs(exact).max()
+        assert np.abs(run.energy.residual).max() < 100 * tolerance * run.statistics.energy_scale
+
+
 def test_auto_takes_series_where_they_pay() -> None:
     pendulum = lag.load(EXAMPLES / "pendulum.lag")
     assert pendulum.simulate(stop=1, tolerance=1e-10).statistics.solver is Solver.TAYLOR

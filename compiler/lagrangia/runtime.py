@@ -233,6 +233,7 @@ class _Model(c.Structure):
         ("n_products", c.c_int),
         ("series_rhs_cost", c.c_int),
         ("jet_places", _Ints),
+        ("is_long_state", c.c_int),
         ("taylor", c.c_void_p),
     )
 

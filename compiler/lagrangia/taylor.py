@@ -13,6 +13,7 @@ from lagrangia.runtime import Op, Tape
 
 _MOST_POWER = 8  # integer powers up to this one are products
 _ORDERS = 18  # LAG_JET_ORDER of runtime/jets.h
+_LONG = 8  # coordinates from which on loops over all of them pay
 _FEW, _UNROLLED = 20, 12  # products up to which each order has a function of its own; the orders that have one otherwise
 # Statements in one order, and what a product adds over all orders; more than so many take longer to compile than they save.
 _PRODUCT, _MOST_STATEMENTS = 150, 4000
@@ -28,13 +29,15 @@ class NoSeriesError(Exception):
 @dataclass(frozen=True)
 class Series:
     """`places` are the jets of the accelerations, then of the powers. The first jets are t, q, v and u. `n_products` are sums of
-    products, which grow with the order; `pitch` is the distance between the coefficients of a jet."""
+    products, which grow with the order; `pitch` is the distance between the coefficients of a jet. Accelerations of a long state
+    without products are not kept: the jets of v tell them, and `places` has the powers alone."""
 
     source: str
     n_jets: int
     pitch: int
     n_products: int
     places: tuple[int, ...]
+    is_long_state: bool
 
 
 @dataclass(frozen=True)
@@ -265,11 +268,12 @@ def write_series(tape: Tape, expression: Callable[[int, str, str], str], number:
     unrolled = _unrolled(products, len(writer.later))
     if unrolled == 0:
         raise NoSeriesError(f"its {products} products of series would take longer to compile than they save")
-    kept = _kept(writer, places.values())
+    n, found = tape.in_sizes[_POSITIONS], [places[key] for key in sorted(places)]
+    is_long = products == 0 and n >= _LONG
+    kept = _kept(writer, found[n:] if is_long else found)
     pitch = 1 if products else -(-len(kept) // 4) * 4
-    found = tuple(kept[places[key]] for key in sorted(places))
-    source = _text(writer, found[: tape.in_sizes[_POSITIONS]], unrolled, kept, pitch)
-    return Series(source, len(kept), pitch, products, found)
+    source = _text(writer, found[:n], unrolled, kept, pitch, is_long)
+    return Series(source, len(kept), pitch, products, tuple(kept[slot] for slot in (found[n:] if is_long else found)), is_long)
 
 
 def _unrolled(products: int, statements: int) -> int:
@@ -305,13 +309,18 @@ def _wanted(tape: Tape) -> set[int]:
     return wanted
 
 
-def _text(writer: _Writer, accelerations: tuple[int, ...], unrolled: int, kept: Mapping[int, int], pitch: int) -> str:
+def _text(writer: _Writer, accelerations: Sequence[int], unrolled: int, kept: Mapping[int, int], pitch: int,
+          is_long: bool) -> str:
     """A function an order, its loops unrolled: all in one, and compilers run out of registers. Where there are many products,
     code for each of the higher orders takes long to compile and does not stay near the processor: they share a function."""
     n, size = len(accelerations), max(1, len(writer.constants))
-    slopes = [*range(1 + n, 1 + 2 * n), *accelerations]
-    states = [f"{_coefficient(1 + k, 'k + 1', pitch)} = {_coefficient(slot, 'k', pitch)} * (1.0 / (k + 1));"
-              for k, slot in enumerate(slopes)]
+    if is_long:
+        states = [f"lag_jet_rows(jet + (k + 1) * {pitch} + 1, jet + k * {pitch} + {1 + n}, 1.0 / (k + 1), {n});"]
+    else:
+        states = [f"{_coefficient(1 + i, 'k + 1', pitch)} = {_coefficient(1 + n + i, 'k', pitch)} * (1.0 / (k + 1));"
+                  for i in range(n)]
+    states += [f"{_coefficient(1 + n + i, 'k + 1', pitch)} = {_latest(slot, kept, pitch)} * (1.0 / (k + 1));"
+               for i, slot in enumerate(accelerations)]
     parts = {"taylor_first": _placed(writer.first, kept, pitch), "taylor_later": _placed(writer.later, kept, pitch)}
     lines = ["#define J(slot) (jet + (slot) * LAG_JET_STRIDE)"]
     for name, body in parts.items():
@@ -334,6 +343,11 @@ def _text(writer: _Writer, accelerations: tuple[int, ...], unrolled: int, kept: 
 def _coefficient(slot: int, order: str, pitch: int) -> str:
     """Jets lie one after another for the sake of their products, else order by order."""
     return f"J({slot})[{order}]" if pitch == 1 else f"jet[({order}) * {pitch} + {slot}]"
+
+
+def _latest(slot: int, kept: Mapping[int, int], pitch: int) -> str:
+    """The coefficient of the present order, of which no others may be kept."""
+    return _coefficient(kept[slot], "k", pitch) if slot in kept else f"x{slot}"
 
 
 def _placed(statements: Sequence[str], kept: Mapping[int, int], pitch: int) -> list[str]:

@@ -1,0 +1,54 @@
+/* Loops over long vectors, four numbers at a time where the compiler has vectors, one at a time elsewhere.
+ *
+ * Numbers are read and written by memcpy. Not for a few numbers that were written one by one a moment ago: reading four at once
+ * waits until all are in the cache.
+ */
+#ifndef LAG_LANES_H
+#define LAG_LANES_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#if defined(__clang__) || (defined(__GNUC__) && __GNUC__ >= 12)
+#define LAG_HAS_VECTORS
+enum { LAG_LANES = 4 };
+typedef double LagLanes __attribute__((vector_size(32)));
+typedef int64_t LagLaneBits __attribute__((vector_size(32)));
+#define LAG_LANES_OF(number) ((LagLanes){(number), (number), (number), (number)})
+#define LAG_LANES_ABS(a) ((LagLanes)((LagLaneBits)(a) & INT64_MAX))
+/* Where `condition`, a comparison, holds: a, else b. */
+#define LAG_LANES_SELECT(condition, a, b) \
+    ((LagLanes)(((LagLaneBits)(condition) & (LagLaneBits)(a)) | (~(LagLaneBits)(condition) & (LagLaneBits)(b))))
+#else
+enum { LAG_LANES = 1 };
+typedef double LagLanes;
+#define LAG_LANES_OF(number) (number)
+#define LAG_LANES_ABS(a) fabs(a)
+#define LAG_LANES_SELECT(condition, a, b) ((condition) ? (a) : (b))
+#endif
+
+/* As in extremes.h: a NaN in `a` is passed over. */
+#define LAG_LANES_MAX(a, b) LAG_LANES_SELECT((a) > (b), a, b)
+#define LAG_LANES_MIN(a, b) LAG_LANES_SELECT((a) < (b), a, b)
+
+/* The largest of the lanes and of `least`. */
+static inline double lag_lanes_largest(const LagLanes *lanes, double least)
+{
+    double each[LAG_LANES];
+    memcpy(each, lanes, sizeof each);
+    for (int i = 0; i < LAG_LANES; ++i)
+        least = each[i] > least ? each[i] : least;
+    return least;
+}
+
+static inline double lag_lanes_sum(const LagLanes *lanes)
+{
+    double each[LAG_LANES], sum = 0;
+    memcpy(each, lanes, sizeof each);
+    for (int i = 0; i < LAG_LANES; ++i)
+        sum += each[i];
+    return sum;
+}
+
+#endif
