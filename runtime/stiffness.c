@@ -15,7 +15,9 @@
  * other method must be. */
 static const double RULES = 3.5, RULES5 = 2, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
 /* The first look costs 2 FIRST_ITERATIONS + 1 evaluations: 3 % of those before it. */
-enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIONS = 8, SUSPICIOUS_INTERVAL = 9 };
+enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIOUS_INTERVAL = 9 };
+/* A trial of implicit steps costs as much as 75 steps by series of a small scene. */
+enum { SUSPICIONS = 8, SUSPICIONS_SERIES = 24 };
 enum { TRIAL = 16, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, PASSES = 4, STAGES = 12, STAGES5 = 6 };
 
 void lag_stiffness_layout(LagStiffness *s, int n, int size, LagArena *arena)
@@ -96,6 +98,11 @@ static double rules(const LagRun *run)
     return is_low(run) ? RULES5 : RULES;
 }
 
+static int most_suspicions(const LagRun *run)
+{
+    return run->stiffness.explicit_solver == LAG_SOLVER_TAYLOR ? SUSPICIONS_SERIES : SUSPICIONS;
+}
+
 static double explicit_step_work(const LagRun *run)
 {
     return (is_low(run) ? STAGES5 : STAGES) * (run->model->rhs_cost + 30.0 * run->model->n);
@@ -153,7 +160,7 @@ static void watch_explicit(LagRun *run)
     s->suspicions = ruled > rules(run) ? s->suspicions + 1 : 0;
     s->interval = s->suspicions > 0 ? SUSPICIOUS_INTERVAL : ruled > FAR * rules(run) ? first_look(run) : 2 * s->interval;
     s->interval = s->interval < MOST_INTERVAL ? s->interval : MOST_INTERVAL;
-    if (s->suspicions >= SUSPICIONS)
+    if (s->suspicions >= most_suspicions(run))
         s->next = LAG_SOLVER_IMPLICIT;
     const int look = s->interval, suspicions = s->suspicions;
     s->wait = 0;
