@@ -343,8 +343,9 @@ def test_a_killed_run_leaves_the_older_result(endless: subprocess.Popen[str]) ->
     assert Path("x.csv").read_text() == OLD
 
 
-def test_an_interrupted_run_keeps_its_rows(endless: subprocess.Popen[str]) -> None:
-    endless.send_signal(signal.SIGINT)
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_keeps_its_rows(endless: subprocess.Popen[str], number: signal.Signals) -> None:
+    endless.send_signal(number)
     code, said = finish(endless)
     assert code == FAILED and "interrupted at t =" in said
     assert len(rows("x.csv")) > 100

@@ -3,8 +3,9 @@
 import argparse
 import contextlib
 import os
+import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -16,6 +17,11 @@ DONE, FAILED, WRONG = 0, 1, 2
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit codes: 0 done, 1 the run failed, 2 the input is wrong."""
     parsed = _parser().parse_args(arguments)
+    with _ended_as_by_control_c():
+        return _execute(parsed)
+
+
+def _execute(parsed: argparse.Namespace) -> int:
     try:
         code = int(parsed.command(parsed))
         sys.stdout.flush()
@@ -41,6 +47,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FAILED
     except Exception as error:
         return _out_of_memory() if "std::bad_alloc" in str(error) else _confess(error)  # as CasADi says it
+
+
+@contextlib.contextmanager
+def _ended_as_by_control_c() -> Iterator[None]:
+    """SIGTERM, by which schedulers and `timeout` end a process, keeps what was computed, too."""
+    try:
+        before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    except ValueError:  # in a thread of its own nobody ends it
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _out_of_memory() -> int:

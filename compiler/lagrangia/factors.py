@@ -15,6 +15,7 @@ import casadi as ca
 from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, symbol
 
 _MOST_OPERATIONS = 4_000  # 25 us each, and saves 5 % of a chain: large scenes are better compiled sooner
+_MOST_SHARED = 30_000  # values: beyond, to look for equal terms again saves 4 % of a chain and takes a seventh of its compilation
 _MOVES = (ca.OP_INPUT, ca.OP_CONST)
 _FREE = (ca.OP_MUL, ca.OP_DIV)  # by a parameter, they take a factor over; so do _SCALING, whatever they are of
 _SCALING = (ca.OP_NEG, ca.OP_TWICE)
@@ -39,7 +40,9 @@ def _merged(expressions: list[ca.SX], symbols: ca.SX, values: ca.SX) -> tuple[li
     values = ca.cse(values)
     first: dict[int, ca.SX] = {}
     chosen = [first.setdefault(value.__hash__(), own) for value, own in zip(values.elements(), symbols.elements(), strict=True)]
-    expressions = ca.cse(ca.substitute(expressions, [symbols], [ca.vertcat(*chosen)]))
+    expressions = ca.substitute(expressions, [symbols], [ca.vertcat(*chosen)])
+    if symbols.numel() <= _MOST_SHARED:
+        expressions = ca.cse(expressions)
     used = {s.__hash__() for s in ca.symvar(ca.veccat(*expressions))}
     kept = [k for k, own in enumerate(symbols.elements()) if own.__hash__() in used]
     return expressions, ca.vertcat(ca.SX(0, 1), *[symbols[k] for k in kept]), ca.vertcat(ca.SX(0, 1), *[values[k] for k in kept])

@@ -3,6 +3,7 @@
 Heavy libraries are imported by the phases that need them, when they are needed.
 """
 
+import gc
 import pickle
 import sys
 import time
@@ -67,7 +68,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.scenes import build_scene, divide
 
     seconds: dict[str, float] = {}
-    with deep_recursion():
+    with deep_recursion(), _without_collections():
         with _timed(seconds, "syntax, flat"):
             syntax, flat = flatten_file(path, model, structural)
             check_dimensions(flat)
@@ -201,6 +202,18 @@ def _choose(syntax: "Syntax", name: str | None) -> Any:
     if not complete:
         fail("L0003", f"'{syntax.source.name}' has no model to run", None, "a scene is: model Name ... end Name;")
     return complete[-1]
+
+
+@contextmanager
+def _without_collections() -> Iterator[None]:
+    """What is made here is kept or freed at once: looking for cycles, over and over, takes a tenth of compiling a large scene."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 @contextmanager
