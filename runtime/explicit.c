@@ -133,61 +133,43 @@ static void add_step(LagExplicit *s, LagMotion *m, double h)
     lag_motion_add(m, m->sum);
 }
 
-/* Sums over the components that move, of errors in units. */
-typedef struct {
-    double fine_squares, coarse_squares, largest;
-    int moving;
-} Errors;
-
-static Errors measure(const LagMotion *m, const LagScale *scale, const double *fine, const double *coarse, int *worst)
+/* Errors in units instead of errors, and 0 for what never moved. Returns how many components move. */
+static int in_units(const LagMotion *m, const LagScale *scale, double *fine, double *coarse)
 {
-    Errors sums = {0, 0, 0, 0};
+    int moving = 0;
     for (int i = 0; i < 2 * m->n; ++i) {
-        const double unit = lag_scale_unit(scale, i, m->y, m->other);
-        if (unit == 0)
-            continue;
-        const double inverse = 1 / unit, error = fabs(fine[i] * inverse), other = coarse ? coarse[i] * inverse : 0;
-        ++sums.moving;
-        sums.fine_squares += error * error;
-        sums.coarse_squares += other * other;
-        if (error > sums.largest) {
-            sums.largest = error;
-            *worst = i;
-        }
+        const double unit = lag_scale_unit(scale, i, m->y, m->other), inverse = unit > 0 ? 1 / unit : 0;
+        moving += unit > 0;
+        fine[i] = unit > 0 ? fabs(fine[i] * inverse) : 0;
+        if (coarse)
+            coarse[i] = unit > 0 ? coarse[i] * inverse : 0;
     }
-    return sums;
+    return moving;
 }
 
-/* The same where there are many; `fine` becomes the errors in units. */
-static Errors measure_many(const LagExplicit *s, const LagMotion *m, const LagScale *scale, double *fine, const double *coarse, int *worst)
+/* The same for a long state. */
+static int many_in_units(const LagExplicit *s, const LagMotion *m, const LagScale *scale, double *fine, double *coarse)
 {
-    const int size = 2 * m->n;
     const LagLanes zero = LAG_LANES_OF(0), one = LAG_LANES_OF(1);
-    LagLanes fines = zero, coarses = zero, most = zero, moving = zero;
+    int moving = 0;
     lag_scale_units(scale, m->y, m->other, s->unit);
-    for (int i = 0; i < size; i += LAG_LANES) { /* the padding of units is 0 */
-        LagLanes unit, inverse, error, other = zero;
+    for (int i = 0; i < 2 * m->n; i += LAG_LANES) { /* the padding of units is 0 */
+        LagLanes unit, inverse, error;
         memcpy(&unit, s->unit + i, sizeof unit);
+        inverse = one / unit;
         memcpy(&error, fine + i, sizeof error);
-        if (coarse)
-            memcpy(&other, coarse + i, sizeof other);
-        inverse = LAG_LANES_SELECT(unit > zero, one / unit, zero);
-        error = LAG_LANES_SELECT(unit > zero, error * inverse, zero);
-        other = LAG_LANES_SELECT(unit > zero, other * inverse, zero);
-        error = LAG_LANES_ABS(error);
+        error *= inverse;
+        error = LAG_LANES_SELECT(unit > zero, LAG_LANES_ABS(error), zero);
         memcpy(fine + i, &error, sizeof error);
-        fines += error * error;
-        coarses += other * other;
-        moving += LAG_LANES_SELECT(unit > zero, one, zero);
-        most = LAG_LANES_MAX(error, most);
-    }
-    const double largest = lag_lanes_largest(&most, 0);
-    for (int i = 0; i < size && largest > 0; ++i)
-        if (fine[i] == largest) {
-            *worst = i;
-            break;
+        if (coarse) {
+            memcpy(&error, coarse + i, sizeof error);
+            error = LAG_LANES_SELECT(unit > zero, error * inverse, zero);
+            memcpy(coarse + i, &error, sizeof error);
         }
-    return (Errors){lag_lanes_sum(&fines), lag_lanes_sum(&coarses), largest, (int)lag_lanes_sum(&moving)};
+    }
+    for (int i = 0; i < 2 * m->n; ++i)
+        moving += s->unit[i] > 0;
+    return moving;
 }
 
 /* The error of a step, root mean square in units over positions and rates that move, and Hairer's combination where there are
@@ -202,11 +184,20 @@ static double estimate(const LagExplicit *s, LagMotion *m, double h, const LagSc
     combine(s, tableau->error, size, h, fine);
     if (coarse)
         combine(s, tableau->coarse_error, size, h, coarse);
-    const Errors sums = m->n >= LONG ? measure_many(s, m, scale, fine, coarse, worst) : measure(m, scale, fine, coarse, worst);
-    if (!(sums.fine_squares > 0))
-        return sums.fine_squares;
-    const double share = coarse ? sqrt(sums.fine_squares / (sums.fine_squares + 0.01 * sums.coarse_squares)) : 1;
-    return tableau->caution * share * sqrt(sums.fine_squares / sums.moving);
+    const int moving = m->n >= LONG ? many_in_units(s, m, scale, fine, coarse) : in_units(m, scale, fine, coarse);
+    double fine_squares = 0, coarse_squares = 0, largest = 0;
+    for (int i = 0; i < size; ++i) { /* one after another: the same digits with and without vectors */
+        fine_squares += fine[i] * fine[i];
+        coarse_squares += coarse ? coarse[i] * coarse[i] : 0;
+        if (fine[i] > largest) {
+            largest = fine[i];
+            *worst = i;
+        }
+    }
+    if (!(fine_squares > 0))
+        return fine_squares;
+    const double share = coarse ? sqrt(fine_squares / (fine_squares + 0.01 * coarse_squares)) : 1;
+    return tableau->caution * share * sqrt(fine_squares / moving);
 }
 
 static void restart(void *self, LagMotion *m)

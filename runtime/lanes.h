@@ -42,13 +42,4 @@ static inline double lag_lanes_largest(const LagLanes *lanes, double least)
     return least;
 }
 
-static inline double lag_lanes_sum(const LagLanes *lanes)
-{
-    double each[LAG_LANES], sum = 0;
-    memcpy(each, lanes, sizeof each);
-    for (int i = 0; i < LAG_LANES; ++i)
-        sum += each[i];
-    return sum;
-}
-
 #endif
