@@ -111,13 +111,15 @@ def test_the_finest_tolerance_gives_nine_digits(case: Case) -> None:
 
 @for_every(CASES)
 def test_the_error_falls_in_step_with_the_tolerance(case: Case) -> None:
-    """Their ratio is the constant on average; single ones may be off by luck, but every two steps of the tolerance pay."""
+    """Their ratio is the constant on average; single ones may be off by luck, but every two steps of the tolerance pay, unless the
+    error is a tenth of what the finer one asks for: where stability limits steps it is so at any tolerance."""
+    tolerances = np.array(case.tolerances)
     errors = np.array([error(case, tolerance) for tolerance in case.tolerances])
-    ratios = errors / np.array(case.tolerances)
-    average = np.exp(np.log(ratios).mean())
+    ratios = errors / tolerances
+    average = np.exp(np.log(np.maximum(ratios, 1e-300)).mean())
     assert average < 3 * case.constant, f"a digit is lost: {ratios}"
     assert ratios.max() < 30 * case.constant, f"a digit is lost at one tolerance: {ratios}"
-    assert (errors[2:] < errors[:-2] / 25).all(), f"a finer tolerance does not pay: {errors}"
+    assert (errors[2:] < np.maximum(errors[:-2] / 25, tolerances[2:] / 10)).all(), f"a finer tolerance does not pay: {errors}"
 
 
 @pytest.mark.parametrize("file", sorted({case.file for case in CASES}))
