@@ -111,8 +111,8 @@ def test_the_finest_tolerance_gives_nine_digits(case: Case) -> None:
 
 @for_every(CASES)
 def test_the_error_falls_in_step_with_the_tolerance(case: Case) -> None:
-    """Their ratio is the constant on average; single ones may be off by luck, but every two steps of the tolerance pay, unless the
-    error is a tenth of what the finer one asks for: where stability limits steps it is so at any tolerance."""
+    """Their ratio is the constant on average; single ones may be off by luck, but every two steps of the tolerance pay, unless
+    the error is a tenth of what the finer one asks for: where stability limits steps it is so at any tolerance."""
     tolerances = np.array(case.tolerances)
     errors = np.array([error(case, tolerance) for tolerance in case.tolerances])
     ratios = errors / tolerances
