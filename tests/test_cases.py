@@ -32,7 +32,8 @@ class Case:
     until: float = inf  # later reference times are left out
     tolerances: tuple[float, ...] = TOLERANCES  # the errors at these are compared
     finest: float = 1e-9  # the error at tolerance 1e-12 is below this
-    why: str = ""  # the reason for any of the three above
+    gain: float = 25  # two steps of the tolerance divide the error by more than this
+    why: str = ""  # the reason for any of the four above
     slow: bool = False
 
     def __str__(self) -> str:
@@ -58,7 +59,7 @@ CASES = [
     Case("linear_2dof_vibration", "Undamped", constant=0.17),
     Case("linear_2dof_vibration", "Damped", constant=0.014),
     Case("linear_chain_1000", "Mode1", constant=2e-5, tolerances=TOLERANCES[:3], slow=True, why=STABILITY),
-    Case("linear_chain_1000", "Mode10", constant=2.5e-3, tolerances=TOLERANCES[:3], slow=True, why=STABILITY),
+    Case("linear_chain_1000", "Mode10", constant=2.5e-3, tolerances=TOLERANCES[:3], gain=20, slow=True, why=STABILITY),
     Case("linear_chain_1000", "Mode500", constant=1.5, slow=True),
     Case("msl_double_pendulum", "DoublePendulum", constant=0.2),
     Case("msl_pendulum_spring_damper", "PendulumWithSpringDamper", constant=0.02),
@@ -111,15 +112,13 @@ def test_the_finest_tolerance_gives_nine_digits(case: Case) -> None:
 
 @for_every(CASES)
 def test_the_error_falls_in_step_with_the_tolerance(case: Case) -> None:
-    """Their ratio is the constant on average; single ones may be off by luck, but every two steps of the tolerance pay, unless
-    the error is a tenth of what the finer one asks for: where stability limits steps it is so at any tolerance."""
-    tolerances = np.array(case.tolerances)
+    """Their ratio is the constant on average; single ones may be off by luck, but every two steps of the tolerance pay."""
     errors = np.array([error(case, tolerance) for tolerance in case.tolerances])
-    ratios = errors / tolerances
-    average = np.exp(np.log(np.maximum(ratios, 1e-300)).mean())
+    ratios = errors / np.array(case.tolerances)
+    average = ratios.prod() ** (1 / len(ratios))
     assert average < 3 * case.constant, f"a digit is lost: {ratios}"
     assert ratios.max() < 30 * case.constant, f"a digit is lost at one tolerance: {ratios}"
-    assert (errors[2:] < np.maximum(errors[:-2] / 25, tolerances[2:] / 10)).all(), f"a finer tolerance does not pay: {errors}"
+    assert (errors[2:] < errors[:-2] / case.gain).all(), f"a finer tolerance does not pay: {errors}"
 
 
 @pytest.mark.parametrize("file", sorted({case.file for case in CASES}))
@@ -129,4 +128,4 @@ def test_every_reference_is_used(file: str) -> None:
 
 
 def test_every_exception_has_its_reason() -> None:
-    assert all(case.why for case in CASES if (case.until, case.tolerances, case.finest) != (inf, TOLERANCES, 1e-9))
+    assert all(case.why for case in CASES if (case.until, case.tolerances, case.finest, case.gain) != (inf, TOLERANCES, 1e-9, 25))
