@@ -14,12 +14,11 @@ static double total(LagRun *run, double t, const double *y)
     return energies[TOTAL];
 }
 
-void lag_account_note(LagRun *run, double t, const double *y, double *entries)
+void lag_account_note(LagRun *run, const double *y, double *entries)
 {
     LagStatistics *statistics = &run->statistics;
     const double *quadratures = y + 2 * run->model->n;
     const int kept = run->model->n_power == 2;
-    lag_energies(run, t, y, entries);
     entries[DISSIPATED] = kept ? quadratures[0] : 0;
     entries[WORK] = kept ? quadratures[1] : 0;
     const double residual = entries[TOTAL] - run->start_energy + entries[DISSIPATED] - entries[WORK];

@@ -6,8 +6,8 @@
 
 enum { LAG_ACCOUNT_SIZE = 5 };
 
-/* {T, V, H, dissipated, work} of a state, noting residual and scale in the statistics. */
-void lag_account_note(LagRun *run, double t, const double *y, double *entries);
+/* Completes the {T, V, H, dissipated, work} of a state whose {T, V, H} are known; notes residual and scale in the statistics. */
+void lag_account_note(LagRun *run, const double *y, double *entries);
 
 /* To be called before and after modes, inputs or parameters change at the present state. The jump of H is work done by
  * whoever changes them. */

@@ -12,18 +12,7 @@ enum { TICKS_PER_LOOK = 64 };
 
 int lag_run_row_width(const LagModel *model) { return 1 + 2 * model->n + model->n_outputs + LAG_ACCOUNT_SIZE; }
 
-static void write_row(LagRun *run, double t, const double *y, double *row)
-{
-    const int n = run->model->n;
-    double *outputs = row + 1 + 2 * n;
-    row[0] = t;
-    memcpy(row + 1, y, 2 * (size_t)n * sizeof *row);
-    lag_outputs(run, t, y, outputs);
-    lag_account_note(run, t, y, outputs + run->model->n_outputs);
-    lag_project_note(run, t, y);
-}
-
-/* The state at t, inside or at the end of the latest step, in run->inside. */
+/* The state at t, inside or at the end of the latest step, in run->inside; not yet on the constraints. */
 static void state_inside(LagRun *run, double t)
 {
     if (t == run->motion.t) {
@@ -33,18 +22,22 @@ static void state_inside(LagRun *run, double t)
         run->methods.table->interpolate(run->methods.self, &run->motion, t, run->inside);
         run->careful = 0;
     }
-    lag_project_inside(run, t, run->inside);
 }
 
 /* A state beyond the range of numbers is no row: exact solvers reach there without a step that could fail. */
 static LagStatus row_at(LagRun *run, double t, double *row)
 {
     const int n = run->model->n;
+    double *y = run->inside, *outputs = row + 1 + 2 * n, *account = outputs + run->model->n_outputs;
     state_inside(run, t);
-    const int i = lag_first_not_finite(run->inside, 2 * n);
-    if (n > 0 && !isfinite(run->inside[i]))
+    lag_project_row(run, t, y, account);
+    const int i = lag_first_not_finite(y, 2 * n);
+    if (n > 0 && !isfinite(y[i]))
         return lag_step_give_up(run, i);
-    write_row(run, t, run->inside, row);
+    row[0] = t;
+    memcpy(row + 1, y, 2 * (size_t)n * sizeof *row);
+    lag_outputs(run, t, y, outputs);
+    lag_account_note(run, y, account);
     return LAG_OK;
 }
 
@@ -123,6 +116,7 @@ LagStatus lag_run_cut(LagRun *run, double t)
     if (!(t >= motion->t_old && t < motion->t))
         return lag_fail(run, t > motion->t ? LAG_PAST_STOP : LAG_TIME_PASSED, -1, 0, 0);
     state_inside(run, t);
+    lag_project_inside(run, t, run->inside);
     memcpy(motion->y, run->inside, (size_t)motion->size * sizeof *motion->y);
     memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);
     motion->t = motion->t_old = t;

@@ -282,12 +282,14 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     if (!s->dense_ready)
         prepare_dense(s, m);
     const double x = (t - m->t_old) / (m->t - m->t_old), rest = 1 - x;
-    for (int i = 0; i < m->size; ++i) {
-        double sum = 0;
-        for (int j = LAG_HERMITE_ROWS + s->tableau->dense_rows - 1; j >= 0; --j)
-            sum = (sum + s->dense[j][i]) * (j % 2 == 0 ? x : rest);
-        y[i] = m->other[i] + sum;
+    memset(y, 0, (size_t)m->size * sizeof *y);
+    for (int j = LAG_HERMITE_ROWS + s->tableau->dense_rows - 1; j >= 0; --j) {
+        const double factor = j % 2 == 0 ? x : rest, *coefficient = s->dense[j];
+        for (int i = 0; i < m->size; ++i)
+            y[i] = (y[i] + coefficient[i]) * factor;
     }
+    for (int i = 0; i < m->size; ++i)
+        y[i] = m->other[i] + y[i];
 }
 
 const LagMethod lag_dop853 = {"erk", 8, layout_dop853, restart, lag_step_adaptive, attempt, accept, interpolate};

@@ -99,6 +99,9 @@ struct LagModel {
     LagFunction force;      /* q, v, c              -> dp/dt = dT/dq - dV/dq */
     LagFunction residual;   /* t, q, v, u, d, c     -> Phi(q, t), J v + dPhi/dt */
     LagFunction regular;    /* as rhs, and doubt    where constraints are independent: cheaper than rhs, and as good if doubt is 0 */
+    /* t, q, v, u, d, c -> dq, dv, Phi, J v + dPhi/dt, {T, V, H}, doubt: place and steer in one, both in the metric of q, where
+     * constraints are independent; dv, the residuals and the energies belong to the state that has its corrections. */
+    LagFunction nearest;
 
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */

@@ -16,6 +16,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "evaluate.h"
 #include "extremes.h"
 #include "function.h"
 #include "state.h"
@@ -30,7 +31,7 @@ static const double MOST_UNITS = 100, FINEST = 1e-11, NEAR_SINGULAR = 1e-9, FALL
 /* After a step that was projected by less than so many units of error the next one need not be; more in a row would cost digits
  * near singular positions. */
 static const double DRIFT = 0.05;
-enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2 };
+enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2, BOTH_ITERATIONS = 4 };
 
 typedef enum { POSITIONS, RATES } Level;
 
@@ -41,10 +42,12 @@ void lag_projection_layout(LagProjection *s, const LagModel *model, LagArena *ar
     s->carry = lag_take(arena, 2 * n);
     s->before = lag_take(arena, n);
     s->before_carry = lag_take(arena, n);
-    s->correction = lag_take(arena, n);
+    s->correction = lag_take(arena, 2 * n);
     s->phi = lag_take(arena, (size_t)model->n_holonomic);
     s->rate = lag_take(arena, (size_t)model->n_multipliers);
 }
+
+static int first_of(const LagRun *run, Level level) { return level == POSITIONS ? 0 : run->model->n; }
 
 /* The correction at a state. Returns 0 when there is none. */
 static int evaluate(LagRun *run, Level level, double t, const double *y)
@@ -52,7 +55,7 @@ static int evaluate(LagRun *run, Level level, double t, const double *y)
     const LagModel *model = run->model;
     const double *q = y, *v = y + model->n;
     const double *place[] = {&t, q, run->u, run->d, run->c}, *steer[] = {&t, q, v, run->u, run->d, run->c};
-    double *out[] = {run->projection.correction};
+    double *out[] = {run->projection.correction + first_of(run, level)};
     lag_inputs_at(&run->inputs, t, run->u);
     return lag_call(level == POSITIONS ? &model->place : &model->steer, level == POSITIONS ? place : steer, out, run->work) == 0;
 }
@@ -68,10 +71,10 @@ static double size_of(const LagRun *run, int i)
 /* The largest correction, each compared with its coordinate; infinity when they are not finite. */
 static double relative_correction(const LagRun *run, Level level)
 {
-    const int n = run->model->n, first = level == POSITIONS ? 0 : n;
+    const int first = first_of(run, level);
     double largest = 0;
-    for (int i = 0; i < n; ++i) {
-        const double length = fabs(run->projection.correction[i]), size = size_of(run, first + i);
+    for (int i = first; i < first + run->model->n; ++i) {
+        const double length = fabs(run->projection.correction[i]), size = size_of(run, i);
         if (!(length < INFINITY))
             return INFINITY;
         if (length > largest * size) /* divisions take longer than all the rest */
@@ -96,13 +99,13 @@ static double distance(const LagRun *run, const double *from, const double *to, 
 }
 
 /* Adds the correction as the integrator adds its steps, compensated. */
-static void apply(LagProjection *s, int n, double *state, double *carry)
+static void apply(LagProjection *s, int n, const double *correction, double *state, double *carry)
 {
     const size_t size = (size_t)n * sizeof *state;
     memcpy(s->before, state, size);
     memcpy(s->before_carry, carry, size);
     for (int i = 0; i < n; ++i) {
-        const double y = state[i], step = s->correction[i] + carry[i], sum = y + step, taken = sum - y;
+        const double y = state[i], step = correction[i] + carry[i], sum = y + step, taken = sum - y;
         state[i] = sum;
         carry[i] = (y - (sum - taken)) + (step - taken);
     }
@@ -119,11 +122,11 @@ static void take_back(const LagProjection *s, int n, double *state, double *carr
 static int is_last(const LagRun *run, Level level, double size, double left)
 {
     const LagProjection *s = &run->projection;
-    const int n = run->model->n, first = level == POSITIONS ? 0 : n;
+    const int first = first_of(run, level);
     if (level == POSITIONS && size > SQUARE_IS_ROUNDING && size * size > left)
         return 0;
-    for (int i = 0; i < n; ++i)
-        if (fabs(s->correction[i]) > lag_scale_unit(&run->scale, first + i, run->motion.y, s->state))
+    for (int i = first; i < first + run->model->n; ++i)
+        if (fabs(s->correction[i]) > lag_scale_unit(&run->scale, i, run->motion.y, s->state))
             return 0;
     return 1;
 }
@@ -133,8 +136,8 @@ static int is_last(const LagRun *run, Level level, double size, double left)
 static int correct(LagRun *run, Level level, double t, double left)
 {
     LagProjection *s = &run->projection;
-    const int n = run->model->n, most = level == POSITIONS ? PLACE_ITERATIONS : STEER_ITERATIONS;
-    double *state = s->state + (level == POSITIONS ? 0 : n), *carry = s->carry + (level == POSITIONS ? 0 : n);
+    const int n = run->model->n, first = first_of(run, level), most = level == POSITIONS ? PLACE_ITERATIONS : STEER_ITERATIONS;
+    double *state = s->state + first, *carry = s->carry + first;
     double last = INFINITY;
     for (int i = 0; i < most; ++i) {
         const double size = evaluate(run, level, t, s->state) ? relative_correction(run, level) : INFINITY;
@@ -145,7 +148,7 @@ static int correct(LagRun *run, Level level, double t, double left)
                 take_back(s, n, state, carry);
             break;
         }
-        apply(s, n, state, carry);
+        apply(s, n, s->correction + first, state, carry);
         ++run->statistics.projections;
         last = size;
         if (is_last(run, level, size, left))
@@ -154,17 +157,48 @@ static int correct(LagRun *run, Level level, double t, double left)
     return level == RATES ? last < INFINITY : last < NOISE;
 }
 
+/* Corrects both levels by `nearest`. Returns 0 where that is in doubt or corrections do not fall as they should. */
+static int correct_both(LagRun *run, double t, double left)
+{
+    LagProjection *s = &run->projection;
+    const int n = run->model->n;
+    const double *in[] = {&t, s->state, s->state + n, run->u, run->d, run->c};
+    double doubt = 0, last = INFINITY, *out[] = {s->correction, s->correction + n, s->phi, s->rate, s->energies, &doubt};
+    lag_inputs_at(&run->inputs, t, run->u);
+    for (int i = 0; i < BOTH_ITERATIONS; ++i) {
+        if (lag_call(&run->model->nearest, in, out, run->work) != 0 || doubt != 0)
+            return 0;
+        const double size = relative_correction(run, POSITIONS), pace = relative_correction(run, RATES);
+        if (size > ROUNDING)
+            apply(s, n, s->correction, s->state, s->carry);
+        if (pace > ROUNDING)
+            apply(s, n, s->correction + n, s->state + n, s->carry + n);
+        run->statistics.projections += (size > ROUNDING) + (pace > ROUNDING);
+        if (size * pace <= lag_max(left, ROUNDING) && is_last(run, POSITIONS, size, left) && is_last(run, RATES, pace, left))
+            return 1;
+        if (!(lag_max(size, pace) < FALL * last))
+            return 0;
+        last = lag_max(size, pace);
+    }
+    return 0;
+}
+
 /* Projects (y, carry) at t. Both stay as they are when that fails or goes farther than `most` units of error: INFINITY is
- * returned, else how far it goes. */
+ * returned, else how far it goes, if that matters. */
 static double project(LagRun *run, double t, double most, double left, double *y, double *carry, int *worst)
 {
     LagProjection *s = &run->projection;
     const size_t size = 2 * (size_t)run->model->n * sizeof *y;
     memcpy(s->state, y, size);
     memcpy(s->carry, carry, size);
-    if ((run->model->n_holonomic > 0 && !correct(run, POSITIONS, t, left)) || !correct(run, RATES, t, left))
-        return INFINITY;
-    const double units = distance(run, y, s->state, worst);
+    s->is_complete = lag_present(&run->model->nearest) && run->doubtful == 0 && correct_both(run, t, left);
+    if (!s->is_complete) {
+        memcpy(s->state, y, size);
+        memcpy(s->carry, carry, size);
+        if ((run->model->n_holonomic > 0 && !correct(run, POSITIONS, t, left)) || !correct(run, RATES, t, left))
+            return INFINITY;
+    }
+    const double units = most < INFINITY ? distance(run, y, s->state, worst) : 0;
     if (!(units <= most))
         return INFINITY;
     memcpy(y, s->state, size);
@@ -215,14 +249,21 @@ static double largest_of(const double *x, int count)
     return largest;
 }
 
-void lag_project_note(LagRun *run, double t, const double *y)
+void lag_project_row(LagRun *run, double t, double *y, double *energies)
 {
     const LagModel *model = run->model;
-    LagStatistics *statistics = &run->statistics;
     const double *in[] = {&t, y, y + model->n, run->u, run->d, run->c};
-    double *out[] = {run->projection.phi, run->projection.rate};
-    if (model->n_multipliers == 0 || lag_call(&model->residual, in, out, run->work) != 0)
-        return;
-    statistics->constraint_residual = lag_max(largest_of(out[0], model->n_holonomic), statistics->constraint_residual);
-    statistics->constraint_rate_residual = lag_max(largest_of(out[1], model->n_multipliers), statistics->constraint_rate_residual);
+    LagProjection *s = &run->projection;
+    LagStatistics *statistics = &run->statistics;
+    double *out[] = {s->phi, s->rate};
+    lag_project_inside(run, t, y);
+    if (s->is_complete) {
+        memcpy(energies, s->energies, sizeof s->energies);
+    } else {
+        lag_energies(run, t, y, energies);
+        if (model->n_multipliers == 0 || lag_call(&model->residual, in, out, run->work) != 0)
+            return;
+    }
+    statistics->constraint_residual = lag_max(largest_of(s->phi, model->n_holonomic), statistics->constraint_residual);
+    statistics->constraint_rate_residual = lag_max(largest_of(s->rate, model->n_multipliers), statistics->constraint_rate_residual);
 }

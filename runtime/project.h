@@ -9,8 +9,10 @@
 typedef struct {
     double *state, *carry;         /* 2 n: the state being corrected, and what rounding took from it */
     double *before, *before_carry; /* n: positions or rates before the latest correction */
-    double *correction;            /* n */
+    double *correction;            /* 2 n */
     double *phi, *rate;            /* n_holonomic, n_multipliers: residuals */
+    double energies[3];            /* T, V, H: with the residuals, of the state corrected latest */
+    int is_complete;               /* these are known */
     int waits;                     /* the latest step hardly drifted */
 } LagProjection;
 
@@ -28,10 +30,11 @@ int lag_project_waits(LagRun *run, double t);
 /* The present state, however far it is from the constraints: at the start, and when parameters or modes have changed. */
 void lag_project_present(LagRun *run);
 
-/* A row's state (q, v, ...) at t, inside the latest step. */
+/* A state (q, v, ...) at t, inside the latest step. */
 void lag_project_inside(LagRun *run, double t, double *y);
 
-/* Notes a row's residuals in the statistics. */
-void lag_project_note(LagRun *run, double t, const double *y);
+/* The same for a row, whose residuals it notes in the statistics. {T, V, H} of the row go to `energies`, without constraints,
+ * too. */
+void lag_project_row(LagRun *run, double t, double *y, double *energies);
 
 #endif

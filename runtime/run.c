@@ -14,7 +14,7 @@ static size_t work_size(const LagModel *model)
     const LagFunction *functions[] = {&model->parameters, &model->hoist, &model->start, &model->initial, &model->momentum,
                                       &model->events, &model->modes, &model->rhs, &model->outputs, &model->energies,
                                       &model->place, &model->steer, &model->jacobian, &model->tangent, &model->velocity,
-                                      &model->force, &model->regular, &model->residual};
+                                      &model->force, &model->regular, &model->residual, &model->nearest};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "account.h"
+#include "evaluate.h"
 #include "extremes.h"
 #include "segment.h"
 
@@ -38,8 +39,10 @@ void lag_step_record(LagRun *run, double h)
     lag_scale_note(&run->scale, run->motion.y);
     lag_scale_set_step(&run->scale, h);
     double entries[LAG_ACCOUNT_SIZE];
-    if (run->settings.energy_every_step)
-        lag_account_note(run, run->motion.t, run->motion.y, entries);
+    if (run->settings.energy_every_step) {
+        lag_energies(run, run->motion.t, run->motion.y, entries);
+        lag_account_note(run, run->motion.y, entries);
+    }
 }
 
 LagStatus lag_step_give_up(LagRun *run, int worst)

@@ -1,6 +1,7 @@
 """Expected texts kept in files: `pytest --update` writes them anew, to be read in the diff."""
 
 import os
+import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -10,6 +11,10 @@ import lagrangia as lag
 from lagrangia.runtime_library import Runtime, start_runtime
 
 Compare = Callable[[str, Path], None]
+
+# A shell starts what it puts into the background with SIGINT ignored, and so would be all that tests start and interrupt.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

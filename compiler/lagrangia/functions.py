@@ -19,10 +19,14 @@ from lagrangia.jacobians import Jacobian, build_jacobian
 from lagrangia.kinematics import Kinematics
 from lagrangia.linear_choice import linear_pays
 from lagrangia.linear_form import LinearForm, find_linear_form
-from lagrangia.motion import Motion, mass_matrix
+from lagrangia.motion import ConstrainedMotion, Motion, RegularMotion, mass_matrix
 from lagrangia.observables import observe
 from lagrangia.parameters import all_parameters, default_parameters, scalars
 from lagrangia.reactions import build_reactions
+
+# Functions of the state that only constraints ask for, and their results.
+_OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "regular": ["a", "power", "lambda", "doubt"],
+                   "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ def build_functions(
     }
     if held:
         table["place"] = ca.Function("place", [t, q, u, d, c], found["place"], ["t", "q", "u", "d", "c"], ["dq"])
-    for name, results in (("steer", ["dv"]), ("residual", ["phi", "rate"]), ("regular", ["a", "power", "lambda", "doubt"])):
+    for name, results in _OF_CONSTRAINTS.items():
         if name in found:
             table[name] = ca.Function(name, state, found[name], labels, results)
     table |= _flow_functions(motion, hamilton, found["flow"], c) | _mode_functions(motion, modes)
@@ -111,7 +115,17 @@ def _constrained(motion: Motion) -> dict[str, list[ca.SX]]:
     if held.regular is not None:
         power = _power(motion, held.regular.source_power)
         found["regular"] = [held.regular.acceleration, power, held.regular.multipliers, held.regular.doubt]
+        if held.regular.place.numel():
+            found["nearest"] = _nearest(motion, held, held.regular)
     return found
+
+
+def _nearest(motion: Motion, held: ConstrainedMotion, regular: RegularMotion) -> list[ca.SX]:
+    """Corrections onto the constraints, and of the state that has them: residuals and energies."""
+    energies = ca.vertcat(motion.T, motion.V, motion.H)
+    place, pace = motion.q + regular.place, motion.v + regular.steer
+    rest = ca.substitute([held.phi, held.rate, energies], [motion.q, motion.v], [place, pace])
+    return [regular.place, regular.steer, *rest, regular.doubt]
 
 
 def _hoisted(groups: Mapping[str, list[ca.SX]], p: ca.SX) -> tuple[dict[str, list[ca.SX]], ca.SX, ca.SX]:

@@ -23,7 +23,7 @@ from lagrangia.evaluation import scalars_of
 from lagrangia.evenness import find_evenness, is_even
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
-from lagrangia.kkt import factor
+from lagrangia.kkt import KKT, factor
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
@@ -83,6 +83,8 @@ class RegularMotion:
     multipliers: ca.SX
     doubt: ca.SX
     source_power: ca.SX
+    place: ca.SX  # dq, as above
+    steer: ca.SX  # dv at q + dq, in the metric of q; both empty where some constraints are on rates alone
 
 
 def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints, for_any_mass: bool = False) -> Motion:
@@ -156,9 +158,18 @@ def _constrain(
     if not is_robust:
         plain = factor(M, J, False, is_regular=True)
         a, found = plain.solve(-h, -bias, refine=False)
-        regular = RegularMotion(a, found, plain.doubt, source + _power_of_constraints(kinematics, settled, found))
+        dq, dv = _correct(plain, phi, settled, q) if k == m else (ca.SX(0, 1), ca.SX(0, 1))
+        regular = RegularMotion(a, found, plain.doubt, source + _power_of_constraints(kinematics, settled, found), dq, dv)
     return acceleration, ConstrainedMotion(phi, J, settled, multipliers, lambdas, place, steer,
                                            ca.SX(0, 1) if is_robust else evenness, regular)
+
+
+def _correct(kkt: KKT, phi: ca.SX, rate: ca.SX, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """dq, then dv at q + dq, of least kinetic energy: the matrix is factored once."""
+    zero = ca.SX.zeros(q.numel())
+    dq, _ = kkt.solve(zero, -phi, refine=False)
+    dv, _ = kkt.solve(zero, -ca.substitute(rate, q, q + dq), refine=False)
+    return dq, dv
 
 
 def _power_of_constraints(kinematics: Kinematics, rate: ca.SX, multipliers: ca.SX) -> ca.SX:
