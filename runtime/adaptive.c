@@ -59,8 +59,8 @@ LagStatus lag_step_adaptive(LagRun *run)
         const double t = motion->t, t_new = lag_step_end(run, run->step), h = t_new - t;
         double error = method->attempt(self, motion, t_new, &run->scale, &worst);
         run->statistics.worst = worst;
-        if (error <= attempts.allowed && !lag_project_waits(run, t_new) && !lag_project_step(run, t_new, &worst))
-            error = INFINITY;
+        if (error <= attempts.allowed && !lag_project_waits(run, t_new))
+            error = lag_max(lag_project_step(run, t_new, attempts.allowed, &worst), error);
         if (error <= attempts.allowed && method->accept(self, motion, t_new)) {
             settle(run, &attempts, h, error);
             return LAG_OK;

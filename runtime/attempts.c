@@ -1,13 +1,14 @@
 /* Near a singular position of a constrained mechanism (a parallelogram folded flat) rounding is magnified, and the shorter
  * the step, the more of its stages feel it: shrinking leads ever deeper in. The motion itself is smooth there. So the step
  * is tried again with projected slopes, at several lengths that straddle the place in different ways; if none is good
- * enough, the best of them is, as long as its error stays below FORGIVEN. */
+ * enough, the best of them is that can be had, as long as its error stays below FORGIVEN: the run tells how often it missed its
+ * tolerance. What the projection moves a step by is an error as well. */
 #include "attempts.h"
 
 #include <math.h>
 
-enum { WAYS = 8, PATIENT = 2 };
-static const double WAY[WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-8;
+enum { PATIENT = 2 };
+static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5;
 /* An ordinary rejection is one that a shorter step mends. Errors (relative to the state) above NOISE cannot be rounding: there
  * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is the first
  * at this place, its error is not far off, or the step is much longer than the last good ones; and above FAINT_NOISE steps may be
@@ -16,7 +17,9 @@ static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1,
 
 LagAttempts lag_attempts_begin(LagRun *run)
 {
-    const LagAttempts attempts = {0, run->step, run->step, INFINITY, 1, INFINITY};
+    LagAttempts attempts = {.planned = run->step, .allowed = 1, .last = INFINITY};
+    for (int i = 0; i < LAG_WAYS; ++i)
+        attempts.errors[i] = INFINITY;
     run->careful = 0;
     return attempts;
 }
@@ -31,6 +34,19 @@ static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h,
     return is_calm && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
 }
 
+/* The best of the lengths tried; the next best, should it be in vain. */
+static double best_way(const LagRun *run, LagAttempts *attempts, double shorter)
+{
+    int best = 0;
+    for (int i = 1; i < LAG_WAYS; ++i)
+        best = attempts->errors[i] < attempts->errors[best] ? i : best;
+    if (!(attempts->errors[best] * run->scale.tolerance < FORGIVEN))
+        return shorter;
+    attempts->errors[best] = INFINITY;
+    attempts->allowed = fmax(1, FORGIVEN / run->scale.tolerance);
+    return attempts->planned * WAY[best];
+}
+
 double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double error, double shorter)
 {
     const int is_mended = is_ordinary(run, attempts, h, error) && error > attempts->allowed;
@@ -42,16 +58,10 @@ double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double er
         attempts->rejected = 1;
         attempts->planned = fmax(attempts->planned, run->calm_step);
     }
-    if (error < attempts->least) {
-        attempts->least = error;
-        attempts->best = h;
-    }
-    if (attempts->rejected <= WAYS)
-        return attempts->planned * WAY[attempts->rejected - 1];
-    if (attempts->rejected > WAYS + 1 || !(attempts->least * run->scale.tolerance < FORGIVEN))
-        return shorter;
-    attempts->allowed = fmax(1, 2 * attempts->least);
-    return attempts->best;
+    const int tried = attempts->rejected - 2;
+    if (tried >= 0 && tried < LAG_WAYS)
+        attempts->errors[tried] = error;
+    return tried + 1 < LAG_WAYS ? attempts->planned * WAY[tried + 1] : best_way(run, attempts, shorter);
 }
 
 void lag_attempts_end(LagRun *run, const LagAttempts *attempts, double h, double error)

@@ -4,12 +4,14 @@
 
 #include "state.h"
 
+enum { LAG_WAYS = 8 }; /* lengths at which a step is tried near a singular position */
+
 typedef struct {
     int rejected;
-    double planned;     /* length first tried */
-    double best, least; /* the length with the least error, and that error */
-    double allowed;     /* error, in units */
-    double last;        /* error of the attempt before */
+    double planned;          /* length first tried */
+    double allowed;          /* error, in units */
+    double last;             /* error of the attempt before */
+    double errors[LAG_WAYS]; /* of the lengths tried near a singular position; infinity: not yet, or in vain */
 } LagAttempts;
 
 LagAttempts lag_attempts_begin(LagRun *run);

@@ -183,8 +183,8 @@ static int correct_both(LagRun *run, double t, double left)
     return 0;
 }
 
-/* Projects (y, carry) at t. Both stay as they are when that fails or goes farther than `most` units of error: INFINITY is
- * returned, else how far it goes, if that matters. */
+/* Projects (y, carry) at t, unless it goes farther than `most` units of error. Returns how far it goes, if that matters; INFINITY
+ * where it fails. */
 static double project(LagRun *run, double t, double most, double left, double *y, double *carry, int *worst)
 {
     LagProjection *s = &run->projection;
@@ -199,10 +199,10 @@ static double project(LagRun *run, double t, double most, double left, double *y
             return INFINITY;
     }
     const double units = most < INFINITY ? distance(run, y, s->state, worst) : 0;
-    if (!(units <= most))
-        return INFINITY;
-    memcpy(y, s->state, size);
-    memcpy(carry, s->carry, size);
+    if (units <= most) {
+        memcpy(y, s->state, size);
+        memcpy(carry, s->carry, size);
+    }
     return units;
 }
 
@@ -213,15 +213,16 @@ int lag_project_waits(LagRun *run, double t)
     return waits;
 }
 
-int lag_project_step(LagRun *run, double t, int *worst)
+double lag_project_step(LagRun *run, double t, double allowed, int *worst)
 {
     LagProjection *s = &run->projection;
     if (run->model->n_multipliers == 0)
-        return 1;
-    const double most = run->careful ? lag_max(NEAR_SINGULAR / run->scale.tolerance, MOST_UNITS) : MOST_UNITS;
+        return 0;
+    const double good = run->careful ? lag_max(NEAR_SINGULAR / run->scale.tolerance, MOST_UNITS) : MOST_UNITS;
+    const double most = lag_max(allowed, good);
     const double units = project(run, t, most, LEFT_BY_STEPS * run->scale.tolerance, run->motion.other, run->motion.other_carry, worst);
     s->waits = units < DRIFT;
-    return units < INFINITY;
+    return units <= most ? 0 : run->careful ? units : INFINITY;
 }
 
 void lag_project_present(LagRun *run)

@@ -20,9 +20,10 @@ void lag_projection_layout(LagProjection *projection, const LagModel *model, Lag
 
 /* Each of these does nothing to a model without constraints. */
 
-/* The state just tried, at t. Returns 0 and changes nothing where the constraints are out of reach or farther away than a
- * good step could have gone astray; *worst is then the component that would have moved most. */
-int lag_project_step(LagRun *run, double t, int *worst);
+/* The state just tried, at t. Returns 0; or, where the constraints are farther away than a good step could have gone astray and
+ * than `allowed`, how far in units of error (infinity where they are out of reach, or the step is an ordinary one): nothing is
+ * changed then, and *worst is the component that would have moved most. */
+double lag_project_step(LagRun *run, double t, double allowed, int *worst);
 
 /* Whether a short step to t may go unprojected: the one before hardly drifted, and it is not the last. */
 int lag_project_waits(LagRun *run, double t);

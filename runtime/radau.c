@@ -162,8 +162,8 @@ static LagStatus step(LagRun *run)
         double asked = 1;
         LagConvergence convergence;
         double error = attempt(s, run, t_new, &convergence, &asked, attempts.rejected > 0 || !s->has_last, &worst);
-        if (error <= attempts.allowed && !lag_project_step(run, t_new, &worst))
-            error = INFINITY;
+        if (error <= attempts.allowed)
+            error = fmax(error, lag_project_step(run, t_new, attempts.allowed, &worst));
         if (error <= attempts.allowed && accept(s, m, t_new)) {
             settle(run, s, h, error, &attempts, has_failed);
             return LAG_OK;

@@ -296,7 +296,7 @@ static int is_good(LagRun *run, LagTaylor *s, double t_new, double length, doubl
 {
     int worst;
     const double before = *wrong;
-    if (!lag_project_step(run, t_new, &worst) || !look_ahead(run, s, t_new))
+    if (lag_project_step(run, t_new, 1, &worst) > 0 || !look_ahead(run, s, t_new))
         return 0;
     *wrong = defect(run, s, length);
     const int is_noise = *wrong > REMAINS * before && *wrong * run->scale.tolerance < NOISE;
