@@ -101,6 +101,7 @@ ORDER = """
     interpret
     scene
     instructions
+    rolled
     taylor
     ccode
     scenes

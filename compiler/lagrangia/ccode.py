@@ -133,7 +133,7 @@ def _function(label: str, tape: Tape) -> list[str]:
     pieces, calls = [], []
     for number, (start, later) in enumerate(zip(starts, needed, strict=True)):
         body = _body(tape, start, min(count, start + _PIECE), later)
-        pieces += [f"static void {label}_{number}{signature}", "{", "    (void)in; (void)out;", *body, "}", ""]
+        pieces += [f"static void {label}_{number}{signature}", "{", "    (void)in; (void)out; (void)w;", *body, "}", ""]
         calls.append(f"    {label}_{number}(in, out, w);")
     return [*head, *pieces, f"static int {label}{signature}", "{", *calls, "    return 0;", "}", ""]
 

@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from lagrangia.rolled import Constants, find_loops, left_over, write_loop
 from lagrangia.runtime import Op, Tape
 
 _MOST_POWER = 8  # integer powers up to this one are products
@@ -313,31 +314,55 @@ def _text(writer: _Writer, accelerations: Sequence[int], unrolled: int, kept: Ma
           is_long: bool) -> str:
     """A function an order, its loops unrolled: all in one, and compilers run out of registers. Where there are many products,
     code for each of the higher orders takes long to compile and does not stay near the processor: they share a function."""
-    n, size = len(accelerations), max(1, len(writer.constants))
-    if is_long:
-        states = [f"lag_jet_rows(jet + (k + 1) * {pitch} + 1, jet + k * {pitch} + {1 + n}, 1.0 / (k + 1), {n});"]
-    else:
-        states = [f"{_coefficient(1 + i, 'k + 1', pitch)} = {_coefficient(1 + n + i, 'k', pitch)} * (1.0 / (k + 1));"
-                  for i in range(n)]
-    states += [f"{_coefficient(1 + n + i, 'k + 1', pitch)} = {_latest(slot, kept, pitch)} * (1.0 / (k + 1));"
-               for i, slot in enumerate(accelerations)]
-    parts = {"taylor_first": _placed(writer.first, kept, pitch), "taylor_later": _placed(writer.later, kept, pitch)}
+    constants = Constants() if is_long else Constants(list(range(len(writer.constants))))
     lines = ["#define J(slot) (jet + (slot) * LAG_JET_STRIDE)"]
-    for name, body in parts.items():
+    for name, statements in {"taylor_first": writer.first, "taylor_later": writer.later}.items():
+        if is_long:
+            body = _long_body(statements, accelerations, writer.n_jets - len(statements), constants, kept, pitch)
+        else:
+            body = [*_placed(statements, kept, pitch), *_next_states(accelerations, kept, pitch)]
         lines += [f"LAG_UNROLLED void {name}(const int k, const double *c, double *jet)", "{", "    (void)c;"]
-        lines += [*(f"    {line}" for line in [*body, *states]), "}", ""]
+        lines += [*(f"    {line}" for line in body), "}", ""]
     arguments = "(int k, const double *c, double *jet)"
     for k in range(unrolled):
         lines += [f"static void taylor_{k}{arguments} {{ (void)k; taylor_{'later' if k else 'first'}({k}, c, jet); }}"]
     if unrolled < _ORDERS:
         lines += [f"static void taylor_any{arguments} {{ taylor_later(k, c, jet); }}"]
     names = [f"taylor_{k}" if k < unrolled else "taylor_any" for k in range(_ORDERS)]
-    constants = [f"    c[{k}] = {value};" for k, value in enumerate(writer.constants)]
+    given = [f"    {line}" for line in constants.written(writer.constants)]
     lines += [f"static void (*const taylor_orders[]){arguments} = {{", f"    {', '.join(names)}}};", "",
               "static void taylor(int first, int end, const double *const *in, double *jet)", "{",
-              f"    double c[{size}] = {{0}};",
-              "    (void)in;", *constants, "    for (int k = first; k < end; ++k)", "        taylor_orders[k](k, c, jet);"]
+              f"    double c[{max(1, len(constants.order))}] = {{0}};",
+              "    (void)in;", *given, "    for (int k = first; k < end; ++k)", "        taylor_orders[k](k, c, jet);"]
     return "\n".join([*lines, "}", ""])
+
+
+def _next_states(accelerations: Sequence[int], kept: Mapping[int, int], pitch: int) -> list[str]:
+    """The coefficients of q and v of the next order."""
+    n = len(accelerations)
+    places = [f"{_coefficient(1 + i, 'k + 1', pitch)} = {_coefficient(1 + n + i, 'k', pitch)} * (1.0 / (k + 1));"
+              for i in range(n)]
+    return [*places, *(_next_rate(i, n, slot, kept, pitch) for i, slot in enumerate(accelerations))]
+
+
+def _next_rate(i: int, n: int, slot: int, kept: Mapping[int, int], pitch: int) -> str:
+    return f"{_coefficient(1 + n + i, 'k + 1', pitch)} = {_latest(slot, kept, pitch)} * (1.0 / (k + 1));"
+
+
+def _long_body(lines: Sequence[str], accelerations: Sequence[int], known: int, constants: Constants, kept: Mapping[int, int],
+               pitch: int) -> list[str]:
+    """One order of a long state: accelerations of one form in loops, the others one by one."""
+    n = len(accelerations)
+    statements = {known + k: line.partition(" = ")[2].removesuffix(";") for k, line in enumerate(lines)}
+    loops = find_loops(accelerations, statements)
+    looped = {i for loop in loops for i in range(loop.first, loop.first + loop.count)}
+    rest = left_over([*(slot for i, slot in enumerate(accelerations) if i not in looped), *kept], statements)
+    body = [f"lag_jet_rows(jet + (k + 1) * {pitch} + 1, jet + k * {pitch} + {1 + n}, 1.0 / (k + 1), {n});"]
+    for loop in loops:
+        result = f"jet + (k + 1) * {pitch} + {1 + n + loop.first}"
+        body += write_loop(loop, constants, lambda slot: f"jet + k * {pitch} + {kept[slot]}", result)
+    body += [constants.renamed(line) for line in _placed([lines[slot - known] for slot in sorted(rest)], kept, pitch)]
+    return [*body, *(_next_rate(i, n, slot, kept, pitch) for i, slot in enumerate(accelerations) if i not in looped)]
 
 
 def _coefficient(slot: int, order: str, pitch: int) -> str:
