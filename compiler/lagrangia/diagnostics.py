@@ -19,6 +19,7 @@ from typing import Any, Literal, NoReturn
 Severity = Literal["error", "warning", "note"]
 _LONGEST_LINE = 160
 _MOST_SHOWN = 20
+_ELEMENT = re.compile(r"\[\d+(, ?\d+)*\]")
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,16 +101,19 @@ class Report:
     """Collects what a phase finds wrong, so that several errors are told together."""
 
     diagnostics: list[Diagnostic] = field(default_factory=list)
-    _told: set[Diagnostic] = field(default_factory=set)
+    _told: set[tuple[Any, ...]] = field(default_factory=set)
 
     def error(self, code: str, message: str, span: Span | None = None, *hints: str, label: str = "") -> None:
         self.add([Diagnostic("error", code, message, span, label, hints)])
 
     def add(self, found: Iterable[Diagnostic]) -> None:
-        """Each is told once, however many elements of an array it is about."""
+        """Each is told once, of the first element, however many elements of an array the same text is wrong for."""
         for diagnostic in found:
-            if diagnostic not in self._told:
-                self._told.add(diagnostic)
+            what = [diagnostic.message, diagnostic.label, *diagnostic.hints]
+            if diagnostic.span is not None:
+                what = [_ELEMENT.sub("[]", text) for text in what]
+            if (key := (diagnostic.code, diagnostic.span, *what)) not in self._told:
+                self._told.add(key)
                 self.diagnostics.append(diagnostic)
 
     @property
