@@ -219,10 +219,10 @@ double lag_project_step(LagRun *run, double t, double allowed, int *worst)
     if (run->model->n_multipliers == 0)
         return 0;
     const double good = run->careful ? lag_max(NEAR_SINGULAR / run->scale.tolerance, MOST_UNITS) : MOST_UNITS;
-    const double most = lag_max(allowed, good);
-    const double units = project(run, t, most, LEFT_BY_STEPS * run->scale.tolerance, run->motion.other, run->motion.other_carry, worst);
+    const double most = lag_max(allowed, good), left = LEFT_BY_STEPS * run->scale.tolerance;
+    const double units = project(run, t, most, left, run->motion.other, run->motion.other_carry, worst);
     s->waits = units < DRIFT;
-    return units <= most ? 0 : run->careful ? units : INFINITY;
+    return units <= good ? 0 : run->careful ? units : INFINITY;
 }
 
 void lag_project_present(LagRun *run)
@@ -265,6 +265,7 @@ void lag_project_row(LagRun *run, double t, double *y, double *energies)
         if (model->n_multipliers == 0 || lag_call(&model->residual, in, out, run->work) != 0)
             return;
     }
-    statistics->constraint_residual = lag_max(largest_of(s->phi, model->n_holonomic), statistics->constraint_residual);
-    statistics->constraint_rate_residual = lag_max(largest_of(s->rate, model->n_multipliers), statistics->constraint_rate_residual);
+    const double gap = largest_of(s->phi, model->n_holonomic), rate = largest_of(s->rate, model->n_multipliers);
+    statistics->constraint_residual = lag_max(gap, statistics->constraint_residual);
+    statistics->constraint_rate_residual = lag_max(rate, statistics->constraint_rate_residual);
 }

@@ -20,9 +20,9 @@ void lag_projection_layout(LagProjection *projection, const LagModel *model, Lag
 
 /* Each of these does nothing to a model without constraints. */
 
-/* The state just tried, at t. Returns 0; or, where the constraints are farther away than a good step could have gone astray and
- * than `allowed`, how far in units of error (infinity where they are out of reach, or the step is an ordinary one): nothing is
- * changed then, and *worst is the component that would have moved most. */
+/* The state just tried, at t. Returns 0; or, where the constraints are farther away than a good step could have gone astray, how
+ * far in units of error: infinity where they are out of reach, or the step is an ordinary one. *worst is then the component that
+ * moves most, and nothing is changed if that is more than `allowed`. */
 double lag_project_step(LagRun *run, double t, double allowed, int *worst);
 
 /* Whether a short step to t may go unprojected: the one before hardly drifted, and it is not the last. */
