@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-enum { PATIENT = 2 };
+enum { PATIENT = 2, MOST_TRIES = 3 };
 static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5;
 /* An ordinary rejection is one that a shorter step mends. Errors (relative to the state) above NOISE cannot be rounding: there
  * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is the first
@@ -17,7 +17,7 @@ static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1,
 
 LagAttempts lag_attempts_begin(LagRun *run)
 {
-    LagAttempts attempts = {.planned = run->step, .allowed = 1, .last = INFINITY};
+    LagAttempts attempts = {.planned = run->step, .allowed = 1, .last = INFINITY, .way = -1};
     for (int i = 0; i < LAG_WAYS; ++i)
         attempts.errors[i] = INFINITY;
     run->careful = 0;
@@ -34,16 +34,20 @@ static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h,
     return is_calm && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
 }
 
-/* The best of the lengths tried; the next best, should it be in vain. */
-static double best_way(const LagRun *run, LagAttempts *attempts, double shorter)
+/* A length not yet tried; then that of the least error, which is allowed now. Should it fail by its projection, that is its error
+ * from then on. */
+static double next_way(const LagRun *run, LagAttempts *attempts, double shorter)
 {
     int best = 0;
-    for (int i = 1; i < LAG_WAYS; ++i)
-        best = attempts->errors[i] < attempts->errors[best] ? i : best;
-    if (!(attempts->errors[best] * run->scale.tolerance < FORGIVEN))
+    for (int i = 1; i < LAG_WAYS && attempts->tries[best] > 0; ++i)
+        if (attempts->tries[i] == 0 || attempts->errors[i] < attempts->errors[best])
+            best = i;
+    const int is_new = attempts->tries[best] == 0;
+    attempts->way = is_new || attempts->errors[best] * run->scale.tolerance < FORGIVEN ? best : -1;
+    if (attempts->way < 0)
         return shorter;
-    attempts->errors[best] = INFINITY;
-    attempts->allowed = fmax(1, FORGIVEN / run->scale.tolerance);
+    ++attempts->tries[best];
+    attempts->allowed = is_new ? 1 : fmax(1, 2 * attempts->errors[best]);
     return attempts->planned * WAY[best];
 }
 
@@ -58,10 +62,9 @@ double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double er
         attempts->rejected = 1;
         attempts->planned = fmax(attempts->planned, run->calm_step);
     }
-    const int tried = attempts->rejected - 2;
-    if (tried >= 0 && tried < LAG_WAYS)
-        attempts->errors[tried] = error;
-    return tried + 1 < LAG_WAYS ? attempts->planned * WAY[tried + 1] : best_way(run, attempts, shorter);
+    if (attempts->way >= 0)
+        attempts->errors[attempts->way] = attempts->tries[attempts->way] < MOST_TRIES ? error : INFINITY;
+    return next_way(run, attempts, shorter);
 }
 
 void lag_attempts_end(LagRun *run, const LagAttempts *attempts, double h, double error)

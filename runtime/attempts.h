@@ -12,6 +12,8 @@ typedef struct {
     double allowed;          /* error, in units */
     double last;             /* error of the attempt before */
     double errors[LAG_WAYS]; /* of the lengths tried near a singular position; infinity: not yet, or in vain */
+    int tries[LAG_WAYS];     /* how often each was tried */
+    int way;                 /* the one being tried; -1: another length */
 } LagAttempts;
 
 LagAttempts lag_attempts_begin(LagRun *run);
