@@ -17,9 +17,7 @@ static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1,
 
 LagAttempts lag_attempts_begin(LagRun *run)
 {
-    LagAttempts attempts = {.planned = run->step, .allowed = 1, .last = INFINITY, .way = -1};
-    for (int i = 0; i < LAG_WAYS; ++i)
-        attempts.errors[i] = INFINITY;
+    const LagAttempts attempts = {.planned = run->step, .allowed = 1, .last = INFINITY, .way = -1};
     run->careful = 0;
     return attempts;
 }

@@ -99,16 +99,19 @@ static double distance(const LagRun *run, const double *from, const double *to, 
 }
 
 /* Adds the correction as the integrator adds its steps, compensated. */
-static void apply(LagProjection *s, int n, const double *correction, double *state, double *carry)
+static void apply(int n, const double *correction, double *state, double *carry)
 {
-    const size_t size = (size_t)n * sizeof *state;
-    memcpy(s->before, state, size);
-    memcpy(s->before_carry, carry, size);
     for (int i = 0; i < n; ++i) {
         const double y = state[i], step = correction[i] + carry[i], sum = y + step, taken = sum - y;
         state[i] = sum;
         carry[i] = (y - (sum - taken)) + (step - taken);
     }
+}
+
+static void remember(LagProjection *s, int n, const double *state, const double *carry)
+{
+    memcpy(s->before, state, (size_t)n * sizeof *state);
+    memcpy(s->before_carry, carry, (size_t)n * sizeof *carry);
 }
 
 static void take_back(const LagProjection *s, int n, double *state, double *carry)
@@ -148,7 +151,8 @@ static int correct(LagRun *run, Level level, double t, double left)
                 take_back(s, n, state, carry);
             break;
         }
-        apply(s, n, s->correction + first, state, carry);
+        remember(s, n, state, carry);
+        apply(n, s->correction + first, state, carry);
         ++run->statistics.projections;
         last = size;
         if (is_last(run, level, size, left))
@@ -170,9 +174,9 @@ static int correct_both(LagRun *run, double t, double left)
             return 0;
         const double size = relative_correction(run, POSITIONS), pace = relative_correction(run, RATES);
         if (size > ROUNDING)
-            apply(s, n, s->correction, s->state, s->carry);
+            apply(n, s->correction, s->state, s->carry);
         if (pace > ROUNDING)
-            apply(s, n, s->correction + n, s->state + n, s->carry + n);
+            apply(n, s->correction + n, s->state + n, s->carry + n);
         run->statistics.projections += (size > ROUNDING) + (pace > ROUNDING);
         if (size * pace <= lag_max(left, ROUNDING) && is_last(run, POSITIONS, size, left) && is_last(run, RATES, pace, left))
             return 1;

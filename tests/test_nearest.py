@@ -15,6 +15,7 @@ from lagrangia.pipeline import compile_file
 from lagrangia.scene import Scene
 from lagrangia.simulate import check_values, plan, start_run
 
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
 LOOPS = {"four_bar": {}, "slider_crank": {}, "andrews_squeezer": {}, "n_four_bars": {"n": 3}}
 loops = pytest.mark.parametrize(("file", "structural"), LOOPS.items())
@@ -75,7 +76,6 @@ def rows(scene: Scene, tolerance: float) -> tuple[np.ndarray, float, float]:
         return np.asarray(found.values).reshape(100, -1), told.constraint_residual, told.constraint_rate_residual
 
 
-@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-5, 1e-9])
 @loops
 def test_rows_are_those_of_runs_without_it(file: str, structural: Mapping[str, int], tolerance: float) -> None:

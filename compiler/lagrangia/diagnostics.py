@@ -112,7 +112,7 @@ class Report:
             what = [diagnostic.message, diagnostic.label, *diagnostic.hints]
             if diagnostic.span is not None:
                 what = [_ELEMENT.sub("[]", text) for text in what]
-            if (key := (diagnostic.code, diagnostic.span, *what)) not in self._told:
+            if (key := (diagnostic.severity, diagnostic.code, diagnostic.span, *what)) not in self._told:
                 self._told.add(key)
                 self.diagnostics.append(diagnostic)
 

@@ -120,10 +120,8 @@ def _mass(parts: _Parts) -> Iterable[Need]:
 def _constraints(parts: _Parts) -> Iterable[Need]:
     held, rows = parts.motion.constrained, parts.constraints.rows
     spans = [(row.loop.around if row.loop else row.span.text, row.span) for row in rows]
-    moves = [held.place, held.steer] if held else []
-    if held and held.regular and held.regular.place.numel():
-        moves = [held.regular.place, held.regular.steer]
-    nodes = count_nodes(moves, [parts.kinematics.algebra.state, parts.motion.t]) if held else 0
+    usual = held.regular if held and held.regular and held.regular.place.numel() else held
+    nodes = count_nodes([usual.place, usual.steer], [parts.kinematics.algebra.state, parts.motion.t]) if usual else 0
     yield _listed("constraints", spans, "the graph is a tree", f"{len(rows)} rows", "multipliers in every evaluation")
     yield _listed("projection", spans[:1], "nothing can drift off", f"{nodes} operations a correction", "two corrections a step")
     yield _dependence(parts)

@@ -6,8 +6,9 @@ of their statements. What two neighbours share is computed for both; the operati
 """
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 _JET = re.compile(r"J\((\d+)\)\[[0k]\]")
 _CONSTANT = re.compile(r"c\[(\d+)\]")
@@ -92,8 +93,8 @@ def find_loops(accelerations: Sequence[int], statements: Mapping[int, str]) -> l
     return loops
 
 
-def left_over(wanted: Iterable[int], statements: Mapping[int, str]) -> set[int]:
-    """The slots that are computed one by one for those wanted."""
+def needed(wanted: Iterable[int], statements: Mapping[int, str]) -> Iterator[int]:
+    """The slots that are computed for those wanted, each once."""
     pending = list(wanted)
     found: set[int] = set()
     while pending:
@@ -101,7 +102,7 @@ def left_over(wanted: Iterable[int], statements: Mapping[int, str]) -> set[int]:
         if slot in statements and slot not in found:
             found.add(slot)
             pending += [int(other) for other in _JET.findall(statements[slot])]
-    return found
+            yield slot
 
 
 def write_loop(loop: Loop, constants: Constants, jet: Callable[[int], str], result: str) -> list[str]:
@@ -120,7 +121,9 @@ def write_loop(loop: Loop, constants: Constants, jet: Callable[[int], str], resu
 
 
 def _form(slot: int, statements: Mapping[int, str]) -> _Form | None:
-    """None for a jet of the state, and where there are too many statements."""
+    """None for a jet of the state, and for too many statements: an acceleration of a long chain asks for all before."""
+    if not 0 < len(list(islice(needed([slot], statements), _MOST_STATEMENTS + 1))) <= _MOST_STATEMENTS:
+        return None
     names: dict[int, str] = {}
     constants: dict[int, str] = {}
     jets: list[int] = []
@@ -138,20 +141,6 @@ def _form(slot: int, statements: Mapping[int, str]) -> _Form | None:
                 found.append(text)
         return names[slot]
 
-    def count(slot: int, seen: set[int]) -> bool:
-        """Whether there are few statements; an acceleration of a long chain asks for those of all before."""
-        pending = [slot]
-        while pending:
-            here = pending.pop()
-            if here in statements and here not in seen:
-                seen.add(here)
-                pending += [int(other) for other in _JET.findall(statements[here])]
-            if len(seen) > _MOST_STATEMENTS:
-                return False
-        return bool(seen)
-
-    if not count(slot, set()):
-        return None
     name(slot)
     return _Form(tuple(found), tuple(jets), tuple(constants))
 

@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from lagrangia.rolled import Constants, find_loops, left_over, write_loop
+from lagrangia.rolled import Constants, find_loops, needed, write_loop
 from lagrangia.runtime import Op, Tape
 
 _MOST_POWER = 8  # integer powers up to this one are products
@@ -356,7 +356,7 @@ def _long_body(lines: Sequence[str], accelerations: Sequence[int], known: int, c
     statements = {known + k: line.partition(" = ")[2].removesuffix(";") for k, line in enumerate(lines)}
     loops = find_loops(accelerations, statements)
     looped = {i for loop in loops for i in range(loop.first, loop.first + loop.count)}
-    rest = left_over([*(slot for i, slot in enumerate(accelerations) if i not in looped), *kept], statements)
+    rest = needed([*(slot for i, slot in enumerate(accelerations) if i not in looped), *kept], statements)
     body = [f"lag_jet_rows(jet + (k + 1) * {pitch} + 1, jet + k * {pitch} + {1 + n}, 1.0 / (k + 1), {n});"]
     for loop in loops:
         result = f"jet + (k + 1) * {pitch} + {1 + n + loop.first}"
