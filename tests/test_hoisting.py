@@ -9,6 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.factors import hoist
+from lagrangia.instructions import count_operations, tape_of
+from lagrangia.interpret import evaluate
 from lagrangia.simulate import check_values
 
 Scene = Callable[[str], lag.Model]
@@ -23,8 +25,7 @@ def written(gravity: str, along: str) -> str:
 
 
 def count(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:
-    function, moves = ca.Function("f", arguments, expressions), (ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_CONST)
-    return sum(function.instruction_id(k) not in moves for k in range(function.n_instructions()))
+    return count_operations(tape_of(ca.Function("f", arguments, [ca.densify(e) for e in expressions])))
 
 
 # ---------------------------------------------------------------- factors
@@ -67,6 +68,17 @@ def test_hoisted_expressions_are_the_same_numbers(seed: int) -> None:
     found = ca.Function("f", [x, c], [ca.vertcat(*made)])(place, constants)
     np.testing.assert_allclose(np.array(found), np.array(ca.Function("g", [x, p], [ca.vertcat(*wanted)])(place, parameters)),
                                rtol=1e-9, atol=1e-12)
+
+
+def test_a_tape_computes_the_same_once() -> None:
+    """Expressions built twice over, products and sums in either order, and 0.0 beside -0.0."""
+    products = ca.sin(X * Y) + ca.cos(X + Y), ca.cos(Y + X) - ca.sin(Y * X), ca.sin(X * Y) + ca.cos(Y + X)
+    others = X - Y, Y - X, ca.copysign(1, 0.0 * ca.cos(X)), ca.atan2(-0.0, X), ca.atan2(0.0, X)
+    function = ca.Function("f", [X, Y], [ca.vertcat(*products), ca.vertcat(*others)])
+    tape = tape_of(function)
+    assert count_operations(tape, 0) == 6
+    for x, y in ((0.3, -0.7), (-2.0, 5.0)):
+        assert evaluate(tape, [x], [y]) == [[float(v) for v in np.array(column).ravel()] for column in function(x, y)]
 
 
 # ---------------------------------------------------------------- numbers that are compiled in

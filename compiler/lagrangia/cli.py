@@ -1,7 +1,9 @@
 """The command `lag`. Heavy imports happen in the commands that need them: a scene compiled before starts at once."""
 
 import argparse
+import atexit
 import contextlib
+import gc
 import os
 import signal
 import sys
@@ -16,6 +18,7 @@ DONE, FAILED, WRONG = 0, 1, 2
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit codes: 0 done, 1 the run failed, 2 the input is wrong."""
+    atexit.register(gc.freeze)  # what ends with the process need not be searched for cycles
     parsed = _parser().parse_args(arguments)
     with _ended_as_by_control_c():
         return _execute(parsed)

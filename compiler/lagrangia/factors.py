@@ -14,8 +14,7 @@ import casadi as ca
 
 from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, symbol
 
-_MOST_OPERATIONS = 4_000  # 25 us each, and saves 5 % of a chain: large scenes are better compiled sooner
-_MOST_SHARED = 30_000  # values: beyond, to look for equal terms again saves 4 % of a chain and takes a seventh of its compilation
+_MOST_OPERATIONS = 6_000  # 25 us each, and saves 5 % of a chain: large scenes are better compiled sooner
 _MOVES = (ca.OP_INPUT, ca.OP_CONST)
 _FREE = (ca.OP_MUL, ca.OP_DIV)  # by a parameter, they take a factor over; so do _SCALING, whatever they are of
 _SCALING = (ca.OP_NEG, ca.OP_TWICE)
@@ -25,13 +24,9 @@ def hoist(groups: Sequence[Sequence[ca.SX]], p: ca.SX) -> tuple[list[ca.SX], ca.
     """The expressions in terms of c, and c as a function of p. A group holds the results of one function: what several results
     share is computed once, and is then not taken apart for the sake of one of them."""
     constants = _Constants({s.__hash__() for s in ca.symvar(p)} if p.numel() else set())
-    shared = ca.cse([ca.densify(e) for group in groups for e in group])
-    found, start = list[ca.SX](), 0
-    for group in groups:
-        found += _gathered(shared[start : start + len(group)], constants, p)
-        start += len(group)
+    found = [e for group in groups for e in _gathered([ca.densify(e) for e in group], constants, p)]
     if not constants.values:
-        return ca.cse(found), ca.SX(0, 1), ca.SX(0, 1)
+        return found, ca.SX(0, 1), ca.SX(0, 1)
     return _merged(found, ca.vertcat(*constants.symbols), ca.vertcat(*constants.values))
 
 
@@ -41,8 +36,6 @@ def _merged(expressions: list[ca.SX], symbols: ca.SX, values: ca.SX) -> tuple[li
     first: dict[int, ca.SX] = {}
     chosen = [first.setdefault(value.__hash__(), own) for value, own in zip(values.elements(), symbols.elements(), strict=True)]
     expressions = ca.substitute(expressions, [symbols], [ca.vertcat(*chosen)])
-    if symbols.numel() <= _MOST_SHARED:
-        expressions = ca.cse(expressions)
     used = {s.__hash__() for s in ca.symvar(ca.veccat(*expressions))}
     kept = [k for k, own in enumerate(symbols.elements()) if own.__hash__() in used]
     return expressions, ca.vertcat(ca.SX(0, 1), *[symbols[k] for k in kept]), ca.vertcat(ca.SX(0, 1), *[values[k] for k in kept])
@@ -83,12 +76,12 @@ def _gathered(expressions: list[ca.SX], constants: _Constants, p: ca.SX) -> list
     symbols = ca.symvar(column)
     if not symbols:
         return expressions
-    function = ca.Function("gather", [ca.vertcat(*symbols)], [column])
-    if function.n_instructions() > _MOST_OPERATIONS:
+    if ca.n_nodes(column) > _MOST_OPERATIONS:
         reduced, names, values = ca.extract_parametric(column, p, {"extract_trivial": True})
         constants.symbols += [as_expression(x) for x in names]
         constants.values += [as_expression(x) for x in values]
     else:
+        function = ca.Function("gather", [ca.vertcat(*symbols)], [ca.cse(column)])
         reduced = ca.vertcat(*_Walk(function, symbols, constants).outputs())
     ends = [0]
     for expression in expressions:

@@ -48,13 +48,13 @@ def build_derivatives(
     state = [t, q, v, u, d, given]
     seeds = [ca.SX.sym(f"s{k}", known.numel()) for k, known in enumerate(knowns)]
     along = _product(unknowns, x, ca.vertcat(*seeds), False)
-    forward = ca.Function("forward", [*state, *seeds], ca.cse([along[: slope.numel()], along[slope.numel() :]]))
+    forward = ca.Function("forward", [*state, *seeds], [along[: slope.numel()], along[slope.numel() :]])
     weights = [ca.SX.sym("wx", slope.numel()), ca.SX.sym("wy", y.numel())]
     back = _product(unknowns, x, ca.vertcat(*weights), True)
     sizes = [0]
     for known in knowns:
         sizes.append(sizes[-1] + known.numel())
-    gradients = ca.cse([back[i:j] for i, j in pairwise(sizes)])
+    gradients = [back[i:j] for i, j in pairwise(sizes)]
     adjoint = ca.Function("adjoint", [*state, *weights], gradients)
     free = [k for k, is_free in enumerate(settable) if is_free]
     chosen = given[free] if free else ca.SX(0, 1)

@@ -295,7 +295,7 @@ def _momentum_function(kinematics: Kinematics, motion: Motion, initial: InitialC
             ease = ca.sum2(ca.if_else(counted, slopes[k, :] ** 2 / masses, 0))
             momenta.append(ca.if_else(ease > 0, ca.sum2(counted) / ease, 0) * rate)
     arguments = [ca.vertcat(q, initial.lost_q), ca.vertcat(v, initial.lost_v), p]
-    return ca.Function("momentum", arguments, [ca.cse(ca.densify(ca.vertcat(*momenta)))], ["q", "v", "p"], ["Mv"])
+    return ca.Function("momentum", arguments, [ca.densify(ca.vertcat(*momenta))], ["q", "v", "p"], ["Mv"])
 
 
 def _implicit_function(jacobian: Jacobian, steps: list[ca.SX], full: list[ca.SX], labels: list[str]) -> dict[str, ca.Function]:

@@ -2,61 +2,108 @@
 
 from array import array
 from collections.abc import Mapping
+from math import copysign
 
 import casadi as ca
 
 from lagrangia.runtime import Op, Tape
 
 # An operation has the same name in CasADi and in runtime/tape.h.
-_MOVES = (Op.INPUT, Op.OUTPUT, Op.CONST)
-_UNARY = frozenset(Op[name] for name in (
-    "ASSIGN", "NEG", "SQ", "TWICE", "INV", "SQRT", "SIN", "COS", "TAN", "ASIN", "ACOS", "ATAN", "EXP", "LOG", "FABS", "SIGN",
-    "FLOOR", "CEIL", "NOT", "SINH", "COSH", "TANH", "ASINH", "ACOSH", "ATANH", "ERF"))
-_OPS: Mapping[int, Op] = {getattr(ca, f"OP_{op.name}"): op for op in Op if op not in _MOVES}
+_INPUT, _OUTPUT, _CONST = _MOVES = int(Op.INPUT), int(Op.OUTPUT), int(Op.CONST)  # members of an enumeration are slow keys
+_OPS: Mapping[int, int] = {getattr(ca, f"OP_{op.name}"): int(op) for op in Op if op not in _MOVES}
+_COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
+_Instruction = tuple[int, int, int, int]  # op, out, a, b
+_LEAVES = (_INPUT, _CONST)
 
 
 def tape_of(function: ca.Function) -> Tape:
-    """The instructions of an SX Function with dense inputs and outputs.
+    """The instructions of an SX Function with dense inputs and outputs; what is the same is computed once.
 
     Raises NotImplementedError for an operation that the run time lacks.
     """
-    code: array[int] = array("i")
-    constants: array[float] = array("d")
-    for k in range(function.n_instructions()):
-        op, inputs, outputs = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
-        if op == ca.OP_INPUT:
-            code.extend((Op.INPUT, outputs[0], inputs[0], inputs[1]))
-        elif op == ca.OP_OUTPUT:
-            code.extend((Op.OUTPUT, outputs[0], inputs[0], outputs[1]))
-        elif op == ca.OP_CONST:
-            code.extend((Op.CONST, outputs[0], len(constants), 0))
-            constants.append(function.instruction_constant(k))
-        elif op in _OPS:
-            code.extend((_OPS[op], outputs[0], inputs[0], inputs[1] if len(inputs) > 1 else 0))
-        else:
-            raise NotImplementedError(f"the operation {op} of CasADi in '{function.name()}'")
+    values, constants = _values(function)
+    code, n_work = _placed(values)
     sizes_in = [function.numel_in(i) for i in range(function.n_in())]
     sizes_out = [function.numel_out(i) for i in range(function.n_out())]
-    return Tape(sizes_in, sizes_out, max(1, function.sz_w()), code, constants)
+    return Tape(sizes_in, sizes_out, n_work, code, constants)
+
+
+def _values(function: ca.Function) -> tuple[list[_Instruction], "array[float]"]:
+    """The instructions, with the places of those that made their operands in this list instead of places in w; the constants."""
+    found: list[_Instruction] = []
+    constants: array[float] = array("d")
+    known: dict[tuple[float, ...], int] = {}
+    held = [0] * function.sz_w()
+    for k in range(function.n_instructions()):
+        op, inputs, outputs = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+        if op in _OPS:
+            own, a = _OPS[op], held[inputs[0]]
+            b = held[inputs[1]] if len(inputs) > 1 else a
+            key: tuple[float, ...] = (own, b, a) if b < a and op in _COMMUTATIVE else (own, a, b)
+            made = own, 0, a, b
+        elif op == ca.OP_INPUT:
+            key, made = (_INPUT, *inputs), (_INPUT, 0, *inputs)
+        elif op == ca.OP_CONST:
+            number = function.instruction_constant(k)
+            key, made = (number, copysign(1.0, number)), (_CONST, 0, len(constants), 0)
+            if key not in known:
+                constants.append(number)
+        elif op == ca.OP_OUTPUT:
+            found.append((_OUTPUT, outputs[0], held[inputs[0]], outputs[1]))
+            continue
+        else:
+            raise NotImplementedError(f"the operation {op} of CasADi in '{function.name()}'")
+        place = held[outputs[0]] = known.setdefault(key, len(found))
+        if place == len(found):
+            found.append(made)
+    return found, constants
+
+
+def _placed(instructions: list[_Instruction]) -> tuple["array[int]", int]:
+    """The code and the size of w, where a place is free for others after its last reader."""
+    last = [0] * len(instructions)
+    for k, (op, _, a, b) in enumerate(instructions):
+        if op == _OUTPUT:
+            last[a] = k
+        elif op not in _LEAVES:
+            last[a] = last[b] = k
+    code: array[int] = array("i")
+    place, free, size = [0] * len(instructions), list[int](), 0
+    for k, (op, out, a, b) in enumerate(instructions):
+        left, right = a, b
+        if op not in _LEAVES:
+            left = place[a]
+            if op != _OUTPUT:
+                right = place[b]
+                if last[b] == k and a != b:
+                    free.append(right)
+            if last[a] == k:
+                free.append(left)
+        if op == _OUTPUT:
+            place[k] = out
+        else:
+            if not free:
+                free.append(size)
+                size += 1
+            place[k] = free.pop()
+        code.extend((op, place[k], left, right))
+    return code, max(1, size)
 
 
 def count_operations(tape: Tape, output: int | None = None) -> int:
     """Instructions that compute something; those alone that one of the outputs needs."""
-    code = tape.code
     if output is None:
-        return sum(1 for op in code[::4] if op not in _MOVES)
+        return sum(op not in _MOVES for op in tape.code[::4])
     needed: set[int] = set()
     count = 0
-    for k in range(len(code) - 4, -4, -4):
-        op, out, a, b = code[k : k + 4]
-        if op == Op.OUTPUT:
+    for op, out, a, b in zip(*(reversed(tape.code[k::4]) for k in range(4)), strict=True):
+        if op == _OUTPUT:
             if out == output:
                 needed.add(a)
         elif out in needed:
             needed.remove(out)
-            if op not in _MOVES:
+            if op not in _LEAVES:
                 count += 1
                 needed.add(a)
-                if op not in _UNARY:
-                    needed.add(b)
+                needed.add(b)
     return count

@@ -15,7 +15,6 @@ from lagrangia.waves import NotAWave
 
 # Beyond so many states only products with sparse matrices are formed, and of a mass matrix with more entries a row no factors.
 _MOST_DENSE, _DENSEST_ROW = 200, 24
-_MOST_SHARED = 2000  # numbers in which common subexpressions are looked for
 
 
 @dataclass(frozen=True)
@@ -123,8 +122,6 @@ class _Builder:
         numbers = [ca.densify(ca.diag(permuted)), *ca.project(permuted, pattern).nonzeros()]
         numbers += [x for _, found in rows for x in found]
         values = ca.vertcat(*numbers)
-        if values.numel() < _MOST_SHARED:
-            values = ca.cse(values)
         changes = bool(self.modes.numel()) and ca.depends_on(values, self.modes)
         integers = [self.loads.n_w, self.loads.n_inputs, int(changes), len(forms), *order, *pattern.colind(), *pattern.row()]
         for places, _ in rows:

@@ -10,6 +10,7 @@ from lagrangia.diagnostics import Span, fail
 from lagrangia.evaluation import Evaluator, Value, elements
 from lagrangia.flat import FlatModel
 from lagrangia.kinematics import Kinematics
+from lagrangia.scalars import as_expression, chosen
 
 
 def scalars(name: str, value: Value) -> list[tuple[str, Scalar]]:
@@ -27,7 +28,7 @@ def all_parameters(kinematics: Kinematics, n: int) -> tuple[ca.SX, ca.SX, ca.SX]
     leaves = _ParameterLeaves(model, kinematics, given, mask)
     parameters = [v for v in model.variables.values() if v.kind == "parameter"]
     values = [x for v in parameters for _, x in scalars(v.name, leaves.parameter(v.name, v.span))]
-    return given, mask, ca.cse(ca.vertcat(*values))
+    return given, mask, ca.vertcat(*values)
 
 
 def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:
@@ -45,7 +46,7 @@ class _ParameterLeaves:
     """Leaves of an evaluator in which every parameter is what was given for it, or else its binding."""
 
     def __init__(self, model: FlatModel, kinematics: Kinematics, given: ca.SX, mask: ca.SX) -> None:
-        self.model, self.given, self.mask = model, given, mask
+        self.model, self.given, self.mask = model, *[[as_expression(x) for x in column.elements()] for column in (given, mask)]
         self.evaluator = Evaluator(model, kinematics.algebra, self)
         self.known: dict[str, Value] = {}
         self.pending: list[str] = []
@@ -75,8 +76,9 @@ class _ParameterLeaves:
         values = elements(bound, variable.shape, variable.binding.span)
         self.pending.pop()
         start = self.place[name]
-        chosen = [ca.if_else(self.mask[start + k], self.given[start + k], x) for k, x in enumerate(values)]
-        self.known[name] = _nest(iter(chosen), variable.shape)
+        places = range(start, start + len(values))
+        self.known[name] = _nest(iter([chosen(self.mask[k], self.given[k], x) for k, x in zip(places, values, strict=True)]),
+                                 variable.shape)
         return self.known[name]
 
     def time(self, level: int) -> Scalar:

@@ -4,7 +4,7 @@ import base64
 import json
 from array import array
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from lagrangia.runtime import Tape
@@ -78,7 +78,7 @@ class Scene:
 def to_json(scene: Scene) -> str:
     plain = {name: getattr(scene, name) for name in Scene.__dataclass_fields__ if name not in ("tapes", "evenness", "islands")}
     for name in ("coordinates", "rates", "outputs", "parameters", "inputs"):
-        plain[name] = [asdict(item) for item in plain[name]]
+        plain[name] = [vars(item) for item in plain[name]]
     plain["tapes"] = {name: _pack(tape) for name, tape in scene.tapes.items()}
     plain["islands"] = [(list(places), to_json(island)) for places, island in scene.islands]
     plain["evenness"] = _pack(scene.evenness) if scene.evenness is not None else None

@@ -122,7 +122,7 @@ def _evenness(motion: Motion) -> Tape | None:
     held = motion.constrained
     if held is None or not held.evenness.numel() or not ca.depends_on(held.evenness, motion.p):
         return None
-    return tape_of(ca.Function("evenness", [motion.p], [ca.cse(held.evenness)]))
+    return tape_of(ca.Function("evenness", [motion.p], [held.evenness]))
 
 
 def _no_series(tapes: Mapping[str, Tape]) -> dict[str, str]:

@@ -7,10 +7,11 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from operator import add, sub
 
 _BASES = ("kg", "m", "s", "A", "K", "mol", "cd")
-Dimension = tuple[Fraction, ...]
-ONE: Dimension = (Fraction(0),) * len(_BASES)
+Dimension = tuple[int | Fraction, ...]
+ONE: Dimension = (0,) * len(_BASES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +24,7 @@ class Unit:
 
 
 def dimension(**powers: int) -> Dimension:
-    return tuple(Fraction(powers.get(base, 0)) for base in _BASES)
+    return tuple(powers.get(base, 0) for base in _BASES)
 
 
 _KG, _M, _S, _A, _K = (dimension(**{base: 1}) for base in _BASES[:5])
@@ -81,7 +82,7 @@ def _product(text: str) -> Unit:
             raise ValueError(f"'{part}' is not a unit")
         base, exponent = _prefixed(match[1]), int(match[2] or 1)
         factor *= base.factor**exponent
-        total = multiply(total, power(base.dimension, Fraction(exponent)))
+        total = multiply(total, power(base.dimension, exponent))
     return Unit(factor, total)
 
 
@@ -104,15 +105,16 @@ def known_units() -> list[str]:
 
 
 def multiply(a: Dimension, b: Dimension) -> Dimension:
-    return tuple(x + y for x, y in zip(a, b, strict=True))
+    return tuple(map(add, a, b))
 
 
 def divide(a: Dimension, b: Dimension) -> Dimension:
-    return tuple(x - y for x, y in zip(a, b, strict=True))
+    return tuple(map(sub, a, b))
 
 
-def power(a: Dimension, exponent: Fraction) -> Dimension:
-    return tuple(x * exponent for x in a)
+def power(a: Dimension, exponent: int | Fraction) -> Dimension:
+    found = [x * exponent for x in a]
+    return tuple(x.numerator if x.denominator == 1 else x for x in found)
 
 
 _NAMED = {_NEWTON: "N", _JOULE: "J (or N.m)", _WATT: "W", dimension(s=-1): "1/s", dimension(kg=1, s=-2): "N/m",
