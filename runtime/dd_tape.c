@@ -104,6 +104,8 @@ void lag_dd_tape_run(const LagTape *tape, const double *const *in, LagDD *const 
         case LAG_OP_TWICE: w[o] = lag_dd_scale(w[a], 2); break;
         case LAG_OP_INV: w[o] = lag_dd_div(lag_dd(1), w[a]); break;
         case LAG_OP_IF_ELSE_ZERO: w[o] = lag_dd_is_zero(w[a]) ? lag_dd(0) : w[b]; break;
+        case LAG_OP_SIN:
+        case LAG_OP_COS: w[o] = elementary(i[0], w[a], w[a]); break; /* b is a count */
         default: w[o] = elementary(i[0], w[a], w[b]); break;
         }
     }

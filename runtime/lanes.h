@@ -15,18 +15,36 @@
 enum { LAG_LANES = 4 };
 typedef double LagLanes __attribute__((vector_size(32)));
 typedef int64_t LagLaneBits __attribute__((vector_size(32)));
+typedef uint64_t LagLaneWords __attribute__((vector_size(32)));
 #define LAG_LANES_OF(number) ((LagLanes){(number), (number), (number), (number)})
 #define LAG_LANES_ABS(a) ((LagLanes)((LagLaneBits)(a) & INT64_MAX))
 /* Where `condition`, a comparison, holds: a, else b. */
 #define LAG_LANES_SELECT(condition, a, b) \
     ((LagLanes)(((LagLaneBits)(condition) & (LagLaneBits)(a)) | (~(LagLaneBits)(condition) & (LagLaneBits)(b))))
+#define LAG_LANES_WORDS(a) ((LagLaneWords)(a))
+#define LAG_LANES_OF_WORDS(words) ((LagLanes)(words))
 #else
 enum { LAG_LANES = 1 };
 typedef double LagLanes;
+typedef uint64_t LagLaneWords;
 #define LAG_LANES_OF(number) (number)
 #define LAG_LANES_ABS(a) fabs(a)
 #define LAG_LANES_SELECT(condition, a, b) ((condition) ? (a) : (b))
+static inline LagLaneWords LAG_LANES_WORDS(double a)
+{
+    LagLaneWords words;
+    memcpy(&words, &a, sizeof words);
+    return words;
+}
+static inline double LAG_LANES_OF_WORDS(LagLaneWords words)
+{
+    double a;
+    memcpy(&a, &words, sizeof a);
+    return a;
+}
 #endif
+
+#define LAG_LANES_SIGN ((uint64_t)1 << 63)
 
 /* As in extremes.h: a NaN in `a` is passed over. */
 #define LAG_LANES_MAX(a, b) LAG_LANES_SELECT((a) > (b), a, b)

@@ -7,7 +7,9 @@
 
 #include <math.h>
 
-enum { FIELDS = 4 };
+#include "sines.h"
+
+enum { FIELDS = 4, MOST_SINES = 32 };
 
 static int inside(int32_t index, size_t size) { return index >= 0 && (size_t)index < size; }
 
@@ -23,15 +25,28 @@ static int instruction_valid(const LagFunction *f, const int32_t *instruction)
     case LAG_OP_INPUT: return inside(out, f->n_work) && element_inside(f->n_in, f->in_size, a, b);
     case LAG_OP_OUTPUT: return inside(a, f->n_work) && element_inside(f->n_out, f->out_size, out, b);
     case LAG_OP_CONST: return inside(out, f->n_work) && inside(a, (size_t)f->tape->n_constants);
+    case LAG_OP_SIN:
+    case LAG_OP_COS: return inside(out, f->n_work) && inside(a, f->n_work);
     default: return inside(op, LAG_OP_COUNT) && inside(out, f->n_work) && inside(a, f->n_work) && inside(b, f->n_work);
     }
+}
+
+static int is_sine(const int32_t *instruction) { return instruction[0] == LAG_OP_SIN || instruction[0] == LAG_OP_COS; }
+
+/* Whether there are as many sines and cosines more as a sine or cosine says. */
+static int runs_on(const LagTape *tape, int32_t i)
+{
+    const int32_t *instruction = tape->code + FIELDS * i, *next = instruction + FIELDS;
+    if (!is_sine(instruction) || instruction[3] == 0 || instruction[3] == 1)
+        return 1;
+    return i + 1 < tape->n_instructions && is_sine(next) && next[3] == instruction[3] - 1;
 }
 
 int lag_tape_valid(const LagFunction *function)
 {
     const LagTape *tape = function->tape;
     for (int32_t i = 0; i < tape->n_instructions; ++i)
-        if (!instruction_valid(function, tape->code + FIELDS * i))
+        if (!instruction_valid(function, tape->code + FIELDS * i) || !runs_on(tape, i))
             return 0;
     return 1;
 }
@@ -77,6 +92,27 @@ static double uncommon(int32_t op, double x, double y)
     }
 }
 
+/* As many as go together of the sines and cosines that begin here; how many more than one there were. */
+static int32_t run_sines(const int32_t *first, double *work)
+{
+    double angle[MOST_SINES], sine[MOST_SINES], cosine[MOST_SINES];
+    const int32_t count = first[3] < MOST_SINES ? first[3] : MOST_SINES, *end = first + FIELDS * count;
+    int n = 0;
+    for (const int32_t *i = first; i < end; i += FIELDS)
+        if (i == first || i[2] != i[2 - FIELDS])
+            angle[n++] = work[i[2]];
+    for (int i = n; i % 4; ++i)
+        angle[i] = 0;
+    for (int i = 0; i < n; i += 4)
+        lag_four_sines(angle[i], angle[i + 1], angle[i + 2], angle[i + 3], sine + i, cosine + i);
+    int k = -1;
+    for (const int32_t *i = first; i < end; i += FIELDS) {
+        k += i == first || i[2] != i[2 - FIELDS];
+        work[i[1]] = i[0] == LAG_OP_SIN ? sine[k] : cosine[k];
+    }
+    return count - 1;
+}
+
 void lag_tape_run(const LagTape *tape, const double *const *in, double *const *out, double *work)
 {
     const int32_t *end = tape->code + FIELDS * tape->n_instructions;
@@ -96,8 +132,18 @@ void lag_tape_run(const LagTape *tape, const double *const *in, double *const *o
         case LAG_OP_TWICE: work[o] = 2 * work[a]; break;
         case LAG_OP_INV: work[o] = 1 / work[a]; break;
         case LAG_OP_SQRT: work[o] = sqrt(work[a]); break;
-        case LAG_OP_SIN: work[o] = sin(work[a]); break;
-        case LAG_OP_COS: work[o] = cos(work[a]); break;
+        case LAG_OP_SIN:
+            if (b == 0)
+                work[o] = sin(work[a]);
+            else
+                i += FIELDS * run_sines(i, work);
+            break;
+        case LAG_OP_COS:
+            if (b == 0)
+                work[o] = cos(work[a]);
+            else
+                i += FIELDS * run_sines(i, work);
+            break;
         case LAG_OP_IF_ELSE_ZERO: work[o] = work[a] != 0 ? work[b] : 0; break;
         default: work[o] = uncommon(i[0], work[a], work[b]); break;
         }

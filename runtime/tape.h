@@ -3,6 +3,8 @@
  * A tape is a flat int32 array, four numbers an instruction {op, out, a, b}, working on one vector w:
  *     INPUT   w[out] = in[a][b]          CONST  w[out] = constants[a]
  *     OUTPUT  out[out][b] = w[a]         others w[out] = op(w[a], w[b])    (unary ones ignore b)
+ * SIN and COS have in b how many instructions, this one among them, are sines and cosines that are computed together (sines.h);
+ * 0: alone, by the mathematical library.
  */
 #ifndef LAG_TAPE_H
 #define LAG_TAPE_H

@@ -10,8 +10,10 @@ from lagrangia.runtime import Op, Tape
 from lagrangia.taylor import NoSeriesError, Series, write_series
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
+INCLUDES = ("#include <math.h>", '#include "sines.h"', '#include "tape.h"')  # of what write_functions writes
 _MOVES = (Op.INPUT, Op.OUTPUT, Op.CONST, Op.ASSIGN)
-_QUICK, _SLOWEST = 2, 50
+_SINES = (Op.SIN, Op.COS)
+_QUICK, _SINE, _SLOWEST = 2, 15, 50  # _SINE: together with others
 _SLOW = dict.fromkeys((Op.DIV, Op.INV, Op.SQRT), 12) | dict.fromkeys(
     (op for op in Op if Op.SIN <= op <= Op.CONSTPOW or Op.SINH <= op <= Op.ERF), _SLOWEST)
 _LONGEST_SERIES = 2000  # instructions
@@ -39,7 +41,7 @@ def write_c(
 ) -> str:
     """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once."""
     data = {*_DATA, *interpreted}
-    lines = [f"/* {_comment(name)}: generated, do not edit. */", "#include <math.h>", '#include "jets.h"', '#include "tape.h"']
+    lines = [f"/* {_comment(name)}: generated, do not edit. */", *INCLUDES, '#include "jets.h"']
     functions, initializers = write_functions(tapes, data)
     lines += ["", *functions]
     lines += [_ints(name, places) for name, places in patterns.items()]
@@ -73,8 +75,8 @@ def write_functions(tapes: Mapping[str, Tape], interpreted: Collection[str] = ()
 
 def _cost(tape: Tape) -> int:
     """Tenths of a nanosecond, about: what matters is the proportion to the cost of series."""
-    operations = [tape.code[k] for k in range(0, len(tape.code), 4)]
-    return sum(0 if op in _MOVES else _SLOW.get(Op(op), _QUICK) for op in operations)
+    operations = [(tape.code[k], tape.code[k + 3]) for k in range(0, len(tape.code), 4)]
+    return sum(0 if op in _MOVES else _SINE if op in _SINES and b else _SLOW.get(Op(op), _QUICK) for op, b in operations)
 
 
 def usual_rhs(tapes: Mapping[str, Tape]) -> Tape:
@@ -166,7 +168,8 @@ def _body(tape: Tape, start: int, stop: int, later: set[int]) -> list[str]:
     needed `later`."""
     local: set[int] = set()
     written: set[int] = set()
-    lines = []
+    lines: list[str] = []
+    run: list[tuple[int, int, int]] = []
     for k in range(4 * start, 4 * stop, 4):
         op, out, a, b = tape.code[k : k + 4]
         for place in _operands(op, a, b):
@@ -176,10 +179,26 @@ def _body(tape: Tape, start: int, stop: int, later: set[int]) -> list[str]:
         if op != Op.OUTPUT:
             local.add(out)
             written.add(out)
-        lines.append(f"    {_statement(op, out, a, b, tape.constants)}")
+        if op in _SINES and b > 0:
+            run.append((op, out, a))
+            if b == 1 or k + 4 == 4 * stop:
+                lines += [f"    {line}" for line in _sines(run)]
+                run = []
+        else:
+            lines.append(f"    {_statement(op, out, a, b, tape.constants)}")
     names = sorted(local)
     declared = [f"    double {', '.join(f'w{n}' for n in names[i : i + 20])};" for i in range(0, len(names), 20)]
     return [*declared, *lines, *(f"    w[{place}] = w{place};" for place in sorted(written & later))]
+
+
+def _sines(run: Sequence[tuple[int, int, int]]) -> list[str]:
+    """Sines and cosines that are computed together: (op, out, a)."""
+    angles = {a: i for i, a in enumerate(dict.fromkeys(a for _, _, a in run))}
+    size = -(-len(angles) // 4) * 4
+    given = [f"w{a}" for a in angles] + ["0.0"] * (size - len(angles))
+    calls = [f"    lag_four_sines({', '.join(given[i : i + 4])}, sine + {i}, cosine + {i});" for i in range(0, size, 4)]
+    found = [f"    w{out} = {'sine' if op == Op.SIN else 'cosine'}[{angles[a]}];" for op, out, a in run]
+    return ["{", f"    double sine[{size}], cosine[{size}];", *calls, *found, "}"]
 
 
 def _statement(op: int, out: int, a: int, b: int, constants: Sequence[float]) -> str:

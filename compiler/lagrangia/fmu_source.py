@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from lagrangia.ccode import write_c, write_functions
+from lagrangia.ccode import INCLUDES, write_c, write_functions
 from lagrangia.fmu_model import FmuModel
 from lagrangia.runtime import Solver, Tape
 from lagrangia.scene import Scene
@@ -49,7 +49,7 @@ def table_source(model: FmuModel, token: str) -> str:
         "reals": [float(x or 0.0) for x in constants["real"]], "integers": [float(x or 0) for x in constants["integer"]],
         "booleans": [float(bool(x)) for x in constants["boolean"]],
     }
-    lines = ["/* Generated, do not edit. */", "#include <math.h>", '#include "fmu.h"', '#include "tape.h"', "",
+    lines = ["/* Generated, do not edit. */", *INCLUDES, '#include "fmu.h"', "",
              "LAG_API extern const LagModel lag_model;", "", *functions]
     lines += [f"static const double {name}[] = {{{', '.join(map(_number, values)) or '0'}}};" for name, values in vectors.items()]
     lines += [_flags("state_settable", model.state_settable), _flags("parameter_settable", model.settable)]

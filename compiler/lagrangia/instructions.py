@@ -1,4 +1,7 @@
-"""CasADi Function -> tape: instructions (op, out, a, b) on one work vector, as runtime/tape.h states."""
+"""CasADi Function -> tape: instructions (op, out, a, b) on one work vector, as runtime/tape.h states.
+
+What is the same is computed once, and sines and cosines stand together, which computes four at a time.
+"""
 
 from array import array
 from collections.abc import Mapping
@@ -14,15 +17,16 @@ _OPS: Mapping[int, int] = {getattr(ca, f"OP_{op.name}"): int(op) for op in Op if
 _COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
 _Instruction = tuple[int, int, int, int]  # op, out, a, b
 _LEAVES = (_INPUT, _CONST)
+_SINES = (int(Op.SIN), int(Op.COS))
 
 
 def tape_of(function: ca.Function) -> Tape:
-    """The instructions of an SX Function with dense inputs and outputs; what is the same is computed once.
+    """The instructions of an SX Function with dense inputs and outputs.
 
     Raises NotImplementedError for an operation that the run time lacks.
     """
-    values, constants = _values(function)
-    code, n_work = _placed(values)
+    instructions, constants = _values(function)
+    code, n_work = _placed(_with_sines_together(instructions))
     sizes_in = [function.numel_in(i) for i in range(function.n_in())]
     sizes_out = [function.numel_out(i) for i in range(function.n_out())]
     return Tape(sizes_in, sizes_out, n_work, code, constants)
@@ -59,11 +63,71 @@ def _values(function: ca.Function) -> tuple[list[_Instruction], "array[float]"]:
     return found, constants
 
 
+def _with_sines_together(instructions: list[_Instruction]) -> list[_Instruction]:
+    """The same in another order: what the sines and cosines of the first level need, then these, and so on; at last the rest.
+
+    Those of a level need none of each other's results. Of more than one angle they are computed together; see runtime/tape.h.
+    """
+    order, place = list[int](), [-1] * len(instructions)
+
+    def add(more: list[int]) -> None:
+        for k in more:
+            place[k] = len(order)
+            order.append(k)
+
+    to_come: dict[int, int] = {}
+    for sines in _levels(instructions):
+        number = {a: n for n, a in enumerate(dict.fromkeys(instructions[k][2] for k in sines))}
+        add(_needed_first(list(number), instructions, place))
+        paired = [k for _, k in sorted((number[instructions[k][2]], k) for k in sines)]
+        if len(number) > 1:
+            to_come |= {k: len(paired) - i for i, k in enumerate(paired)}
+        add(paired)
+    add([k for k in range(len(instructions)) if place[k] < 0])
+    return [_moved(instructions[k], place, to_come.get(k, 0)) for k in order]
+
+
+def _levels(instructions: list[_Instruction]) -> list[list[int]]:
+    """Sines and cosines by how many others lie one within another below them."""
+    level, found = [0] * len(instructions), list[list[int]]()
+    for k, (op, _, a, b) in enumerate(instructions):
+        if op in _SINES:
+            if level[a] == len(found):
+                found.append([])
+            found[level[a]].append(k)
+            level[k] = level[a] + 1
+        elif op not in _MOVES:
+            level[k] = max(level[a], level[b])
+    return found
+
+
+def _needed_first(wanted: list[int], instructions: list[_Instruction], place: list[int]) -> list[int]:
+    """The instructions without a place that these depend on, and these, in their order."""
+    found: set[int] = set()
+    pending = wanted
+    while pending:
+        k = pending.pop()
+        if place[k] < 0 and k not in found:
+            found.add(k)
+            if instructions[k][0] not in _LEAVES:
+                pending.extend(instructions[k][2:])
+    return sorted(found)
+
+
+def _moved(instruction: _Instruction, place: list[int], to_come: int) -> _Instruction:
+    op, out, a, b = instruction
+    if op in _LEAVES:
+        return instruction
+    if op == _OUTPUT:
+        return op, out, place[a], b
+    return op, out, place[a], to_come if op in _SINES else place[b]
+
+
 def _placed(instructions: list[_Instruction]) -> tuple["array[int]", int]:
     """The code and the size of w, where a place is free for others after its last reader."""
     last = [0] * len(instructions)
     for k, (op, _, a, b) in enumerate(instructions):
-        if op == _OUTPUT:
+        if op == _OUTPUT or op in _SINES:
             last[a] = k
         elif op not in _LEAVES:
             last[a] = last[b] = k
@@ -73,7 +137,7 @@ def _placed(instructions: list[_Instruction]) -> tuple["array[int]", int]:
         left, right = a, b
         if op not in _LEAVES:
             left = place[a]
-            if op != _OUTPUT:
+            if op != _OUTPUT and op not in _SINES:
                 right = place[b]
                 if last[b] == k and a != b:
                     free.append(right)
@@ -105,5 +169,6 @@ def count_operations(tape: Tape, output: int | None = None) -> int:
             if op not in _LEAVES:
                 count += 1
                 needed.add(a)
-                needed.add(b)
+                if op not in _SINES:
+                    needed.add(b)
     return count

@@ -43,7 +43,7 @@ def evaluate(tape: Tape, *inputs: Sequence[float]) -> list[list[float]]:
             work[out] = tape.constants[a]
         else:
             try:
-                work[out] = _TABLE[op](work[a], work[b])
+                work[out] = _TABLE[op](work[a], 0.0 if op in _OF_ONE else work[b])
             except (ValueError, ArithmeticError):
                 work[out] = math.nan
     return outputs
