@@ -28,10 +28,11 @@ static inline void lag_sines_of_lanes(const LagLanes *angle, LagLanes *sine, Lag
                        + z2 * (z * -2.7557317271145144e-07 + 2.480158729876456e-05)
                        + z4 * (z * -1.1382623647474604e-11 + 2.087614614655861e-09);
     const LagLanes s = r + (r * z * p + tail * near), c = near + (((1.0 - near) - half) + (z2 * q - r * tail));
-    const LagLaneWords turned = LAG_LANES_WORDS(shifted), odd = -(turned & 1);
-    const LagLaneWords of_sine = (turned << 62) & LAG_LANES_SIGN, of_cosine = ((turned + 1) << 62) & LAG_LANES_SIGN;
-    *sine = LAG_LANES_OF_WORDS(LAG_LANES_WORDS(LAG_LANES_SELECT(odd, c, s)) ^ of_sine);
-    *cosine = LAG_LANES_OF_WORDS(LAG_LANES_WORDS(LAG_LANES_SELECT(odd, s, c)) ^ of_cosine);
+    /* After an odd number of quarter turns they change places; after two the sine changes its sign, and after one the cosine. */
+    const LagLaneWords count = LAG_LANES_WORDS(shifted), s_words = LAG_LANES_WORDS(s), c_words = LAG_LANES_WORDS(c);
+    const LagLaneWords swap = (s_words ^ c_words) & -(count & 1), sign = (count << 62) & LAG_LANES_SIGN;
+    *sine = LAG_LANES_OF_WORDS(s_words ^ swap ^ sign);
+    *cosine = LAG_LANES_OF_WORDS(c_words ^ swap ^ sign ^ (count << 63));
 }
 
 /* Of four angles. */
@@ -48,6 +49,8 @@ static inline void lag_four_sines(double a, double b, double c, double d, double
     for (int i = 0; i < 4; ++i)
         lag_sines_of_lanes(angle + i, sine + i, cosine + i);
 #endif
+    if (fabs(a) + fabs(b) + fabs(c) + fabs(d) <= LAG_LARGEST_ANGLE)
+        return;
     for (int i = 0; i < 4; ++i)
         if (!(fabs(angle[i]) <= LAG_LARGEST_ANGLE)) {
             sine[i] = sin(angle[i]);
