@@ -11,6 +11,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "extremes.h"
 #include "state.h"
 
 /* Uncertainties in a step that count as one unit of error: errors of noise must stay well below it, or steps would go on
@@ -26,7 +27,7 @@ static void move(const LagMotion *m, const LagScale *scale, double *moved)
     for (int i = 0; i < n; ++i) {
         const double sign = i % 3 == 0 ? -DBL_EPSILON : DBL_EPSILON, *group = scale->group + scale->kind[i];
         const int is_angle = isfinite(scale->cap[i]);
-        moved[i] = m->y[i] + sign * (is_angle ? fmax(1, *group) : *group);
+        moved[i] = m->y[i] + sign * (is_angle ? lag_max(1, *group) : *group);
         moved[n + i] = m->y[n + i] + sign * group[scale->kinds];
     }
 }
@@ -42,10 +43,10 @@ static void look(LagMotion *m, const LagScale *scale)
     for (int i = 0; i < n; ++i) {
         double *noise = &scale->noise[i], *most = &largest[scale->kind[i]];
         *noise = UNIT * fabs(slope[n + i] - m->slope[n + i]);
-        *most = fmax(*most, *noise);
+        *most = lag_max(*noise, *most);
     }
     for (int i = 0; i < n; ++i)
-        scale->noise[i] = fmax(scale->noise[i], SHARE * largest[scale->kind[i]]);
+        scale->noise[i] = lag_max(scale->noise[i], SHARE * largest[scale->kind[i]]);
 }
 
 void lag_rounding_watch(LagRun *run)

@@ -77,11 +77,12 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
     run->settings = *settings;
     LagArena arena = {NULL, 0};
     layout(run, &arena);
-    run->memory = calloc(arena.used + 1, sizeof *run->memory);
-    if (!run->memory) {
+    run->block = calloc(arena.used + LAG_CACHE_LINE, sizeof *run->memory);
+    if (!run->block) {
         lag_run_free(run);
         return NULL;
     }
+    run->memory = lag_at_cache_line(run->block);
     run->memory_size = arena.used;
     arena.base = run->memory;
     arena.used = 0;
@@ -103,7 +104,7 @@ void lag_run_free(LagRun *run)
     lag_inputs_free(&run->inputs);
     if (lag_parts.islands_close)
         lag_parts.islands_close(&run->methods.islands);
-    free(run->memory);
+    free(run->block);
     free(run);
 }
 

@@ -83,6 +83,7 @@ static void keep_own(LagRun *result, const LagRun *run)
     const int rows = result->inputs.rows, left = result->inputs.left;
     result->model = run->model;
     result->memory = run->memory;
+    result->block = run->block;
     result->inputs = run->inputs;
     result->inputs.rows = rows;
     result->inputs.left = left;

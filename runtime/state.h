@@ -15,8 +15,9 @@ struct LagRun {
     LagStatistics statistics;
     LagFailure failure;
 
-    double *memory; /* the block in which all vectors below lie */
+    double *memory; /* the part of the block in which all vectors below lie */
     size_t memory_size; /* doubles in it */
+    void *block;
     double *p, *c, *u, *d;
     double *nothing_given;        /* n_parameters zeros */
     double *event_a, *event_b;

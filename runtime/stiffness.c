@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "extremes.h"
 #include "state.h"
 #include "step.h"
 
@@ -38,7 +39,7 @@ static double reach(const LagRun *run, const double *way, int first)
     for (int i = 0; i < run->model->n; ++i) {
         const double size = run->scale.floor[first + i];
         if (way[i] != 0 && size > 0)
-            length = fmin(length, size / fabs(way[i]));
+            length = lag_min(size / fabs(way[i]), length);
     }
     return isfinite(length) ? DIFFERENCE * length : 0;
 }
@@ -80,7 +81,7 @@ static double radius(LagRun *run)
     for (int i = 0; i < n && s->square < 0; ++i)
         s->place_way[i] = s->rate_way[i] = 1 + 0.3 * (i % 3);
     for (int i = 0; i < count; ++i) {
-        s->square = iterate(run, s->place_way, 0, fmax(s->square, 0));
+        s->square = iterate(run, s->place_way, 0, lag_max(s->square, 0));
         s->rate = iterate(run, s->rate_way, n, s->rate);
     }
     return (s->rate + sqrt(s->rate * s->rate + 4 * s->square)) / 2;
@@ -221,7 +222,7 @@ int lag_stiffness_turn(LagRun *run)
     if (!restart(run, next))
         return 0;
     if (next == s->explicit_solver) {
-        const double largest = (s->rate + sqrt(s->rate * s->rate + 4 * fmax(s->square, 0))) / 2;
+        const double largest = (s->rate + sqrt(s->rate * s->rate + 4 * lag_max(s->square, 0))) / 2;
         run->step = largest > 0 ? fmin(run->step, 1 / largest) : run->step;
     }
     begin(run);
