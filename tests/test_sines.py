@@ -92,8 +92,10 @@ X = ca.SX.sym("x", 8)
     ([ca.sin(X[0])], [0]),
     ([ca.sin(X[0]) * ca.cos(X[0])], [0, 0]),
     ([ca.sin(X[k]) + ca.cos(X[k]) for k in range(8)], [16]),
-    ([ca.sin(X[0] * ca.sin(X[1]) + ca.cos(X[2] + ca.cos(X[3] ** 2)))], [2, 0, 0]),
-    ([ca.sin(ca.sin(ca.sin(X[0]))) + ca.cos(ca.sin(X[1]))], [2, 2, 0]),
+    ([ca.sin(X[0] * ca.sin(X[1]) + ca.cos(X[2] + ca.cos(X[3] ** 2)))], [0, 0, 0, 0]),
+    ([ca.sin(X[0]), ca.cos(X[0]), ca.sin(X[1]), ca.cos(X[1] * ca.sin(X[1]))], [0, 0, 0, 0]),
+    ([ca.sin(ca.sin(X[k]) + ca.cos(X[k])) for k in range(5)], [10, 5]),
+    ([ca.sin(ca.sin(X[k])) for k in range(4)] + [ca.cos(ca.cos(X[5]))], [5, 5]),
 ])
 def test_tapes_have_sines_together(results: list[ca.SX], wanted: list[int]) -> None:
     function = ca.Function("f", [X], [ca.vertcat(*results)])

@@ -18,6 +18,7 @@ _COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
 _Instruction = tuple[int, int, int, int]  # op, out, a, b
 _LEAVES = (_INPUT, _CONST)
 _SINES = (int(Op.SIN), int(Op.COS))
+_FEWEST_TOGETHER = 4  # the library takes less time for three
 
 
 def tape_of(function: ca.Function) -> Tape:
@@ -66,7 +67,7 @@ def _values(function: ca.Function) -> tuple[list[_Instruction], "array[float]"]:
 def _with_sines_together(instructions: list[_Instruction]) -> list[_Instruction]:
     """The same in another order: what the sines and cosines of the first level need, then these, and so on; at last the rest.
 
-    Those of a level need none of each other's results. Of more than one angle they are computed together; see runtime/tape.h.
+    Those of a level need none of each other's results: unless they are few, they are computed together; see runtime/tape.h.
     """
     order, place = list[int](), [-1] * len(instructions)
 
@@ -80,7 +81,7 @@ def _with_sines_together(instructions: list[_Instruction]) -> list[_Instruction]
         number = {a: n for n, a in enumerate(dict.fromkeys(instructions[k][2] for k in sines))}
         add(_needed_first(list(number), instructions, place))
         paired = [k for _, k in sorted((number[instructions[k][2]], k) for k in sines)]
-        if len(number) > 1:
+        if len(paired) >= _FEWEST_TOGETHER:
             to_come |= {k: len(paired) - i for i, k in enumerate(paired)}
         add(paired)
     add([k for k in range(len(instructions)) if place[k] < 0])
