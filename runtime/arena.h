@@ -1,8 +1,8 @@
 /* One block of doubles for everything a run needs.
  *
  * A layout function is called twice: with no base it only counts, with one it hands out the places. Each vector starts at
- * a multiple of four and is padded to one, so that loops may run in fours (padding is zero and stays zero). The base begins
- * a line of the cache: four numbers that were read from two lines took a chain of 100 links a fifth longer.
+ * a multiple of four and is padded to one, so that loops may run in fours (padding is zero and stays zero). A run's block
+ * begins at a line of the cache: four numbers that were read from two lines took a chain of 100 links a fifth longer.
  */
 #ifndef LAG_ARENA_H
 #define LAG_ARENA_H

@@ -92,12 +92,16 @@ static double uncommon(int32_t op, double x, double y)
     }
 }
 
-/* As many as go together of the sines and cosines that begin here; how many more than one there were. */
+/* The sine or cosine, and as many of the next ones as are computed with it; how many these are. */
 static int32_t run_sines(const int32_t *first, double *work)
 {
     double angle[MOST_SINES], sine[MOST_SINES], cosine[MOST_SINES];
     const int32_t count = first[3] < MOST_SINES ? first[3] : MOST_SINES, *end = first + FIELDS * count;
     int n = 0;
+    if (count == 0) {
+        work[first[1]] = first[0] == LAG_OP_SIN ? sin(work[first[2]]) : cos(work[first[2]]);
+        return 0;
+    }
     for (const int32_t *i = first; i < end; i += FIELDS)
         if (i == first || i[2] != i[2 - FIELDS])
             angle[n++] = work[i[2]];
@@ -133,17 +137,7 @@ void lag_tape_run(const LagTape *tape, const double *const *in, double *const *o
         case LAG_OP_INV: work[o] = 1 / work[a]; break;
         case LAG_OP_SQRT: work[o] = sqrt(work[a]); break;
         case LAG_OP_SIN:
-            if (b == 0)
-                work[o] = sin(work[a]);
-            else
-                i += FIELDS * run_sines(i, work);
-            break;
-        case LAG_OP_COS:
-            if (b == 0)
-                work[o] = cos(work[a]);
-            else
-                i += FIELDS * run_sines(i, work);
-            break;
+        case LAG_OP_COS: i += FIELDS * run_sines(i, work); break;
         case LAG_OP_IF_ELSE_ZERO: work[o] = work[a] != 0 ? work[b] : 0; break;
         default: work[o] = uncommon(i[0], work[a], work[b]); break;
         }

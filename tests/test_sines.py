@@ -41,7 +41,7 @@ def angles() -> np.ndarray:
 
 @needs_compiler
 def test_the_last_digit_is_off_by_one_at_most() -> None:
-    """Below 0.9 units of the last place; below 1e-16 where they are nearly zero, at multiples of a quarter turn."""
+    """Below 0.9 units of the last place; below 1e-24 where they are nearly zero, at multiples of a quarter turn."""
     given = angles()
     with mp.workdps(50):
         for found, exact in zip(sines(given), (mp.sin, mp.cos), strict=True):

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import casadi as ca
 
-from lagrangia.scalars import apply, apply_to_one, as_expression, chosen
+from lagrangia.scalars import apply, apply_to_one, as_expression
 from lagrangia.scalars import symbol as make_symbol
 
 Scalar = Any  # float | ca.SX | Dual
@@ -89,7 +89,8 @@ class CasadiAlgebra:
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
         if isinstance(condition, float | int):
             return then if condition else otherwise
-        return chosen(condition, then, otherwise)
+        opposite = apply_to_one(ca.OP_NOT, condition)
+        return apply(ca.OP_IF_ELSE_ZERO, condition, then) + apply(ca.OP_IF_ELSE_ZERO, opposite, otherwise)
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
         if operator == "not":

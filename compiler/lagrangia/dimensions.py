@@ -229,8 +229,7 @@ class _Checker:
                 self.report.error("L0304", f"{base.spell()} to a power that is not a fixed number", node.span,
                                   "its unit would change with the exponent: write a number, or declare it as a constant")
             return ANY
-        exact = int(value) if float(value).is_integer() else Fraction(value).limit_denominator(12)
-        return Quantity(power(base.dimension, exact), base.is_soft)
+        return Quantity(power(base.dimension, Fraction(value).limit_denominator(12)), base.is_soft)
 
     def _require_condition(self, node: Flat, local: Mapping[str, Quantity] | None) -> None:
         """Conditions are comparisons, `true` and `false`, and what and, or and not make of them."""

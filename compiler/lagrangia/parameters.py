@@ -10,7 +10,6 @@ from lagrangia.diagnostics import Span, fail
 from lagrangia.evaluation import Evaluator, Value, elements
 from lagrangia.flat import FlatModel
 from lagrangia.kinematics import Kinematics
-from lagrangia.scalars import as_expression, chosen
 
 
 def scalars(name: str, value: Value) -> list[tuple[str, Scalar]]:
@@ -46,7 +45,8 @@ class _ParameterLeaves:
     """Leaves of an evaluator in which every parameter is what was given for it, or else its binding."""
 
     def __init__(self, model: FlatModel, kinematics: Kinematics, given: ca.SX, mask: ca.SX) -> None:
-        self.model, self.given, self.mask = model, *[[as_expression(x) for x in column.elements()] for column in (given, mask)]
+        self.model, self.given, self.mask = model, given.elements(), mask.elements()
+        self.algebra = kinematics.algebra
         self.evaluator = Evaluator(model, kinematics.algebra, self)
         self.known: dict[str, Value] = {}
         self.pending: list[str] = []
@@ -76,9 +76,8 @@ class _ParameterLeaves:
         values = elements(bound, variable.shape, variable.binding.span)
         self.pending.pop()
         start = self.place[name]
-        places = range(start, start + len(values))
-        self.known[name] = _nest(iter([chosen(self.mask[k], self.given[k], x) for k, x in zip(places, values, strict=True)]),
-                                 variable.shape)
+        chosen = [self.algebra.choose(self.mask[k], self.given[k], x) for k, x in enumerate(values, start)]
+        self.known[name] = _nest(iter(chosen), variable.shape)
         return self.known[name]
 
     def time(self, level: int) -> Scalar:

@@ -19,10 +19,6 @@ _binary, _unary = ca.SX.binary, ca.SX.unary
 def _operators(operation: int) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
     """The operator and its reflection. What is no number and no ca.SX answers by an operator of its own (Dual)."""
     def forward(self: Any, other: Any) -> Any:
-        if other.__class__ is Expression:  # most are
-            made = _binary(operation, self, other)
-            made.__class__ = Expression
-            return made
         return apply(operation, self, other) if isinstance(other, _OPERANDS) else NotImplemented
 
     def reflected(self: Any, other: Any) -> Any:
@@ -78,12 +74,6 @@ def apply_to_one(operation: int, x: ca.SX) -> Expression:
     made = _unary(operation, x)
     made.__class__ = Expression
     return made  # type: ignore[no-any-return]
-
-
-def chosen(condition: ca.SX, then: Any, otherwise: Any) -> Any:
-    """`then` where the condition holds; what it does not choose may be NaN."""
-    opposite = apply_to_one(ca.OP_NOT, condition)
-    return apply(ca.OP_IF_ELSE_ZERO, condition, then) + apply(ca.OP_IF_ELSE_ZERO, opposite, otherwise)
 
 
 def _wrapped(x: Any) -> Expression:
