@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from lagrangia.native import find_compiler
-from lagrangia.runtime import Model, Op, Settings, Status, Tape
+from lagrangia.runtime import Model, Settings, Status
 from lagrangia.runtime_library import Runtime
+from lagrangia.tapes import Op, Tape
 from native_models import FOLDER, OSCILLATOR, compiled, started
 from test_accuracy import CASES
 

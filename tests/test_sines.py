@@ -12,7 +12,7 @@ from lagrangia.folders import data_folder
 from lagrangia.instructions import count_operations, tape_of
 from lagrangia.interpret import evaluate
 from lagrangia.native import build, find_compiler
-from lagrangia.runtime import Op, Tape
+from lagrangia.tapes import Op, Tape
 
 SOURCE = """#include "sines.h"
 __attribute__((visibility("default"))) void of_all(const double *x, double *s, double *c, int n)

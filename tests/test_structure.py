@@ -34,6 +34,7 @@ ORDER = """
     names
     algorithms
     flat
+    flattening
     dimensions
     walk
     observables
@@ -97,6 +98,7 @@ ORDER = """
     sympy_script
     modelica
     numpy_module
+    tapes
     runtime
     interpret
     scene

@@ -6,13 +6,12 @@ A long function is cut into pieces that share the work vector: compilers take ti
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from lagrangia.runtime import Op, Tape
+from lagrangia.tapes import SINES, Op, Tape
 from lagrangia.taylor import NoSeriesError, Series, write_series
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
 INCLUDES = ("#include <math.h>", '#include "sines.h"', '#include "tape.h"')  # of what write_functions writes
 _MOVES = (Op.INPUT, Op.OUTPUT, Op.CONST, Op.ASSIGN)
-_SINES = (Op.SIN, Op.COS)
 _QUICK, _SINE, _SLOWEST = 2, 15, 50  # _SINE: together with others
 _SLOW = dict.fromkeys((Op.DIV, Op.INV, Op.SQRT), 12) | dict.fromkeys(
     (op for op in Op if Op.SIN <= op <= Op.CONSTPOW or Op.SINH <= op <= Op.ERF), _SLOWEST)
@@ -76,7 +75,7 @@ def write_functions(tapes: Mapping[str, Tape], interpreted: Collection[str] = ()
 def _cost(tape: Tape) -> int:
     """Tenths of a nanosecond, about: what matters is the proportion to the cost of series."""
     operations = [(tape.code[k], tape.code[k + 3]) for k in range(0, len(tape.code), 4)]
-    return sum(0 if op in _MOVES else _SINE if op in _SINES and b else _SLOW.get(Op(op), _QUICK) for op, b in operations)
+    return sum(0 if op in _MOVES else _SINE if op in SINES and b else _SLOW.get(Op(op), _QUICK) for op, b in operations)
 
 
 def usual_rhs(tapes: Mapping[str, Tape]) -> Tape:
@@ -179,7 +178,7 @@ def _body(tape: Tape, start: int, stop: int, later: set[int]) -> list[str]:
         if op != Op.OUTPUT:
             local.add(out)
             written.add(out)
-        if op in _SINES and b > 0:
+        if op in SINES and b > 0:
             run.append((op, out, a))
             if b == 1 or k + 4 == 4 * stop:
                 lines += [f"    {line}" for line in _sines(run)]

@@ -15,7 +15,7 @@ from lagrangia.functions import state_space
 from lagrangia.instructions import tape_of
 from lagrangia.parameters import all_parameters
 from lagrangia.pipeline import Compilation
-from lagrangia.runtime import Tape
+from lagrangia.tapes import Tape
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from lagrangia.runtime import Tape
 from lagrangia.scene import Column, Scene
+from lagrangia.tapes import Tape
 
 if TYPE_CHECKING:
     import casadi

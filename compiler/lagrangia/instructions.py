@@ -9,7 +9,7 @@ from math import copysign
 
 import casadi as ca
 
-from lagrangia.runtime import Op, Tape
+from lagrangia.tapes import SINES, Op, Tape
 
 # An operation has the same name in CasADi and in runtime/tape.h.
 _INPUT, _OUTPUT, _CONST = _MOVES = int(Op.INPUT), int(Op.OUTPUT), int(Op.CONST)  # members of an enumeration are slow keys
@@ -17,7 +17,6 @@ _OPS: Mapping[int, int] = {getattr(ca, f"OP_{op.name}"): int(op) for op in Op if
 _COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
 _Instruction = tuple[int, int, int, int]  # op, out, a, b
 _LEAVES = (_INPUT, _CONST)
-_SINES = (int(Op.SIN), int(Op.COS))
 _FEWEST_TOGETHER = 4  # the library takes less time for three
 
 
@@ -92,7 +91,7 @@ def _levels(instructions: list[_Instruction]) -> list[list[int]]:
     """Sines and cosines by how many others lie one within another below them."""
     level, found = [0] * len(instructions), list[list[int]]()
     for k, (op, _, a, b) in enumerate(instructions):
-        if op in _SINES:
+        if op in SINES:
             if level[a] == len(found):
                 found.append([])
             found[level[a]].append(k)
@@ -121,14 +120,14 @@ def _moved(instruction: _Instruction, place: list[int], to_come: int) -> _Instru
         return instruction
     if op == _OUTPUT:
         return op, out, place[a], b
-    return op, out, place[a], to_come if op in _SINES else place[b]
+    return op, out, place[a], to_come if op in SINES else place[b]
 
 
 def _placed(instructions: list[_Instruction]) -> tuple["array[int]", int]:
     """The code and the size of w, where a place is free for others after its last reader."""
     last = [0] * len(instructions)
     for k, (op, _, a, b) in enumerate(instructions):
-        if op == _OUTPUT or op in _SINES:
+        if op == _OUTPUT or op in SINES:
             last[a] = k
         elif op not in _LEAVES:
             last[a] = last[b] = k
@@ -138,7 +137,7 @@ def _placed(instructions: list[_Instruction]) -> tuple["array[int]", int]:
         left, right = a, b
         if op not in _LEAVES:
             left = place[a]
-            if op != _OUTPUT and op not in _SINES:
+            if op != _OUTPUT and op not in SINES:
                 right = place[b]
                 if last[b] == k and a != b:
                     free.append(right)
@@ -170,6 +169,6 @@ def count_operations(tape: Tape, output: int | None = None) -> int:
             if op not in _LEAVES:
                 count += 1
                 needed.add(a)
-                if op not in _SINES:
+                if op not in SINES:
                     needed.add(b)
     return count

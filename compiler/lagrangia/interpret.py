@@ -4,7 +4,7 @@ import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
 
-from lagrangia.runtime import Op, Tape
+from lagrangia.tapes import Op, Tape
 
 _FUNCTIONS: Mapping[Op, Callable[..., float]] = {
     Op.ASSIGN: lambda a, b: a, Op.ADD: operator.add, Op.SUB: operator.sub, Op.MUL: operator.mul, Op.DIV: operator.truediv,

@@ -128,7 +128,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
 def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> "tuple[Syntax, FlatModel]":
     """Text -> syntax -> flat model. Raises LagError."""
     from lagrangia.classes import build_class_table
-    from lagrangia.flat import flatten
+    from lagrangia.flattening import flatten
 
     with deep_recursion():
         syntax, imported = read_files(path)

@@ -14,6 +14,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from lagrangia.tapes import Tape
+
 _Doubles = c.POINTER(c.c_double)
 _Ints = c.POINTER(c.c_int)
 
@@ -50,58 +52,6 @@ class Solver(IntEnum):
     CONSERVATIVE = 5
     TAYLOR = 6
     ERK5 = 7
-
-
-class Op(IntEnum):
-    """LagOp of tape.h."""
-
-    INPUT = 0
-    OUTPUT = 1
-    CONST = 2
-    ASSIGN = 3
-    ADD = 4
-    SUB = 5
-    MUL = 6
-    DIV = 7
-    NEG = 8
-    SQ = 9
-    TWICE = 10
-    INV = 11
-    SQRT = 12
-    SIN = 13
-    COS = 14
-    TAN = 15
-    ASIN = 16
-    ACOS = 17
-    ATAN = 18
-    ATAN2 = 19
-    EXP = 20
-    LOG = 21
-    POW = 22
-    CONSTPOW = 23
-    FABS = 24
-    SIGN = 25
-    FMIN = 26
-    FMAX = 27
-    FLOOR = 28
-    CEIL = 29
-    FMOD = 30
-    COPYSIGN = 31
-    LT = 32
-    LE = 33
-    EQ = 34
-    NE = 35
-    NOT = 36
-    AND = 37
-    OR = 38
-    IF_ELSE_ZERO = 39
-    SINH = 40
-    COSH = 41
-    TANH = 42
-    ASINH = 43
-    ACOSH = 44
-    ATANH = 45
-    ERF = 46
 
 
 @dataclass(frozen=True)
@@ -168,17 +118,6 @@ class Rows:
         if not 0 <= row < self.count:
             raise IndexError(row)
         return self.values[row * self.width : (row + 1) * self.width]
-
-
-@dataclass(frozen=True)
-class Tape:
-    """A function as instructions (op, out, a, b), flat in a buffer of int32; `constants` is a buffer of doubles."""
-
-    in_sizes: Sequence[int]
-    out_sizes: Sequence[int]
-    n_work: int
-    code: Any
-    constants: Any
 
 
 class _Tape(c.Structure):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lagrangia.runtime import Tape
+from lagrangia.tapes import Tape
 
 
 @dataclass(frozen=True)

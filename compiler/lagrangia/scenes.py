@@ -19,8 +19,9 @@ from lagrangia.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, isla
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
 from lagrangia.observables import observe
-from lagrangia.runtime import Solver, Tape
+from lagrangia.runtime import Solver
 from lagrangia.scene import Column, Parameter, Scene
+from lagrangia.tapes import Tape
 
 
 def build_scene(

@@ -19,8 +19,8 @@ import lagrangia as lag
 from lagrangia.engines import load_engine
 from lagrangia.interpret import evaluate
 from lagrangia.native import build
-from lagrangia.runtime import Op
 from lagrangia.scene import Scene
+from lagrangia.tapes import Op
 
 HERE = Path(__file__).resolve().parent / "hand_written"
 EXAMPLES = HERE.parents[2] / "models" / "examples"

@@ -1,0 +1,384 @@
+"""Classes -> FlatModel: instances are made, names resolved, loops and ifs unrolled."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from lagrangia.algorithms import FlatFunction, flatten_function
+from lagrangia.classes import ClassTable
+from lagrangia.diagnostics import LagError, Report, Source, Span, fail, nearest, suggest
+from lagrangia.flat import Energy, Equation, Experiment, FlatModel, Frame, FrameEquation, Kind, Variable, Work, is_frame
+from lagrangia.folding import fold
+from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
+from lagrangia.names import Names, read_unit
+from lagrangia.tree import (
+    Argument,
+    Array,
+    Boolean,
+    Call,
+    CallEquation,
+    ClassDefinition,
+    Clause,
+    Declaration,
+    EnergyTerm,
+    Equality,
+    Expression,
+    Flat,
+    ForBlock,
+    FrameRef,
+    IfBlock,
+    Number,
+    Ref,
+    String,
+    WhenBlock,
+    WorkTerm,
+)
+
+
+def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None) -> FlatModel:
+    """The flat model of one class. `structural` holds values for its structural parameters.
+
+    Raises LagError with all that is wrong in names, modifications and arrays (L02xx).
+    """
+    report = Report()
+    return _Flattening(table, definition, report).flatten(structural or {})
+
+
+class _Flattening:
+    def __init__(self, table: ClassTable, definition: ClassDefinition, report: Report) -> None:
+        self.table, self.definition, self.report = table, definition, report
+        self.functions: dict[str, FlatFunction] = {}
+        self.unfinished_functions: list[str] = []
+        self.names = Names(table, report, self.functions, self._define_function)
+        self.variables: dict[str, Variable] = {}
+        self.frames: dict[str, Frame] = {}
+        self.frame_equations: list[FrameEquation] = []
+        self.equations: list[Equation] = []
+        self.energies: list[Energy] = []
+        self.works: list[Work] = []
+        self.initial: list[Equation] = []
+        self.structural: dict[str, float | bool | str] = {}
+
+    def flatten(self, overrides: Mapping[str, Any]) -> FlatModel:
+        definition = self.definition
+        self._require_model()
+        root = Instance("", definition, definition.name_span)
+        instantiation = Instantiation(self.table, self.names, self.report)
+        root = instantiation.instantiate(definition, "", _override_tree(overrides, root), definition.name_span, None)
+        self.report.raise_errors()
+        self.names.root = root
+        self._add_world(root, instantiation)
+        self._visit(root)
+        bound = self._bind_variables()
+        self.report.raise_errors()
+        return FlatModel(
+            definition.name, definition.description, self.variables, self.frames, tuple(self.frame_equations), bound,
+            tuple(self.energies), tuple(self.works), tuple(self.initial), self.functions, self.structural,
+            self._experiment(definition.annotation, Scope(root)), definition.name_span,
+        )
+
+    def _require_model(self) -> None:
+        if self.definition.kind != "model" or self.definition.is_partial:
+            what = "partial" if self.definition.is_partial else f"a {self.definition.kind}"
+            fail("L0205", f"'{self.definition.name}' is {what}, not a model that can run", self.definition.name_span)
+
+    def _add_world(self, root: Instance, instantiation: Instantiation) -> None:
+        world = root.members.get("world")
+        if world is None:
+            ground = self.table.library["World"]
+            root.members["world"] = instantiation.instantiate(ground, "world", Modification(), root.span, root)
+        elif not (isinstance(world, Instance) and self._is_world(world)):
+            place = self.table.declared(root.definition)["world"].name_span
+            fail("L0220", "the name 'world' belongs to the ground", place,
+                 "declare it as World world(...), or choose another name")
+
+    def _is_world(self, instance: Instance) -> bool:
+        return any(base.name == "World" for base in self.table.lineage(instance.definition))
+
+    def _place(self, span: Span, owner: Instance | None) -> Span:
+        """Where people look for what is declared at `span`: for the inside of a library component, its declaration."""
+        while owner is not None and span.source in self.table.library_sources:
+            span, owner = owner.span, owner.parent
+        return span
+
+    def _define_function(self, name: str, span: Span) -> None:
+        if name in self.unfinished_functions:
+            chain = " > ".join([*self.unfinished_functions, name])
+            fail("L0212", f"the function '{name}' calls itself", span, chain, "a loop in its algorithm may do the same")
+        if name not in self.functions:
+            definition = self.table.function(name, span)
+            assert definition is not None
+            self.unfinished_functions.append(name)
+            try:
+                self.functions[name] = flatten_function(definition, self.names)
+            finally:
+                self.unfinished_functions.pop()
+
+    # ------------------------------------------------------------ members
+
+    def _visit(self, instance: Instance) -> None:
+        if instance.frame is not None:
+            self._add_frame(instance.frame, instance)
+        for member in list(instance.members.values()):
+            self._visit_member(member, instance)
+        for kind, clause in instance.clauses:
+            self._clause(kind, clause, Scope(instance))
+
+    def _visit_member(self, member: Member, owner: Instance) -> None:
+        if isinstance(member, list):
+            for element in member:
+                self._visit_member(element, owner)
+        elif isinstance(member, Instance):
+            self._visit(member)
+        elif isinstance(member, FrameSlot):
+            self._add_frame(member, owner)
+        else:
+            self._guard(lambda: self._add_variable(member, owner))
+
+    def _guard(self, action: Any) -> None:
+        """Collect what is wrong with one clause or declaration and go on with the next."""
+        try:
+            action()
+        except LagError as error:
+            self.report.add(error.diagnostics)
+
+    def _add_variable(self, slot: Slot, owner: Instance) -> None:
+        declaration = slot.declaration
+        if slot.is_structural:
+            value = self.names.structural_value(slot, declaration.name_span)
+            if isinstance(value, Number | Boolean | String):
+                self.structural[slot.path] = value.value
+            return
+        kind = self._kind(slot)
+        if slot.binding is None and kind == "parameter":
+            self._missing_value(slot, owner)
+        if slot.binding is not None and kind == "coordinate":
+            fail("L0218", f"the coordinate '{declaration.name}' cannot be bound", slot.binding.expression.span,
+                 f"give it a start, {declaration.name}(start = ...), or state an equation")
+        binding = self.names.flatten_bound(slot.binding) if slot.binding is not None else None
+        start = self.names.flatten_bound(slot.attributes["start"]) if "start" in slot.attributes else None
+        self.variables[slot.path] = Variable(
+            slot.path, kind, slot.dimensions, self._unit(slot), self._text(slot, "displayUnit"), binding, start,
+            self._flag(slot, "fixed"), self._limit(slot, "min"), self._limit(slot, "max"),
+            "output" in declaration.prefixes and owner.parent is None, declaration.description,
+            self._place(declaration.name_span, owner), kind == "parameter" and self._is_evaluated(declaration),
+        )
+
+    @staticmethod
+    def _is_evaluated(declaration: Declaration) -> bool:
+        """Whether a declaration has annotation(Evaluate = true)."""
+        values = [argument.value for argument in declaration.annotation if argument.name == "Evaluate"]
+        for value in values:
+            if not isinstance(value, Boolean):
+                fail("L0208", "'Evaluate' is true or false", declaration.name_span)
+        return any(isinstance(value, Boolean) and value.value for value in values)
+
+    def _kind(self, slot: Slot) -> Kind:
+        prefixes = slot.declaration.prefixes
+        if slot.base in ("Integer", "Boolean", "String") and "parameter" not in prefixes:
+            fail("L0219", f"not supported yet: the {slot.base} variable '{slot.declaration.name}'", slot.declaration.name_span,
+                 "Integer and Boolean parameters are supported")
+        kinds: tuple[Kind, ...] = ("parameter", "coordinate", "input")
+        return next((kind for kind in kinds if kind in prefixes), "variable")
+
+    def _missing_value(self, slot: Slot, owner: Instance) -> None:
+        name, span = slot.declaration.name, slot.declaration.name_span
+        said = f" ({slot.declaration.description})" if slot.declaration.description else ""
+        if owner.parent is not None:
+            fail("L0211", f"{owner.definition.name} '{owner.path}' needs a value for its parameter '{name}'{said}",
+                 self._place(owner.span, owner.parent), f"write: {owner.span.text}({name} = ...)")
+        if any(slot.declaration is element for element in owner.definition.elements):
+            fail("L0211", f"the parameter '{name}'{said} has no value", span, f"write: {name} = ...")
+        fail("L0211", f"{owner.definition.name} inherits the parameter '{name}'{said} without a value", owner.span,
+             f"write: extends ...({name} = ...)")
+
+    def _text(self, slot: Slot, attribute: str) -> str:
+        bound = slot.attributes.get(attribute)
+        value = self.names.flatten_bound(bound) if bound is not None else None
+        if value is not None and not isinstance(value, String):
+            fail("L0208", f"'{attribute}' must be a text", value.span)
+        return value.value if isinstance(value, String) else ""
+
+    def _unit(self, slot: Slot) -> str:
+        unit = self._text(slot, "unit")
+        if unit:
+            read_unit(unit, slot.attributes["unit"].expression.span)
+        return unit
+
+    def _limit(self, slot: Slot, attribute: str) -> float | None:
+        bound = slot.attributes.get(attribute)
+        if bound is None:
+            return None
+        value = fold(self.names.flatten_bound(bound))
+        if value is None or isinstance(value, bool):
+            fail("L0208", f"'{attribute}' must be a number", bound.expression.span)
+        return float(value)
+
+    def _flag(self, slot: Slot, attribute: str) -> bool:
+        bound = slot.attributes.get(attribute)
+        return bound is not None and self.names.boolean(bound.expression, bound.scope, f"'{attribute}'")
+
+    def _add_frame(self, slot: FrameSlot, owner: Instance) -> None:
+        is_ground = owner.frame is slot and self._is_world(owner)
+        if is_ground and slot.path != "world":
+            self.report.error("L0220", f"the World must be called world, at the top of the scene, not '{slot.path}'", slot.span)
+        starts = {}
+        for name, bound in slot.starts.items():
+            self._guard(lambda name=name, bound=bound: starts.update({name: self.names.flatten_bound(bound)}))
+        place = self._place(slot.span, owner)
+        self.frames[slot.path] = Frame(slot.path, is_ground, starts, slot.fixed, owner.definition.name, place)
+        if slot.binding is not None:
+            self._guard(lambda: self._bind_frame(slot))
+
+    def _bind_frame(self, slot: FrameSlot) -> None:
+        assert slot.binding is not None
+        value = self.names.flatten_bound(slot.binding)
+        span = slot.binding.expression.span
+        if not is_frame(value):
+            fail("L0221", f"the port '{slot.path}' needs a frame", span,
+                 "bind it to a port, as bar.a, or to shift(...), turn(...)")
+        place = self._place(span, slot.owner)
+        self.frame_equations.append(FrameEquation(FrameRef(slot.path, "", (), span), value, place))
+
+    # ------------------------------------------------------------ clauses
+
+    def _clause(self, kind: str, clause: Clause, scope: Scope) -> None:
+        self._guard(lambda: self._add_clause(kind, clause, scope))
+
+    def _add_clause(self, kind: str, clause: Clause, scope: Scope) -> None:
+        place = self._place(clause.span, scope.instance)
+        match clause:
+            case ForBlock(iterators, body, _):
+                for inner in self.names.loop(iterators, scope):
+                    for part in body:
+                        self._clause(kind, part, inner)
+            case IfBlock(condition, then, otherwise, _):
+                chosen = then if self.names.boolean(condition, scope, "the condition of an if block") else otherwise
+                for part in chosen:
+                    self._clause(kind, part, scope)
+            case Equality(left, right, _, _) if kind == "initial":
+                self.initial.append(Equation(self.names.flatten(left, scope), self.names.flatten(right, scope), place))
+            case Equality(left, right, _, _):
+                sides = self.names.flatten(left, scope), self.names.flatten(right, scope)
+                self._add_equation(*sides, scope.instance.path, place)
+            case CallEquation(call, _):
+                self._add_call(call, scope, place)
+            case EnergyTerm(what, value, _, _):
+                self.energies.append(Energy(what, self.names.flatten(value, scope), scope.instance.path, place))
+            case WorkTerm(force, position, _, _):
+                flat = self.names.flatten(force, scope), self.names.flatten(position, scope)
+                self.works.append(Work(*flat, scope.instance.path, place))
+            case WhenBlock(_, _, span):
+                fail("L0901", "not supported yet: when (state events)", span)
+            case _:
+                fail("L0222", "an algorithm belongs into a function", clause.span)
+
+    def _add_equation(self, left: Flat, right: Flat, component: str, span: Span) -> None:
+        if is_frame(left) != is_frame(right):
+            wrong = right if is_frame(left) else left
+            fail("L0221", "a frame cannot equal a number", wrong.span, "use shift(frame, {x, y}) or turn(frame, angle)")
+        if is_frame(left):
+            self.frame_equations.append(FrameEquation(left, right, span))
+        else:
+            self.equations.append(Equation(left, right, span, component))
+
+    def _add_call(self, call: Expression, scope: Scope, span: Span) -> None:
+        if not isinstance(call, Call):
+            fail("L0222", "this is no equation", span, "an equation has a '=' between two expressions")
+        if call.function != "connect":
+            if call.function in ("assert", "reinit", "terminate"):
+                fail("L0901", f"not supported yet: {call.function}", span)
+            near = nearest(call.function, ["connect"])
+            fail("L0222", f"{call.function}(...) is no equation", span,
+                 f"did you mean '{near}'?" if near else "an equation has a '=' between two expressions, or is connect(a, b)")
+        if len(call.arguments) != 2:
+            fail("L0215", f"connect takes two frames, not {len(call.arguments)}", span, "write: connect(a, b)")
+        ends = [self.names.flatten(argument, scope) for argument in call.arguments]
+        for end in ends:
+            if not is_frame(end):
+                fail("L0221", "connect joins frames, this is none", end.span,
+                     "a frame is a port, as bar.a, or shift(...) or turn(...) of one")
+        self.frame_equations.append(FrameEquation(ends[0], ends[1], span))
+
+    def _bind_variables(self) -> tuple[Equation, ...]:
+        """Equations `y = expression` of variables without a binding become their bindings; the others are constraints."""
+        constraints = []
+        for equation in self.equations:
+            for side, other in ((equation.left, equation.right), (equation.right, equation.left)):
+                variable = self.variables.get(side.name) if isinstance(side, Ref) and not side.index else None
+                if variable is not None and variable.kind == "variable" and variable.binding is None:
+                    self.variables[variable.name] = replace(variable, binding=other)
+                    break
+            else:
+                constraints.append(equation)
+        if not self.report.errors:  # an equation that is wrong may have been meant to give the value
+            self._require_bindings()
+        return tuple(constraints)
+
+    def _require_bindings(self) -> None:
+        for variable in self.variables.values():
+            if variable.kind == "variable" and variable.binding is None:
+                *component, name = variable.name.split(".")
+                hint = f"write: {component[-1]}({name} = ...)" if component else f"write: {name} = ..., or an equation for it"
+                self.report.error("L0211", f"the variable '{variable.name}' has no value", variable.span, hint,
+                                  "what the motion decides is a coordinate: declare it with `coordinate`")
+
+    # ------------------------------------------------------------ experiment
+
+    def _experiment(self, annotation: tuple[Argument, ...], scope: Scope) -> Experiment:
+        fields = {"StartTime": "start", "StopTime": "stop", "Tolerance": "tolerance", "Interval": "interval"}
+        values: dict[str, float] = {}
+        places: dict[str, Span] = {}
+        for top in annotation:
+            if top.name != "experiment" and nearest(top.name, ["experiment"]):
+                fail("L0208", f"there is no annotation '{top.name}'", top.name_span, "did you mean 'experiment'?")
+        for argument in (a for top in annotation if top.name == "experiment" for a in top.arguments):
+            if argument.name not in fields:
+                fail("L0208", f"experiment has no '{argument.name}'", argument.name_span, suggest(argument.name, fields))
+            value = fold(self.names.flatten(argument.value, scope)) if argument.value is not None else None
+            if value is None or isinstance(value, bool):
+                fail("L0208", f"{argument.name} must be a number known beforehand", argument.span)
+            values[fields[argument.name]], places[argument.name] = float(value), argument.span
+        return _checked(Experiment(**values), places)
+
+
+def _checked(experiment: Experiment, places: Mapping[str, Span]) -> Experiment:
+    start, stop, tolerance, interval = experiment.start, experiment.stop, experiment.tolerance, experiment.interval
+    if not stop > start:
+        place = places.get("StopTime", places.get("StartTime"))
+        fail("L0208", f"the StopTime {stop:g} must be later than the StartTime {start:g}", place)
+    if not 0 < tolerance < 1:
+        fail("L0208", f"the Tolerance must lie between 0 and 1, not {tolerance:g}", places["Tolerance"],
+             "1e-6 is loose, 1e-12 is tight")
+    if interval is not None and not interval > 0:
+        fail("L0208", f"the Interval must be positive, not {interval:g}", places["Interval"])
+    return experiment
+
+
+def _override_tree(overrides: Mapping[str, Any], root: Instance) -> Modification:
+    """{"n": 20, "sub.k": 3} as a tree of modifications."""
+    tree: dict[str, Any] = {}
+    for name, value in overrides.items():
+        *path, last = name.split(".")
+        node = tree
+        for step in path:
+            node = node.setdefault(step, {})
+        given = Source(f"the value given for {name}", str(value))
+        node[last] = _literal(value, Span(given, 0, len(given.text)))
+
+    def build(node: Any) -> Modification:
+        if isinstance(node, dict):
+            return Modification(None, {name: build(inner) for name, inner in node.items()}, is_each=True)
+        return Modification(Bound(node, Scope(root)), {}, is_each=True, span=root.span)
+
+    return build(tree)
+
+
+def _literal(value: Any, span: Span) -> Expression:
+    if isinstance(value, bool):
+        return Boolean(value, span)
+    if isinstance(value, str):
+        return String(value, span)
+    if isinstance(value, Sequence):
+        return Array(tuple(_literal(item, span) for item in value), span)
+    return Number(float(value), None, span, float(value).is_integer())

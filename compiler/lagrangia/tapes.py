@@ -1,0 +1,75 @@
+"""Functions as instructions, as runtime/tape.h runs them.
+
+Only the standard library is used: what was compiled before is read without CasADi.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+
+class Op(IntEnum):
+    """LagOp of tape.h."""
+
+    INPUT = 0
+    OUTPUT = 1
+    CONST = 2
+    ASSIGN = 3
+    ADD = 4
+    SUB = 5
+    MUL = 6
+    DIV = 7
+    NEG = 8
+    SQ = 9
+    TWICE = 10
+    INV = 11
+    SQRT = 12
+    SIN = 13
+    COS = 14
+    TAN = 15
+    ASIN = 16
+    ACOS = 17
+    ATAN = 18
+    ATAN2 = 19
+    EXP = 20
+    LOG = 21
+    POW = 22
+    CONSTPOW = 23
+    FABS = 24
+    SIGN = 25
+    FMIN = 26
+    FMAX = 27
+    FLOOR = 28
+    CEIL = 29
+    FMOD = 30
+    COPYSIGN = 31
+    LT = 32
+    LE = 33
+    EQ = 34
+    NE = 35
+    NOT = 36
+    AND = 37
+    OR = 38
+    IF_ELSE_ZERO = 39
+    SINH = 40
+    COSH = 41
+    TANH = 42
+    ASINH = 43
+    ACOSH = 44
+    ATANH = 45
+    ERF = 46
+
+
+SINES = (Op.SIN, Op.COS)  # their b: how many that go together, this one among them, are still to come
+
+
+@dataclass(frozen=True)
+class Tape:
+    """A function as instructions (op, out, a, b), flat in a buffer of int32; `constants` is a buffer of doubles."""
+
+    in_sizes: Sequence[int]
+    out_sizes: Sequence[int]
+    n_work: int
+    code: Any
+    constants: Any
