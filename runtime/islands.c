@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "project.h"
 #include "step.h"
 
 static const double PATIENCE = 0.05; /* seconds until a look at the clock of the whole */
@@ -73,6 +74,7 @@ static void bring_back(LagRun *island, double t)
     if (m->t == t)
         return;
     island->methods.table->interpolate(island->methods.self, m, t, island->inside);
+    lag_project_inside(island, t, island->inside);
     memcpy(m->y, island->inside, size * sizeof *m->y);
     memset(m->carry, 0, size * sizeof *m->carry);
     m->t = m->t_old = t;
@@ -166,20 +168,43 @@ static void add_quadratures(LagIslands *s, LagMotion *m)
     memcpy(s->taken, s->now, 2 * (size_t)s->count * sizeof *s->taken);
 }
 
+/* The component that last limited the steps of island k, whose coordinates begin at `first` in the list, in the whole. */
+static int32_t worst_of(const LagIslands *s, const LagModel *model, int k, int first)
+{
+    const int32_t worst = s->runs[k]->statistics.worst, size = s->runs[k]->model->n;
+    return worst < size ? model->island[first + worst] : model->n + model->island[first + worst - size];
+}
+
+static void add(LagStatistics *all, const LagStatistics *one)
+{
+    all->steps += one->steps;
+    all->rejected += one->rejected;
+    all->switches += one->switches;
+    all->projections += one->projections;
+    all->implicit_steps += one->implicit_steps;
+    all->jacobians += one->jacobians;
+    all->factorisations += one->factorisations;
+    all->tolerance_missed += one->tolerance_missed;
+    all->smallest_step = fmin(all->smallest_step, one->smallest_step);
+    all->largest_step = fmax(all->largest_step, one->largest_step);
+}
+
+/* Those of all islands; what limits the steps is what limits those of the busiest. */
 static void add_statistics(LagIslands *s, LagRun *run)
 {
     LagStatistics *all = &run->statistics;
-    all->steps = all->rejected = all->switches = 0;
+    int64_t most = -1;
+    all->steps = all->rejected = all->projections = all->implicit_steps = all->jacobians = all->factorisations = 0;
+    all->switches = all->tolerance_missed = 0;
     all->largest_step = 0;
     all->smallest_step = INFINITY;
     run->motion.evaluations = run->motion.dense_outputs = 0;
-    for (int k = 0; k < s->count; ++k) {
+    for (int k = 0, first = 0; k < s->count; first += s->runs[k++]->model->n) {
         const LagStatistics *one = lag_run_statistics(s->runs[k]);
-        all->steps += one->steps;
-        all->rejected += one->rejected;
-        all->switches += one->switches;
-        all->smallest_step = fmin(all->smallest_step, one->smallest_step);
-        all->largest_step = fmax(all->largest_step, one->largest_step);
+        add(all, one);
+        if (one->steps > most)
+            all->worst = worst_of(s, run->model, k, first);
+        most = one->steps > most ? one->steps : most;
         run->motion.evaluations += one->rhs_evaluations;
         run->motion.dense_outputs += one->dense_outputs;
     }

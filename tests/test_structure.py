@@ -55,6 +55,7 @@ ORDER = """
     elimination
     kkt
     evenness
+    constrained_motion
     motion
     jacobians
     released

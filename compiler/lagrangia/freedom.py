@@ -13,12 +13,13 @@ import numpy as np
 
 from lagrangia.assemblies import Alternatives, find_alternatives
 from lagrangia.assembly import Assembly, Vector, begin, nearest
+from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints, Row
 from lagrangia.diagnostics import Diagnostic
 from lagrangia.functions import Functions, at_declared_values
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
-from lagrangia.motion import ConstrainedMotion, Motion
+from lagrangia.motion import Motion
 
 _RANK = 1e-7
 _THERE = 1e-13  # of a position that is taken to be on the constraints, relative to the scene's size
@@ -110,7 +111,7 @@ class _Numbers:
 
     def __init__(self, kinematics: Kinematics, held: ConstrainedMotion) -> None:
         q = ca.vertcat(*kinematics.symbols.positions.values())
-        phi, J = (ca.densify(x) for x in at_declared_values(kinematics, [held.phi, held.J]))
+        phi, J = (ca.densify(x) for x in at_declared_values(kinematics, [held.rows.phi, held.J]))
         self.n = q.numel()
         self.positions = ca.Function("positions", [q], [phi, ca.densify(ca.jacobian(phi, q))])
         self.slopes = ca.Function("slopes", [q], [J])

@@ -11,6 +11,7 @@ from itertools import islice
 import casadi as ca
 
 from lagrangia.algebra import Mode, Scalar
+from lagrangia.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.constraints import Constraints
 from lagrangia.factors import hoist
 from lagrangia.hamilton import Hamilton
@@ -19,7 +20,7 @@ from lagrangia.jacobians import Jacobian, build_jacobian
 from lagrangia.kinematics import Kinematics
 from lagrangia.linear_choice import linear_pays
 from lagrangia.linear_form import LinearForm, find_linear_form
-from lagrangia.motion import ConstrainedMotion, Motion, RegularMotion, mass_matrix
+from lagrangia.motion import Motion, mass_matrix
 from lagrangia.observables import observe
 from lagrangia.parameters import all_parameters, default_parameters, scalars
 from lagrangia.reactions import build_reactions
@@ -56,7 +57,7 @@ def build_functions(
     power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
     jacobian, flow = build_jacobian(kinematics, motion), [hamilton.velocity, hamilton.force] if hamilton else []
     found, c, hoisted = _hoisted({
-        "rhs": [motion.acceleration, power, multipliers], "outputs": [y], "energies": [energy], **_constrained(motion),
+        "rhs": [motion.acceleration, power, multipliers], "outputs": [y], "energies": [energy], **_constrained(motion, energy),
         "flow": flow, "jacobian": list(jacobian.values)}, motion.p)
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = ca.vertcat(*[mode.symbol for mode in modes])
@@ -71,11 +72,7 @@ def build_functions(
         "outputs": ca.Function("outputs", full, found["outputs"], all_labels, ["y"]),
         "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
     }
-    if held:
-        table["place"] = ca.Function("place", [t, q, u, d, c], found["place"], ["t", "q", "u", "d", "c"], ["dq"])
-    for name, results in _OF_CONSTRAINTS.items():
-        if name in found:
-            table[name] = ca.Function(name, state, found[name], labels, results)
+    table |= _functions_of_constraints(motion, found, d, c)
     table |= _flow_functions(motion, hamilton, found["flow"], c) | _mode_functions(motion, modes)
     table |= _start_functions(kinematics, motion, initial)
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
@@ -88,43 +85,54 @@ def build_functions(
 
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     """For some coordinates that are run by themselves: what moves them, without energies and outputs."""
-    power, modes = _power(motion, motion.source_power), kinematics.algebra.modes
+    power, modes, held = _power(motion, motion.source_power), kinematics.algebra.modes, motion.constrained
+    symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
     jacobian = build_jacobian(kinematics, motion)
-    (acceleration, power, *steps), c, hoisted = hoist([[motion.acceleration, power], jacobian.values], motion.p)
-    nothing, d = ca.SX(0, 1), ca.vertcat(*[mode.symbol for mode in modes])
+    found, c, hoisted = _hoisted({"rhs": [motion.acceleration, power, multipliers], **_constrained(motion, ca.SX(0, 1)),
+                                  "jacobian": list(jacobian.values)}, motion.p)
+    d = ca.vertcat(*[mode.symbol for mode in modes])
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
-    full = [t, q, v, motion.a, nothing, u, d, c]
-    table = _implicit_function(jacobian, steps, full, ["t", "q", "v", "a", "lambda", "u", "d", "c"]) | {
+    full = [t, q, v, motion.a, symbols, u, d, c]
+    table = _implicit_function(jacobian, found["jacobian"], full, ["t", "q", "v", "a", "lambda", "u", "d", "c"]) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
-        "rhs": ca.Function("rhs", state, [acceleration, power, nothing], labels, ["a", "power", "lambda"]),
-    } | _mode_functions(motion, modes)
+        "rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"]),
+    } | _functions_of_constraints(motion, found, d, c) | _mode_functions(motion, modes)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(mode.kind for mode in modes), power.numel(), False,
                      patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
 
 
-def _constrained(motion: Motion) -> dict[str, list[ca.SX]]:
-    """Results of the functions that only constraints ask for."""
+def _functions_of_constraints(motion: Motion, found: Mapping[str, list[ca.SX]], d: ca.SX, c: ca.SX) -> dict[str, ca.Function]:
+    """Those of `_constrained` that were found."""
+    t, q, v, u = motion.t, motion.q, motion.v, motion.u
+    table = {name: ca.Function(name, [t, q, v, u, d, c], found[name], ["t", "q", "v", "u", "d", "c"], results)
+             for name, results in _OF_CONSTRAINTS.items() if name in found}
+    if "place" in found:
+        table["place"] = ca.Function("place", [t, q, u, d, c], found["place"], ["t", "q", "u", "d", "c"], ["dq"])
+    return table
+
+
+def _constrained(motion: Motion, energy: ca.SX) -> dict[str, list[ca.SX]]:
+    """Results of the functions that only constraints ask for. `energy`: {T, V, H}, empty where nobody asks for them."""
     held = motion.constrained
     if held is None:
         return {}
-    found = {"place": [held.place], "steer": [held.steer], "residual": [held.phi, held.rate]}
+    found = {"place": [held.place], "steer": [held.steer], "residual": [held.rows.phi, held.rows.rate]}
     if held.regular is not None:
         power = _power(motion, held.regular.source_power)
         found["regular"] = [held.regular.acceleration, power, held.regular.multipliers, held.regular.doubt]
         if held.regular.place.numel():
-            found["nearest"] = _nearest(motion, held, held.regular)
+            found["nearest"] = _nearest(motion, held, held.regular, energy)
     return found
 
 
-def _nearest(motion: Motion, held: ConstrainedMotion, regular: RegularMotion) -> list[ca.SX]:
+def _nearest(motion: Motion, held: ConstrainedMotion, regular: RegularMotion, energy: ca.SX) -> list[ca.SX]:
     """Corrections onto the constraints, and of the state that has them: residuals and energies."""
-    energies = ca.vertcat(motion.T, motion.V, motion.H)
     place, pace = motion.q + regular.place, motion.v + regular.steer
-    rest = ca.substitute([held.phi, held.rate, energies], [motion.q, motion.v], [place, pace])
+    rest = ca.substitute([held.rows.phi, held.rows.rate, energy], [motion.q, motion.v], [place, pace])
     return [regular.place, regular.steer, *rest, regular.doubt]
 
 
@@ -181,8 +189,8 @@ def people_functions(
     }
     held = motion.constrained
     if held:
-        bias = ca.jtimes(held.rate, ca.vertcat(q, t), ca.vertcat(v, 1))
-        expressions |= {"Phi": [held.phi], "J": [held.J], "bias": [bias], "lambda": [held.multipliers]}
+        bias = ca.jtimes(held.rows.rate, ca.vertcat(q, t), ca.vertcat(v, 1))
+        expressions |= {"Phi": [held.rows.phi], "J": [held.J], "bias": [bias], "lambda": [held.multipliers]}
     labels = {"energies": ["T", "V", "D"], "outputs": ["y"], "rhs": ["a"]}
     modes = kinematics.algebra.modes
     symbols, values = [mode.symbol for mode in modes], [mode.value for mode in modes]

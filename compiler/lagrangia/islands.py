@@ -1,7 +1,7 @@
 """Motion -> groups of coordinates that do not interact, and the motion of each by itself.
 
-Two coordinates interact when one stands in the other's equation, or both in one term of the powers. What time and inputs do to
-both is no interaction. Each group can be run with a method and steps of its own.
+Two coordinates interact when one stands in the other's equation, or both in one constraint or one term of the powers. What time
+and inputs do to both is no interaction. Each group can be run with a method and steps of its own.
 """
 
 from collections.abc import Sequence
@@ -9,9 +9,10 @@ from dataclasses import replace
 
 import casadi as ca
 
+from lagrangia.constrained_motion import ConstrainedMotion, ConstraintRows, FreeMotion, constrain
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
-from lagrangia.motion import Motion
+from lagrangia.motion import Motion, solve_dense
 from lagrangia.spectrum import find_spectrum
 
 MOST_COORDINATES, MOST_ISLANDS = 200, 8  # of scenes that are divided
@@ -30,10 +31,14 @@ def find_islands(motion: Motion) -> list[tuple[int, ...]]:
             i = groups[i]
         return i
 
-    pattern = ca.jacobian_sparsity(ca.vertcat(motion.acceleration, motion.h, motion.momentum), ca.vertcat(motion.q, motion.v))
+    held = motion.constrained
+    solved = ca.SX(0, 1) if held else motion.acceleration
+    pattern = ca.jacobian_sparsity(ca.vertcat(solved, motion.h, motion.momentum), ca.vertcat(motion.q, motion.v))
     pairs = [(row % n, column % n) for row, column in zip(*pattern.get_triplet(), strict=True)]
-    for term in (*_terms(motion.dissipated_power), *_terms(motion.source_power)):
+    for term in (*_terms(motion.dissipated_power), *_terms(held.load_power if held else motion.source_power)):
         among = _coordinates(term, motion)
+        pairs += [(among[0], other) for other in among[1:]]
+    for among in filter(None, _constrained(held.rows, motion) if held else []):
         pairs += [(among[0], other) for other in among[1:]]
     for i, j in pairs:
         groups[root(i)] = root(j)
@@ -43,17 +48,43 @@ def find_islands(motion: Motion) -> list[tuple[int, ...]]:
     return [tuple(group) for group in found.values()]
 
 
-def island_motion(motion: Motion, groups: Sequence[tuple[int, ...]], k: int) -> Motion:
+def island_motion(kinematics: Kinematics, motion: Motion, groups: Sequence[tuple[int, ...]], k: int) -> Motion:
     """The motion of group k alone. Powers that no coordinate takes part in are the first group's."""
-    chosen = list(groups[k])
+    chosen, held = list(groups[k]), motion.constrained
 
     def part(power: ca.SX) -> ca.SX:
         own = [term for term in _terms(power) if (_coordinates(term, motion) or groups[0])[0] in groups[k]]
         return ca.sum1(ca.vertcat(*own)) if own else ca.SX(1, 1)
 
-    return replace(motion, q=motion.q[chosen], v=motion.v[chosen], a=motion.a[chosen], momentum=motion.momentum[chosen],
-                   h=motion.h[chosen], acceleration=motion.acceleration[chosen], dissipated_power=part(motion.dissipated_power),
-                   source_power=part(motion.source_power))
+    own = replace(motion, q=motion.q[chosen], v=motion.v[chosen], a=motion.a[chosen], momentum=motion.momentum[chosen],
+                  h=motion.h[chosen], acceleration=motion.acceleration[chosen], dissipated_power=part(motion.dissipated_power),
+                  source_power=part(held.load_power if held else motion.source_power), constrained=None)
+    return _held(kinematics, own, _own_rows(motion, held, chosen), held.regular is None) if held else own
+
+
+def _held(kinematics: Kinematics, motion: Motion, rows: ConstraintRows, for_any_mass: bool) -> Motion:
+    """An island under its own constraints."""
+    if not rows.rate.numel():
+        return replace(motion, acceleration=solve_dense(motion.momentum, -motion.h, motion.v), way="dense")
+    free = FreeMotion(motion.q, motion.v, motion.momentum, motion.h, motion.source_power)
+    acceleration, source, held = constrain(kinematics, rows, free, for_any_mass)
+    return replace(motion, acceleration=acceleration, source_power=source, constrained=held)
+
+
+def _constrained(rows: ConstraintRows, motion: Motion) -> list[list[int]]:
+    """The coordinates of each constraint, in the order of the rows."""
+    n, m = motion.q.numel(), rows.rate.numel()
+    found: list[set[int]] = [set() for _ in range(m)]
+    pattern = ca.jacobian_sparsity(ca.vertcat(rows.rate, rows.bias), ca.vertcat(motion.q, motion.v))
+    for row, column in zip(*pattern.get_triplet(), strict=True):
+        found[row % m].add(column % n)
+    return [sorted(among) for among in found]
+
+
+def _own_rows(motion: Motion, held: ConstrainedMotion, chosen: list[int]) -> ConstraintRows:
+    """The constraints of some coordinates."""
+    own = [i for i, among in enumerate(_constrained(held.rows, motion)) if among and among[0] in chosen]
+    return ConstraintRows(held.rows.phi[[i for i in own if i < held.rows.phi.numel()]], held.rows.rate[own], held.rows.bias[own])
 
 
 def islands_pay(

@@ -55,10 +55,10 @@ def build_jacobian(kinematics: Kinematics, motion: Motion) -> Jacobian:
     q, v, a, nothing = motion.q, motion.v, motion.a, ca.SX(0, 1)
     force, momentum, bias = ca.jtimes(motion.momentum, v, a) + motion.h, motion.momentum, nothing
     if held:
-        force = force + ca.jtimes(held.rate, v, held.symbols, True)
-        bias = ca.jtimes(held.rate, ca.vertcat(q, motion.t), ca.vertcat(v, 1))
-        momentum = ca.vertcat(momentum, held.rate)
-        bias = bias + ca.jtimes(held.rate, v, a)
+        force = force + ca.jtimes(held.rows.rate, v, held.symbols, True)
+        bias = ca.jtimes(held.rows.rate, ca.vertcat(q, motion.t), ca.vertcat(v, 1))
+        momentum = ca.vertcat(momentum, held.rows.rate)
+        bias = bias + ca.jtimes(held.rows.rate, v, a)
     residual = ca.vertcat(force, bias)
     sparsity = _pattern(momentum, residual, motion)
     colours = _colours(sparsity, q.numel())

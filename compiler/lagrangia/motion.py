@@ -15,15 +15,14 @@ import casadi as ca
 from lagrangia.algebra import Scalar, rate_of, value_of
 from lagrangia.bodies import Bodies, Inertia, find_bodies
 from lagrangia.collected import MOST_COORDINATES, Collected, collect, split_weights
+from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, constrain, constraint_rows
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
 from lagrangia.elimination import eliminate
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
-from lagrangia.evenness import find_evenness, is_even
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
-from lagrangia.kkt import KKT, factor
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
@@ -47,7 +46,7 @@ class Motion:
     h: ca.SX
     acceleration: ca.SX
     bodies: Bodies
-    constrained: "ConstrainedMotion | None"
+    constrained: ConstrainedMotion | None
     dissipated_power: ca.SX  # taken out by dampers
     source_power: ca.SX  # put in by loads and moving supports
     way: str  # "dense", "tree", "collected" or "constrained"
@@ -58,33 +57,6 @@ class Motion:
     def nodes(self) -> dict[str, int]:
         """Nodes of each way that was tried. Counting takes as long as a good part of the compilation: only when asked."""
         return self.counted or {self.way: count_nodes([self.acceleration], [self.q, self.v, self.a, self.u])}
-
-
-@dataclass(frozen=True)
-class ConstrainedMotion:
-    """What the constraints add: m rows J v + dPhi/dt = 0, of which the first are the rates of Phi(q, t) = 0."""
-
-    phi: ca.SX
-    J: ca.SX  # (m, n)
-    rate: ca.SX  # J v + dPhi/dt
-    multipliers: ca.SX  # lambda: M a + h + J^T lambda = 0
-    symbols: ca.SX  # of the multipliers, for outputs
-    place: ca.SX  # dq, one Newton correction onto Phi = 0 in the mass metric
-    steer: ca.SX  # dv, the correction of the rates
-    evenness: ca.SX  # of p, above 1 all over where these formulas hold; empty where they hold for all masses
-    regular: "RegularMotion | None"
-
-
-@dataclass(frozen=True)
-class RegularMotion:
-    """The same accelerations and multipliers for less, where no constraint nearly repeats others: `doubt` is 0 there."""
-
-    acceleration: ca.SX
-    multipliers: ca.SX
-    doubt: ca.SX
-    source_power: ca.SX
-    place: ca.SX  # dq, as above
-    steer: ca.SX  # dv at q + dq, in the metric of q; both empty where some constraints are on rates alone
 
 
 def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints, for_any_mass: bool = False) -> Motion:
@@ -114,9 +86,8 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     if constraints.rows:
         if short is not None and short.is_shorter(kinematics, momentum, h):
             momentum, h = short.momentum, short.h
-        acceleration, constrained = _constrain(kinematics, constraints, momentum, h, q, v, source, for_any_mass)
-        way = "constrained"
-        source = source + _power_of_constraints(kinematics, constrained.rate, constrained.multipliers)
+        free, way = FreeMotion(q, v, momentum, h, source), "constrained"
+        acceleration, source, constrained = constrain(kinematics, constraint_rows(kinematics, constraints), free, for_any_mass)
     else:
         _require_mass(kinematics, momentum, v)
         acceleration, way, counted = _solve(kinematics, bodies, momentum, h, v, short)
@@ -131,51 +102,6 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
 def mass_matrix(motion: Motion) -> ca.SX:
     """M = d(dT/dv)/dv, n by n, kg or kg.m or kg.m2 by the coordinates."""
     return ca.jacobian(motion.momentum, motion.v)
-
-
-def _constrain(
-    kinematics: Kinematics, constraints: Constraints, momentum: ca.SX, h: ca.SX, q: ca.SX, v: ca.SX, source: ca.SX,
-    for_any_mass: bool
-) -> tuple[ca.SX, ConstrainedMotion]:
-    """Accelerations and multipliers from the index-1 system, and the projections onto the constraints. `source` is the power put
-    in by loads."""
-    symbols, remaining = kinematics.symbols, kinematics.without_accelerations()
-    phi = ca.vertcat(*[row.value(kinematics, 0) for row in constraints.rows if row.is_holonomic])
-    rate = ca.vertcat(*[row.rate(kinematics) for row in constraints.rows])
-    bias = ca.vertcat(*[row.second_rate(remaining) for row in constraints.rows])
-    bias, settled = ca.substitute([bias, rate], [symbols.tau], [ca.SX(1)])
-    J, M = ca.jacobian(settled, v), ca.jacobian(momentum, v)
-    m, k = J.size1(), phi.numel()
-    evenness = find_evenness(kinematics, M, J)
-    is_robust = for_any_mass or not is_even(kinematics, evenness)
-    kkt = factor(M, J, is_robust)
-    acceleration, multipliers = kkt.solve(-h, -bias)
-    steer, _ = kkt.solve(ca.SX.zeros(q.numel()), -settled, refine=False)
-    holonomic = kkt if k == m else factor(M, J[:k, :], is_robust)
-    place = holonomic.solve(ca.SX.zeros(q.numel()), -phi, refine=False)[0] if k else ca.SX.zeros(q.numel())
-    lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(m)])
-    regular = None
-    if not is_robust:
-        plain = factor(M, J, False, is_regular=True)
-        a, found = plain.solve(-h, -bias, refine=False)
-        dq, dv = _correct(plain, phi, settled, q) if k == m else (ca.SX(0, 1), ca.SX(0, 1))
-        regular = RegularMotion(a, found, plain.doubt, source + _power_of_constraints(kinematics, settled, found), dq, dv)
-    return acceleration, ConstrainedMotion(phi, J, settled, multipliers, lambdas, place, steer,
-                                           ca.SX(0, 1) if is_robust else evenness, regular)
-
-
-def _correct(kkt: KKT, phi: ca.SX, rate: ca.SX, q: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """dq, then dv at q + dq, of least kinetic energy: the matrix is factored once."""
-    zero = ca.SX.zeros(q.numel())
-    dq, _ = kkt.solve(zero, -phi, refine=False)
-    dv, _ = kkt.solve(zero, -ca.substitute(rate, q, q + dq), refine=False)
-    return dq, dv
-
-
-def _power_of_constraints(kinematics: Kinematics, rate: ca.SX, multipliers: ca.SX) -> ca.SX:
-    """lambda . dPhi/dt: what supports that move with time put in."""
-    rates = ca.vertcat(*kinematics.symbols.rates.values())
-    return ca.dot(multipliers, ca.substitute(rate, rates, ca.SX.zeros(rates.numel())))
 
 
 def _inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q: ca.SX, v: ca.SX) -> ca.SX:
@@ -301,7 +227,7 @@ def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v:
     if tree is not None:
         ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
     if tree is None or coupled_pairs(kinematics) <= _DENSEST * v.numel():
-        ways["dense"] = _dense(momentum, -h, v)
+        ways["dense"] = solve_dense(momentum, -h, v)
     if short is not None:
         ways["collected"] = short.inertia.accelerations(short.rest)
     if len(ways) == 1:
@@ -323,7 +249,7 @@ def coupled_pairs(kinematics: Kinematics) -> int:
     return count
 
 
-def _dense(momentum: ca.SX, r: ca.SX, v: ca.SX) -> ca.SX:
+def solve_dense(momentum: ca.SX, r: ca.SX, v: ca.SX) -> ca.SX:
     """Sparse M = L D L^T, ordered by minimum degree. M is positive definite for trees, so no pivoting is needed."""
     M = ca.jacobian(momentum, v)
     diagonal, upper, order = ca.ldl(M, True)
@@ -336,7 +262,7 @@ def solve_mass(kinematics: Kinematics, motion: Motion, r: ca.SX) -> ca.SX:
         return motion.collected.solve(r)
     tree = eliminate(kinematics, motion.bodies, r) if motion.way == "tree" else None
     if tree is None:
-        return _dense(motion.momentum, r, motion.v)
+        return solve_dense(motion.momentum, r, motion.v)
     return ca.substitute([tree], [kinematics.symbols.tau], [ca.SX(1)])[0]
 
 

@@ -7,6 +7,7 @@ from math import prod
 import casadi as ca
 
 from lagrangia.ccode import usual_rhs, write_motion_series
+from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.diagnostics import fail
 from lagrangia.dimensions import unit_of
 from lagrangia.flat import FlatModel
@@ -41,14 +42,13 @@ def build_scene(
     experiment = model.experiment
     parameters = _parameters(model, "parameter", not kinematics.symbols.compiled)
     inputs = _parameters(model, "input")
-    held = motion.constrained
     sizes = {
         "n": len(coordinates), "n_parameters": len(parameters), "n_hoisted": functions.table["hoist"].numel_out(0),
         "n_inputs": len(inputs), "n_modes": len(functions.event_kinds),
         "n_events": len(functions.event_kinds), "n_outputs": len(outputs),
         "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions, "n_power": functions.n_power,
-        "n_holonomic": held.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0,
-        "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
+        **_of_constraints(motion.constrained), "n_lost": len(initial.lost),
+        "outputs_need_acceleration": int(functions.outputs_need_acceleration),
         "is_separable": int("conservative" not in refused and "velocity" not in functions.table),
     }
     sizes |= functions.sizes
@@ -69,7 +69,7 @@ def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: Initia
     reason, groups = _whole(motion)
     if reason:
         return replace(scene, refused={**scene.refused, "islands": reason})
-    motions = [island_motion(motion, groups, k) for k in range(len(groups))]
+    motions = [island_motion(kinematics, motion, groups, k) for k in range(len(groups))]
     islands = tuple((group, _island_scene(scene, kinematics, part, group)) for group, part in zip(groups, motions, strict=True))
     pays = islands_pay(kinematics, motions, initial, groups)
     return replace(scene, islands=islands, sizes={**scene.sizes, "solver": int(Solver.ISLANDS)} if pays else scene.sizes)
@@ -77,8 +77,6 @@ def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: Initia
 
 def _whole(motion: Motion) -> tuple[str, list[tuple[int, ...]]]:
     """Why a scene is not divided; its islands."""
-    if motion.constrained is not None:
-        return "not supported yet: islands of scenes held by constraints", []
     if motion.q.numel() > MOST_COORDINATES:
         return f"not supported yet: islands of more than {MOST_COORDINATES} coordinates", []
     groups = find_islands(motion)
@@ -88,7 +86,9 @@ def _whole(motion: Motion) -> tuple[str, list[tuple[int, ...]]]:
 
 
 def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: tuple[int, ...]) -> Scene:
-    everything = ca.vertcat(motion.h, motion.acceleration, motion.dissipated_power, motion.source_power)
+    held = motion.constrained
+    rows = [held.rows.phi, held.rows.rate, held.rows.bias] if held else []
+    everything = ca.vertcat(motion.h, motion.acceleration, motion.dissipated_power, motion.source_power, *rows)
     used = {symbol.__hash__() for symbol in ca.symvar(everything)}
     algebra = replace(kinematics.algebra, modes=[mode for mode in kinematics.algebra.modes if mode.symbol.__hash__() in used])
     functions = build_island_functions(replace(kinematics, algebra=algebra), motion)
@@ -97,7 +97,7 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
     sizes = {
         "n": len(group), "n_parameters": scene.sizes["n_parameters"], "n_hoisted": functions.table["hoist"].numel_out(0),
         "n_inputs": scene.sizes["n_inputs"], "n_modes": count, "n_events": count, "n_power": functions.n_power,
-        **functions.sizes, "rhs_cost": count_operations(tapes["rhs"]),
+        **_of_constraints(held), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
     }
     sizes["jacobian_cost"] = _jacobian_cost(tapes, sizes["n_colours"])
     if functions.linear_pays:
@@ -109,6 +109,10 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
         event_kind=functions.event_kinds, initial_places=(), notes=_notes(motion, tapes), patterns=functions.patterns,
         refused=functions.refused, tapes=tapes, islands=(), evenness=None, lost={},
     )
+
+
+def _of_constraints(held: ConstrainedMotion | None) -> dict[str, int]:
+    return {"n_holonomic": held.rows.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0}
 
 
 def _lost_starts(model: FlatModel, initial: InitialConditions) -> dict[str, tuple[int, str]]:
@@ -142,7 +146,7 @@ def _is_driven(kinematics: Kinematics, motion: Motion) -> bool:
     if any(edge.moves_with_time for edge in kinematics.graph.edges):
         return True
     rows = [ca.SX(dependent.constant[0]) for dependent in kinematics.dependents.values()]
-    rows += [motion.constrained.phi] if motion.constrained else []
+    rows += [motion.constrained.rows.phi] if motion.constrained else []
     return bool(rows) and ca.depends_on(ca.vertcat(*rows), motion.t)
 
 

@@ -93,7 +93,7 @@ implicit  Radau IIA with 3, 5 or 7 stages, order 5, 9 or 13 (Hairer, Wanner, Sol
         C, for stiff scenes: springs and dampers far faster than the motion. Exact sparse Jacobians; the number of stages and the
         length of steps follow Newton's iterations and the error; what is stiff is damped, not resolved.
 islands  coordinates that do not interact are run apart, each group by the solver and the steps that suit it; up to 8 groups of at
-        most 200 coordinates, without constraints. auto takes it where some are at least four times as fast as others.
+        most 200 coordinates, each with its constraints. auto takes it where some are at least four times as fast as others.
 auto    islands or linear where they pay; else erk, erk5 or taylor, and from there over to implicit where stability and not
         accuracy keeps steps short, if that gets on faster for the same work, and back. The summary says what was used.
 taylor  Taylor series of the motion about the beginning of each step, of an order that follows from the tolerance (Jorba, Zou,

@@ -1,0 +1,112 @@
+"""Constraints, M and h -> accelerations and multipliers from the index-1 system, and the corrections onto the constraints."""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from lagrangia.constraints import Constraints
+from lagrangia.evenness import find_evenness, is_even
+from lagrangia.kinematics import Kinematics
+from lagrangia.kkt import KKT, factor
+
+
+@dataclass(frozen=True)
+class ConstraintRows:
+    """m constraints on rates, J v + dPhi/dt = 0, of which the first are the rates of Phi(q, t) = 0."""
+
+    phi: ca.SX
+    rate: ca.SX  # J v + dPhi/dt
+    bias: ca.SX  # of their rates: J dv/dt + bias = 0
+
+
+@dataclass(frozen=True)
+class FreeMotion:
+    """What would move if nothing held it: M dv/dt + h = 0."""
+
+    q: ca.SX  # (n,)
+    v: ca.SX
+    momentum: ca.SX  # M v
+    h: ca.SX
+    load_power: ca.SX  # put in by loads
+
+
+@dataclass(frozen=True)
+class RegularMotion:
+    """The same accelerations and multipliers for less, where no constraint nearly repeats others: `doubt` is 0 there."""
+
+    acceleration: ca.SX
+    multipliers: ca.SX
+    doubt: ca.SX
+    source_power: ca.SX
+    place: ca.SX  # dq, as above
+    steer: ca.SX  # dv at q + dq, in the metric of q; both empty where some constraints are on rates alone
+
+
+@dataclass(frozen=True)
+class ConstrainedMotion:
+    """What the constraints add to a motion."""
+
+    rows: ConstraintRows
+    J: ca.SX  # (m, n)
+    load_power: ca.SX  # put in by loads; what moving supports put in comes to it
+    multipliers: ca.SX  # lambda: M a + h + J^T lambda = 0
+    symbols: ca.SX  # of the multipliers, for outputs
+    place: ca.SX  # dq, one Newton correction onto Phi = 0 in the mass metric
+    steer: ca.SX  # dv, the correction of the rates
+    evenness: ca.SX  # of p, above 1 all over where these formulas hold; empty where they hold for all masses
+    regular: RegularMotion | None
+
+
+def constraint_rows(kinematics: Kinematics, constraints: Constraints) -> ConstraintRows:
+    remaining = kinematics.without_accelerations()
+    phi = ca.vertcat(*[row.value(kinematics, 0) for row in constraints.rows if row.is_holonomic])
+    rate = ca.vertcat(*[row.rate(kinematics) for row in constraints.rows])
+    bias = ca.vertcat(*[row.second_rate(remaining) for row in constraints.rows])
+    rate, bias = ca.substitute([rate, bias], [kinematics.symbols.tau], [ca.SX(1)])
+    return ConstraintRows(phi, rate, bias)
+
+
+def constrain(
+    kinematics: Kinematics, rows: ConstraintRows, free: FreeMotion, for_any_mass: bool
+) -> tuple[ca.SX, ca.SX, ConstrainedMotion]:
+    """Accelerations from the index-1 system, the power put in by loads and moving supports, and what else the constraints add.
+
+    `for_any_mass`: formulas that hold where parameters make M singular or uneven, too.
+    """
+    q, v, phi, rate = free.q, free.v, rows.phi, rows.rate
+    J, M = ca.jacobian(rate, v), ca.jacobian(free.momentum, v)
+    m, k, zero = J.size1(), phi.numel(), ca.SX.zeros(q.numel())
+    evenness = find_evenness(kinematics, M, J)
+    is_robust = for_any_mass or not is_even(kinematics, evenness)
+    kkt = factor(M, J, is_robust)
+    acceleration, multipliers = kkt.solve(-free.h, -rows.bias)
+    steer, _ = kkt.solve(zero, -rate, refine=False)
+    holonomic = kkt if k == m else factor(M, J[:k, :], is_robust)
+    place = holonomic.solve(zero, -phi, refine=False)[0] if k else zero
+    lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(m)])
+    regular = None if is_robust else _regular(rows, free, M, J)
+    held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
+                             regular)
+    return acceleration, free.load_power + _power(rows.rate, v, multipliers), held
+
+
+def _regular(rows: ConstraintRows, free: FreeMotion, M: ca.SX, J: ca.SX) -> RegularMotion:
+    kkt = factor(M, J, False, is_regular=True)
+    acceleration, multipliers = kkt.solve(-free.h, -rows.bias, refine=False)
+    source = free.load_power + _power(rows.rate, free.v, multipliers)
+    none = ca.SX(0, 1)
+    dq, dv = _correct(kkt, rows.phi, rows.rate, free.q) if rows.phi.numel() == J.size1() else (none, none)
+    return RegularMotion(acceleration, multipliers, kkt.doubt, source, dq, dv)
+
+
+def _correct(kkt: KKT, phi: ca.SX, rate: ca.SX, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """dq, then dv at q + dq, of least kinetic energy: the matrix is factored once."""
+    zero = ca.SX.zeros(q.numel())
+    dq, _ = kkt.solve(zero, -phi, refine=False)
+    dv, _ = kkt.solve(zero, -ca.substitute(rate, q, q + dq), refine=False)
+    return dq, dv
+
+
+def _power(rate: ca.SX, v: ca.SX, multipliers: ca.SX) -> ca.SX:
+    """lambda . dPhi/dt: what supports that move with time put in."""
+    return ca.dot(multipliers, ca.substitute(rate, v, ca.SX.zeros(v.numel())))
