@@ -338,6 +338,22 @@ def test_check_tells_a_loop_that_cannot_close(lag: Lag) -> None:
     assert "open.lag:1:" in outcome.err
 
 
+@pytest.mark.parametrize("command", ["simulate", "modes"])
+def test_a_loop_that_parameters_keep_open_is_shown(command: str, lag: Lag) -> None:
+    """Also by a scene that was compiled before, whose text is no longer read."""
+    Path("open.lag").write_text("""model Open
+  parameter Length L = 2;
+  Revolute left(a = world, phi(start = 0.5)), right(a = shift(world, {2, 0}));
+  Bar crank(m = 1, L = 1, a = left.b), rod(m = 1, L = L, b = right.b);
+  Revolute pin(a = crank.b, b = rod.a);
+end Open;""")
+    assert lag("simulate", "open.lag", "--quiet").code == 0
+    outcome = lag(command, "open.lag", "-p", "L=7")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "error[L0606]: the loop world - left - crank - pin - rod - right - world cannot close" in outcome.err
+    assert "\n5 |   Revolute pin(a = crank.b, b = rod.a);\n  |            ^^^\n" in outcome.err
+
+
 def test_check_goes_on_after_a_wrong_file(lag: Lag) -> None:
     Path("wrong.lag").write_text("model Wrong Bar bar(m = 1, l = 2); end Wrong;")
     outcome = lag("check", "wrong.lag", EXAMPLES / "pendulum.lag")

@@ -118,8 +118,8 @@ class Study:
         equations = replace(start_equations(self.c.kinematics, initial, self.c.functions), p=self.p)
         x, worst = Assembly(equations, np.where(is_given, FIXED, np.array(initial.fixed)), guess).assemble()
         if worst >= 0:
-            fail("L0606", "the start values cannot all hold", initial.residual_spans[worst],
-                 f"written at {self.scene.initial_places[worst]}", "change it, or the values given with --initial")
+            fail("L0606", initial.complaint(worst), initial.residual_spans[worst],
+                 "change the parameters it depends on, or the values given with --initial")
         return x[:n], x[n + lost : 2 * n + lost]
 
     @cached_property

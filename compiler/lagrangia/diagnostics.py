@@ -58,6 +58,11 @@ class Span:
         line, column = self.source.line_and_column(self.start)
         return f"{self.source.name}:{line}:{column}"
 
+    @property
+    def excerpt(self) -> str:
+        """Its line, with carets under it."""
+        return "\n".join(_excerpt(self, "", "", ""))
+
 
 @dataclass(frozen=True)
 class Diagnostic:
@@ -67,6 +72,7 @@ class Diagnostic:
     span: Span | None = None
     label: str = ""
     hints: tuple[str, ...] = ()
+    excerpt: str = ""  # what shows the place where the text itself is no longer at hand
 
     def render(self, color: bool = False) -> str:
         """The message, the line it is about with a caret under the text, and the hints."""
@@ -75,6 +81,7 @@ class Diagnostic:
         lines = [f"{paint}{self.severity}[{self.code}]{reset}{bold}: {self.message}{reset}"]
         if self.span is not None:
             lines += _excerpt(self.span, self.label, paint, reset)
+        lines += self.excerpt.splitlines()
         lines += [f"   = {hint}" for hint in self.hints]
         return "\n".join(lines)
 

@@ -93,8 +93,8 @@ def _problem(initial: InitialConditions, worst: int, residuals: Vector) -> Diagn
     alike = range(initial.n_positions, len(initial.residual_spans)) if is_rate else range(initial.n_positions)
     together = [k for k in alike if loop and initial.residual_loops[k] == loop]
     gap = float(np.linalg.norm(residuals[together or [worst]]))
-    what = f"the loop {loop} cannot close" if loop else "this cannot hold at the start"
-    return Diagnostic("error", "L0606", f"{what}: it misses by {gap:.3g} ({'m/s or rad/s' if is_rate else 'm or rad'})", span, "",
+    unit = "m/s or rad/s" if is_rate else "m or rad"
+    return Diagnostic("error", "L0606", f"{initial.complaint(worst)}: it misses by {gap:.3g} ({unit})", span, "",
                       ("change the lengths, the places of the joints, or the start values it is solved from",))
 
 

@@ -45,6 +45,11 @@ class InitialConditions:
     residual_loops: tuple[str, ...]  # the components along the loop that a residual closes, "" for an equation
     n_positions: int  # so many residuals come first and depend on positions alone
 
+    def complaint(self, k: int) -> str:
+        """What is wrong when residual k is not zero."""
+        loop = self.residual_loops[k]
+        return f"the loop {loop} cannot close" if loop else "this cannot hold at the start"
+
 
 def build_initial(kinematics: Kinematics, constraints: Constraints) -> InitialConditions:
     """Raises LagError (L06xx)."""

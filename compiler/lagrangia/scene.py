@@ -54,7 +54,7 @@ class Scene:
     coordinate_kind: tuple[int, ...]
     fixed: tuple[int, ...]
     event_kind: tuple[int, ...]
-    initial_places: tuple[str, ...]  # where the initial equations are written
+    initial_places: tuple[tuple[str, str], ...]  # what is wrong when an initial equation misses, and its line
     notes: Mapping[str, Any]  # figures for --stats
     patterns: Mapping[str, tuple[int, ...]]  # lists of places of LagModel
     refused: Mapping[str, str]  # solvers that cannot run this scene, and why
@@ -91,8 +91,9 @@ def from_json(text: str) -> Scene:
     kinds = {"coordinates": Column, "rates": Column, "outputs": Column, "parameters": Parameter, "inputs": Parameter}
     for name, kind in kinds.items():
         plain[name] = tuple(kind(**item) for item in plain[name])
-    for name in ("coordinate_kind", "fixed", "event_kind", "initial_places"):
+    for name in ("coordinate_kind", "fixed", "event_kind"):
         plain[name] = tuple(plain[name])
+    plain["initial_places"] = tuple((what, excerpt) for what, excerpt in plain["initial_places"])
     plain["patterns"] = {name: tuple(places) for name, places in plain["patterns"].items()}
     plain["tapes"] = {name: _unpack(tape) for name, tape in plain["tapes"].items()}
     plain["islands"] = tuple((tuple(places), from_json(island)) for places, island in plain["islands"])

@@ -135,10 +135,8 @@ def _no_series(tapes: Mapping[str, Tape]) -> dict[str, str]:
     return {"taylor": series} if isinstance(series, str) else {}
 
 
-def _initial_places(initial: InitialConditions) -> tuple[str, ...]:
-    """Where the initial equations are written; for a loop, its components."""
-    pairs = zip(initial.residual_spans, initial.residual_loops, strict=True)
-    return tuple(f"{span}, the loop {loop}" if loop else str(span) for span, loop in pairs)
+def _initial_places(initial: InitialConditions) -> tuple[tuple[str, str], ...]:
+    return tuple((initial.complaint(k), span.excerpt) for k, span in enumerate(initial.residual_spans))
 
 
 def _is_driven(kinematics: Kinematics, motion: Motion) -> bool:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
-from lagrangia.diagnostics import LagError, Report, RunError, suggest
+from lagrangia.diagnostics import Diagnostic, LagError, Report, RunError, suggest
 from lagrangia.engines import Engine
 from lagrangia.runtime import Failure, Run, Settings, Statistics, Status
 from lagrangia.scene import Scene
@@ -285,11 +285,10 @@ def _rows(
 
 def _fail_start(scene: Scene, failure: Failure) -> None:
     if failure.status is Status.INITIAL_FAILED:
-        where = scene.initial_places[failure.index] if 0 <= failure.index < len(scene.initial_places) else ""
-        report = Report()
-        report.error("L0606", f"the initial equations cannot all hold: one misses by {abs(failure.value):.3g}", None,
-                     f"written at {where}", "change it, or the start values it is solved from")
-        raise LagError(report.errors)
+        what, excerpt = scene.initial_places[failure.index]
+        unit = "m or rad" if failure.index < scene.sizes["n_initial_positions"] else "m/s or rad/s"
+        raise LagError([Diagnostic("error", "L0606", f"{what}: it misses by {abs(failure.value):.3g} ({unit})", None, "",
+                                   ("change the parameters it depends on, or the start values it is solved from",), excerpt)])
     raise RunError(explain(scene, failure))
 
 
