@@ -20,7 +20,7 @@ void lag_account_note(LagRun *run, const double *y, double *entries)
     const double *quadratures = y + 2 * run->model->n;
     const int kept = run->model->n_power == 2;
     entries[DISSIPATED] = kept ? quadratures[0] : 0;
-    entries[WORK] = kept ? quadratures[1] : 0;
+    entries[WORK] = kept ? quadratures[1] : run->given_energy;
     const double residual = entries[TOTAL] - run->start_energy + entries[DISSIPATED] - entries[WORK];
     statistics->energy_residual = lag_max(fabs(residual), statistics->energy_residual);
     for (int i = 0; i < LAG_ACCOUNT_SIZE; ++i)
@@ -35,5 +35,5 @@ void lag_account_close(LagRun *run)
     if (run->model->n_power == 2)
         run->motion.y[2 * run->model->n + 1] += jump;
     else
-        run->start_energy += jump;
+        run->given_energy += jump;
 }

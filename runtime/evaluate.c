@@ -93,6 +93,21 @@ void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
     lag_call(&model->outputs, in, &outputs, run->work);
 }
 
+int lag_kick(LagRun *run, double t, double *y)
+{
+    const LagModel *model = run->model;
+    const double *in[] = {&t, y, y + model->n, run->u, run->d, run->c, run->d_before};
+    double *dv = run->acceleration;
+    if (!lag_present(&model->kick) || memcmp(run->d, run->d_before, (size_t)model->n_modes * sizeof *run->d) == 0)
+        return 0;
+    lag_inputs_at(&run->inputs, t, run->u);
+    if (lag_call(&model->kick, in, &dv, run->work) != 0 || !all_finite(dv, model->n))
+        return 0;
+    for (int i = 0; i < model->n; ++i)
+        y[model->n + i] += dv[i];
+    return 1;
+}
+
 void lag_energies(LagRun *run, double t, const double *y, double *energies)
 {
     const LagModel *model = run->model;

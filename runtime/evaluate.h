@@ -12,6 +12,10 @@ void lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *mat
 /* A LagFlow. */
 int lag_flow(void *run, LagFlowPart part, const double *q, const double *v_or_p, double *result);
 
+/* At an event, after the modes have changed: momentum stays as it is but for the impulses of what holds the scene, so that rates
+ * jump where supports do. Returns whether they did. */
+int lag_kick(LagRun *run, double t, double *y);
+
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs);
 void lag_energies(LagRun *run, double t, const double *y, double *energies);
 

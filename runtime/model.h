@@ -102,6 +102,8 @@ struct LagModel {
     /* t, q, v, u, d, c -> dq, dv, Phi, J v + dPhi/dt, {T, V, H}, doubt: place and steer in one, both in the metric of q, where
      * constraints are independent; dv, the residuals and the energies belong to the state that has its corrections. */
     LagFunction nearest;
+    /* t, q, v, u, d, c, d_before -> dv: what the impulse of supports whose rate jumps at an event does; absent where none does. */
+    LagFunction kick;
 
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */

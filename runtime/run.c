@@ -14,7 +14,8 @@ static size_t work_size(const LagModel *model)
     const LagFunction *functions[] = {&model->parameters, &model->hoist, &model->start, &model->initial, &model->momentum,
                                       &model->events, &model->modes, &model->rhs, &model->outputs, &model->energies,
                                       &model->place, &model->steer, &model->jacobian, &model->tangent, &model->velocity,
-                                      &model->force, &model->regular, &model->residual, &model->nearest};
+                                      &model->force, &model->regular, &model->residual, &model->nearest,
+                                      &model->kick};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -30,6 +31,7 @@ static void layout(LagRun *run, LagArena *arena)
     run->c = lag_take(arena, (size_t)model->n_hoisted);
     run->u = lag_take(arena, (size_t)model->n_inputs);
     run->d = lag_take(arena, (size_t)model->n_modes);
+    run->d_before = lag_take(arena, (size_t)model->n_modes);
     run->event_a = lag_take(arena, events);
     run->event_b = lag_take(arena, events);
     run->acceleration = lag_take(arena, n);

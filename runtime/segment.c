@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "account.h"
+#include "evaluate.h"
 #include "first_step.h"
 #include "function.h"
 #include "schedule.h"
@@ -27,6 +28,8 @@ void lag_segment_enter(LagRun *run)
     const double inside = middle(t, run->segment_end, run->settings.t_stop);
     const double *in[] = {&inside, run->p};
     lag_inputs_enter(&run->inputs, inside);
+    for (int i = 0; i < model->n_modes; ++i)
+        run->d_before[i] = run->d[i];
     lag_call(&model->modes, in, &run->d, run->work);
 }
 
@@ -62,6 +65,7 @@ LagStatus lag_segment_next(LagRun *run)
 {
     lag_account_open(run);
     lag_segment_enter(run);
+    lag_kick(run, run->motion.t, run->motion.y);
     lag_project_present(run);
     lag_account_close(run);
     ++run->statistics.events;

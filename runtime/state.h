@@ -18,7 +18,7 @@ struct LagRun {
     double *memory; /* the part of the block in which all vectors below lie */
     size_t memory_size; /* doubles in it */
     void *block;
-    double *p, *c, *u, *d;
+    double *p, *c, *u, *d, *d_before;
     double *nothing_given;        /* n_parameters zeros */
     double *event_a, *event_b;
     double *acceleration, *power; /* for outputs */
@@ -49,6 +49,7 @@ struct LagRun {
     double wanted;        /* time of the row that is asked for */
     double step;          /* length proposed for the next step */
     double start_energy, energy_before;
+    double given_energy;  /* by jumps of modes, inputs and parameters, where no work is integrated */
     unsigned ticks;       /* steps and rows, to look at the clock now and then */
 };
 

@@ -28,6 +28,16 @@ end Driven;
 """
 
 
+KICKED = """
+model Kicked "A pendulum on a slider that begins to move at once, and a free mass on it"
+  Frame slider = shift(world, {0.5*ramp(time, 1, 1), 0});
+  Revolute hinge(a = slider); PointMass ball(m = 3, center = shift(hinge.b, {0, -1}));
+  Block mass(m = 2, base = slider);
+  annotation(experiment(StopTime = 3, Tolerance = 1e-9));
+end Kicked;
+"""
+
+
 @pytest.fixture
 def simulate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Simulate:
     monkeypatch.chdir(tmp_path)
@@ -46,6 +56,21 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("driven") / "driven.lag"
     path.write_text(DRIVEN)
     return path
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("kind", ["me", "cs"])
+def test_impulses_are_passed_on(kind: str, version: str, tmp_path: Path, simulate: Simulate) -> None:
+    path = tmp_path / "kicked.lag"
+    path.write_text(KICKED)
+    times = [0.0, 0.5, 1.5, 2.5, 3.0]
+    found = simulate(fmu_of(path, version), "--kind", kind, "--at", ",".join(map(str, times)), "--tolerance", "1e-9", "--outputs",
+                     "energy.residual")
+    native = model_of(path).simulate(at=times, tolerance=1e-11)
+    assert abs(native["hinge.phi"][2]) > 0.1
+    assert found["hinge.phi"] == pytest.approx(native["hinge.phi"], abs=1e-7)
+    assert found["mass.s"] == pytest.approx([0, 0, -0.25, -0.5, -0.5], abs=1e-7)
+    assert np.abs(found["energy.residual"]).max() < 1e-6
 
 
 @pytest.mark.parametrize("version", VERSIONS)

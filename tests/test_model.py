@@ -10,6 +10,7 @@ from matplotlib.image import imread
 from scipy.linalg import null_space
 
 import lagrangia as lag
+from lagrangia.simulate import Experiment
 
 EXAMPLES = sorted((Path(__file__).resolve().parent.parent / "models" / "examples").glob("*.lag"))
 FOLDER = EXAMPLES[0].parent
@@ -241,3 +242,17 @@ def test_the_jacobian_is_the_slope_of_the_accelerations(example: tuple[dict[str,
             slope = slope + weight * states(functions["rhs"])[:, 0] / (12 * step)
         np.testing.assert_allclose(slope, exact[:, column], rtol=0, atol=1e-7 * np.abs(exact).max())
     states.q, states.v = np.split(y, 2)
+
+
+@pytest.mark.parametrize(("span", "interval", "rows"), [
+    (1.0, 0.001, 1001), (10.0, 0.01, 1001), (100.0, 0.1, 1001), (1.0, 1e-4, 10001), (0.3, 0.1, 4), (3.0, 1e-3, 3001),
+    (1.0, 0.3, 5), (1.0, 2.0, 2), (1000.1, 1.0, 1002), (1.0, 1 / 3, 4), (7e5, 0.7, 1000001), (1.0005, 1e-3, 1002),
+])
+def test_rows_are_an_interval_apart_and_the_last_is_the_stop(span: float, interval: float, rows: int) -> None:
+    experiment = Experiment(2.0, 2.0 + span, 1e-8, interval)
+    times = np.concatenate([np.array(portion) for portion in experiment.times()])
+    assert len(times) == experiment.count() == rows
+    assert times[-1] == 2.0 + span
+    gaps = np.diff(times)
+    assert gaps.min() > 1e-4 * interval
+    assert gaps[:-1] == pytest.approx(interval, rel=1e-6)

@@ -70,6 +70,7 @@ ORDER = """
     spectrum
     islands
     factors
+    impulses
     functions
     assembly
     assemblies

@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.casadi_solvers import segments, switching_times
+from lagrangia.diagnostics import fail
 from lagrangia.model import Model
 from lagrangia.simulate import Experiment, check_values, plan
 
@@ -94,6 +95,9 @@ def build_problem(model: Model, *, stop: float | None = None, points: int = 10,
     values = check_values(model.scene, given)
     model = model.suited(values)
     table = model.compilation.functions.table
+    if "kick" in table:
+        fail("L0909", "not supported yet: to compare integrators on a scene whose supports move with rates that jump", None,
+             "they would have to be told of the impulses; lag simulate takes them into account")
     p = np.array(table["parameters"](values.parameters, values.mask))
     corners = [float(t) for t in switching_times(model.compilation, whole, p)]
     length = whole.stop - whole.start

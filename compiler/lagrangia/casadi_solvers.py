@@ -44,6 +44,8 @@ class _Run:
     values: Values
     integrator: str
     begin: float | None = None  # H in the first row
+    given: float = 0.0  # energy given by jumps at events, where no work is integrated
+    modes: Any = None  # of the segment before
     residual: float = 0.0
     scale: float = 0.0
 
@@ -130,6 +132,7 @@ class _Run:
         if target <= now:
             return np.tile(self.y[:, None], (1, len(wanted)))
         self.segment = now, target
+        self._enter(now, target)
         rhs = self.compilation.functions.table["rhs"]
         t, y = ca.SX.sym("t"), ca.SX.sym("y", self.y.size)
         q, v = y[: self.n], y[self.n : 2 * self.n]
@@ -148,6 +151,22 @@ class _Run:
         place = {when: states[:, k] for k, when in enumerate(grid)} | {now: before}
         return np.array([place[w] for w in wanted]).T if wanted else np.empty((self.y.size, 0))
 
+    def _enter(self, now: float, target: float) -> None:
+        """What the modes of a new segment change at once: rates, where supports' rates jump, and H."""
+        table, n, d = self.compilation.functions.table, self.n, self._modes(now, target)
+        before, self.modes = self.modes, d
+        if before is None or bool(ca.logic_all(before == d)):
+            return
+        u, q, v = self._inputs(now, now, target), self.y[:n], self.y[n : 2 * n]
+        jump = -float(table["energies"](now, q, v, u, before, self.c)[2])
+        if "kick" in table:
+            v += np.array(table["kick"](now, q, v, u, d, self.c, before)).ravel()
+        jump += float(table["energies"](now, q, v, u, d, self.c)[2])
+        if self.y.size > 2 * n:
+            self.y[2 * n + 1] += jump
+        else:
+            self.given += jump
+
     def _full_rows(self, times: list[float], states: np.ndarray) -> np.ndarray:
         table, n = self.compilation.functions.table, self.n
         now, target = getattr(self, "segment", (times[0], times[0]))
@@ -160,7 +179,7 @@ class _Run:
             outputs = table["outputs"](t, q, v, a, multipliers, u, d, self.c)
             energies = table["energies"](t, q, v, u, d, self.c)
             rows.append(np.concatenate([[t], q, v, np.array(outputs).ravel(), np.array(energies).ravel(),
-                                        e if e.size else [0.0, 0.0]]))
+                                        e if e.size else [0.0, self.given]]))
         return np.array(rows)
 
 

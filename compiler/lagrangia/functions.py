@@ -15,6 +15,7 @@ from lagrangia.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.constraints import Constraints
 from lagrangia.factors import hoist
 from lagrangia.hamilton import Hamilton
+from lagrangia.impulses import find_kick
 from lagrangia.initial import InitialConditions
 from lagrangia.jacobians import Jacobian, build_jacobian
 from lagrangia.kinematics import Kinematics
@@ -56,9 +57,10 @@ def build_functions(
     symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
     power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
     jacobian, flow = build_jacobian(kinematics, motion), [hamilton.velocity, hamilton.force] if hamilton else []
+    kick = find_kick(kinematics, motion)
     found, c, hoisted = _hoisted({
         "rhs": [motion.acceleration, power, multipliers], "outputs": [y], "energies": [energy], **_constrained(motion, energy),
-        "flow": flow, "jacobian": list(jacobian.values)}, motion.p)
+        "flow": flow, "jacobian": list(jacobian.values), "kick": [kick.rates]}, motion.p)
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = ca.vertcat(*[mode.symbol for mode in modes])
     given, mask, p = all_parameters(kinematics, motion.p.numel())
@@ -74,6 +76,7 @@ def build_functions(
     }
     table |= _functions_of_constraints(motion, found, d, c)
     table |= _flow_functions(motion, hamilton, found["flow"], c) | _mode_functions(motion, modes)
+    table |= _kick_function(state, found["kick"], kick.before)
     table |= _start_functions(kinematics, motion, initial)
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
@@ -87,9 +90,9 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     """For some coordinates that are run by themselves: what moves them, without energies and outputs."""
     power, modes, held = _power(motion, motion.source_power), kinematics.algebra.modes, motion.constrained
     symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
-    jacobian = build_jacobian(kinematics, motion)
+    jacobian, kick = build_jacobian(kinematics, motion), find_kick(kinematics, motion)
     found, c, hoisted = _hoisted({"rhs": [motion.acceleration, power, multipliers], **_constrained(motion, ca.SX(0, 1)),
-                                  "jacobian": list(jacobian.values)}, motion.p)
+                                  "jacobian": list(jacobian.values), "kick": [kick.rates]}, motion.p)
     d = ca.vertcat(*[mode.symbol for mode in modes])
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
     given, mask, p = all_parameters(kinematics, motion.p.numel())
@@ -100,6 +103,7 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
         "rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"]),
     } | _functions_of_constraints(motion, found, d, c) | _mode_functions(motion, modes)
+    table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(mode.kind for mode in modes), power.numel(), False,
                      patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
@@ -253,12 +257,8 @@ def at_declared_values(kinematics: Kinematics, expressions: list[ca.SX]) -> list
 def at_start(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
     """The expressions at the start time, inputs zero: functions of q, v and p."""
     symbols, model = kinematics.symbols, kinematics.graph.model
-    modes = kinematics.algebra.modes
-    if modes:
-        expressions = ca.substitute(expressions, [m.symbol for m in modes], [m.value for m in modes])
     inputs = [x for n, v in model.variables.items() if v.kind == "input" for _, x in scalars(n, symbols.values[n])]
-    numbers = [ca.SX(model.experiment.start), ca.SX(1), *[ca.SX(0)] * len(inputs)]
-    found: list[ca.SX] = ca.substitute(expressions, [symbols.time, symbols.tau, *inputs], numbers)
+    found: list[ca.SX] = ca.substitute(kinematics.at_start(expressions), inputs, [ca.SX(0)] * len(inputs))
     return found
 
 
@@ -313,6 +313,12 @@ def _implicit_function(jacobian: Jacobian, steps: list[ca.SX], full: list[ca.SX]
     if not jacobian.tangent:
         return {}
     return {"tangent": ca.Function("tangent", [*full, *jacobian.along], steps, [*labels, "dq", "dv"], ["w", "r"])}
+
+
+def _kick_function(state: list[ca.SX], found: list[ca.SX], before: ca.SX) -> dict[str, ca.Function]:
+    if not found[0].numel():
+        return {}
+    return {"kick": ca.Function("kick", [*state, before], found, ["t", "q", "v", "u", "d", "c", "before"], ["dv"])}
 
 
 def _mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:

@@ -190,8 +190,7 @@ class _Starts:
             self.residuals.append((self._at_start(gap), equation.span))
 
     def _at_start(self, value: ca.SX) -> ca.SX:
-        symbols, model = self.kinematics.symbols, self.kinematics.graph.model
-        return ca.substitute([value], [symbols.time, symbols.tau], [ca.SX(model.experiment.start), ca.SX(1)])[0]
+        return self.kinematics.at_start([value])[0]
 
     # ------------------------------------------------------------ what an expression names
 

@@ -58,14 +58,15 @@ def island_motion(kinematics: Kinematics, motion: Motion, groups: Sequence[tuple
 
     own = replace(motion, q=motion.q[chosen], v=motion.v[chosen], a=motion.a[chosen], momentum=motion.momentum[chosen],
                   h=motion.h[chosen], acceleration=motion.acceleration[chosen], dissipated_power=part(motion.dissipated_power),
-                  source_power=part(held.load_power if held else motion.source_power), constrained=None)
+                  source_power=part(held.load_power if held else motion.source_power), constrained=None,
+                  way="dense", collected=None)
     return _held(kinematics, own, _own_rows(motion, held, chosen), held.regular is None) if held else own
 
 
 def _held(kinematics: Kinematics, motion: Motion, rows: ConstraintRows, for_any_mass: bool) -> Motion:
     """An island under its own constraints."""
     if not rows.rate.numel():
-        return replace(motion, acceleration=solve_dense(motion.momentum, -motion.h, motion.v), way="dense")
+        return replace(motion, acceleration=solve_dense(motion.momentum, -motion.h, motion.v))
     free = FreeMotion(motion.q, motion.v, motion.momentum, motion.h, motion.source_power)
     acceleration, source, held = constrain(kinematics, rows, free, for_any_mass)
     return replace(motion, acceleration=acceleration, source_power=source, constrained=held)

@@ -21,6 +21,8 @@ from lagrangia.flat import Variable
 from lagrangia.graph import ComponentGraph
 from lagrangia.scalars import symbol
 
+_JUST_AFTER = 1e-9  # of the time from start to stop
+
 
 @dataclass(frozen=True, slots=True)
 class Pose:
@@ -104,6 +106,15 @@ class Kinematics:
         for name, coefficient in dependent.terms.items():
             total = total + coefficient * self.coordinate(name, level)
         return total
+
+    def at_start(self, expressions: list[ca.SX]) -> list[ca.SX]:
+        """At the start time, with modes as they are just after it."""
+        t, modes, experiment = self.symbols.time, self.algebra.modes, self.graph.model.experiment
+        just_after = experiment.start + _JUST_AFTER * (experiment.stop - experiment.start)
+        values = ca.substitute([mode.value for mode in modes], [t], [ca.SX(just_after)])
+        expressions = ca.substitute(expressions, [mode.symbol for mode in modes], values) if modes else expressions
+        found: list[ca.SX] = ca.substitute(expressions, [t, self.symbols.tau], [ca.SX(experiment.start), ca.SX(1)])
+        return found
 
     def time(self, level: int) -> Scalar:
         t, tau = self.symbols.time, self.symbols.tau

@@ -147,7 +147,7 @@ _SIZES = (
 )
 _FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
-    "linear", "waves", "jacobian", "tangent", "velocity", "force", "residual", "regular", "nearest",
+    "linear", "waves", "jacobian", "tangent", "velocity", "force", "residual", "regular", "nearest", "kick",
 )
 
 

@@ -88,7 +88,7 @@ def _whole(motion: Motion) -> tuple[str, list[tuple[int, ...]]]:
 def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: tuple[int, ...]) -> Scene:
     held = motion.constrained
     rows = [held.rows.phi, held.rows.rate, held.rows.bias] if held else []
-    everything = ca.vertcat(motion.h, motion.acceleration, motion.dissipated_power, motion.source_power, *rows)
+    everything = ca.vertcat(motion.h, motion.momentum, motion.acceleration, motion.dissipated_power, motion.source_power, *rows)
     used = {symbol.__hash__() for symbol in ca.symvar(everything)}
     algebra = replace(kinematics.algebra, modes=[mode for mode in kinematics.algebra.modes if mode.symbol.__hash__() in used])
     functions = build_island_functions(replace(kinematics, algebra=algebra), motion)

@@ -38,12 +38,10 @@ class Experiment:
     def count(self) -> int:
         if self.at is not None:
             return len(self.at)
-        return math.floor((self.stop - self.start) / self.interval * (1 + 1e-12)) + 1 + self._last()
-
-    def _last(self) -> int:
-        """1 when the stop time does not fall on the grid and gets a row of its own."""
-        intervals = (self.stop - self.start) / self.interval
-        return int(intervals * (1 + 1e-12) - math.floor(intervals * (1 + 1e-12)) > 1e-9)
+        intervals = min((self.stop - self.start) / self.interval, 2.0 * _MOST_ROWS)
+        nearest = round(intervals)
+        is_on_grid = abs(intervals - nearest) <= 1e-9 + 1e-12 * nearest
+        return 1 + (nearest if is_on_grid else math.ceil(intervals))  # the stop time has a row of its own
 
     def times(self) -> Iterator[list[float]]:
         """The times of the rows, in portions."""
@@ -120,7 +118,7 @@ def plan(scene: Scene, *, stop: float | None = None, start: float | None = None,
     experiment = Experiment(begin, end, accuracy, step or 1.0, tuple(at) if at is not None else None, max_step, max_steps,
                             solver)
     if experiment.count() > _MOST_ROWS:
-        report.error("L0702", f"{experiment.count()} rows are more than {_MOST_ROWS}", None, "choose a longer interval")
+        report.error("L0702", f"more than {_MOST_ROWS} rows are asked for", None, "choose a longer interval")
         report.raise_errors()
     return experiment
 

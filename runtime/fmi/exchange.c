@@ -273,7 +273,7 @@ static double next_event(LagInstance *s)
     return lag_schedule_next(s->model->n_events, s->model->event_kind, s->run->event_a, s->run->event_b, s->vital.t);
 }
 
-/* The modes after this time; a state that has gone astray is brought back. */
+/* The modes after this time, and the impulses that come with them; a state that has gone astray is brought back. */
 static int begin_segment(LagInstance *s)
 {
     LagRun *run = s->run;
@@ -282,7 +282,7 @@ static int begin_segment(LagInstance *s)
     lag_energies(run, s->vital.t, s->x, before);
     run->motion.t = run->motion.t_old = s->vital.t;
     lag_segment_enter(run);
-    const int astray = is_astray(s);
+    const int kicked = lag_kick(run, s->vital.t, s->x), astray = is_astray(s);
     if (astray) {
         memcpy(run->motion.y, s->x, size);
         memset(run->motion.carry, 0, size);
@@ -294,7 +294,7 @@ static int begin_segment(LagInstance *s)
     if (!astray) /* what projecting adds or takes is an error, and shows as one */
         s->vital.work += after[2] - before[2];
     lag_instance_forget(s);
-    return astray;
+    return astray || kicked;
 }
 
 LagAnswer lag_instance_update_discrete(LagInstance *s, LagEventInfo *info)

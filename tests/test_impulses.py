@@ -1,0 +1,129 @@
+"""Supports and prescribed coordinates whose rate jumps: momentum stays, but for the impulses of what holds the scene."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.native import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+
+Scene = Callable[[str], lag.Model]
+SOLVERS = ("auto", "erk", "erk5", "taylor", "implicit", "linear", "casadi:cvodes")
+
+FREE = """model Free "nothing acts on a mass that is told in the frame of a table pushed by a ramp"
+  World world(gravity = {0, 0});
+  Frame table = shift(world, {0.5*ramp(time, 1, 1), 0});
+  Block mass(m = 2, base = table, v(start = 0.25));
+  output Length x = mass.center.x;
+  annotation(experiment(StopTime = 3));
+end Free;"""
+
+PENDULUM = """model Driven "a pendulum on a slider that goes to and fro along straight lines"
+  Prismatic slider(a = world); Motion motion(of = slider.s, to = table(time, {0, 1, 2}, {0, 0.5, 0}));
+  Revolute hinge(a = slider.b); PointMass ball(m = 3, center = shift(hinge.b, {0, -1}));
+  annotation(experiment(StopTime = 3, Tolerance = 1e-11));
+end Driven;"""
+
+ROD = """model Rod "a pendulum whose rod grows, held by a constraint"
+  PointMass ball(m = 2, center(x(start = 0.6), y(start = -0.8)));
+equation
+  distance(world, ball.center) = 1[m] + 0.2[m]*ramp(time, 1, 1);
+  annotation(experiment(StopTime = 3, Tolerance = 1e-11));
+end Rod;"""
+POLAR = """model Polar "the same without a constraint"
+  Revolute hinge(a = world, phi(start = -0.9272952180016123));
+  Prismatic rod(a = hinge.b); Motion motion(of = rod.s, to = 1[m] + 0.2[m]*ramp(time, 1, 1));
+  PointMass ball(m = 2, center = rod.b);
+  annotation(experiment(StopTime = 3, Tolerance = 1e-11));
+end Polar;"""
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_free_mass_does_not_mind_the_frame_it_is_told_in(solver: str, scene: Scene) -> None:
+    run = scene(FREE).simulate(solver=solver, at=[0.0, 0.5, 1.5, 2.5, 3.0], tolerance=1e-10)
+    assert run["x"] == pytest.approx(0.25 * run.time, abs=1e-9)
+    assert run["der(mass.s)"] == pytest.approx([0.25, 0.25, -0.25, 0.25, 0.25], abs=1e-9)
+    assert np.abs(run.energy.residual).max() < 1e-9
+    assert run.energy.work == pytest.approx(0.0, abs=1e-9)
+
+
+def test_carts_at_a_prescribed_distance_keep_their_momentum(scene: Scene) -> None:
+    run = scene("""model Carts
+  World world(gravity = {0, 0});
+  Block a(m = 1, base = world, s(start = 0, fixed = true)), b(m = 3, base = world);
+equation
+  b.s - a.s = 1[m] + table(time, {0, 1, 2}, {0, 1, 1});
+initial equation
+  a.v = 0;
+  annotation(experiment(StopTime = 2));
+end Carts;""").simulate(at=[0.5, 1.5, 2.0])
+    assert run["der(a.s)"] == pytest.approx([0.0, 0.75, 0.75], abs=1e-12)
+    assert run["b.s"] - run["a.s"] == pytest.approx([1.5, 2.0, 2.0], abs=1e-12)
+    assert run.energy.work == pytest.approx([0.0, -0.375, -0.375], abs=1e-12)  # the tie takes 3/2 - 9/8 J
+    assert np.abs(run.energy.residual).max() < 1e-12
+
+
+@pytest.mark.parametrize("solver", ["erk", "taylor", "implicit"])
+def test_a_pendulum_on_a_slider_beside_a_rounded_corner(solver: str, scene: Scene) -> None:
+    """A corner is the limit of round ones, which are so far from it as they are wide."""
+    times = [0.5, 1.25, 1.75, 2.5, 3.0]
+    sharp = scene(PENDULUM).simulate(solver=solver, at=times)["hinge.phi"]
+    errors = []
+    for w in (1e-3, 1e-4):
+        x = "(time/1[s])"
+        rounded = f"1[m]*(0.25*{x} - 0.5*sqrt(({x} - 1)^2 + {w}^2) + 0.25*sqrt(({x} - 2)^2 + {w}^2))"
+        model = scene(PENDULUM.replace("table(time, {0, 1, 2}, {0, 0.5, 0})", rounded))
+        errors.append(np.abs(model.simulate(solver="erk", at=times, max_step=1e-3)["hinge.phi"] - sharp).max())
+    assert errors[0] < 0.01
+    assert errors[1] < 0.15 * errors[0]
+
+
+@pytest.mark.parametrize("solver", ["erk", "erk5", "implicit"])
+def test_a_constraint_whose_rate_jumps_gives_the_impulse_along_itself(solver: str, scene: Scene) -> None:
+    times = [0.5, 1.5, 2.5, 3.0]
+    held = scene(ROD).simulate(solver=solver, at=times)
+    free = scene(POLAR).simulate(solver="erk", at=times)
+    r, phi, w = free["rod.s"], free["hinge.phi"], free["der(hinge.phi)"]
+    assert held["ball.center.x"] == pytest.approx(r * np.cos(phi), abs=1e-9)
+    assert held["ball.center.y"] == pytest.approx(r * np.sin(phi), abs=1e-9)
+    rate = np.array([0.0, 0.2, 0.0, 0.0])
+    assert held["der(ball.center.x)"] == pytest.approx(rate * np.cos(phi) - r * w * np.sin(phi), abs=1e-9)
+    for run in (held, free):
+        assert np.abs(run.energy.residual).max() < 1e-8
+    assert held.energy.work == pytest.approx(free.energy.work, abs=1e-8)
+
+
+def test_angular_momentum_stays_where_a_rod_begins_to_grow(scene: Scene) -> None:
+    run = scene(POLAR.replace("Revolute hinge(", "World world(gravity = {0, 0});\n  Revolute hinge(w(start = 2), ")).simulate()
+    L = 2 * run["rod.s"] ** 2 * run["der(hinge.phi)"]
+    assert pytest.approx(4.0, rel=1e-10) == L
+
+
+def test_islands_and_batches_take_impulses(scene: Scene) -> None:
+    model = scene(PENDULUM.replace("Revolute hinge(", "Block apart(m = 1, base = slider.b, along = {0, 1}); "
+                                                      "Spring spring(k = 1e4, stretch = apart.s - 0.1[m]);\n  Revolute hinge("))
+    assert model.scene.islands
+    at = [1.5, 3.0]
+    apart, whole = (model.simulate(solver=solver, at=at, tolerance=1e-11)["hinge.phi"] for solver in ("islands", "erk"))
+    assert apart == pytest.approx(whole, abs=1e-9)
+    assert abs(whole[0]) > 0.3
+    sweep = model.simulate_many(parameters={"ball.m": [3.0, 5.0]}, outputs=["at(1.5, hinge.phi)"], tolerance=1e-11)
+    assert np.asarray(sweep["at(1.5, hinge.phi)"]) == pytest.approx(whole[0], abs=1e-9)
+
+
+def test_a_mass_that_is_halved_at_once_keeps_its_momentum(scene: Scene) -> None:
+    """As Lagrange's equation has it: d(m v)/dt = 0."""
+    run = scene("""model Halved
+  coordinate Length x(start = 0); coordinate Length y(start = 0);
+energy
+  kinetic 1[kg]*(if time < 1 then 2 else 1)*der(x)^2/2 + 1[kg]*der(y)^2/2;
+initial equation
+  der(x) = 1;
+  annotation(experiment(StopTime = 2));
+end Halved;""").simulate(at=[0.5, 1.5])
+    assert run["der(x)"] == pytest.approx([1.0, 2.0], abs=1e-12)
+    assert math.isclose(run["x"][-1], 2.0, abs_tol=1e-12)
