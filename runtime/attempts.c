@@ -2,13 +2,14 @@
  * the step, the more of its stages feel it: shrinking leads ever deeper in. The motion itself is smooth there. So the step
  * is tried again with projected slopes, at several lengths that straddle the place in different ways; if none is good
  * enough, the best of them is that can be had, as long as its error stays below FORGIVEN: the run tells how often it missed its
- * tolerance. What the projection moves a step by is an error as well. */
+ * tolerance. But where the best is FAR from good, the motion may only be quick here: much shorter steps are tried before.
+ * What the projection moves a step by is an error as well. */
 #include "attempts.h"
 
 #include <math.h>
 
-enum { PATIENT = 2, MOST_TRIES = 3 };
-static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5;
+enum { PATIENT = 2, MOST_TRIES = 3, DEPTHS = 7 };
+static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5, FAR = 8;
 /* An ordinary rejection is one that a shorter step mends. Errors (relative to the state) above NOISE cannot be rounding: there
  * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is the first
  * at this place, its error is not far off, or the step is much longer than the last good ones; and above FAINT_NOISE steps may be
@@ -41,6 +42,11 @@ static double next_way(const LagRun *run, LagAttempts *attempts, double shorter)
         if (attempts->tries[i] == 0 || attempts->errors[i] < attempts->errors[best])
             best = i;
     const int is_new = attempts->tries[best] == 0;
+    if (!is_new && attempts->depth < DEPTHS && attempts->errors[best] > FAR) {
+        attempts->way = -1;
+        attempts->allowed = 1;
+        return ldexp(attempts->planned * WAY[LAG_WAYS - 1], -++attempts->depth);
+    }
     attempts->way = is_new || attempts->errors[best] * run->scale.tolerance < FORGIVEN ? best : -1;
     if (attempts->way < 0)
         return shorter;

@@ -320,7 +320,8 @@ def shortcomings(progress: Progress) -> list[str]:
     if statistics.tolerance_raised:
         found.append("the tolerance was raised to 1e-14, the smallest that double precision can keep")
     if statistics.tolerance_missed:
-        found.append(f"{statistics.tolerance_missed} steps near singular positions missed the tolerance, by rounding")
+        missed = f"{statistics.tolerance_missed} step{'s' if statistics.tolerance_missed != 1 else ''} missed the tolerance"
+        found.append(f"{missed}: rounding is too large there, as it is near singular positions, or where tolerances are tiny")
     missed = _missed_energy(statistics)
     if missed > _MUCH * tolerance:
         found.append(f"the tolerance {tolerance:g} was not kept to the end: errors have added up until the energy account misses "

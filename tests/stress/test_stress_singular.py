@@ -26,3 +26,32 @@ def test_flat_positions_are_passed_at_any_tolerance(n: int) -> None:
         error = np.abs((run.rows - exact.rows)[:, 1 : 1 + 2 * model.scene.n]).max() / size
         assert error < 10 * tolerance + 1e-10, f"at {tolerance:.1e}"
         assert (run.statistics.tolerance_missed > 0) == bool(run.warnings)
+
+
+WHIP = """model Whip "a pendulum on a link passes a small magnet quickly; no position is singular"
+  parameter Real mu(unit = "N.m2") = 0.05; parameter Length gap = 0.01;
+  Link rod(L = 1, a = world, b = bob.center);
+  PointMass bob(m = 1, center(x(start = 0.8, fixed = true), y(start = -0.6)));
+  GeneralSpring magnet(a = shift(world, {0, -1 - gap}), b = bob.center, V = -mu/magnet.stretch);
+  annotation(experiment(StopTime = 2));
+end Whip;
+model Hinged "the same with a hinge"
+  parameter Real mu(unit = "N.m2") = 0.05; parameter Length gap = 0.01;
+  Revolute hinge(a = world, phi(start = asin(0.8), fixed = true));
+  PointMass bob(m = 1, center = shift(hinge.b, {0, -1}));
+  GeneralSpring magnet(a = shift(world, {0, -1 - gap}), b = bob.center, V = -mu/magnet.stretch);
+  annotation(experiment(StopTime = 2));
+end Hinged;"""
+
+
+@pytest.mark.parametrize("solver", ["erk", "erk5", "auto"])
+@pytest.mark.parametrize(("gap", "mu"), [(0.003, 0.02), (0.005, 0.08), (0.006, 0.01), (0.01, 0.06), (0.02, 0.1)])
+def test_quick_passages_are_no_singular_positions(gap: float, mu: float, solver: str, tmp_path: Path) -> None:
+    path = tmp_path / "whip.lag"
+    path.write_text(WHIP)
+    how = {"interval": 0.1, "parameters": {"gap": gap, "mu": mu}}
+    exact = lag.load(path, model="Hinged").simulate(tolerance=1e-13, solver="taylor", **how)["bob.center.x"]
+    held = lag.load(path, model="Whip")
+    for tolerance in np.logspace(-4, -12, 17):
+        run = held.simulate(tolerance=tolerance, solver=solver, **how)
+        assert np.abs(run["bob.center.x"] - exact).max() < 30 * tolerance + 1e-11, f"at {tolerance:.1e}"
