@@ -42,7 +42,8 @@ static double next_way(const LagRun *run, LagAttempts *attempts, double shorter)
         if (attempts->tries[i] == 0 || attempts->errors[i] < attempts->errors[best])
             best = i;
     const int is_new = attempts->tries[best] == 0;
-    if (!is_new && attempts->depth < DEPTHS && attempts->errors[best] > FAR) {
+    const double least = attempts->errors[best];
+    if (!is_new && attempts->depth < DEPTHS && least > FAR && least * run->scale.tolerance > FAINT_NOISE) {
         attempts->way = -1;
         attempts->allowed = 1;
         return ldexp(attempts->planned * WAY[LAG_WAYS - 1], -++attempts->depth);

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _RADAU = (1e-10, 1e-11, 1e-12, 1e-13)
 _COLUMNS = 10  # order 20
 _SMALLEST_STEP = 1e-12  # of the piece
-_HIGHEST_NOISE = 1e4  # in units of the tolerance
+_HIGHEST_NOISE = 1e-11  # of the state: what is larger is no rounding, nor a step so short over a jump of the force
 _LARGEST_AT_FULL_SPEED = 20_000  # instructions; compiling more with -O1 takes minutes
 _PROBE = """#include <float.h>
 #ifdef _WIN32
@@ -90,7 +90,7 @@ def _by_extrapolation(problem: Problem, seconds: float) -> Reference:
             tight, loose = (_solve(problem, real, accuracy, clock) for accuracy in (tolerance, 10 * tolerance))
         except _Noise:
             tolerance *= 10
-            continue
+            continue  # until noise is no larger than the tolerance
         how = f"extrapolation of order {2 * _COLUMNS} with {digits} bits of mantissa, tolerance {tolerance:.0e}"
         return Reference(tight, max(problem.error(loose, tight), float(np.finfo(real).eps)), how)
 
@@ -129,7 +129,7 @@ def _solve(problem: Problem, real: Any, tolerance: float, clock: _Clock) -> "NDA
 
 
 class _Noise(Exception):
-    """Shorter steps have no smaller errors: they are rounding."""
+    """Shorter steps have no smaller errors: they are rounding. Or the shortest still meets a jump of the force."""
 
 
 class _Slope:
@@ -175,7 +175,7 @@ class _Extrapolation:
                 if np.isfinite(error) and error <= 1:
                     t, y = (target, found) if step == target - t else (t + step, found)
                     rejected = math.inf
-                elif error < _HIGHEST_NOISE and error > rejected / 2:
+                elif error > rejected / 2 and error * self.tolerance < _HIGHEST_NOISE:
                     raise _Noise
                 else:
                     rejected = error
@@ -185,6 +185,8 @@ class _Extrapolation:
                 if step == h or factor < 1:
                     h = step * self.real(min(4.0, max(0.1, factor)))
                 if h < smallest:
+                    if error * self.tolerance < _HIGHEST_NOISE:
+                        raise _Noise
                     raise NoReference(f"it cannot be continued beyond t = {float(t):.9g}")
             rows.append(y)
         return np.array(rows)

@@ -321,7 +321,7 @@ def shortcomings(progress: Progress) -> list[str]:
         found.append("the tolerance was raised to 1e-14, the smallest that double precision can keep")
     if statistics.tolerance_missed:
         missed = f"{statistics.tolerance_missed} step{'s' if statistics.tolerance_missed != 1 else ''} missed the tolerance"
-        found.append(f"{missed}: rounding is too large there, as it is near singular positions, or where tolerances are tiny")
+        found.append(f"{missed}, as happens near singular positions, and where little but rounding is left")
     missed = _missed_energy(statistics)
     if missed > _MUCH * tolerance:
         found.append(f"the tolerance {tolerance:g} was not kept to the end: errors have added up until the energy account misses "
