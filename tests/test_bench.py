@@ -68,6 +68,31 @@ def test_a_stiff_scene_gets_its_reference_by_an_implicit_method(tmp_path: Path) 
     assert problem.error(reference.positions, exact[:, None]) < 1e-11
 
 
+def test_the_reference_of_a_scene_with_corners_is_its_closed_form(tmp_path: Path) -> None:
+    """A ball that falls from 1 m on a stiff floor and back, again and again: half swings below, parabolas above."""
+    path = tmp_path / "ball.lag"
+    path.write_text("""model Ball
+  Prismatic x(a = world, along = {0, 1}, s(start = 1)); PointMass b(m = 1, center = x.b);
+  GeneralSpring k(a = world, b = x.b, V = if x.s < 0 then 1000*x.s^2/2 else 0);
+  annotation(experiment(StopTime = 3));
+end Ball;""")
+    problem = build_problem(lag.load(path))
+    reference = find_reference(problem)
+    g, w = 9.81, math.sqrt(1000)
+    fall, hit = math.sqrt(2 / g), math.sqrt(2 * g)
+    below = (2 * math.pi - 2 * math.atan2(hit, g / w)) / w  # s = -g/w2 + g/w2 cos(w t) - hit/w sin(w t) until it is 0 again
+    heights = []
+    for t in problem.times:
+        phase = t % (2 * fall + below)
+        inside = phase - fall
+        heights.append(1 - g * phase**2 / 2 if inside < 0 else
+                       -g / w**2 + g / w**2 * math.cos(w * inside) - hit / w * math.sin(w * inside) if inside < below else
+                       1 - g * (phase - 2 * fall - below) ** 2 / 2)
+    error = float(np.abs(reference.positions[:, 0] - heights).max())
+    assert error < 1e-8
+    assert error < 100 * reference.error
+
+
 def test_a_reference_that_takes_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lagrangia.bench_reference.find_spec", lambda _: None)  # no SciPy
     problem = build_problem(lag.load(CASES / "stiff_spring_pendulum.lag"), stop=1000.0)

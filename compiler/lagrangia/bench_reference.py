@@ -3,7 +3,8 @@
 Gragg's midpoint rule with 2, 4, ..., 2 K substeps and Richardson extrapolation in h^2, which gives order 2 K; the equations are
 compiled with `long double` (64 bits of mantissa on x86), where C and NumPy agree on it. Its own error is the difference between
 two runs whose tolerances differ by ten. Where rounding in the equations keeps the tolerance out of reach, it is relaxed.
-A scene too stiff for it gets Radau IIA of order 5 (SciPy's) at tight tolerances instead, with some 12 digits.
+A scene too stiff for it gets Radau IIA of order 5 (SciPy's) at tight tolerances instead, with some 12 digits; one with corners
+in its forces (contacts, absolute values), which mislead estimates of high order, SciPy's Dormand-Prince 8(5,3).
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9.
 """
 
@@ -24,7 +25,9 @@ from lagrangia.native import build
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_RADAU = (1e-10, 1e-11, 1e-12, 1e-13)
+_TOLERANCES = (1e-10, 1e-11, 1e-12, 1e-13)  # of SciPy's methods
+_CORNERS = frozenset(getattr(ca, f"OP_{name}") for name in (
+    "LT", "LE", "EQ", "NE", "IF_ELSE_ZERO", "FABS", "SIGN", "FMIN", "FMAX", "FLOOR", "CEIL", "FMOD", "COPYSIGN"))
 _COLUMNS = 10  # order 20
 _SMALLEST_STEP = 1e-12  # of the piece
 _HIGHEST_NOISE = 1e-11  # of the state: what is larger is no rounding, nor a step so short over a jump of the force
@@ -58,25 +61,32 @@ class Reference:
 
 def find_reference(problem: Problem, seconds: float = 60.0) -> Reference:
     """Raises NoReference, CompilerError."""
+    if any(map(_has_corners, problem.pieces)):
+        return _by_scipy("DOP853", problem, seconds, "its forces have corners")
     try:
         return _by_extrapolation(problem, seconds)
     except TooLong as reason:
-        if find_spec("scipy") is None:
-            raise NoReference(str(reason)) from None
-        return _by_radau(problem, seconds)
+        return _by_scipy("Radau", problem, seconds, str(reason))
 
 
-def _by_radau(problem: Problem, seconds: float) -> Reference:
+def _has_corners(piece: Piece) -> bool:
+    slope = piece.slope
+    return not _CORNERS.isdisjoint(slope.instruction_id(k) for k in range(slope.n_instructions()))
+
+
+def _by_scipy(method: str, problem: Problem, seconds: float, reason: str) -> Reference:
+    if find_spec("scipy") is None:
+        raise NoReference(reason)
     found: list[NDArray[Any]] = []
     begin = time.perf_counter()
-    for tolerance in _RADAU:
-        prepared = prepare_scipy("Radau", problem, tolerance)
+    for tolerance in _TOLERANCES:
+        prepared = prepare_scipy(method, problem, tolerance)
         if found and (time.perf_counter() - begin) * 3 > seconds:  # a tenth of the tolerance takes 1.6 to 3 times as long
             break
         found.append(prepared.read(prepared.run(prepared.begin())))
     if len(found) < 2:
-        raise NoReference("it takes too long, by explicit and by implicit methods")
-    how = f"SciPy's Radau IIA at tolerance {_RADAU[len(found) - 1]:.0e}, as explicit extrapolation takes too long"
+        raise NoReference(f"it takes too long by SciPy's {method}, too, and no other can be had: {reason}")
+    how = f"SciPy's {method} at tolerance {_TOLERANCES[len(found) - 1]:.0e}, as {reason}"
     return Reference(found[-1], max(problem.error(found[-2], found[-1]), 1e-15), how)
 
 
