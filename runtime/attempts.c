@@ -2,14 +2,16 @@
  * the step, the more of its stages feel it: shrinking leads ever deeper in. The motion itself is smooth there. So the step
  * is tried again with projected slopes, at several lengths that straddle the place in different ways; if none is good
  * enough, the best of them is that can be had, as long as its error stays below FORGIVEN: the run tells how often it missed its
- * tolerance. But where the best is FAR from good, the motion may only be quick here: much shorter steps are tried before.
- * What the projection moves a step by is an error as well. */
+ * tolerance. Where nothing is singular the motion is only quick: much shorter steps are tried first. What the projection moves a
+ * step by is an error as well. */
 #include "attempts.h"
 
 #include <math.h>
 
+#include "singular.h"
+
 enum { PATIENT = 2, MOST_TRIES = 3, DEPTHS = 7 };
-static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5, FAR = 8;
+static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5, SINGULAR = 100;
 /* An ordinary rejection is one that a shorter step mends. Errors (relative to the state) above NOISE cannot be rounding: there
  * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is the first
  * at this place, its error is not far off, or the step is much longer than the last good ones; and above FAINT_NOISE steps may be
@@ -33,17 +35,24 @@ static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h,
     return is_calm && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
 }
 
+/* Asked once a step. */
+static int is_regular(LagRun *run, LagAttempts *attempts)
+{
+    if (attempts->depth == 0 && !(lag_singularity(run, attempts->planned) < SINGULAR))
+        attempts->depth = DEPTHS;
+    return attempts->depth < DEPTHS;
+}
+
 /* A length not yet tried; then that of the least error, which is allowed now. Should it fail by its projection, that is its error
  * from then on. */
-static double next_way(const LagRun *run, LagAttempts *attempts, double shorter)
+static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
 {
     int best = 0;
     for (int i = 1; i < LAG_WAYS && attempts->tries[best] > 0; ++i)
         if (attempts->tries[i] == 0 || attempts->errors[i] < attempts->errors[best])
             best = i;
     const int is_new = attempts->tries[best] == 0;
-    const double least = attempts->errors[best];
-    if (!is_new && attempts->depth < DEPTHS && least > FAR && least * run->scale.tolerance > FAINT_NOISE) {
+    if (!is_new && is_regular(run, attempts)) {
         attempts->way = -1;
         attempts->allowed = 1;
         return ldexp(attempts->planned * WAY[LAG_WAYS - 1], -++attempts->depth);

@@ -8,6 +8,7 @@
 #include "evaluate.h"
 #include "function.h"
 #include "parts.h"
+#include "singular.h"
 
 static size_t work_size(const LagModel *model)
 {
@@ -47,6 +48,7 @@ static void layout(LagRun *run, LagArena *arena)
     if (lag_parts.assembly_layout)
         lag_parts.assembly_layout(&run->assembly, arena);
     lag_projection_layout(&run->projection, model, arena);
+    lag_singular_layout(run, arena);
     lag_scale_layout(&run->scale, arena);
     lag_motion_layout(&run->motion, arena);
     lag_stiffness_layout(&run->stiffness, model->n, run->motion.size, arena);

@@ -48,6 +48,7 @@ struct LagRun {
     double segment_end;   /* time of the next event */
     double wanted;        /* time of the row that is asked for */
     double step;          /* length proposed for the next step */
+    double *probe; /* 5 n: scratch of lag_singularity, with constraints */
     double start_energy, energy_before;
     double given_energy;  /* by jumps of modes, inputs and parameters, where no work is integrated */
     unsigned ticks;       /* steps and rows, to look at the clock now and then */
