@@ -185,3 +185,16 @@ def test_peaks_without_damping_have_no_height(run: Lag) -> None:
     code, out, _ = run("response", str(EXAMPLES / "disc_and_block.lag"), "--to", "block.s")
     assert code == 0 and out.count("no bound: resonance without damping") == 2
     assert "no bound" not in run("response", str(EXAMPLES / "disc_and_block_damped.lag"))[1]
+
+
+def test_what_cannot_move_is_fixed(run: Lag, tmp_path: Path) -> None:
+    (tmp_path / "truss.lag").write_text("""model Truss "two bars and a load"
+  Revolute a(a = world), b(a = shift(world, {1, 0}), phi(start = 120[deg])), c(a = p.b, b = q.b);
+  Bar p(m = 1, L = 1, a = turn(a.b, 60[deg])), q(m = 1, L = 1, a = b.b);
+end Truss;""")
+    code, out, _ = run("equilibrium", "truss.lag")
+    assert code == 0
+    assert "1: fixed: nothing can move, so it stands as it is, reached from the start" in out
+    assert "neutral" not in out
+    code, out, _ = run("modes", "truss.lag")
+    assert (code, out.strip()) == (0, "Truss: modes about a.phi = 0, b.phi = 2.094395: none, nothing can move")

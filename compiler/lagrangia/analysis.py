@@ -42,8 +42,8 @@ _LARGE = 40  # coordinates: above, the usual search is from few starts
 @dataclass(frozen=True)
 class Equilibrium:
     """`position`: all coordinates, those that constraints give too, m and rad. `stability` after the linearised motion:
-    asymptotically stable, stable (it oscillates without damping), neutral (some motion costs nothing), unstable; or singular,
-    where constraints are less independent than elsewhere and the linearised motion says nothing."""
+    asymptotically stable, stable (it oscillates without damping), neutral (some motion costs nothing), unstable; fixed, where
+    nothing can move; or singular, where constraints are less independent than elsewhere and the linearised motion says nothing."""
 
     position: Mapping[str, float]
     potential: float
@@ -56,7 +56,7 @@ class Equilibrium:
 
     @property
     def is_stable(self) -> bool:
-        return self.stability in ("stable", "asymptotically stable")
+        return self.stability in ("stable", "asymptotically stable", "fixed")
 
 
 @dataclass(frozen=True)

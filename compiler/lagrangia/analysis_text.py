@@ -42,6 +42,8 @@ def _verdict(item: "Equilibrium") -> str:
         return f"unstable: it runs away as exp({item.growth:.4g} t)"
     if item.stability == "singular":
         return "at rest in a singular position, where ways of moving meet: the linearised motion says nothing"
+    if item.stability == "fixed":
+        return "fixed: nothing can move, so it stands as it is"
     if item.stability == "neutral":
         family = "one of a family: " if item.n_neutral else ""
         return f"neutral: {family}some motion costs nothing, and the linearised motion does not decide"
@@ -123,6 +125,8 @@ def modes_text(modes: "Modes") -> str:
     point = ", ".join(f"{name} = {_shown(x)}" for name, x in list(modes.linearization.point.items())[:6])
     more = ", ..." if len(modes.coordinates) > 6 else ""
     lines = [f"{modes.name}: modes about {point}{more}", ""]
+    if not len(modes):
+        return f"{lines[0]}: none, nothing can move"
     lines.append(f"mode{'f [Hz]':>14}{'omega [rad/s]':>15}{'period [s]':>13}")
     for k, mode in enumerate(modes.modes[:_MOST_ROWS]):
         if mode.kind == "oscillation":

@@ -33,7 +33,7 @@ def simulate_casadi(
         fail("L0704", f"CasADi has no integrator '{name}' that fits", None, f"known here: {', '.join(_INTEGRATORS)}")
     run = _Run(compilation, experiment, values, name)
     check_parameters(compilation.scene, run.p.ravel().tolist())
-    progress = Progress(experiment, parameters=run.p.ravel().tolist())
+    progress = Progress(experiment, parameters=run.p.ravel().tolist(), has_power=compilation.scene.sizes["n_power"] > 0)
     return progress, run.rows(progress, watch)
 
 

@@ -178,6 +178,8 @@ def damped_modes(linear: Linearization, has_rigid: bool) -> tuple[DampedMode, ..
 def stability(linear: Linearization) -> tuple[str, float]:
     """What the eigenvalues say of a position of rest, and the largest real part, 1/s."""
     t = linear.tangent
+    if t.W.shape[1] == 0:
+        return "fixed", 0.0
     omega2, _ = _undamped(t.W.T @ t.M @ t.W, t.W.T @ t.K @ t.W, False)
     scale = float(np.abs(omega2).max(initial=0.0))
     has_rigid = bool((np.abs(omega2) <= _ROUNDING * scale).any()) or scale == 0

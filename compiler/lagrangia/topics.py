@@ -118,8 +118,10 @@ A scene that cannot move is statics: its reactions are told without being asked 
 
 Every run keeps the energy account: T + V + dissipated - work of sources - what it began with is zero, but for errors; the
 largest residual is printed. Where it exceeds a hundred tolerances, errors have added up, which the summary says (`warnings` of a
-trajectory); where it is a tenth of all energy, what was computed is another motion, and the exit code is 1. A tolerance below
-1e-14 is raised to it, and steps that missed theirs are counted. A result file holds finite numbers alone: where an output has
+trajectory): those of the motion, or of the account itself where powers of dampers and loads are integrated, whose errors limit no
+steps. Where it is a tenth of all energy and there are no powers, what was computed is another motion, and the exit code is 1.
+Supports may move with rates that jump (ramps, tables): momentum then stays as it is, but for what holds the scene. A tolerance
+below 1e-14 is raised to it, and steps that missed theirs are counted. A result file holds finite numbers alone: where an output has
 none (the square root of what became negative), its cell is empty, with a warning; NumPy arrays have nan there.
 A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says
 which, and what it took. Compiled scenes are kept in a cache folder ($LAGRANGIA_CACHE, or the system's place for caches).
@@ -263,7 +265,8 @@ nothing but loads depends on time, it goes on: a frame that turns steadily keeps
 Constraints are kept by motion in their null space, with the stiffness that their forces give to curved ones; redundant ones do
 no harm. The states are coordinates of the scene and their rates, those that have start values by preference. A mode without
 stiffness is rigid-body motion; one that runs away tells its rate. An equilibrium is asymptotically stable, stable (undamped),
-neutral, unstable, or singular: where constraints are less independent than elsewhere, the linearised motion says nothing.
+neutral, unstable, or singular: where constraints are less independent than elsewhere, the linearised motion says nothing. Where
+nothing can move it is fixed, and there are no modes.
 
 From Python: model.equilibrium(), model.linearize(excitations=["road.y"], outputs=["car.s"]), model.modes(), model.response(...)
 with parameters=, initial=, inputs=, time=, about=. A linearisation has .M, .C, .K, .A, .B, .output, .D, .save(path) and

@@ -109,3 +109,19 @@ def test_a_run_at_rest_has_kept_its_tolerance(tmp_path: Path) -> None:
         assert model.simulate(stop=100, initial={"s": start}).warnings == []
     pendulum = lag.load(Path(__file__).parents[2] / "models" / "examples" / "pendulum.lag")
     assert pendulum.simulate(stop=1e-7, tolerance=1e-12).warnings == []
+
+
+def test_an_account_that_misses_condemns_no_motion(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Integrals of powers do not limit steps: van der Pol's relaxation is right where its account is far off."""
+    file = tmp_path / "relaxation.lag"
+    file.write_text("""model Relaxation
+  World world(gravity = {0, 0});
+  Block mass(m = 1, base = world, s(start = 2, fixed = true)); Spring s(k = 1, stretch = mass.s);
+  GeneralDamper d(rate = mass.v, D = 200[N.s/m]*((mass.s/1[m])^2 - 1)*mass.v^2/2);
+end Relaxation;""")
+    exact = lag.load(file).simulate(at=[400.0], tolerance=1e-10, solver="implicit")["mass.s"][0]
+    run = lag.load(file).simulate(at=[400.0], tolerance=1e-3, solver="erk")
+    assert run["mass.s"][0] == pytest.approx(exact, abs=1e-4)
+    said = summary(capsys, str(file), "-o", str(tmp_path / "x.csv"), "--stop", "400", "--interval", "100", "--tolerance", "1e-3",
+                   "--solver", "erk")
+    assert "perhaps in its integrals of powers alone" in said
