@@ -43,7 +43,7 @@ _LARGE = 40  # coordinates: above, the usual search is from few starts
 class Equilibrium:
     """`position`: all coordinates, those that constraints give too, m and rad. `stability` after the linearised motion:
     asymptotically stable, stable (it oscillates without damping), neutral (some motion costs nothing), unstable; fixed, where
-    nothing can move; or singular, where constraints are less independent than elsewhere and the linearised motion says nothing."""
+    nothing can move; singular, where constraints are less independent than elsewhere and the linearised motion says nothing."""
 
     position: Mapping[str, float]
     potential: float

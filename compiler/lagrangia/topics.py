@@ -104,7 +104,8 @@ conservative  symplectic steps of equal length: the energy error of a scene that
         Where M is constant, explicit splitting of order 6 (Blanes, Moan, J. Comput. Appl. Math. 142, 2002), whose energy error
         is the tolerance; else Gauss collocation of order 6 to 16 in coordinates and momenta (Hairer, Lubich, Wanner, Geometric
         Numerical Integration, II.1, VI.4). The length of steps is chosen in a trial at the start, so motions that are quick at
-        times (close encounters) are not for it. auto never takes it: it promises positions, and these steps keep the energy.
+        times (close encounters) are not for it; in chaotic motion the energy error creeps. auto never takes it: it promises
+        positions, and these steps keep the energy.
 casadi:cvodes, casadi:idas    integrators of SUNDIALS through CasADi: an independent check, and the way without a C compiler.
 
 Closed loops and constraints: accelerations and multipliers from one sparse linear system, written out and factored without
@@ -120,9 +121,10 @@ Every run keeps the energy account: T + V + dissipated - work of sources - what 
 largest residual is printed. Where it exceeds a hundred tolerances, errors have added up, which the summary says (`warnings` of a
 trajectory): those of the motion, or of the account itself where powers of dampers and loads are integrated, whose errors limit no
 steps. Where it is a tenth of all energy and there are no powers, what was computed is another motion, and the exit code is 1.
-Supports may move with rates that jump (ramps, tables): momentum then stays as it is, but for what holds the scene. A tolerance
-below 1e-14 is raised to it, and steps that missed theirs are counted. A result file holds finite numbers alone: where an output has
-none (the square root of what became negative), its cell is empty, with a warning; NumPy arrays have nan there.
+Supports may move with rates that jump (ramps, tables): momentum then stays as it is, but for what holds the scene; a support
+whose place jumps (step) takes along what is told in its frame. A tolerance below 1e-14 is raised to it, and steps that missed
+theirs are counted. A result file holds finite numbers alone: where an output has none (the square root of what became negative),
+its cell is empty, with a warning; NumPy arrays have nan there.
 A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says
 which, and what it took. Compiled scenes are kept in a cache folder ($LAGRANGIA_CACHE, or the system's place for caches).
 
