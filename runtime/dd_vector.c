@@ -72,18 +72,6 @@ void lag_dds_gather(LagDD a, LagDDs x, LagDDs y, size_t count)
     }
 }
 
-double lag_largest(const double *x, size_t count)
-{
-    double largest[4] = {0, 0, 0, 0};
-    size_t i = 0;
-    for (; i + 3 < count; i += 4)
-        for (size_t k = 0; k < 4; ++k)
-            largest[k] = fabs(x[i + k]) > largest[k] ? fabs(x[i + k]) : largest[k];
-    for (; i < count; ++i)
-        largest[0] = fabs(x[i]) > largest[0] ? fabs(x[i]) : largest[0];
-    return fmax(fmax(largest[0], largest[1]), fmax(largest[2], largest[3]));
-}
-
 void lag_add_multiple(double a, const double *x, double *y, size_t count)
 {
     const double *restrict from = x;

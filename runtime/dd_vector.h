@@ -50,7 +50,6 @@ void lag_dds_add(LagDDs x, LagDDs y, size_t count);             /* y += x */
 void lag_dds_settle(LagDDs x, size_t count);                    /* high parts take over what low parts gathered */
 LagDD lag_dds_dot(LagDDs x, LagDDs y, size_t count);
 
-double lag_largest(const double *x, size_t count); /* of |x| */
 void lag_add_multiple(double a, const double *x, double *y, size_t count); /* y += a x */
 
 /* y += a x for a multiple of four components, low parts gathering. */

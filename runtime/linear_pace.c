@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "extremes.h"
+
 static const double ALLOWED = 1e-13; /* of the largest position, rate or integral, before or after LAG_PACE_STEPS steps */
 
 void lag_pace_layout(LagPace *p, const LagLadder *ladder, LagArena *arena)

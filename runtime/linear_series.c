@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "extremes.h"
+
 enum { COST_OF_TERM = 60, COST_OF_POWERS = 60 }; /* in products of two double-doubles, some 1.5 ns */
 enum { MOST_TERMS = 100, WARM_UP = 12, ITERATIONS = 24, USUAL_TERMS = 30 };
 static const double LONGEST = 2.5, NEGLIGIBLE = 1e-21, ROUGH = 1e-4, MARGIN = 1.1, MOST_STEPS = 1e12;

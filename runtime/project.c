@@ -246,14 +246,6 @@ void lag_project_inside(LagRun *run, double t, double *y)
     project(run, t, INFINITY, 0, y, run->inside_carry, &worst);
 }
 
-static double largest_of(const double *x, int count)
-{
-    double largest = 0;
-    for (int i = 0; i < count; ++i)
-        largest = lag_max(fabs(x[i]), largest);
-    return largest;
-}
-
 void lag_project_row(LagRun *run, double t, double *y, double *energies)
 {
     const LagModel *model = run->model;
@@ -269,7 +261,8 @@ void lag_project_row(LagRun *run, double t, double *y, double *energies)
         if (model->n_multipliers == 0 || lag_call(&model->residual, in, out, run->work) != 0)
             return;
     }
-    const double gap = largest_of(s->phi, model->n_holonomic), rate = largest_of(s->rate, model->n_multipliers);
+    const double gap = lag_largest(s->phi, (size_t)model->n_holonomic);
+    const double rate = lag_largest(s->rate, (size_t)model->n_multipliers);
     statistics->constraint_residual = lag_max(gap, statistics->constraint_residual);
     statistics->constraint_rate_residual = lag_max(rate, statistics->constraint_rate_residual);
 }

@@ -14,14 +14,6 @@ void lag_singular_layout(LagRun *run, LagArena *arena)
     run->probe = lag_take(arena, run->model->n_multipliers > 0 ? 5 * (size_t)run->model->n : 0);
 }
 
-static double largest(const double *x, int n)
-{
-    double most = 0;
-    for (int i = 0; i < n; ++i)
-        most = lag_max(fabs(x[i]), most);
-    return most;
-}
-
 /* The accelerations at positions q and the present rates, less those of `before`. Returns 0 when they have no value. */
 static int change(LagRun *run, const double *q, const double *before, double *a)
 {
@@ -48,7 +40,7 @@ static int go_across(LagRun *run, double size, double *q, double *correction)
     }
     if (lag_call(&run->model->place, in, &correction, run->work) != 0)
         return 0;
-    const double length = largest(correction, m->n);
+    const double length = lag_largest(correction, (size_t)m->n);
     for (int i = 0; i < m->n; ++i)
         q[i] = m->y[i] - correction[i] * size / length;
     return length > 0 && isfinite(length);
@@ -59,14 +51,14 @@ double lag_singularity(LagRun *run, double h)
     const LagMotion *m = &run->motion;
     const int n = m->n, was_careful = run->careful;
     double *a = run->probe, *changed = a + n, *q = changed + n, *correction = q + n, ratio = INFINITY;
-    const double size = PART * h * largest(m->y + n, n);
+    const double size = PART * h * lag_largest(m->y + n, (size_t)n);
     run->careful = 0;
     for (int i = 0; i < n; ++i)
         q[i] = m->y[i] + PART * h * m->y[n + i];
     if (size > 0 && change(run, m->y, NULL, a) && change(run, q, a, changed)) {
-        const double along = largest(changed, n);
+        const double along = lag_largest(changed, (size_t)n);
         if (go_across(run, size, q, correction) && change(run, q, a, changed))
-            ratio = largest(changed, n) / along;
+            ratio = lag_largest(changed, (size_t)n) / along;
     }
     run->careful = was_careful;
     return ratio;
