@@ -10,7 +10,7 @@
 
 #include "singular.h"
 
-enum { PATIENT = 2, MOST_TRIES = 3, DEPTHS = 7 };
+enum { PATIENT = 2, MOST_TRIES = 3, DEPTHS = 7, IN_VAIN, PLUNGED = 100 };
 static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5, SINGULAR = 100;
 /* An ordinary rejection is one that a shorter step mends. Errors (relative to the state) above NOISE cannot be rounding: there
  * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is the first
@@ -35,11 +35,11 @@ static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h,
     return is_calm && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
 }
 
-/* Asked once a step. */
-static int is_regular(LagRun *run, LagAttempts *attempts)
+/* Whether still shorter steps are worth trying. What is near is asked once a step. */
+static int may_plunge(LagRun *run, LagAttempts *attempts)
 {
     if (attempts->depth == 0 && !(lag_singularity(run, attempts->planned) < SINGULAR))
-        attempts->depth = DEPTHS;
+        attempts->depth = IN_VAIN;
     return attempts->depth < DEPTHS;
 }
 
@@ -52,7 +52,7 @@ static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
         if (attempts->tries[i] == 0 || attempts->errors[i] < attempts->errors[best])
             best = i;
     const int is_new = attempts->tries[best] == 0;
-    if (!is_new && is_regular(run, attempts)) {
+    if (!is_new && may_plunge(run, attempts)) {
         attempts->way = -1;
         attempts->allowed = 1;
         return ldexp(attempts->planned * WAY[LAG_WAYS - 1], -++attempts->depth);
@@ -87,5 +87,8 @@ void lag_attempts_end(LagRun *run, const LagAttempts *attempts, double h, double
     run->careful = 0;
     run->statistics.tolerance_missed += error > 1;
     run->troubled = was_rejected ? run->troubled + 1 : 0;
-    run->calm_step = was_rejected ? run->calm_step : fmax(h, run->calm_step / 2);
+    /* after a plunge the calm step stays for a while: should a singular position be near after all, it leads across */
+    run->plunged = attempts->depth > 0 && attempts->depth < IN_VAIN ? PLUNGED : run->plunged - (run->plunged > 0);
+    if (!was_rejected)
+        run->calm_step = fmax(h, run->plunged > 0 ? run->calm_step : run->calm_step / 2);
 }

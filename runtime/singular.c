@@ -8,6 +8,7 @@
 #include "function.h"
 
 static const double PART = 1e-3; /* of a step: so far both displacements go */
+static const double HELD = 1e-3; /* of the largest part of a displacement: less has nothing to do with constraints */
 
 void lag_singular_layout(LagRun *run, LagArena *arena)
 {
@@ -28,8 +29,8 @@ static int change(LagRun *run, const double *q, const double *before, double *a)
     return 1;
 }
 
-/* From the present positions to q, as far as `size`: across the constraints, in a direction like any other. */
-static int go_across(LagRun *run, double size, double *q, double *correction)
+/* A displacement across the constraints, in a direction like any other; its largest part is `size`. */
+static int across(LagRun *run, double size, double *q, double *normal)
 {
     const LagMotion *m = &run->motion;
     const double *in[] = {&m->t, q, run->u, run->d, run->c};
@@ -38,28 +39,46 @@ static int go_across(LagRun *run, double size, double *q, double *correction)
         seed = 1664525U * seed + 1013904223U;
         q[i] = m->y[i] + size * ((double)(seed >> 8) / (1 << 23) - 1);
     }
-    if (lag_call(&run->model->place, in, &correction, run->work) != 0)
+    if (lag_call(&run->model->place, in, &normal, run->work) != 0)
         return 0;
-    const double length = lag_largest(correction, (size_t)m->n);
+    const double length = lag_largest(normal, (size_t)m->n);
     for (int i = 0; i < m->n; ++i)
-        q[i] = m->y[i] - correction[i] * size / length;
+        normal[i] *= size / length;
     return length > 0 && isfinite(length);
+}
+
+/* The largest change among coordinates that the constraints tell from others. */
+static double largest_held(const double *a, const double *normal, double size, int n)
+{
+    double most = 0;
+    for (int i = 0; i < n; ++i)
+        if (fabs(normal[i]) > HELD * size)
+            most = lag_max(fabs(a[i]), most);
+    return most;
+}
+
+static double measure(LagRun *run, double h, double size)
+{
+    const LagMotion *m = &run->motion;
+    const int n = m->n;
+    double *a = run->probe, *changed = a + n, *q = changed + n, *normal = q + n;
+    if (!(size > 0) || !across(run, size, q, normal) || !change(run, m->y, NULL, a))
+        return INFINITY;
+    for (int i = 0; i < n; ++i)
+        q[i] = m->y[i] + PART * h * m->y[n + i];
+    if (!change(run, q, a, changed))
+        return INFINITY;
+    const double along = largest_held(changed, normal, size, n);
+    for (int i = 0; i < n; ++i)
+        q[i] = m->y[i] + normal[i];
+    return change(run, q, a, changed) ? largest_held(changed, normal, size, n) / along : INFINITY;
 }
 
 double lag_singularity(LagRun *run, double h)
 {
-    const LagMotion *m = &run->motion;
-    const int n = m->n, was_careful = run->careful;
-    double *a = run->probe, *changed = a + n, *q = changed + n, *correction = q + n, ratio = INFINITY;
-    const double size = PART * h * lag_largest(m->y + n, (size_t)n);
+    const int was_careful = run->careful;
     run->careful = 0;
-    for (int i = 0; i < n; ++i)
-        q[i] = m->y[i] + PART * h * m->y[n + i];
-    if (size > 0 && change(run, m->y, NULL, a) && change(run, q, a, changed)) {
-        const double along = lag_largest(changed, (size_t)n);
-        if (go_across(run, size, q, correction) && change(run, q, a, changed))
-            ratio = lag_largest(changed, (size_t)n) / along;
-    }
+    const double ratio = measure(run, h, PART * h * lag_largest(run->motion.y + run->motion.n, (size_t)run->motion.n));
     run->careful = was_careful;
     return ratio;
 }

@@ -42,6 +42,7 @@ struct LagRun {
     int is_starting;      /* no step since the segment began was as long as it could be */
     int troubled;         /* steps in a row that were rejected at first */
     double calm_step;     /* length of those that were not, lately */
+    int plunged;          /* for so many steps more: one was much shorter than calm ones, to resolve a quick passage */
     int careful;          /* slopes are taken at projected states: a singular position is near */
     int doubtful;         /* so many evaluations are made the way that bears dependent constraints */
     int segment_over;     /* an event was reached: the next step begins a new segment */

@@ -322,8 +322,8 @@ def shortcomings(progress: Progress) -> list[str]:
     if statistics.tolerance_raised:
         found.append("the tolerance was raised to 1e-14, the smallest that double precision can keep")
     if statistics.tolerance_missed:
-        missed = f"{statistics.tolerance_missed} step{'s' if statistics.tolerance_missed != 1 else ''} missed the tolerance"
-        found.append(f"{missed}, as happens near singular positions, and where little but rounding is left")
+        steps = f"{statistics.tolerance_missed} step{'s' if statistics.tolerance_missed != 1 else ''}"
+        found.append(f"{steps} missed the tolerance, as happens near singular positions, and where little but rounding is left")
     missed = _missed_energy(progress)
     if missed > _MUCH * tolerance:
         what = f"errors have added up until the energy account misses by {missed:.1e} of its size"
