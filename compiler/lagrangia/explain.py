@@ -3,13 +3,13 @@
 import json
 import textwrap
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 from lagrangia.engines import Engine
 from lagrangia.runtime import Settings, first_solver
 from lagrangia.scene import Scene
-from lagrangia.solvers import WAYS, name_of
+from lagrangia.solvers import CASADI, WAYS, name_of
 
 if TYPE_CHECKING:
     from lagrangia.needs import Need
@@ -35,9 +35,17 @@ def solver_of(scene: Scene, engine: Engine | None) -> str:
     return name_of(first_solver(engine.runtime.library_for(engine.model), engine.model, settings))
 
 
+def without_compiler(scene: Scene) -> Scene:
+    """The scene where there is no C compiler, which all solvers of the run time ask for."""
+    sizes = {name: size for name, size in scene.sizes.items() if name != "solver"}
+    return replace(scene, sizes=sizes, refused=dict.fromkeys(WAYS, "there is no C compiler"))
+
+
 def as_json(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
     solvers = {name: {"title": way.title, "can_run": name not in scene.refused, "reason": scene.refused.get(name, "")}
                for name, way in WAYS.items()}
+    if chosen in CASADI:
+        solvers |= {name: {"title": _of_casadi(name), "can_run": True, "reason": ""} for name in CASADI}
     return json.dumps({"model": scene.name, "solver": chosen, "tolerance": scene.tolerance, "solvers": solvers,
                        "needs": [asdict(n) for n in needs]}, indent=2)
 
@@ -48,20 +56,24 @@ def as_text(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
     for title, wanted in (("needed", True), ("not needed", False)):
         rows = [need for need in needs if need.is_needed is wanted]
         lines += [title, *(line for need in rows for line in _row(need)), ""]
-    others = [name for name in WAYS if name != chosen]
-    if others:
-        lines.append("other solvers")
-        for name in others:
-            text = scene.refused[name] if name in scene.refused else WAYS[name].title
-            wrapped = textwrap.wrap(text, _WIDTH - 16, break_long_words=False)
-            lines += [f"  {name:13} {wrapped[0]}", *(" " * 16 + line for line in wrapped[1:])]
+    titles = {name: way.title for name, way in WAYS.items()}
+    if chosen in CASADI:
+        titles = {name: _of_casadi(name) for name in CASADI} | titles
+    lines.append("other solvers")
+    for name in (name for name in titles if name != chosen):
+        wrapped = textwrap.wrap(scene.refused.get(name, titles[name]), _WIDTH - 20, break_long_words=False)
+        lines += [f"  {name:17} {wrapped[0]}", *(" " * 20 + line for line in wrapped[1:])]
     return "\n".join(lines).rstrip()
+
+
+def _of_casadi(name: str) -> str:
+    return f"CasADi's {name.partition(':')[2]}"
 
 
 def _reason(scene: Scene, chosen: str) -> str:
     """What it is, and why `auto` takes it."""
     if chosen not in WAYS:
-        return "there is no C compiler"
+        return f"{_of_casadi(chosen)}: there is no C compiler"
     turns = chosen in ("erk", "erk5", "taylor") and "implicit" not in scene.refused
     return f"{WAYS[chosen].title}: {_WHY[chosen]}" + ("; implicit steps where it turns out stiff" if turns else "")
 
