@@ -20,7 +20,7 @@ from lagrangia.islands import MOST_COORDINATES, find_islands
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion, build_motion, count_nodes, inertial_force
 from lagrangia.observables import observe
-from lagrangia.places import place_of_nonlinear_term, place_of_time, place_of_world
+from lagrangia.places import is_linear, place_of_nonlinear_term, place_of_time, place_of_world
 from lagrangia.runtime import Solver
 from lagrangia.scene import Scene
 from lagrangia.spectrum import Spectrum, find_spectrum
@@ -105,10 +105,12 @@ def _forces(parts: _Parts) -> Iterable[Need]:
     gravity = ca.vertcat(*scalars_of(parts.kinematics.symbols.values["world.gravity"]))
     heavy = [t for t in energies.potential if ca.depends_on(ca.SX(t.value), gravity)]
     light = tuple(replace(t, value=ca.substitute([ca.SX(t.value)], [gravity], [ca.SX.zeros(2)])[0]) for t in energies.potential)
-    weights = _listed("gravity", [(t.component, t.statement.span) for t in heavy], "nothing has weight",
-                      _share(whole, parts.operations(replace(energies, potential=light)) if heavy else whole), "the weights")
     world = place_of_world(parts.kinematics)
-    yield replace(weights, place=str(world)) if world else weights
+    is_off = all(isinstance(x, float) and x == 0 for x in parts.kinematics.symbols.compiled.get("world.gravity", (None,)))
+    weights = _listed("gravity", [(t.component, t.statement.span) for t in heavy],
+                      "world.gravity is zero" if is_off else "nothing has weight",
+                      _share(whole, parts.operations(replace(energies, potential=light)) if heavy else whole), "the weights")
+    yield replace(weights, place=str(world)) if world and (heavy or is_off) else weights
     yield _listed("sources", [(w.statement.component, w.statement.span) for w in energies.loads], "no force or torque is applied",
                   _share(whole, parts.operations(replace(energies, loads=()))), "the virtual work of applied forces")
     yield _coriolis(parts)
@@ -251,7 +253,8 @@ def _integrator(parts: _Parts) -> Need:
     if "linear" in scene.refused:
         return Need(what, True, scene.refused["linear"], _line(_place_of_refusal(parts)))
     with_it = "" if scene.sizes.get("solver") == Solver.LINEAR else " with --solver linear"
-    return Need(what, False, "the equations are linear in q and v", saving=f"every step{with_it}: the matrix exponential is exact")
+    return Need(what, False, "the equations are linear in q and v",
+                saving=f"every step{with_it}: the matrix exponential is exact")
 
 
 def _place_of_refusal(parts: _Parts) -> Span | None:
@@ -260,8 +263,9 @@ def _place_of_refusal(parts: _Parts) -> Span | None:
         return parts.constraints.rows[0].span
     if parts.turning:
         return parts.turning[0].span
-    found = place_of_nonlinear_term(parts.kinematics, parts.energies, parts.motion) if parts.scene.n <= _MOST_COUNTED else None
-    return found or (parts.moved[0][1] if parts.moved else None)
+    if is_linear(parts.kinematics, parts.motion, parts.motion.h):
+        return parts.moved[0][1] if parts.moved else None
+    return place_of_nonlinear_term(parts.kinematics, parts.energies, parts.motion)
 
 
 def _stiffness(spectrum: Spectrum | None, scene: Scene) -> Need:
@@ -304,8 +308,8 @@ def _inputs(parts: _Parts) -> Need:
     values = [kinematics.evaluator.value(observe(kinematics.graph.model, column.name)) for column in parts.scene.outputs]
     read = ca.vertcat(*[ca.SX(x) for value in values for x in scalars_of(value)])
     is_moving, is_read = ca.depends_on(acts, motion.u), ca.depends_on(read, motion.u)
-    how = "act on the motion" if is_moving else "stand in outputs only" if is_read else "stand in no equation"
-    return Need("inputs", is_moving or is_read, f"{_few([v.name for v in inputs])}: {how}", str(inputs[0].span))
+    who = "the motion depends" if is_moving else "outputs alone depend" if is_read else "nothing depends"
+    return Need("inputs", is_moving or is_read, f"{who} on {_few([v.name for v in inputs])}", str(inputs[0].span))
 
 
 # -------------------------------------------------------------------- words

@@ -56,17 +56,19 @@ def _depends(kinematics: Kinematics, statement: Flat, symbols: ca.SX) -> bool:
 
 def place_of_nonlinear_term(kinematics: Kinematics, energies: Energies, motion: Motion) -> Span | None:
     """The first potential, dissipation or load whose forces are not linear in q, v and u."""
-    modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
-    fixed = ca.vertcat(motion.p, kinematics.symbols.tau)
     forces = [(ca.gradient(ca.SX(term.value), motion.q), term.statement.span) for term in energies.potential]
     forces += [(ca.gradient(ca.SX(term.value), motion.v), term.statement.span) for term in energies.dissipation]
     forces += [(ca.jtimes(ca.vertcat(*load.position), motion.q, ca.vertcat(*load.force), True), load.statement.span)
                for load in energies.loads]
-    for force, span in forces:
-        try:
-            degrees = rewrite(force, ca.vertcat(motion.q, motion.v, motion.u), motion.t, modes, fixed).degrees
-        except NotLinear:
-            return span
-        if max(degrees, default=Degree.PARAMETER) > Degree.LINEAR:
-            return span
-    return None
+    return next((span for force, span in forces if not is_linear(kinematics, motion, force)), None)
+
+
+def is_linear(kinematics: Kinematics, motion: Motion, force: ca.SX) -> bool:
+    """In q, v and u, with coefficients that only time events change."""
+    modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    moving, fixed = ca.vertcat(motion.q, motion.v, motion.u), ca.vertcat(motion.p, kinematics.symbols.tau)
+    try:
+        degrees = rewrite(ca.vertcat(*ca.sparsify(force).nonzeros()), moving, motion.t, modes, fixed).degrees
+    except NotLinear:
+        return False
+    return max(degrees, default=Degree.PARAMETER) <= Degree.LINEAR
