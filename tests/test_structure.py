@@ -109,6 +109,8 @@ ORDER = """
     taylor
     ccode
     scenes
+    dependence
+    places
     needs
     native
     runtime_library

@@ -37,6 +37,20 @@ def simulate_casadi(
     return progress, run.rows(progress, watch)
 
 
+def casadi_refusal(compilation: Compilation) -> tuple[str, str] | None:
+    """Why CasADi's integrators cannot run the scene, and what helps."""
+    if not compilation.motion.q.numel():
+        return ("not supported yet: a scene without coordinates, with CasADi's integrators",
+                "the run time takes it: it needs a C compiler (pip install ziglang)")
+    if compilation.motion.constrained:
+        return ("not supported yet: constraints that stay in the equations, with CasADi's integrators",
+                "closed loops and the like need the run time: a C compiler (pip install ziglang)")
+    if "initial" in compilation.functions.table:
+        return ("not supported yet: initial equations to be solved, with CasADi's integrators",
+                "give the start values of coordinates and rates, or install a C compiler (pip install ziglang)")
+    return None
+
+
 @dataclass
 class _Run:
     compilation: Compilation
@@ -57,15 +71,8 @@ class _Run:
         self.y = self._start(table)
 
     def _start(self, table: Any) -> np.ndarray:
-        if not self.compilation.motion.q.numel():
-            fail("L0909", "not supported yet: a scene without coordinates, with CasADi's integrators", None,
-                 "the run time takes it: it needs a C compiler (pip install ziglang)")
-        if self.compilation.motion.constrained:
-            fail("L0909", "not supported yet: constraints that stay in the equations, with CasADi's integrators", None,
-                 "closed loops and the like need the run time: a C compiler (pip install ziglang)")
-        if "initial" in table:
-            fail("L0909", "not supported yet: initial equations to be solved, with CasADi's integrators", None,
-                 "give the start values of coordinates and rates, or install a C compiler (pip install ziglang)")
+        if refusal := casadi_refusal(self.compilation):
+            fail("L0909", refusal[0], None, refusal[1])
         q, v = (np.array(x).ravel() for x in table["start"](self.p))
         given = np.array([*self.values.q, *self.values.v])
         start = np.where(np.isnan(given), np.concatenate([q, v]), given)

@@ -183,7 +183,7 @@ def _parser() -> argparse.ArgumentParser:
     explain.add_argument("file", type=Path, metavar="FILE")
     explain.add_argument("--model", metavar="NAME", help="the model; the last of the file by default")
     explain.add_argument("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE",
-                         help="a structural parameter: -p n=20")
+                         help="a parameter: -p n=20")
     explain.add_argument("--json", action="store_true", help="the same for programs")
     _add_bench(_add(commands, "bench", _bench, "measure run time against error, beside other solvers"))
     _add_equations(_add(commands, "equations", _equations, "write the equations of motion for people"))

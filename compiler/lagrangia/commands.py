@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.diagnostics import LagError, RunError, fail, render_all
-from lagrangia.engines import describe
+from lagrangia.engines import Engine, describe
 from lagrangia.model import Model
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.plot import require_format
@@ -45,15 +45,29 @@ def check_command(options: Namespace) -> int:
 
 
 def explain_command(options: Namespace) -> int:
-    from lagrangia.explain import as_json, as_text, solver_of
+    """The scene with the parameters given, as it would be run."""
+    from lagrangia.casadi_solvers import casadi_refusal
+    from lagrangia.explain import as_json, as_text, solver_of, without_compiler
     from lagrangia.needs import find_needs
 
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())
+    values = check_values(model.scene, _open_parameters(model.scene, given))
+    model = model.suited(values)
     c = model.compilation
-    needs = find_needs(c.kinematics, c.constraints, c.energies, c.motion, c.initial, c.scene)
-    print((as_json if options.json else as_text)(model.scene, needs, solver_of(model.scene, model.engine)))
+    scene = model.scene
+    if model.engine is None:
+        scene = without_compiler(scene, (casadi_refusal(c) or ("",))[0])
+    parameters = c.functions.table["parameters"](values.parameters, values.mask)
+    needs = find_needs(c.kinematics, c.constraints, c.energies, c.motion, c.initial, scene, parameters)
+    print((as_json if options.json else as_text)(scene, needs, solver_of(scene, model.engine)))
     return 0
+
+
+def _open_parameters(scene: Any, given: list[tuple[str, str]]) -> dict[str, float]:
+    """Those given that are not structural, in SI units."""
+    return values_with_units([(name, value) for name, value in given if name.partition("[")[0] not in scene.structural],
+                             {p.name: p.unit for p in scene.parameters})
 
 
 def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
@@ -97,8 +111,7 @@ def simulate_command(options: Namespace) -> int:
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
                       at=at, max_step=options.max_step, max_steps=options.max_steps,
                       solver=options.solver)
-    parameters = values_with_units([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural],
-                                   {p.name: p.unit for p in scene.parameters})
+    parameters = _open_parameters(scene, given)
     units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
     units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
     units |= {name: unit for name, (_, unit) in scene.lost.items()}
@@ -255,7 +268,7 @@ def _summarise(options: Namespace, model: Model, progress: Progress, target: str
             say(f"  {text}")
     say(f"  {progress.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""))
     if options.stats:
-        _tell(model, progress, compiled, loaded, say)
+        _tell(model, engine, progress, compiled, loaded, say)
 
 
 def _tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out: Any) -> None:
@@ -282,7 +295,8 @@ def _tell_reactions(scene: Any, row: Sequence[float], out: Any) -> None:
         print("\n".join(f"    {line}" for line in reaction_table(scene, row)), file=out)
 
 
-def _tell(model: Model, progress: Progress, compiled: float, loaded: float, say: Callable[[str], None]) -> None:
+def _tell(model: Model, engine: Engine | None, progress: Progress, compiled: float, loaded: float,
+          say: Callable[[str], None]) -> None:
     scene, statistics = model.scene, progress.statistics
     notes = scene.notes
     ways = ", ".join(f"{way} {count}" for way, count in notes["ways"].items())
@@ -290,8 +304,10 @@ def _tell(model: Model, progress: Progress, compiled: float, loaded: float, say:
         f"{notes['nodes_per_coordinate']} a coordinate (tried: {ways})")
     say(f"  right-hand side: {notes['rhs_operations']} operations; {scene.sizes['n_hoisted']} values hoisted out of it")
     how = "found in the cache" if model.is_cached else "; ".join(f"{k} {_time(v)}" for k, v in model.compilation.seconds.items())
-    say(f"  compiled in {_time(compiled)} ({how}); native code in {_time(loaded)}")
-    say(f"  {describe(scene)}")
+    ready = f"{'native code' if engine.how == 'native' else 'run time'} in {_time(loaded)}" if engine else "no native code"
+    say(f"  compiled in {_time(compiled)} ({how}); {ready}")
+    if engine is not None:
+        say(f"  {describe(scene)}")
     if statistics is not None and statistics.steps:
         say(f"  steps {statistics.smallest_step:.3g} to {statistics.largest_step:.3g} s, {statistics.rejected} rejected, "
             f"{statistics.dense_outputs} dense outputs, {statistics.events} events; "

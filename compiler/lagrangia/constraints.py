@@ -5,8 +5,8 @@ constant coefficients (rolling, a gear, a prescribed coordinate, the angle of a 
 the others and of time: that coordinate disappears, and the row with it.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import casadi as ca
@@ -33,6 +33,7 @@ class Row:
     span: Span
     part: int = 0  # which of the closure's gaps
     component: str = ""  # that states the equation
+    is_timed: bool = False  # the equation itself depends on time
 
     def rate(self, kinematics: Kinematics) -> Scalar:
         """d/dt of a holonomic row along the motion; a nonholonomic row itself."""
@@ -51,6 +52,7 @@ class Constraints:
     rows: tuple[Row, ...]
     repeated: tuple[Row, ...] = ()  # linear rows that say nothing new
     absorbed: tuple[Row, ...] = ()  # linear rows that gave a coordinate
+    givers: Mapping[str, Row] = field(default_factory=dict)  # the absorbed row of each coordinate that was given up
 
     @property
     def all_rows(self) -> tuple[Row, ...]:
@@ -69,7 +71,21 @@ def reduce_kinematics(kinematics: Kinematics) -> tuple[Kinematics, Constraints]:
     left = [row for row in rows if not reduction.absorb(row)]
     reduction.report.raise_errors()
     remaining = sorted(left, key=lambda row: not row.is_holonomic)
-    return reduction.reduced(), Constraints(tuple(remaining), tuple(reduction.repeated), tuple(reduction.absorbed))
+    givers = {name: reduction.givers[name] for name in reduction.solved}
+    return reduction.reduced(), Constraints(tuple(remaining), tuple(reduction.repeated), tuple(reduction.absorbed), givers)
+
+
+def moved_in_time(kinematics: Kinematics, constraints: Constraints) -> list[tuple[str, Span]]:
+    """What equations move in time, with their lines: coordinates that they give, and what those say that are kept."""
+    timed = [row.span for row in constraints.givers.values() if row.is_timed]
+    found = [(name, row.span if row.is_timed else timed[0]) for name, row in constraints.givers.items()
+             if timed and _is_timed(kinematics, kinematics.dependents[name].constant[0])]
+    return found + [(row.component or row.span.text, row.span) for row in constraints.rows if row.is_timed]
+
+
+def _is_timed(kinematics: Kinematics, value: Scalar) -> bool:
+    modes = [mode.symbol for mode in kinematics.algebra.modes]
+    return bool(ca.depends_on(ca.SX(value), ca.vertcat(kinematics.symbols.time, *modes)))
 
 
 # -------------------------------------------------------------------- rows
@@ -78,8 +94,8 @@ def reduce_kinematics(kinematics: Kinematics) -> tuple[Kinematics, Constraints]:
 def _rows(kinematics: Kinematics) -> list[Row]:
     rows = []
     for closure in kinematics.graph.closures:
-        for k in range(len(gaps(kinematics, closure, 0))):
-            rows.append(Row(partial(_gap, closure, k), True, closure, closure.span, k))
+        for k, gap in enumerate(gaps(kinematics, closure, 0)):
+            rows.append(Row(partial(_gap, closure, k), True, closure, closure.span, k, is_timed=_is_timed(kinematics, gap)))
     for equation in kinematics.graph.model.constraints:
         rows += _equation_rows(equation, kinematics)
     return rows
@@ -103,7 +119,7 @@ def _equation_rows(equation: Equation, kinematics: Kinematics) -> list[Row]:
         is_holonomic = not ca.depends_on(ca.SX(gap), rates)
         if not is_holonomic and ca.depends_on(ca.jacobian(ca.SX(gap), rates), rates):
             fail("L0412", "a constraint on velocities must be linear in them", equation.span)
-        return Row(value, is_holonomic, None, equation.span, component=equation.component)
+        return Row(value, is_holonomic, None, equation.span, component=equation.component, is_timed=_is_timed(kinematics, gap))
 
     if not isinstance(left, tuple):
         return [row(None, left - right)]

@@ -3,18 +3,19 @@
 import json
 import textwrap
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 from lagrangia.engines import Engine
 from lagrangia.runtime import Settings, first_solver
 from lagrangia.scene import Scene
-from lagrangia.solvers import WAYS, name_of
+from lagrangia.solvers import CASADI, WAYS, name_of
 
 if TYPE_CHECKING:
     from lagrangia.needs import Need
 
 _WIDTH = 118
+NONE = "none"
 
 
 # Why `auto` takes it.
@@ -28,16 +29,23 @@ _WHY = {
 
 
 def solver_of(scene: Scene, engine: Engine | None) -> str:
-    """The name of the solver that `auto` begins with, at the scene's own tolerance."""
+    """The name of the solver that `auto` begins with, at the scene's own tolerance; NONE where nothing can run it."""
     if engine is None:
-        return "casadi:cvodes"
+        return NONE if CASADI[0] in scene.refused else CASADI[0]
     settings = Settings(scene.start, scene.stop, scene.tolerance)
     return name_of(first_solver(engine.runtime.library_for(engine.model), engine.model, settings))
 
 
+def without_compiler(scene: Scene, casadi: str) -> Scene:
+    """The scene where there is no C compiler, which all solvers of the run time ask for. `casadi`: why CasADi cannot run it."""
+    sizes = {name: size for name, size in scene.sizes.items() if name != "solver"}
+    refused = dict.fromkeys(WAYS, "there is no C compiler") | dict(scene.refused) | dict.fromkeys(CASADI * bool(casadi), casadi)
+    return replace(scene, sizes=sizes, refused=refused)
+
+
 def as_json(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
-    solvers = {name: {"title": way.title, "can_run": name not in scene.refused, "reason": scene.refused.get(name, "")}
-               for name, way in WAYS.items()}
+    solvers = {name: {"title": title, "can_run": name not in scene.refused, "reason": scene.refused.get(name, "")}
+               for name, title in _titles(chosen).items()}
     return json.dumps({"model": scene.name, "solver": chosen, "tolerance": scene.tolerance, "solvers": solvers,
                        "needs": [asdict(n) for n in needs]}, indent=2)
 
@@ -48,20 +56,30 @@ def as_text(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
     for title, wanted in (("needed", True), ("not needed", False)):
         rows = [need for need in needs if need.is_needed is wanted]
         lines += [title, *(line for need in rows for line in _row(need)), ""]
-    others = [name for name in WAYS if name != chosen]
-    if others:
-        lines.append("other solvers")
-        for name in others:
-            text = scene.refused[name] if name in scene.refused else WAYS[name].title
-            wrapped = textwrap.wrap(text, _WIDTH - 16, break_long_words=False)
-            lines += [f"  {name:13} {wrapped[0]}", *(" " * 16 + line for line in wrapped[1:])]
+    titles = _titles(chosen)
+    lines.append("other solvers")
+    for name in (name for name in titles if name != chosen):
+        wrapped = textwrap.wrap(scene.refused.get(name, titles[name]), _WIDTH - 21, break_long_words=False)
+        lines += [f"  {name:18} {wrapped[0]}", *(" " * 21 + line for line in wrapped[1:])]
     return "\n".join(lines).rstrip()
+
+
+def _titles(chosen: str) -> dict[str, str]:
+    """Of all solvers; CasADi's where there is no compiler for others."""
+    casadi = {} if chosen in WAYS else {name: _of_casadi(name) for name in CASADI}
+    return casadi | {name: way.title for name, way in WAYS.items()}
+
+
+def _of_casadi(name: str) -> str:
+    return f"CasADi's {name.partition(':')[2]}"
 
 
 def _reason(scene: Scene, chosen: str) -> str:
     """What it is, and why `auto` takes it."""
+    if chosen == NONE:
+        return "nothing can run it: there is no C compiler (pip install ziglang brings one)"
     if chosen not in WAYS:
-        return "there is no C compiler"
+        return f"{_of_casadi(chosen)}: there is no C compiler"
     turns = chosen in ("erk", "erk5", "taylor") and "implicit" not in scene.refused
     return f"{WAYS[chosen].title}: {_WHY[chosen]}" + ("; implicit steps where it turns out stiff" if turns else "")
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from lagrangia.constraints import Constraints
+from lagrangia.constraints import Constraints, moved_in_time
 from lagrangia.energies import Energies
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion, solve_mass
@@ -38,6 +38,8 @@ def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Ener
         return f"{work.component or 'a force'} puts energy in ({work.span})"
     if supports:
         return f"{supports[0].child} is moved in time ({supports[0].span})"
+    for name, span in moved_in_time(kinematics, constraints):
+        return f"{name} is moved in time ({span})"
     if kinematics.algebra.modes or ca.depends_on(ca.vertcat(motion.acceleration, motion.T, motion.V), motion.t):
         return "time stands in its equations"
     if constraints.rows:

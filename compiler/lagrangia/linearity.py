@@ -49,14 +49,16 @@ _NAMES = {ca.OP_SIN: "a sine", ca.OP_COS: "a cosine", ca.OP_SQRT: "a square root
           ca.OP_TANH: "a tanh", ca.OP_ATAN2: "an atan2", ca.OP_CONSTPOW: "a power", ca.OP_POW: "a power"}
 
 
-def rewrite(expressions: ca.SX, moving: ca.SX, t: ca.SX, modes: ca.SX, p: ca.SX, factors_are_loads: bool = False) -> Rewritten:
+def rewrite(expressions: ca.SX, moving: ca.SX, t: ca.SX, modes: ca.SX, p: ca.SX, factors_are_loads: bool = False,
+            what: str = "its equations") -> Rewritten:
     """The expressions with their degrees in `moving` (q, v, u). A mode that multiplies what moves is a factor, that changes at
-    events, or else a load: then the product is quadratic. Raises NotLinear."""
-    return _Walk(factors_are_loads).run(expressions, [moving, t, modes, p])
+    events, or else a load: then the product is quadratic. Raises NotLinear; `what` are the expressions in its message."""
+    return _Walk(factors_are_loads, what).run(expressions, [moving, t, modes, p])
 
 
 class _Walk:
-    def __init__(self, factors_are_loads: bool) -> None:
+    def __init__(self, factors_are_loads: bool, what: str) -> None:
+        self.what = what
         self.symbols: list[ca.SX] = []
         self.loads: list[ca.SX] = []
         self.least = Degree.MODE if factors_are_loads else Degree.TIME  # of loads in products
@@ -96,8 +98,8 @@ class _Walk:
                 degree = self._product(nodes[0], nodes[-1])
                 values = [self._beside(node) if node.degree >= self.least else node.value for node in nodes]
             elif not _keeps_degree(op, nodes):
-                raise NotLinear(f"its equations contain {_NAMES.get(op, 'a nonlinear function')} of what moves"
-                                if op != ca.OP_DIV else "its equations divide by what moves or by a function of time")
+                raise NotLinear(f"{self.what} contain {_NAMES.get(op, 'a nonlinear function')} of what moves"
+                                if op != ca.OP_DIV else f"{self.what} divide by what moves or by a function of time")
         made = _Node(degree, apply_to_one(op, values[0]) if len(values) == 1 else apply(op, *values))
         if op == ca.OP_MUL and degree == Degree.QUADRATIC and Degree.TIME >= min(nodes[0].degree, nodes[1].degree) >= self.least:
             made.halves = (nodes[0], nodes[1]) if nodes[0].degree <= Degree.TIME else (nodes[1], nodes[0])
@@ -130,7 +132,7 @@ class _Walk:
         if low < self.least:
             return high
         if high == Degree.QUADRATIC:
-            raise NotLinear("its equations multiply more than two of the quantities that move")
+            raise NotLinear(f"{self.what} multiply more than two quantities that change in time")
         return Degree.QUADRATIC
 
 

@@ -76,7 +76,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
     momentum, dL_dt = slopes[:n, 0], slopes[n]
     force, damping = _generalised_force(energies, q), ca.gradient(D, v)
-    h = _inertial_force(kinematics, energies, bodies, q, v) + damping
+    h = inertial_force(kinematics, energies, bodies, q, v) + damping
     dissipated = ca.dot(v, damping) + tau * ca.gradient(D, tau)
     source = ca.dot(force, v) - tau * dL_dt + tau * ca.gradient(D, tau)
     H = ca.dot(v, momentum) - T + V if ca.depends_on(T, tau) else T + V
@@ -104,7 +104,7 @@ def mass_matrix(motion: Motion) -> ca.SX:
     return ca.jacobian(motion.momentum, motion.v)
 
 
-def _inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q: ca.SX, v: ca.SX) -> ca.SX:
+def inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q: ca.SX, v: ca.SX) -> ca.SX:
     """d/dt(dT/dv) - dT/dq + dV/dq - f at zero accelerations of the coordinates.
 
     For a rigid body's T the first two are sum_i (dr_i/dq)^T m a_i with the acceleration a_i that remains when dv/dt = 0: of
@@ -206,8 +206,8 @@ def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momen
     if not 0 < v.numel() <= MOST_COORDINATES:
         return None
     weights, springs = split_weights(kinematics, energies.potential)
-    inner = _inertial_force(kinematics, replace(energies, potential=weights, loads=()), bodies, q, v)
-    outer = _inertial_force(kinematics, replace(energies, potential=springs), replace(bodies, inertias=(), rest=()), q, v)
+    inner = inertial_force(kinematics, replace(energies, potential=weights, loads=()), bodies, q, v)
+    outer = inertial_force(kinematics, replace(energies, potential=springs), replace(bodies, inertias=(), rest=()), q, v)
     resting = ca.substitute(momentum, v, ca.SX.zeros(v.numel()))
     inner, rest, resting = ca.substitute([inner, outer + damping, resting], [symbols.tau], [ca.SX(1)])
     inertia = collect(kinematics, ca.jacobian(momentum, v), inner)
@@ -279,4 +279,4 @@ def count_nodes(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:
     return sum(1 for k in range(function.n_instructions()) if function.instruction_id(k) not in kinds)
 
 
-__all__ = ["Motion", "Span", "build_motion", "count_nodes", "mass_matrix"]
+__all__ = ["Motion", "Span", "build_motion", "count_nodes", "inertial_force", "mass_matrix"]

@@ -5,17 +5,23 @@ Costs are operations of the accelerations, counted by building them without the 
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import casadi as ca
 
-from lagrangia.constraints import Constraints
+from lagrangia.constraints import Constraints, moved_in_time
+from lagrangia.dependence import changes
 from lagrangia.diagnostics import Span
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
+from lagrangia.graph import Coordinate
 from lagrangia.initial import InitialConditions
-from lagrangia.islands import find_islands
+from lagrangia.islands import MOST_COORDINATES, find_islands
 from lagrangia.kinematics import Kinematics
-from lagrangia.motion import Motion, build_motion, count_nodes, mass_matrix
+from lagrangia.motion import Motion, build_motion, count_nodes, inertial_force
+from lagrangia.observables import observe
+from lagrangia.places import is_linear, place_of_nonlinear_term, place_of_time, place_of_world
+from lagrangia.runtime import Solver
 from lagrangia.scene import Scene
 from lagrangia.spectrum import Spectrum, find_spectrum
 
@@ -43,6 +49,29 @@ class _Parts:
     motion: Motion
     initial: InitialConditions
     scene: Scene
+    given: ca.DM | None
+
+    @property
+    def symbols_of_time(self) -> ca.SX:
+        return ca.vertcat(self.motion.t, *[mode.symbol for mode in self.kinematics.algebra.modes])
+
+    @cached_property
+    def moved(self) -> list[tuple[str, Span]]:
+        """Frames and coordinates that are moved in time."""
+        supports = [(edge.child, edge.span) for edge in self.kinematics.graph.edges if edge.moves_with_time]
+        return supports + moved_in_time(self.kinematics, self.constraints)
+
+    @cached_property
+    def turning(self) -> list[Coordinate]:
+        """The coordinates on whose values M depends; of many, whether there is one."""
+        motion, coordinates = self.motion, list(self.kinematics.graph.coordinates)
+        inertia = motion.momentum - ca.substitute(motion.momentum, motion.v, ca.SX.zeros(motion.v.numel()))
+        if not coordinates:
+            return []
+        if len(coordinates) > _MOST_COUNTED:
+            return coordinates[:1] if changes(inertia, [motion.q], inertia)[0] else []
+        felt = changes(inertia, ca.vertsplit(motion.q), inertia)
+        return [coordinate for coordinate, is_felt in zip(coordinates, felt, strict=True) if is_felt]
 
     def operations(self, energies: Energies) -> int | None:
         """Operations of the accelerations of the same scene with other energies; None where counting would take too long."""
@@ -55,10 +84,12 @@ class _Parts:
 
 
 def find_needs(
-    kinematics: Kinematics, constraints: Constraints, energies: Energies, motion: Motion, initial: InitialConditions, scene: Scene
+    kinematics: Kinematics, constraints: Constraints, energies: Energies, motion: Motion, initial: InitialConditions,
+    scene: Scene, given: ca.DM | None = None,
 ) -> tuple[Need, ...]:
-    """The table of needs, read off the equations."""
-    parts = _Parts(kinematics, constraints, energies, motion, initial, scene)
+    """The table of needs, read off the equations. `given`: all parameters, where they are not as declared; only what is told
+    of the rates at the start depends on their values."""
+    parts = _Parts(kinematics, constraints, energies, motion, initial, scene, given)
     return (*_forces(parts), *_mass(parts), *_constraints(parts), *_time(parts), *_numerics(parts), *_products(parts))
 
 
@@ -74,40 +105,55 @@ def _forces(parts: _Parts) -> Iterable[Need]:
     gravity = ca.vertcat(*scalars_of(parts.kinematics.symbols.values["world.gravity"]))
     heavy = [t for t in energies.potential if ca.depends_on(ca.SX(t.value), gravity)]
     light = tuple(replace(t, value=ca.substitute([ca.SX(t.value)], [gravity], [ca.SX.zeros(2)])[0]) for t in energies.potential)
-    yield _listed("gravity", [(t.component, t.statement.span) for t in heavy], "nothing has weight",
-                  _share(whole, parts.operations(replace(energies, potential=light)) if heavy else whole), "the weights")
+    world = place_of_world(parts.kinematics)
+    is_off = all(isinstance(x, float) and x == 0 for x in parts.kinematics.symbols.compiled.get("world.gravity", (None,)))
+    weights = _listed("gravity", [(t.component, t.statement.span) for t in heavy],
+                      "world.gravity is zero" if is_off else "nothing has weight",
+                      _share(whole, parts.operations(replace(energies, potential=light)) if heavy else whole), "the weights")
+    yield replace(weights, place=str(world)) if world and (heavy or is_off) else weights
     yield _listed("sources", [(w.statement.component, w.statement.span) for w in energies.loads], "no force or torque is applied",
                   _share(whole, parts.operations(replace(energies, loads=()))), "the virtual work of applied forces")
     yield _coriolis(parts)
 
 
 def _coriolis(parts: _Parts) -> Need:
-    """Terms of T that are quadratic in the rates, looked for where no damper hides them."""
+    """What T gives besides M dv/dt: looked for in T alone, where no spring or damper hides it."""
     motion, what = parts.motion, "Coriolis terms"
+    alone = replace(parts.energies, potential=(), loads=())
+    force = inertial_force(parts.kinematics, alone, motion.bodies, motion.q, motion.v)
+    of_place, of_rate = changes(force, [motion.q, motion.v], motion.momentum) if parts.scene.n else (False, False)
+    if not (of_place or of_rate):
+        return Need(what, False, "no inertial force depends on position or rates", saving="dM/dt v - dT/dq")
+    if parts.turning:
+        return Need(what, True, "M changes with position: centrifugal and Coriolis forces", str(parts.turning[0].span),
+                    _coriolis_cost(parts))
+    why = f"prescribed motion gives inertial forces that depend on {'rates' if of_rate else 'position'}"
+    return Need(what, True, why, str(parts.moved[0][1]) if parts.moved else "", _coriolis_cost(parts) if of_rate else "")
+
+
+def _coriolis_cost(parts: _Parts) -> str:
+    """Of the terms with rates, in the equations without dampers and loads."""
+    motion = parts.motion
     if parts.scene.n > _MOST_COUNTED:
-        moves = ca.depends_on(motion.h, motion.v)
-        return Need(what, moves, "h depends on the rates" if moves else "h does not depend on the rates")
-    calm = build_motion(parts.kinematics, replace(parts.energies, dissipation=(), loads=()), parts.constraints)
-    at_rest = ca.substitute(calm.acceleration, motion.v, ca.SX.zeros(motion.v.numel()))
-    cost = parts.count(calm.acceleration) - parts.count(at_rest)
-    if not ca.depends_on(calm.h, motion.v):
-        return Need(what, False, "the coefficients of T do not depend on position", saving="dM/dt v - dT/dq")
-    return Need(what, True, "M changes with position: centrifugal and Coriolis forces",
-                cost=_share(parts.count(motion.acceleration), parts.count(motion.acceleration) - cost))
+        return ""
+    calm = build_motion(parts.kinematics, replace(parts.energies, dissipation=(), loads=()), parts.constraints).acceleration
+    whole = parts.count(motion.acceleration)
+    cost = parts.count(calm) - parts.count(ca.substitute(calm, motion.v, ca.SX.zeros(motion.v.numel())))
+    return _share(whole, whole - cost)
 
 
 # -------------------------------------------------------------------- inertia
 
 
 def _mass(parts: _Parts) -> Iterable[Need]:
-    motion, names = parts.motion, [c.name for c in parts.kinematics.graph.coordinates]
+    motion, names = parts.motion, parts.kinematics.graph.coordinates
     ways = ", ".join(f"{way} {count}" for way, count in motion.nodes.items())
-    if len(names) <= _MOST_COUNTED:
-        M = mass_matrix(motion)
-        moving = [name for name, q in zip(names, ca.vertsplit(motion.q), strict=True) if ca.depends_on(M, q)]
-        timed = ca.depends_on(M, motion.t)
-        why = f"M depends on {_few(moving)}" if moving else "M depends on time" if timed else "M is constant"
-        yield Need("refactorising M", bool(moving) or timed, why, saving="its factors are worked out once")
+    inertia = motion.momentum - ca.substitute(motion.momentum, motion.v, ca.SX.zeros(motion.v.numel()))
+    timed = bool(names) and changes(inertia, [parts.symbols_of_time], inertia)[0]
+    place = str(parts.turning[0].span) if parts.turning else str(parts.moved[0][1]) if timed and parts.moved else ""
+    shown = _few([c.name for c in parts.turning]) if len(names) <= _MOST_COUNTED else "position"
+    why = f"M depends on {shown}" if parts.turning else "M depends on time" if timed else "M is constant"
+    yield Need("refactorising M", bool(parts.turning) or timed, why, place, saving="a factorisation in every evaluation")
     yield Need("M as a matrix", motion.way in ("dense", "collected"), f"operations by each way: {ways}")
     floating = [(root.frame, parts.kinematics.graph.model.frames[root.frame].span)
                 for root in parts.kinematics.graph.roots if not root.is_ground]
@@ -122,23 +168,32 @@ def _constraints(parts: _Parts) -> Iterable[Need]:
     spans = [(row.loop.around if row.loop else row.span.text, row.span) for row in rows]
     usual = held.regular if held and held.regular and held.regular.place.numel() else held
     nodes = count_nodes([usual.place, usual.steer], [parts.kinematics.algebra.state, parts.motion.t]) if usual else 0
-    yield _listed("constraints", spans, "the graph is a tree", f"{len(rows)} rows", "multipliers in every evaluation")
+    yield _listed("constraints", spans, "the graph is a tree", _counted(len(rows), "row"), "multipliers in every evaluation")
     yield _listed("projection", spans[:1], "nothing can drift off", f"{nodes} operations a correction", "two corrections a step")
     yield _dependence(parts)
     asked = parts.scene.sizes["outputs_need_acceleration"]
     yield Need("multipliers as results", bool(held) and bool(asked), "outputs ask for them or for accelerations" if held and asked
                else "no output asks for them" if held else "there are none")
-    absorbed = [(row.loop.around if row.loop else row.span.text, row.span) for row in parts.constraints.absorbed]
-    dependent = [c.name for c in parts.kinematics.graph.dependent_coordinates]
-    driven = [name for name in dependent if not parts.kinematics.dependents[name].terms]
-    tied = [name for name in dependent if name not in driven]
-    place = str(absorbed[0][1]) if absorbed else ""
-    yield Need("linear loops", False, f"substituted: {_few(tied)}" if tied else "there are none", place if tied else "",
-               saving=f"{len(tied)} coordinates and as many multipliers" if tied else "")
-    yield Need("prescribed coordinates", False, f"given functions of time: {_few(driven)}" if driven else "there are none",
-               place if driven else "", saving=f"{len(driven)} coordinates" if driven else "")
+    yield from _given_coordinates(parts)
     repeated = [(row.loop.around if row.loop else row.span.text, row.span) for row in parts.constraints.repeated]
-    yield _listed("repeated equations", [], f"left out: {_few([r[0] for r in repeated])}" if repeated else "none repeats another")
+    yield Need("repeated equations", False, f"left out: {_few([name for name, _ in repeated])}" if repeated
+               else "none repeats another", str(repeated[0][1]) if repeated else "")
+
+
+def _given_coordinates(parts: _Parts) -> Iterable[Need]:
+    """Coordinates that equations give: in terms of others, or of time and parameters alone."""
+    places = {name: row.span for name, row in parts.constraints.givers.items()} | dict(parts.moved)
+    given = [c.name for c in parts.kinematics.graph.dependent_coordinates]
+    known = [name for name in given if not parts.kinematics.dependents[name].terms]
+    tied = [name for name in given if name not in known]
+    moved = {name for name, _ in parts.moved}
+    timed, fixed = [name for name in known if name in moved], [name for name in known if name not in moved]
+    words = [f"given functions of time: {_few(timed)}"] * bool(timed) + [f"held in place: {_few(fixed)}"] * bool(fixed)
+    yield Need("linear loops", False, f"substituted: {_few(tied)}" if tied else "there are none",
+               str(parts.constraints.givers[tied[0]].span) if tied else "",
+               saving=f"{_counted(len(tied), 'coordinate')} and as many multipliers" if tied else "")
+    yield Need("prescribed coordinates", False, "; ".join(words) or "there are none",
+               str(places[(timed + fixed)[0]]) if known else "", saving=_counted(len(known), "coordinate") if known else "")
 
 
 def _dependence(parts: _Parts) -> Need:
@@ -157,34 +212,60 @@ def _dependence(parts: _Parts) -> Need:
 
 
 def _time(parts: _Parts) -> Iterable[Need]:
-    motion, graph = parts.motion, parts.kinematics.graph
-    supports = [(edge.child, edge.span) for edge in graph.edges if edge.moves_with_time]
-    yield _listed("moving supports", supports, "no frame equation depends on time", "", "dr/dt of every frame, and their power")
-    timed = ca.depends_on(motion.acceleration, motion.t)
-    yield Need("explicit time", timed, "t stands in the equations" if timed else "t does not stand in the equations")
+    yield _listed("moving supports", parts.moved, "nothing is moved in time", "", "dr/dt of every frame, and their power")
+    timed = ca.depends_on(parts.motion.acceleration, parts.symbols_of_time)
+    yield Need("explicit time", timed, "t stands in the accelerations" if timed else "t does not stand in the accelerations",
+               _line(place_of_time(parts.kinematics)) if timed else "")
     modes = parts.kinematics.algebra.modes
-    yield Need("time events", bool(modes), f"{len(modes)} switches at known times" if modes else "nothing switches",
+    yield Need("time events", bool(modes), f"{_counted(len(modes), 'condition')} on time" if modes else "nothing switches",
+               _line(place_of_time(parts.kinematics, is_event=True)) if modes else "",
                saving="restarts, and the search for switching times")
     yield _islands(parts)
 
 
 def _islands(parts: _Parts) -> Need:
-    count = len(find_islands(parts.motion))
-    why = f"{count} groups of coordinates do not interact" if count > 1 else "all coordinates interact"
-    return Need("islands", count > 1, why)
+    """Whether coordinates that do not interact are run apart."""
+    scene, refusal = parts.scene, parts.scene.refused.get("islands")
+    count = len(find_islands(parts.motion)) if scene.n <= MOST_COORDINATES else 0
+    apart = f"{count} groups of coordinates do not interact" if count > 1 else ""
+    if refusal is not None:
+        return Need("islands", False, f"{apart}, but run together: {refusal}" if apart else refusal)
+    if scene.sizes.get("solver") == Solver.ISLANDS:
+        return Need("islands", True, f"{apart}: each is run with its own solver and steps")
+    return Need("islands", False, f"{apart}, but run together: steps of their own would hardly pay")
 
 
 # -------------------------------------------------------------------- numerics
 
 
 def _numerics(parts: _Parts) -> Iterable[Need]:
-    motion = parts.motion
-    slopes = ca.jacobian(motion.acceleration, ca.vertcat(motion.q, motion.v)) if parts.scene.n <= _MOST_COUNTED else None
-    is_linear = slopes is not None and not ca.depends_on(slopes, ca.vertcat(motion.q, motion.v))
-    yield Need("integrator", not is_linear, "the accelerations are linear in q and v" if is_linear else
-               "the accelerations are not linear in q and v", saving="every step: the matrix exponential is exact")
-    spectrum = find_spectrum(parts.kinematics, motion, parts.initial) if slopes is not None else None
+    yield _integrator(parts)
+    is_small = parts.scene.n <= _MOST_COUNTED
+    spectrum = find_spectrum(parts.kinematics, parts.motion, parts.initial, parts.given) if is_small else None
     yield _stiffness(spectrum, parts.scene)
+
+
+def _integrator(parts: _Parts) -> Need:
+    """Steps are needed where matrix exponentials cannot be used."""
+    scene, what = parts.scene, "integrator"
+    if not scene.n:
+        return Need(what, False, "nothing moves that is not prescribed")
+    if "linear" in scene.refused:
+        return Need(what, True, scene.refused["linear"], _line(_place_of_refusal(parts)))
+    with_it = "" if scene.sizes.get("solver") == Solver.LINEAR else " with --solver linear"
+    return Need(what, False, "the equations are linear in q and v",
+                saving=f"every step{with_it}: the matrix exponential is exact")
+
+
+def _place_of_refusal(parts: _Parts) -> Span | None:
+    """What makes the equations other than linear ones with constant coefficients."""
+    if parts.constraints.rows:
+        return parts.constraints.rows[0].span
+    if parts.turning:
+        return parts.turning[0].span
+    if is_linear(parts.kinematics, parts.motion, parts.motion.h):
+        return parts.moved[0][1] if parts.moved else None
+    return place_of_nonlinear_term(parts.kinematics, parts.energies, parts.motion)
 
 
 def _stiffness(spectrum: Spectrum | None, scene: Scene) -> Need:
@@ -201,21 +282,45 @@ def _stiffness(spectrum: Spectrum | None, scene: Scene) -> Need:
 
 def _products(parts: _Parts) -> Iterable[Need]:
     scene, energies = parts.scene, parts.energies
-    names = [column.name for column in scene.outputs]
-    yield Need("outputs", bool(names), _few(names) if names else "none is asked for", cost="a call in each row, none in steps")
-    flows = scene.sizes["n_power"] > 0
+    names, variables = [column.name for column in scene.outputs], parts.kinematics.graph.model.variables
+    declared = [variables[name].span for name in names if name in variables]
+    yield Need("outputs", bool(names), _few(names) if names else "none is asked for", _line(declared[0] if declared else None),
+               cost="a call in each row, none in steps")
+    flows, sources = scene.sizes["n_power"] > 0, [t.statement.span for t in energies.dissipation]
+    sources += [load.statement.span for load in energies.loads] + [span for _, span in parts.moved]
     yield Need("energy quadrature", flows, "power flows in or out" if flows else "T + V is constant",
-               saving="two integrals in every step")
+               _line(sources[0] if sources and flows else None), saving="two integrals in every step")
     spans = [(loop or span.text, span) for loop, span in
              zip(parts.initial.residual_loops, parts.initial.residual_spans, strict=True)]
-    yield _listed("assembly", spans, "start values are given or zero", f"{len(spans)} equations", "Newton steps at the start")
-    depends = energies.loads and any(ca.depends_on(ca.SX(ca.vertcat(*load.force)), parts.motion.u) for load in energies.loads)
-    yield Need("inputs", bool(depends), "forces from outside" if depends else "nothing comes from outside")
+    yield _listed("assembly", spans, "start values are given or zero", _counted(len(spans), "equation"),
+                  "Newton steps at the start")
+    yield _inputs(parts)
     yield Need("compilation", True, f"{scene.notes['rhs_operations']} operations in the right-hand side; kept in the cache, "
                "parameters change without it")
 
 
+def _inputs(parts: _Parts) -> Need:
+    motion, kinematics = parts.motion, parts.kinematics
+    inputs = [v for v in kinematics.graph.model.variables.values() if v.kind == "input"]
+    if not inputs:
+        return Need("inputs", False, "nothing comes from outside")
+    acts = ca.vertcat(motion.acceleration, motion.dissipated_power, motion.source_power)
+    values = [kinematics.evaluator.value(observe(kinematics.graph.model, column.name)) for column in parts.scene.outputs]
+    read = ca.vertcat(*[ca.SX(x) for value in values for x in scalars_of(value)])
+    is_moving, is_read = ca.depends_on(acts, motion.u), ca.depends_on(read, motion.u)
+    who = "the motion depends" if is_moving else "outputs alone depend" if is_read else "nothing depends"
+    return Need("inputs", is_moving or is_read, f"{who} on {_few([v.name for v in inputs])}", str(inputs[0].span))
+
+
 # -------------------------------------------------------------------- words
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
+def _line(span: Span | None) -> str:
+    return "" if span is None else str(span)
 
 
 def _few(names: list[str]) -> str:

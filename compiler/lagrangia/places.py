@@ -1,0 +1,74 @@
+"""Where in the source it is decided what a scene needs."""
+
+from collections.abc import Iterator
+
+import casadi as ca
+
+from lagrangia.diagnostics import Span
+from lagrangia.energies import Energies
+from lagrangia.evaluation import scalars_of
+from lagrangia.kinematics import Kinematics
+from lagrangia.linearity import Degree, NotLinear, rewrite
+from lagrangia.motion import Motion
+from lagrangia.tree import Flat, Time
+from lagrangia.walk import leaves
+
+
+def place_of_world(kinematics: Kinematics) -> Span | None:
+    """Where the scene declares its World; None where it does not, and gravity is the usual one."""
+    model = kinematics.graph.model
+    declared = model.frames["world"].span
+    return declared if declared != model.span else None
+
+
+def place_of_time(kinematics: Kinematics, is_event: bool = False) -> Span | None:
+    """Where `time` stands first in what acts or moves; `is_event`: in what jumps or bends at known times, outputs as well."""
+    bindings = {name: variable.binding for name, variable in kinematics.graph.model.variables.items()}
+    modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    for statement in (*_statements(kinematics), *(_outputs(kinematics) if is_event else ())):
+        times = [leaf.span for leaf in leaves([statement], bindings) if isinstance(leaf, Time)]
+        if times and (not is_event or _depends(kinematics, statement, modes)):
+            return times[0]
+    return None
+
+
+def _statements(kinematics: Kinematics) -> Iterator[Flat]:
+    """Forces, energies, equations, shifts and turns."""
+    graph = kinematics.graph
+    for work in graph.model.works:
+        yield from (work.force, work.position)
+    yield from (energy.value for energy in graph.model.energies)
+    for equation in graph.model.constraints:
+        yield from (equation.left, equation.right)
+    yield from (step.amount for edge in graph.edges for step in edge.steps)
+    yield from (step.amount for cut in graph.closures for step in (*cut.steps_a, *cut.steps_b))
+
+
+def _outputs(kinematics: Kinematics) -> Iterator[Flat]:
+    variables = kinematics.graph.model.variables.values()
+    return (variable.binding for variable in variables if variable.is_output and variable.binding is not None)
+
+
+def _depends(kinematics: Kinematics, statement: Flat, symbols: ca.SX) -> bool:
+    value = ca.vertcat(*[ca.SX(x) for x in scalars_of(kinematics.evaluator.value(statement))])
+    return bool(ca.depends_on(value, symbols))
+
+
+def place_of_nonlinear_term(kinematics: Kinematics, energies: Energies, motion: Motion) -> Span | None:
+    """The first potential, dissipation or load whose forces are not linear in q, v and u."""
+    forces = [(ca.gradient(ca.SX(term.value), motion.q), term.statement.span) for term in energies.potential]
+    forces += [(ca.gradient(ca.SX(term.value), motion.v), term.statement.span) for term in energies.dissipation]
+    forces += [(ca.jtimes(ca.vertcat(*load.position), motion.q, ca.vertcat(*load.force), True), load.statement.span)
+               for load in energies.loads]
+    return next((span for force, span in forces if not is_linear(kinematics, motion, force)), None)
+
+
+def is_linear(kinematics: Kinematics, motion: Motion, force: ca.SX) -> bool:
+    """In q, v and u, with coefficients that only time events change."""
+    modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    moving, fixed = ca.vertcat(motion.q, motion.v, motion.u), ca.vertcat(motion.p, kinematics.symbols.tau)
+    try:
+        degrees = rewrite(ca.vertcat(*ca.sparsify(force).nonzeros()), moving, motion.t, modes, fixed).degrees
+    except NotLinear:
+        return False
+    return max(degrees, default=Degree.PARAMETER) <= Degree.LINEAR
