@@ -9,7 +9,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from lagrangia.diagnostics import LagError, RunError, render_all
 
@@ -54,16 +54,19 @@ def _execute(parsed: argparse.Namespace) -> int:
 
 @contextlib.contextmanager
 def _ended_as_by_control_c() -> Iterator[None]:
-    """SIGTERM, by which schedulers and `timeout` end a process, keeps what was computed, too."""
-    try:
-        before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    except ValueError:  # in a thread of its own nobody ends it
-        yield
-        return
+    """SIGTERM, by which schedulers and `timeout` end a process, and SIGHUP, by which a closed terminal does, keep what was
+    computed, too; `nohup` has the latter ignored."""
+    before: dict[int, Any] = {}
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) != signal.SIG_IGN:
+            with contextlib.suppress(ValueError):  # in a thread of its own nobody ends it
+                before[number] = signal.signal(number, signal.default_int_handler)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _out_of_memory() -> int:
@@ -236,7 +239,7 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("--engine", choices=("auto", "native", "tape"), default="auto",
         help="compiled, interpreted, or (auto) what costs less time; the reckoning is shown by --stats")
     add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")
-    add("--max-steps", type=int, default=0, metavar="N", help="give up after so many steps")
+    add("--max-steps", type=int, default=0, metavar="N", help="give up after so many steps (0: never)")
     add("--kind", metavar="KIND", help="of an FMU: me (Model Exchange) or cs (Co-Simulation, where there is one)")
     add("--stats", action="store_true", help="say what was done, and in what time")
     add("--quiet", action="store_true", help="say nothing but errors")
@@ -281,8 +284,8 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
     add("--engine", choices=("auto", "native", "tape"), default="auto",
         help="compiled, interpreted, or (auto) what costs less time; the reckoning is shown by --stats")
     add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")
-    add("--max-steps", type=int, default=0, metavar="N", help="a run fails after so many steps")
-    add("--seconds-per-run", type=float, default=0.0, metavar="S", help="a run fails after so much time")
+    add("--max-steps", type=int, default=0, metavar="N", help="a run fails after so many steps (0: never)")
+    add("--seconds-per-run", type=float, default=0.0, metavar="S", help="a run fails after so much time (0: never)")
     add("--jobs", type=int, metavar="N", help="threads; as many as there are cores by default")
     add("--dask", metavar="ADDRESS", help="run on the cluster of this Dask scheduler: tcp://host:8786")
     add("-o", "--output", metavar="FILE", help="the table (.csv, .parquet; - for standard output); by default NAME_sweep.csv")

@@ -113,7 +113,7 @@ def plan(scene: Scene, *, stop: float | None = None, start: float | None = None,
     if max_step < 0 or not math.isfinite(max_step):
         report.error("L0702", f"the largest step must be a positive number, not {max_step}")
     if max_steps < 0:
-        report.error("L0702", f"the number of steps must be positive, not {max_steps}")
+        report.error("L0702", f"the number of steps must not be negative, as {max_steps} is; 0 sets no limit")
     report.raise_errors()
     experiment = Experiment(begin, end, accuracy, step or 1.0, tuple(at) if at is not None else None, max_step, max_steps,
                             solver)
