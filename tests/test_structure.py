@@ -22,6 +22,7 @@ ORDER = """
     folders
     store
     diagnostics
+    targets
     units
     values
     tree
@@ -121,7 +122,6 @@ ORDER = """
     explain
     simulate
     casadi_solvers
-    targets
     fmu_xmltree
     fmu_archive
     fmu_description
