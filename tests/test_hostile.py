@@ -343,7 +343,7 @@ def test_a_killed_run_leaves_the_older_result(endless: subprocess.Popen[str]) ->
     assert Path("x.csv").read_text() == OLD
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_an_interrupted_run_keeps_its_rows(endless: subprocess.Popen[str], number: signal.Signals) -> None:
     endless.send_signal(number)
     code, said = finish(endless)

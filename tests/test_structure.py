@@ -22,7 +22,9 @@ ORDER = """
     folders
     store
     diagnostics
+    interruptions
     targets
+    given
     units
     values
     tree

@@ -5,13 +5,13 @@ import atexit
 import contextlib
 import gc
 import os
-import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from lagrangia.diagnostics import LagError, RunError, render_all
+from lagrangia.interruptions import ended_as_by_control_c
 
 DONE, FAILED, WRONG = 0, 1, 2
 
@@ -20,7 +20,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Exit codes: 0 done, 1 the run failed, 2 the input is wrong."""
     atexit.register(gc.freeze)  # what ends with the process need not be searched for cycles
     parsed = _parser().parse_args(arguments)
-    with _ended_as_by_control_c():
+    with ended_as_by_control_c():
         return _execute(parsed)
 
 
@@ -50,23 +50,6 @@ def _execute(parsed: argparse.Namespace) -> int:
         return FAILED
     except Exception as error:
         return _out_of_memory() if "std::bad_alloc" in str(error) else _confess(error)  # as CasADi says it
-
-
-@contextlib.contextmanager
-def _ended_as_by_control_c() -> Iterator[None]:
-    """SIGTERM, by which schedulers and `timeout` end a process, and SIGHUP, by which a closed terminal does, keep what was
-    computed, too; `nohup` has the latter ignored."""
-    before: dict[int, Any] = {}
-    for name in ("SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) != signal.SIG_IGN:
-            with contextlib.suppress(ValueError):  # in a thread of its own nobody ends it
-                before[number] = signal.signal(number, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _out_of_memory() -> int:

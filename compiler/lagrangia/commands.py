@@ -12,6 +12,7 @@ from typing import Any
 
 from lagrangia.diagnostics import LagError, RunError, fail, render_all
 from lagrangia.engines import describe
+from lagrangia.interruptions import undisturbed
 from lagrangia.model import Model
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.plot import require_format
@@ -185,6 +186,8 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
                     keep.append(portion)
         except RunError as error:
             failure = error
+        except KeyboardInterrupt:  # while rows were written
+            progress.interrupted = True
     bar.close()
     if options.plot is not None:
         _plot(options, model, progress, keep, values)
@@ -219,10 +222,16 @@ class _writer:
     def __enter__(self) -> Callable[[Sequence[float]], None]:
         if self.file is not None:
             self.file.__enter__()
-            return self.file.write
+            return self.file.write if self.file.temporary is None else self._write_whole
         shown = columns(self.scene)
         print(",".join(c.name for c in shown))
         return lambda rows: print("\n".join(csv_lines(rows, len(shown), self.empty)))
+
+    def _write_whole(self, rows: Sequence[float]) -> None:
+        """To a file; a pipe may keep its writer waiting for ever."""
+        assert self.file is not None
+        with undisturbed():
+            self.file.write(rows)
 
     def __exit__(self, *exception: Any) -> None:
         if self.file is not None:
