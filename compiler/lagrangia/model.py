@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.cache import find_scene, keep_scene
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.engines import Engine, divided, load_engine, start_building
+from lagrangia.given import by_name
 from lagrangia.interpret import evaluate
 from lagrangia.runtime_library import Runtime
 from lagrangia.scene import Scene
@@ -173,7 +174,7 @@ class Model:
 
     def simulate_many(
         self, *, parameters: Mapping[str, Any] | None = None, initial: Mapping[str, Any] | None = None,
-        outputs: Sequence[str] = (), runs: str | os.PathLike[str] | None = None, samples: int | None = None, seed: int = 0,
+        outputs: str | Sequence[str] = (), runs: str | os.PathLike[str] | None = None, samples: int | None = None, seed: int = 0,
         sampling: str = "random", together: bool = False, stop: float | None = None, start: float | None = None,
         tolerance: float | None = None, interval: float | None = None, inputs: Any = None, solver: str = "auto",
         max_step: float = 0.0, max_steps: int = 0, seconds_per_run: float = 0.0, jobs: int | None = None, dask: str | None = None,
@@ -188,17 +189,18 @@ class Model:
         .parquet) the table is written there, and a sweep that was killed goes on from `path`.part. Raises LagError.
         """
         from lagrangia.sweep import require_place, run_into
-        from lagrangia.sweep_measures import quantities, read_measure, usual_measures
+        from lagrangia.sweep_measures import quantities, read_measures, usual_measures
         from lagrangia.sweep_plan import Request, build_job
 
         if path is not None:
             require_place(path, [self.path, *([] if runs is None else [runs])])
-        measures = [read_measure(text) for text in outputs]
+        measures = read_measures(outputs)
         model = self._with_outputs(quantities(measures))
         experiment = plan(self.scene, stop=stop, start=start, tolerance=tolerance, interval=interval, max_step=max_step,
                           max_steps=max_steps, solver=solver)
-        request = Request(parameters or {}, initial or {}, None if runs is None else Path(runs), samples, seed, sampling,
-                          together, inputs, interval, seconds_per_run)
+        request = Request(by_name("parameters", parameters), by_name("start values", initial),
+                          None if runs is None else Path(runs), samples, seed, sampling, together, inputs, interval,
+                          seconds_per_run)
         model, job = model.suited_to_all(build_job(model.scene, measures or usual_measures(model.scene), experiment, request))
         return run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
 

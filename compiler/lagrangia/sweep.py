@@ -9,6 +9,7 @@ from typing import Protocol
 
 from lagrangia.diagnostics import fail
 from lagrangia.engines import Engine
+from lagrangia.given import a_count
 from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_pieces import Watch
 from lagrangia.sweep_plan import Job
@@ -32,7 +33,7 @@ def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None,
 
     KeyboardInterrupt ends it, and marks the table as interrupted. Raises LagError L0712, L0716, L0901.
     """
-    if jobs is not None and jobs < 1:
+    if jobs is not None and a_count("number of jobs", jobs) < 1:
         fail("L0712", f"the number of jobs must be positive, not {jobs}")
     if dask is not None:
         from lagrangia.sweep_dask import run_on_dask

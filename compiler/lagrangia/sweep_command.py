@@ -12,7 +12,7 @@ from lagrangia.model import Model
 from lagrangia.simulate import plan
 from lagrangia.sweep import require_place, run_job
 from lagrangia.sweep_journal import Journal, Ledger
-from lagrangia.sweep_measures import Measure, quantities, read_measure, split_list, usual_measures
+from lagrangia.sweep_measures import Measure, quantities, read_measures, usual_measures
 from lagrangia.sweep_plan import Job, Request, build_job
 from lagrangia.sweep_table import Sweep
 from lagrangia.targets import Target, is_device
@@ -40,15 +40,13 @@ def sweep_command(options: Namespace) -> int:
 
 
 def _prepare(options: Namespace) -> tuple[Model, Job]:
-    measures = [read_measure(text) for text in split_list(options.outputs or "")]
+    measures = read_measures(options.outputs or "")
     given = _assignments(options.parameter, "-p")
     single = [(name, text) for name, text in given.items() if not any(c in text for c in ",:(") or "{" in text]
     model = load_model(options, single, quantities(measures))
     scene = model.scene
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
                       max_step=options.max_step, max_steps=options.max_steps, solver=options.solver)
-    if not (options.seconds_per_run >= 0):
-        fail("L0702", f"the seconds per run must be a positive number, not {options.seconds_per_run}")
     varied = {name: text for name, text in given.items() if name not in model.structural}
     request = Request(varied, _assignments(options.initial, "--initial"), options.runs, options.samples, options.seed,
                       options.sampling, options.together, read_inputs(options.input, scene), options.interval,
