@@ -93,9 +93,9 @@ def keep_apart(written: Iterable[str | os.PathLike[str] | None], read: Iterable[
     for place in (path for path in written if path is not None and os.path.isfile(path)):
         for source in sources:
             if os.path.exists(source) and os.path.samefile(place, source):
-                fail("L0004", f"'{os.fspath(place)}' is read: a result does not take its place", None, "choose another -o")
+                fail("L0004", f"'{os.fspath(place)}' is read: a result does not take its place", None, "choose another name")
         if Path(place).suffix.lower() == ".lag":
-            fail("L0004", f"'{os.fspath(place)}' is a scene: a result does not take its place", None, "choose another -o")
+            fail("L0004", f"'{os.fspath(place)}' is a scene: a result does not take its place", None, "choose another name")
 
 
 def require_kind(path: str | os.PathLike[str], *endings: str) -> None:
