@@ -180,7 +180,7 @@ WRONG_OPTIONS = {
     "--interval -1": "the interval must be a positive number",
     "--interval 1e-12 --stop 10": "choose a longer interval",
     "--max-step -1": "the largest step must be a positive number",
-    "--max-steps -1": "the number of steps must be positive",
+    "--max-steps -1": "the number of steps must not be negative",
     "--plot x.xyz": "no picture that can be drawn",
     "--plot missing/x.png": "cannot be written",
     "--plot x.png --plot-quantities foo": "no quantity 'foo'",

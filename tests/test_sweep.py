@@ -263,7 +263,8 @@ def test_a_text_alone_is_a_list_of_measures(scene: Scene) -> None:
 @pytest.mark.parametrize("given", [
     {"parameters": [("k", [1])]}, {"parameters": {3: [1]}}, {"parameters": "k=1"}, {"initial": 3}, {"outputs": [3]},
     {"outputs": 3}, {"jobs": "2"}, {"jobs": 1.5}, {"samples": 3.0, "parameters": {"k": "normal(8,1)"}}, {"seed": "a"},
-    {"stop": "2"}, {"start": []}, {"tolerance": "1e-8"}, {"interval": "a"}, {"max_step": None}, {"max_steps": 1.5}, {"seconds_per_run": "a"}, {"solver": 3},
+    {"stop": "2"}, {"start": []}, {"tolerance": "1e-8"}, {"interval": "a"}, {"max_step": None},
+    {"max_steps": 1.5}, {"seconds_per_run": "a"}, {"solver": 3},
     {"sampling": 3}, {"path": "table.xlsx"}, {"path": "scene.lag"},
 ], ids=str)
 def test_values_of_a_wrong_type_are_told(scene: Scene, given: dict[str, object]) -> None:

@@ -343,7 +343,7 @@ def _add_export(parser: argparse.ArgumentParser) -> None:
     add("--sources", action=argparse.BooleanOptionalAction, default=True, help="put the C sources into an FMU")
     add("--outputs", metavar="NAME,NAME,...", help="more outputs of an FMU")
     add("--info", action="append", default=[], metavar="NAME=TEXT", help="author, version, copyright, license of an FMU")
-    add("-o", "--output", metavar="FILE", help="the file; by default the model's name in this folder")
+    add("-o", "--output", metavar="FILE", help="the file; by default the model's name in this folder (- for standard output)")
 
 
 def _add_fmu(parser: argparse.ArgumentParser) -> None:

@@ -137,6 +137,8 @@ class Journal(Ledger):
         return self
 
     def __exit__(self, *rest: object) -> None:
+        if not self.entered:  # nothing to go on with
+            self.remove()
         with contextlib.suppress(OSError):
             self.stream.close()
 
