@@ -274,6 +274,12 @@ static double excess(const LagReduction *what, double y)
     return is_above ? value - what->value : what->value - value;
 }
 
+static int is_met(const LagReduction *what, double y)
+{
+    const double over = excess(what, y);
+    return over > 0 || (what->or_equal && over == 0);
+}
+
 /* The time between points i - 1 and i at which the true quantity crosses: regula falsi, in which the value at an end that
  * stays is halved (Illinois), and now and then a bisection. */
 static LagStatus crossing(const LagReduction *what, LagWindow *window, const Course *course, int i, double *time)
@@ -317,10 +323,10 @@ static LagStatus cross(const LagReduction *what, LagReduced *reduced, LagWindow 
     }
     LagStatus status = trace(course, window, what->absolute);
     for (int i = 0; i < course->count && status == LAG_OK && !reduced->is_known; ++i) {
-        const int holds = excess(what, course->value[i]) > 0;
-        const int held = i > 0 && excess(what, course->value[i - 1]) > 0;
+        const int holds = is_met(what, course->value[i]);
+        const int held = i > 0 && is_met(what, course->value[i - 1]);
         if (holds && !is_first)
-            reduced->found = middle(window) + half(window) * course->s[i];
+            reduced->found = i + 1 < course->count ? middle(window) + half(window) * course->s[i] : window->time[LAG_NODES - 1];
         if (holds && is_first && i == 0)
             reduced->found = window->time[0];
         else if (i > 0 && (is_first ? holds : held && !holds))

@@ -23,7 +23,7 @@ enum {
     LAG_REDUCE_RANGE, /* maximum - minimum */
     LAG_REDUCE_MEAN,
     LAG_REDUCE_RMS,
-    LAG_REDUCE_FIRST_ABOVE, /* the first time that it is above `value`; NaN: never */
+    LAG_REDUCE_FIRST_ABOVE, /* the first time that it is above `value` (or at it, see or_equal); NaN: never */
     LAG_REDUCE_FIRST_BELOW,
     LAG_REDUCE_LAST_ABOVE, /* the last time */
     LAG_REDUCE_LAST_BELOW
@@ -35,6 +35,7 @@ typedef struct {
     int32_t rate;     /* the column of its rate, or -1 */
     int32_t absolute; /* of the absolute value */
     double value;
+    int32_t or_equal; /* the condition of first and last holds at the level, too */
 } LagReduction;
 
 typedef struct {

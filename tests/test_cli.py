@@ -152,6 +152,28 @@ def test_outputs_adds_columns(lag: Lag) -> None:
     assert np.hypot(rows["elbow.b.r[1]"], rows["elbow.b.r[2]"]).tolist() == pytest.approx([1, 1]), "the first link is 1 m long"
 
 
+def test_outputs_that_are_columns_anyway_are_written_once(lag: Lag) -> None:
+    given = "elbow.phi,der(elbow.phi),elbow.b.r[1],elbow.b.r,elbow.w"
+    simulate(lag, "double_pendulum", "--outputs", given, "--at", "0,1", "-o", "a.csv")
+    names = Path("a.csv").read_text().splitlines()[0].split(",")
+    assert names == ["time", "shoulder.phi", "elbow.phi", "der(shoulder.phi)", "der(elbow.phi)", "elbow.b.r[1]", "elbow.b.r[2]",
+                     "elbow.w"]
+
+
+@pytest.mark.parametrize("name", ["x.parquet", "x.xlsx", "x.CSVX", "x.png"])
+def test_a_table_of_another_kind_is_refused(name: str, lag: Lag) -> None:
+    outcome = lag("simulate", EXAMPLES / "pendulum.lag", "-o", name)
+    assert outcome.code == 2
+    assert f"'{name}' is no table that can be written\n   = its name should end in .csv" in outcome.err
+    assert not list(Path().iterdir())
+
+
+@pytest.mark.parametrize("name", ["x.CSV", "x.txt", "rows", "rows_0.5"])
+def test_names_that_say_table_or_nothing_are_taken(name: str, lag: Lag) -> None:
+    simulate(lag, "pendulum", "-o", name, "--at", "0,1")
+    assert len(Path(name).read_text().splitlines()) == 3
+
+
 def test_reactions_adds_those_of_every_joint(lag: Lag) -> None:
     simulate(lag, "slider_crank", "--reactions", "--at", "0,1")
     names = [name for name in table("slider_crank.csv") if "reaction" in name]

@@ -104,6 +104,34 @@ def test_what_cannot_be_exported_is_told(tmp_path: Path, capsys) -> None:
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("target", ["sympy", "latex", "python", "modelica"])
+def test_a_text_goes_to_standard_output(target: str, tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = exported("pendulum", target, tmp_path / "out").read_text(encoding="utf-8")
+    capsys.readouterr()
+    exported("pendulum", target, Path("-"))
+    assert capsys.readouterr().out == text
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_equations_go_to_standard_output(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    said = []
+    for options in ([], ["-o", "-"]):
+        assert main(["equations", str(EXAMPLES / "pendulum.lag"), *options]) == 0
+        said.append(capsys.readouterr().out)
+    assert said[0] == said[1] and "m L" in said[1]
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("target", ["casadi", "fmu"])
+def test_what_is_no_text_needs_a_file(target: str, tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", str(EXAMPLES / "pendulum.lag"), "--to", target, "-o", "-"]) == WRONG
+    assert "error[L0704]" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_files_are_called_after_the_model(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     for target in ("modelica", "casadi", "latex", "sympy"):

@@ -180,7 +180,7 @@ WRONG_OPTIONS = {
     "--interval -1": "the interval must be a positive number",
     "--interval 1e-12 --stop 10": "choose a longer interval",
     "--max-step -1": "the largest step must be a positive number",
-    "--max-steps -1": "the number of steps must be positive",
+    "--max-steps -1": "the number of steps must not be negative",
     "--plot x.xyz": "no picture that can be drawn",
     "--plot missing/x.png": "cannot be written",
     "--plot x.png --plot-quantities foo": "no quantity 'foo'",
@@ -254,6 +254,24 @@ def test_without_a_c_compiler(lag: Run, monkeypatch: pytest.MonkeyPatch) -> None
     assert max(abs(x - y) for row, other in pairs for x, y in zip(row, other, strict=True)) < 1e-6
 
 
+@pytest.mark.parametrize("options", ["--solver erk", "--solver linear", "--engine native", "--engine tape"])
+def test_what_is_asked_for_by_name_is_not_replaced_for_want_of_a_compiler(options: str, lag: Run,
+                                                                          monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGRANGIA_CC", "none")
+    Path("block.lag").write_text("model M Block b(m = 1, base = world, along = {1, 0}, s(start = 1)); end M;")
+    code, said = lag("simulate", "block.lag", *options.split())
+    assert code == WRONG and "error[L0704]" in said and f"'{options.split()[1]}' needs a C compiler" in said
+    assert not Path("block.csv").exists()
+
+
+@pytest.mark.parametrize("variable", ["LAGRANGIA_CC", "CC"])
+def test_a_compiler_that_no_shell_would_take(variable: str, lag: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("LAGRANGIA_CC", raising=False)
+    monkeypatch.setenv(variable, "gcc 'x")
+    code, said = lag("simulate", "pendulum.lag")
+    assert code == WRONG and f"error[L0706]: the environment variable {variable} holds no command: gcc 'x" in said
+
+
 DAMAGES: dict[str, Callable[[str], str]] = {
     "empty": lambda text: "", "cut": lambda text: text[: len(text) // 2], "no digest": lambda text: text.partition("\n")[2],
     "a number changed": lambda text: text.replace("1.0", "2.0"),
@@ -318,6 +336,45 @@ def test_no_place_for_a_cache(settings: dict[str, str], folder: Path) -> None:
     assert code == DONE
 
 
+def test_every_cache_on_a_full_disk_is_told_by_its_name(lag: Run, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    compiler = folder / "full-cc"
+    compiler.write_text("#!/bin/sh\necho 'fatal error: No space left on device'\nexit 1\n")
+    compiler.chmod(0o755)
+    monkeypatch.setenv("LAGRANGIA_CC", str(compiler))
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(folder / "cache"))
+    code, said = lag("simulate", "pendulum.lag")
+    assert code == FAILED and said.startswith(f"error: '{folder / 'cache'}': no room for compiled code")
+
+
+# ---------------------------------------------------------------- results in the place of what is read
+
+TABLE = "time,M0\n0,0\n1,1\n"
+RUNS = "m\n1\n2\n"
+IN_PLACE = [
+    "simulate pendulum -o pendulum", "sweep pendulum -p m=1,2 -o pendulum", "equations pendulum -o pendulum",
+    "export pendulum --to sympy -o pendulum", "export pendulum --to casadi -o pendulum", "export pendulum --to fmu -o pendulum",
+    "simulate pendulum -u pendulum.csv", "simulate pendulum -u pendulum.csv -o ./pendulum.csv",
+    "simulate pendulum -u pendulum.csv -o link.csv", "sweep pendulum --runs runs.csv -o runs.csv",
+    "sweep pendulum --runs pendulum_sweep.csv", "sweep pendulum -p m=1,2 -u pendulum.csv -o pendulum.csv",
+    "sweep pendulum --runs x.csv.part -o x.csv", "response pendulum -u pendulum.csv --from M0 -o pendulum.csv",
+    "equations pendulum -o explosion.lag", "export pendulum --to sympy -o explosion.lag",
+]
+
+
+@pytest.mark.parametrize("command", IN_PLACE)
+def test_no_result_takes_the_place_of_what_is_read(command: str, lag: Run) -> None:
+    """Under whatever name; nor that of a scene, which may be imported."""
+    Path("pendulum").write_text(PENDULUM)
+    Path("pendulum.csv").write_text(TABLE)
+    Path("link.csv").symlink_to("pendulum.csv")
+    for name in ("runs.csv", "pendulum_sweep.csv", "x.csv.part"):
+        Path(name).write_text(RUNS)
+    before = {path: path.read_bytes() for path in Path().iterdir()}
+    code, said = lag(*command.split())
+    assert code == WRONG and "error[L0004]" in said and "does not take its place" in said
+    assert {path: path.read_bytes() for path in Path().iterdir()} == before
+
+
 # ---------------------------------------------------------------- interrupted runs and places that cannot be written
 
 ENDLESS = ("simulate", "pendulum.lag", "--stop", "1e7", "--interval", "0.5", "-p", "n=2", "-o", "x.csv")
@@ -343,7 +400,7 @@ def test_a_killed_run_leaves_the_older_result(endless: subprocess.Popen[str]) ->
     assert Path("x.csv").read_text() == OLD
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_an_interrupted_run_keeps_its_rows(endless: subprocess.Popen[str], number: signal.Signals) -> None:
     endless.send_signal(number)
     code, said = finish(endless)

@@ -1,8 +1,10 @@
 """Compilers, the cache, and what happens when either is missing or broken."""
 
 import ctypes
+import errno
 import os
 import shlex
+import shutil
 import stat
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -79,6 +81,25 @@ def test_a_damaged_library_is_built_again(damage: "object") -> None:
     damage(library)
     assert build("answer", FORTY_TWO) == library
     assert answer(library) == 42
+
+
+@needs_compiler
+def test_a_damaged_digest_is_no_text() -> None:
+    library = build("answer", FORTY_TWO)
+    library.with_suffix(".sha256").write_bytes(b"\xff" * 64)
+    assert build("answer", FORTY_TWO) == library
+    assert library.with_suffix(".sha256").read_bytes() != b"\xff" * 64
+
+
+@needs_compiler
+def test_a_library_that_cannot_take_its_place_is_told(own_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And not tried for ever."""
+    monkeypatch.setattr(native.shutil, "rmtree", lambda *_, **__: None)
+    begun = start_build("answer", FORTY_TWO)
+    begun._library.parent.mkdir(parents=True)
+    (begun._library.parent / "in the way").touch()
+    with pytest.raises(OSError):
+        begun.finish()
 
 
 @needs_compiler
@@ -179,6 +200,32 @@ def test_cache_folders(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setenv("HOME", str(tmp_path))
     assert tmp_path in cache_folder().parents
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX folders")
+def test_a_cache_without_room_is_passed_over(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Where none has room the first serves: what is there already can be used."""
+    full = {tmp_path / "cache"}
+    usage = shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(folders.shutil, "disk_usage", lambda place: usage._replace(free=0) if place in full else usage)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    assert cache_folder() == tmp_path / "xdg" / "lagrangia"
+    monkeypatch.setattr(folders.shutil, "disk_usage", lambda place: usage._replace(free=0))
+    assert cache_folder() == tmp_path / "cache"
+    monkeypatch.setattr(folders.shutil, "disk_usage", lambda place: usage._replace(total=0, free=0))  # it does not tell
+    assert cache_folder() == tmp_path / "cache"
+
+
+@needs_compiler
+def test_a_disk_that_fills_up_is_told_by_the_cache(monkeypatch: pytest.MonkeyPatch, own_cache: Path) -> None:
+    def no_room(*_: object, **__: object) -> str:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    compiler = find_compiler()
+    monkeypatch.setattr(native.tempfile, "mkdtemp", no_room)
+    with pytest.raises(OSError, match="no room for compiled code") as caught:
+        build("answer", FORTY_TWO, compiler=compiler)
+    assert caught.value.filename == str(own_cache)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX permissions")

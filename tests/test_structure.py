@@ -22,6 +22,9 @@ ORDER = """
     folders
     store
     diagnostics
+    interruptions
+    targets
+    given
     units
     values
     tree
@@ -123,7 +126,6 @@ ORDER = """
     explain
     simulate
     casadi_solvers
-    targets
     fmu_xmltree
     fmu_archive
     fmu_description

@@ -31,6 +31,7 @@ OSCILLATOR = """model Oscillator "a block on a spring"
   output Length shifted = block.s + 1;
   output Real swell = time*block.s/1[m.s];
   output Real quick = sin(40[1/s]*time);
+  output Real steady = 2;
   output Real square = if time > 1 and time < 2 then 1 else 0;
   annotation(experiment(StopTime = 4, Tolerance = 1e-11));
 end Oscillator;
@@ -88,6 +89,14 @@ def mean_of_absolute(w: float, stop: float) -> float:
         ("first_time(block.s < 0)", lambda w: math.pi / 2 / w),
         ("first_time(block.s < -501[mm])", lambda w: math.nan),
         ("first_time(shifted > 1)", lambda w: 0.0),
+        ("first_time(shifted >= 1.5)", lambda w: 0.0),
+        ("first_time(block.s <= 0.5)", lambda w: 0.0),
+        ("first_time(der(block.s) >= 0)", lambda w: 0.0),
+        ("first_time(der(block.s) > 0)", lambda w: math.pi / w),
+        ("last_time(steady >= 2)", lambda w: 4.0),
+        ("first_time(steady <= 2)", lambda w: 0.0),
+        ("last_time(steady > 2)", lambda w: math.nan),
+        ("last_time(block.s >= 0.25)", lambda w: {2.0: math.pi + math.acos(0.5) / 2, 3.0: 4.0}[w]),
         ("first_time(abs(block.s) < 0.1)", lambda w: math.acos(0.2) / w),
         ("last_time(abs(der(block.s)) > 0.4)", lambda w: 4.0),
         ("last_time(block.s > 0.25)", lambda w: {2.0: math.pi + math.acos(0.5) / 2, 3.0: 4.0}[w]),
@@ -228,6 +237,54 @@ def test_dependent_parameters_follow_and_vectors_are_varied_whole(scene: Scene) 
     assert table["p.center.y"] == pytest.approx([-2 * 9.81, -2 * 1.62])
     assert model.simulate_many(parameters={"world.gravity": [[0, -2], [0, -3]]}, outputs=["p.center.y"], stop=2)[
         "p.center.y"] == pytest.approx([-4, -6])
+
+
+def test_a_list_of_one_value_is_a_column(scene: Scene) -> None:
+    """One value alone is none."""
+    model = scene(OSCILLATOR)
+    for given in ([8], (8,), np.array([8.0]), "linspace(8, 8, 1)", "8:8:1"):
+        table = model.simulate_many(parameters={"k": given, "m": 2}, outputs=["max(block.s)"], stop=0.1)
+        assert (table.names, table["k"].tolist()) == (["k", "max(block.s)"], [8])
+    for alone in (8, "8", np.float64(8)):
+        assert model.simulate_many(parameters={"k": alone}, outputs=["max(block.s)"], stop=0.1).names == ["max(block.s)"]
+    gravity = {"world.gravity": [[0, -2]]}
+    assert model.simulate_many(parameters=gravity, stop=0.1).names[:2] == ["world.gravity[1]", "world.gravity[2]"]
+    assert model.simulate_many(parameters={"world.gravity": [0, -2]}, stop=0.1).names[0] == "final(block.s)"
+    table = model.simulate_many(parameters={"m": [1, 2, 3], "k": [4]}, together=True, stop=0.1)
+    assert (table["m"].tolist(), table["k"].tolist()) == ([1, 2, 3], [4, 4, 4])
+
+
+def test_a_text_alone_is_a_list_of_measures(scene: Scene) -> None:
+    model = scene(OSCILLATOR)
+    assert model.simulate_many(outputs="max(block.s)", stop=0.1).names == ["max(block.s)"]
+    assert model.simulate_many(outputs="at(0.05, block.s), min(block.s)", stop=0.1).names == ["at(0.05, block.s)", "min(block.s)"]
+
+
+@pytest.mark.parametrize("given", [
+    {"parameters": [("k", [1])]}, {"parameters": {3: [1]}}, {"parameters": "k=1"}, {"initial": 3}, {"outputs": [3]},
+    {"outputs": 3}, {"jobs": "2"}, {"jobs": 1.5}, {"samples": 3.0, "parameters": {"k": "normal(8,1)"}}, {"seed": "a"},
+    {"stop": "2"}, {"start": []}, {"tolerance": "1e-8"}, {"interval": "a"}, {"max_step": None},
+    {"max_steps": 1.5}, {"seconds_per_run": "a"}, {"solver": 3},
+    {"sampling": 3}, {"path": "table.xlsx"}, {"path": "scene.lag"},
+], ids=str)
+def test_values_of_a_wrong_type_are_told(scene: Scene, given: dict[str, object]) -> None:
+    model = scene(OSCILLATOR)
+    with pytest.raises(lag.LagError):
+        model.simulate_many(**{"parameters": {"k": [8, 9]}, "stop": 0.1} | given)
+
+
+@pytest.mark.parametrize("given", [{"stop": "2"}, {"parameters": [1]}, {"parameters": {"m": "2"}}, {"initial": {"block.s": [1]}}],
+                         ids=str)
+def test_a_run_tells_wrong_types_too(scene: Scene, given: dict[str, object]) -> None:
+    with pytest.raises(lag.LagError, match="must be"):
+        scene(OSCILLATOR).simulate(**given)
+
+
+def test_numbers_of_numpy_are_numbers(scene: Scene, tmp_path: Path) -> None:
+    table = scene(OSCILLATOR).simulate_many(
+        parameters={"k": "normal(8,1)"}, samples=np.int32(3), seed=np.int64(1), max_steps=np.int64(10_000), jobs=np.int8(1),
+        interval=np.float32(0.1), stop=np.float64(1), path=tmp_path / "x.csv")
+    assert table.ok.all() and len(table["k"]) == 3
 
 
 def test_lists_side_by_side_and_a_table(scene: Scene, tmp_path: Path) -> None:

@@ -195,6 +195,31 @@ def test_a_file_in_the_way_is_left_alone(run: Run) -> None:
     code, said = run("pendulum.lag", "-p", "m=1,2", "-o", "x.csv")
     assert code == 2 and "no journal" in said
     assert Path("x.csv.part").read_text() == "my diary\n"
+    code, said = run("pendulum.lag", "-p", "m=1,2", "-o", "x.csv", "--restart")
+    assert code == 2 and "no journal" in said
+    assert Path("x.csv.part").read_text() == "my diary\n"
+
+
+def test_a_journal_that_was_cut_off_as_it_was_begun_is_no_obstacle(run: Run) -> None:
+    Path("x.csv.part").write_text('{"what": "sweep of')
+    assert run("pendulum.lag", "-p", "m=1,2", "--stop", "0.1", "-o", "x.csv")[0] == 0
+    assert len(table("x.csv")[1]) == 2 and not Path("x.csv.part").exists()
+
+
+def test_a_name_too_long_for_a_file_is_told(run: Run) -> None:
+    name = "p" * 245
+    Path("pendulum.lag").rename(f"{name}.lag")
+    code, said = run(f"{name}.lag", "-p", "m=1,2")
+    assert code == 2 and "error[L0004]" in said and "too long" in said
+
+
+def test_without_a_compiler_nothing_is_swept_or_benchmarked(run: Run, monkeypatch: pytest.MonkeyPatch,
+                                                            capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setenv("LAGRANGIA_CC", "none")
+    code, said = run("pendulum.lag", "-p", "m=1,2", "--solver", "erk")
+    assert code == 2 and "error[L0901]" in said
+    assert main(["bench", "pendulum.lag"]) == 2
+    assert "error[L0901]" in capsys.readouterr().err
 
 
 def test_python_goes_on_too(tmp_path: Path) -> None:
@@ -219,6 +244,10 @@ WRONG = {
     "time outside": (["--outputs", "at(99, hinge[1].phi)"], "between 0 and"),
     "parenthesis": (["--outputs", "max(hinge[1].phi"], "missing"),
     "empty range": (["-p", "m=1:2:-1"], "there is no way"),
+    "empty value": (["-p", "m=1,,2"], "before or behind one of the commas"),
+    "empty last value": (["-p", "m=1,"], "before or behind one of the commas"),
+    "empty argument": (["-p", "m=linspace(1,,2,3)"], "takes 3 numbers"),
+    "kind of table": (["-p", "m=1,2", "-o", "x.xlsx"], "its name should end in .csv"),
     "range of two": (["-p", "m=1:2"], "from:to:step"),
     "number of values": (["-p", "m=linspace(1,2,2.5)"], "whole number"),
     "geomspace through zero": (["-p", "m=geomspace(-1,2,3)"], "same sign"),
@@ -254,7 +283,7 @@ def test_wrong_input_is_told(arguments: str, run: Run) -> None:
     code, said = run("pendulum.lag", *given)
     assert code == 2, said
     assert told in said
-    assert not list(Path().glob("*.csv"))
+    assert not list(Path().glob("*.csv*"))
 
 
 @pytest.mark.parametrize(

@@ -6,10 +6,11 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, load_model, number, read_inputs, values_with_units, write_text
+from lagrangia.commands import assignment, keep_inputs, load_model, number, read_inputs, values_with_units
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.model import Model
 from lagrangia.plot import require_format
+from lagrangia.targets import write_text
 
 _MOST_STARTS, _MOST_POINTS = 10_000, 200_000
 _HIGHEST = 1e100  # Hz: its square is still a number
@@ -94,6 +95,7 @@ def response_command(options: Namespace) -> int:
 
 def _load(options: Namespace) -> tuple[Model, dict[str, Any]]:
     """The model and the numbers it is looked at with. Raises LagError."""
+    keep_inputs(options, options.output)
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())
     scene = model.scene

@@ -60,6 +60,7 @@ class Reduction:
     absolute: bool = False
     value: float = 0.0
     rate: int = -1
+    or_equal: bool = False  # of a level that is crossed: the condition holds at the level too
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,8 @@ class Sweep:
 
 
 class _Reduction(c.Structure):
-    _fields_ = (("kind", c.c_int32), ("column", c.c_int32), ("rate", c.c_int32), ("absolute", c.c_int32), ("value", c.c_double))
+    _fields_ = (("kind", c.c_int32), ("column", c.c_int32), ("rate", c.c_int32), ("absolute", c.c_int32), ("value", c.c_double),
+                ("or_equal", c.c_int32))
 
 
 class _Sweep(c.Structure):
@@ -111,7 +113,7 @@ class Batch:
         if sweep.input_values:
             self._run.set_inputs(sweep.input_times, sweep.input_values)
         reductions = (_Reduction * self.n_reductions)(
-            *(_Reduction(int(r.kind), r.column, r.rate, int(r.absolute), r.value) for r in sweep.reductions))
+            *(_Reduction(int(r.kind), r.column, r.rate, int(r.absolute), r.value, int(r.or_equal)) for r in sweep.reductions))
         vectors = ((c.c_double * len(v))(*v) for v in (sweep.given, sweep.mask, sweep.start, sweep.least, sweep.most))
         struct = _Sweep(sweep.settings.t_start, sweep.settings.t_stop, sweep.window or math.inf, sweep.seconds,
                         self.n_reductions, reductions, self.n_varied, (c.c_int * self.n_varied)(*sweep.varied), *vectors)

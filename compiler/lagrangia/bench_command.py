@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, load_model, number, values_with_units
+from lagrangia.commands import assignment, keep_inputs, load_model, number, values_with_units
 from lagrangia.diagnostics import RunError, fail, suggest
+from lagrangia.targets import write_text
 
 _TABLES = (".csv", ".json")
 
@@ -28,7 +29,8 @@ def bench_command(options: Namespace) -> int:
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())
     if model.engine is None:
-        raise RunError("no C compiler was found, and a benchmark compiles all that it measures (pip install ziglang brings one)")
+        fail("L0901", "not supported yet: a benchmark without a C compiler, which compiles all that is measured", None,
+             "pip install ziglang brings one")
     parameters = values_with_units([(n, v) for n, v in given if n.partition("[")[0] not in model.scene.structural],
                                    {p.name: p.unit for p in model.scene.parameters})
     problem = build_problem(model, stop=options.stop, points=options.points, parameters=parameters)
@@ -59,6 +61,7 @@ def _check(options: Namespace) -> None:
             fail("L0702", f"--{name} must be a number from 1 to 100000, not {getattr(options, name)}")
     if options.output is not None and Path(options.output).suffix not in _TABLES:
         fail("L0004", f"'{options.output}' is no table that can be written", None, f"its name should end in {', '.join(_TABLES)}")
+    keep_inputs(options, options.output)
 
 
 def _choose(solvers: Sequence[Any], names: str | None) -> list[Any]:
@@ -98,10 +101,7 @@ def _write(options: Namespace, points: list[Any], ours: list[str], reference: An
     if options.output is not None:
         path = Path(options.output)
         facts = {"scene": name, "reference": reference.how, "reference_error": reference.error, "versions": versions}
-        try:
-            path.write_text(as_csv(points) if path.suffix == ".csv" else as_json(points, facts), encoding="utf-8")
-        except OSError as error:
-            fail("L0004", f"'{path}' cannot be written: {error.strerror}")
+        write_text(path, as_csv(points) if path.suffix == ".csv" else as_json(points, facts))
     if options.plot is not None:
         from lagrangia.bench_plot import draw_points
 

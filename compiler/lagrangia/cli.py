@@ -5,13 +5,13 @@ import atexit
 import contextlib
 import gc
 import os
-import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn
 
 from lagrangia.diagnostics import LagError, RunError, render_all
+from lagrangia.interruptions import ended_as_by_control_c
 
 DONE, FAILED, WRONG = 0, 1, 2
 
@@ -20,7 +20,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Exit codes: 0 done, 1 the run failed, 2 the input is wrong."""
     atexit.register(gc.freeze)  # what ends with the process need not be searched for cycles
     parsed = _parser().parse_args(arguments)
-    with _ended_as_by_control_c():
+    with ended_as_by_control_c():
         return _execute(parsed)
 
 
@@ -50,20 +50,6 @@ def _execute(parsed: argparse.Namespace) -> int:
         return FAILED
     except Exception as error:
         return _out_of_memory() if "std::bad_alloc" in str(error) else _confess(error)  # as CasADi says it
-
-
-@contextlib.contextmanager
-def _ended_as_by_control_c() -> Iterator[None]:
-    """SIGTERM, by which schedulers and `timeout` end a process, keeps what was computed, too."""
-    try:
-        before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    except ValueError:  # in a thread of its own nobody ends it
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _out_of_memory() -> int:
@@ -236,7 +222,7 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("--engine", choices=("auto", "native", "tape"), default="auto",
         help="compiled, interpreted, or (auto) what costs less time; the reckoning is shown by --stats")
     add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")
-    add("--max-steps", type=int, default=0, metavar="N", help="give up after so many steps")
+    add("--max-steps", type=int, default=0, metavar="N", help="give up after so many steps (0: never)")
     add("--kind", metavar="KIND", help="of an FMU: me (Model Exchange) or cs (Co-Simulation, where there is one)")
     add("--stats", action="store_true", help="say what was done, and in what time")
     add("--quiet", action="store_true", help="say nothing but errors")
@@ -281,8 +267,8 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
     add("--engine", choices=("auto", "native", "tape"), default="auto",
         help="compiled, interpreted, or (auto) what costs less time; the reckoning is shown by --stats")
     add("--max-step", type=float, default=0.0, metavar="DT", help="largest step in s")
-    add("--max-steps", type=int, default=0, metavar="N", help="a run fails after so many steps")
-    add("--seconds-per-run", type=float, default=0.0, metavar="S", help="a run fails after so much time")
+    add("--max-steps", type=int, default=0, metavar="N", help="a run fails after so many steps (0: never)")
+    add("--seconds-per-run", type=float, default=0.0, metavar="S", help="a run fails after so much time (0: never)")
     add("--jobs", type=int, metavar="N", help="threads; as many as there are cores by default")
     add("--dask", metavar="ADDRESS", help="run on the cluster of this Dask scheduler: tcp://host:8786")
     add("-o", "--output", metavar="FILE", help="the table (.csv, .parquet; - for standard output); by default NAME_sweep.csv")
@@ -357,7 +343,7 @@ def _add_export(parser: argparse.ArgumentParser) -> None:
     add("--sources", action=argparse.BooleanOptionalAction, default=True, help="put the C sources into an FMU")
     add("--outputs", metavar="NAME,NAME,...", help="more outputs of an FMU")
     add("--info", action="append", default=[], metavar="NAME=TEXT", help="author, version, copyright, license of an FMU")
-    add("-o", "--output", metavar="FILE", help="the file; by default the model's name in this folder")
+    add("-o", "--output", metavar="FILE", help="the file; by default the model's name in this folder (- for standard output)")
 
 
 def _add_fmu(parser: argparse.ArgumentParser) -> None:

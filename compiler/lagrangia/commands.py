@@ -12,16 +12,19 @@ from typing import Any
 
 from lagrangia.diagnostics import LagError, RunError, fail, render_all
 from lagrangia.engines import Engine, describe
+from lagrangia.interruptions import undisturbed
 from lagrangia.model import Model
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.plot import require_format
 from lagrangia.simulate import Experiment, Progress, check_values, is_lost, plan, shortcomings
-from lagrangia.solvers import is_casadi, name_of
+from lagrangia.solvers import name_of
 from lagrangia.statics import is_static, reaction_table
+from lagrangia.targets import keep_apart, require_kind
 from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines
 from lagrangia.values import read_value
 
 _BAR_AFTER = 2.0  # seconds
+_TABLES = (".csv", ".txt", ".dat")
 _FIXED = 1  # LAG_START_FIXED of runtime/model.h
 
 
@@ -93,14 +96,14 @@ def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
 def simulate_command(options: Namespace) -> int:
     if options.kind is not None:
         fail("L0706", "--kind belongs to FMUs", None, f"'{options.file}' is none: its name would end in .fmu")
-    if options.plot is not None:
-        require_format(options.plot)
+    target = prepare_target(options)
     begin = time.perf_counter()
     outputs = split_names(options.outputs) + ((ALL_REACTIONS,) if options.reactions else ())
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, outputs)
     if is_static(model.scene) and not options.reactions:
         model = load_model(options, given, (*outputs, ALL_REACTIONS))
+    model = _without_repeated(options, model, given)
     scene = model.scene
     if options.dump is not None:
         from lagrangia.dumps import dump
@@ -119,7 +122,25 @@ def simulate_command(options: Namespace) -> int:
     values = check_values(scene, parameters, initial, read_inputs(options.input, scene))
     model = model.suited(values)
     compiled = time.perf_counter() - begin
-    return _run(options, model, experiment, values, compiled)
+    return _run(options, model, experiment, values, compiled, target)
+
+
+def _without_repeated(options: Namespace, model: Model, given: list[tuple[str, str]]) -> Model:
+    """The model without outputs that are among its coordinates and rates, whose columns are there anyway."""
+    there = {column.name for column in (*model.scene.coordinates, *model.scene.rates)}
+    kept = tuple(name for name in model.outputs if name not in there)
+    return model if kept == model.outputs else load_model(options, given, kept)
+
+
+def prepare_target(options: Namespace) -> str:
+    """Where the rows go. Raises LagError L0004 for a place, or a picture's, that results cannot take."""
+    target: str = options.output or f"{options.file.stem}.csv"
+    require_kind(target, *_TABLES)
+    if options.plot is not None:
+        require_format(options.plot)
+    if options.dump is None:
+        keep_inputs(options, target)
+    return target
 
 
 def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
@@ -154,10 +175,10 @@ def structural_value(text: str) -> Any:
         return text
 
 
-def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, compiled: float) -> int:
+def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, compiled: float, target: str) -> int:
     scene = model.scene
     begin = time.perf_counter()
-    if not is_casadi(options.solver) and model.engine_for(options.solver) is None and not options.quiet:
+    if model.falls_back(options.solver) and not options.quiet:
         print("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
               "(pip install ziglang brings a compiler)",
               file=sys.stderr)
@@ -168,7 +189,6 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     first: Sequence[float] = ()
     last: Sequence[float] = ()
     failure: RunError | None = None
-    target = options.output or f"{options.file.stem}.csv"
     with _writer(target, scene) as writer:
         try:
             for portion in portions:
@@ -179,6 +199,8 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
                     keep.append(portion)
         except RunError as error:
             failure = error
+        except KeyboardInterrupt:  # while rows were written
+            progress.interrupted = True
     bar.close()
     if options.plot is not None:
         _plot(options, model, progress, keep, values)
@@ -213,10 +235,16 @@ class _writer:
     def __enter__(self) -> Callable[[Sequence[float]], None]:
         if self.file is not None:
             self.file.__enter__()
-            return self.file.write
+            return self.file.write if self.file.temporary is None else self._write_whole
         shown = columns(self.scene)
         print(",".join(c.name for c in shown))
         return lambda rows: print("\n".join(csv_lines(rows, len(shown), self.empty)))
+
+    def _write_whole(self, rows: Sequence[float]) -> None:
+        """To a file; a pipe may keep its writer waiting for ever."""
+        assert self.file is not None
+        with undisturbed():
+            self.file.write(rows)
 
     def __exit__(self, *exception: Any) -> None:
         if self.file is not None:
@@ -371,12 +399,10 @@ def number(text: str, option: str) -> float:
         fail("L0706", f"'{text}' after {option} is no number")
 
 
-def write_text(path: Path, text: str) -> None:
-    """Raises LagError L0004 where it cannot be written."""
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        fail("L0004", f"'{path}' cannot be written: {error.strerror or error}")
+def keep_inputs(options: Namespace, *targets: str | Path | None) -> None:
+    """Raises LagError L0004 where a result would take the place of the model or of a table that is read."""
+    tables = input_tables(getattr(options, "input", []))
+    keep_apart([*targets, getattr(options, "plot", None)], [options.file, *tables])
 
 
 def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, float]:
@@ -396,9 +422,14 @@ def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> di
     return found
 
 
+def input_tables(given: list[str]) -> list[str]:
+    """Those that are files."""
+    return [text for text in given if "=" not in text or Path(text).suffix == ".csv"]
+
+
 def read_inputs(given: list[str], scene: Any) -> Any:
     """Constants by name, or one table from a CSV file with a column `time`."""
-    files = [text for text in given if "=" not in text or Path(text).suffix == ".csv"]
+    files = input_tables(given)
     units = {p.name: p.unit for p in scene.inputs}
     constants = values_with_units([assignment(text, "-u") for text in given if text not in files], units)
     if not files:
@@ -432,6 +463,6 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
 
 
 __all__ = [
-    "assignment", "check_command", "explain_command", "load_model", "number", "read_inputs", "read_table", "simulate_command",
-    "split_names", "structural_value", "values_with_units", "write_text",
+    "assignment", "check_command", "explain_command", "input_tables", "keep_inputs", "load_model", "number", "prepare_target",
+    "read_inputs", "read_table", "simulate_command", "split_names", "structural_value", "values_with_units",
 ]

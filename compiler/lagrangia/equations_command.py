@@ -4,20 +4,22 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, structural_value, write_text
+from lagrangia.commands import assignment, keep_inputs, structural_value
 from lagrangia.diagnostics import fail
 from lagrangia.pipeline import flatten_file
+from lagrangia.targets import write_text
 
 
 def equations_command(options: Namespace) -> int:
     from lagrangia.equation_sheet import Request, write_equations
 
+    keep_inputs(options, options.output)
     structural, parameters = _parameters(options)
     about = None if options.about is None else _pairs(options.about, "--about")
     names = _pairs(options.names or "", "--names")
     request = Request(options.form, options.format, names, parameters, options.numbers, options.force, about)
     text = write_equations(options.file, request, options.model, structural)
-    if options.output is None:
+    if options.output in (None, "-"):
         print(text)
     else:
         write_text(Path(options.output), text + "\n")

@@ -1,11 +1,12 @@
 """`lag export`: a scene as Python with NumPy alone, a serialised CasADi file, a flat Modelica model, SymPy, LaTeX."""
 
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.commands import write_text
 from lagrangia.diagnostics import fail, suggest
+from lagrangia.targets import Target, keep_apart, write_text
 
 if TYPE_CHECKING:
     from lagrangia.model import Model
@@ -22,15 +23,29 @@ _WORDS = {
 
 def export(model: "Model", target: str, path: Path, names: Mapping[str, str] | None = None, force: bool = False) -> str:
     """Writes the file; returns what to say of it. Raises LagError L0704 for an unknown target, L0712 for a scene too large."""
-    if target not in TARGETS:
-        fail("L0704", f"there is no export to '{target}'", None, *filter(None, [suggest(target, TARGETS)]),
-             f"the targets are {', '.join(TARGETS)}")
+    _require_target(target)
+    keep_apart([path], [model.path])
     if target == "casadi":
         count = _write_casadi(model, path)
         return f"{path}: {count} CasADi functions; casadi.FileDeserializer('{path}').unpack() is a list of them"
+    text = exported_text(model, target, names, force)
+    write_text(path, text)
+    return f"{path}: {text.count(chr(10))} lines"
+
+
+def exported_text(model: "Model", target: str, names: Mapping[str, str] | None = None, force: bool = False) -> str:
+    """What the file would hold. Raises LagError L0704 for a target that is no text."""
+    _require_target(target)
+    if target == "casadi":
+        fail("L0704", "an export to 'casadi' is no text: it cannot go to standard output", None, "give a file with -o")
     text = {"python": _python, "modelica": _modelica}.get(target, _page)(model, target, names or {}, force)
-    write_text(path, text if text.endswith("\n") else text + "\n")
-    return f"{path}: {text.count(chr(10)) + 1} lines"
+    return text if text.endswith("\n") else text + "\n"
+
+
+def _require_target(target: str) -> None:
+    if target not in TARGETS:
+        fail("L0704", f"there is no export to '{target}'", None, *filter(None, [suggest(target, TARGETS)]),
+             f"the targets are {', '.join(TARGETS)}")
 
 
 def _page(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
@@ -67,10 +82,12 @@ def _write_casadi(model: "Model", path: Path) -> int:
     functions = [*model.functions().values(),
                  ca.Function("parameters", [], [ca.DM(model.parameter_values())], [], ["p"]),
                  ca.Function("start", [], [q, v], [], ["q", "v"])]
-    write_text(path, "")  # tells what is wrong with the path; CasADi would make folders
-    serializer = ca.FileSerializer(str(path))
-    serializer.pack(functions)
-    del serializer  # closes the file
+    with Target(path, binary=True) as target, tempfile.TemporaryDirectory(prefix="lagrangia-") as folder:
+        file = Path(folder) / "functions"
+        serializer = ca.FileSerializer(str(file))
+        serializer.pack(functions)
+        del serializer  # closes the file
+        target.stream.write(file.read_bytes())
     return len(functions)
 
 

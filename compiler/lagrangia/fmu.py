@@ -24,7 +24,7 @@ from lagrangia.fmu_xml2 import write_fmi2
 from lagrangia.fmu_xml3 import write_build_description, write_fmi3
 from lagrangia.folders import data_folder
 from lagrangia.pipeline import read_files
-from lagrangia.targets import Target
+from lagrangia.targets import Target, keep_apart
 
 VERSIONS = ("2", "3")
 KINDS = ("me", "cs")
@@ -77,10 +77,12 @@ def export_fmus(
     described = build_fmu_model(model, wanted.parameters)
     extras = build_extras(model, described)
     name = f"{identifier_of(model.scene.name)}.fmu"
-    target = Path(name) if path is None else path / name if path.is_dir() else path
+    target = Path(name) if path is None else path / name if os.path.isdir(path) else path
+    both = {version: target.with_name(f"{target.stem}_fmi{version}{target.suffix or '.fmu'}") for version in versions}
+    keep_apart([target, *both.values()], [model.path])
     written = []
     for version in versions:
-        here = target if len(versions) == 1 else target.with_name(f"{target.stem}_fmi{version}{target.suffix or '.fmu'}")
+        here = target if len(versions) == 1 else both[version]
         content = archive(described, replace(wanted, version=version), extras, tell)
         with Target(here, binary=True) as opened:
             opened.stream.write(content)

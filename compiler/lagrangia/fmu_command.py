@@ -18,6 +18,8 @@ _INFO = ("author", "version", "copyright", "license")
 
 
 def export_fmu_command(options: Namespace) -> int:
+    if options.output == "-":
+        fail("L0704", "an FMU is no text: it cannot go to standard output", None, "give a file with -o")
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, split_names(options.outputs))
     if is_static(model.scene):

@@ -8,12 +8,12 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, number, read_table, split_names
+from lagrangia.commands import assignment, input_tables, number, prepare_target, read_table, split_names
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.fmu_description import Description
 from lagrangia.fmu_process import SPOKEN, Inputs
 from lagrangia.fmu_run import FmuRun, Request, open_fmu, settable, simulate_fmu
-from lagrangia.plot import draw, require_format
+from lagrangia.plot import draw
 from lagrangia.targets import Target, quoted
 from lagrangia.units import ONE, Unit, parse_unit
 from lagrangia.values import read_value
@@ -33,8 +33,7 @@ def simulate_fmu_command(options: Namespace) -> int:
     for name, (usual, hint) in _ONLY_MODELS.items():
         if getattr(options, name) != usual:
             fail("L0706", f"not supported for an FMU: --{name.replace('_', '-')}", None, *filter(None, [hint]))
-    if options.plot is not None:
-        require_format(options.plot)
+    target = prepare_target(options)
     opened = open_fmu(options.file)
     description = opened.description
     shown = split_names(options.plot_quantities)
@@ -43,7 +42,6 @@ def simulate_fmu_command(options: Namespace) -> int:
     request = Request(options.kind, options.start, options.stop, options.tolerance, options.interval, at, values,
                       _inputs(description, options.input), split_names(options.outputs) + shown)
     run = simulate_fmu(opened, request)
-    target = options.output or f"{options.file.stem}.csv"
     _write(run, target, None if at is None else at[0])
     if options.plot is not None and run.rows:
         curves = shown or [c.name for c in _usual_curves(run)]
@@ -102,7 +100,7 @@ def _in_unit(text: str, unit: str) -> float | list[float]:
 
 
 def _inputs(description: Description, given: list[str]) -> Inputs:
-    files = [text for text in given if "=" not in text or Path(text).suffix == ".csv"]
+    files = input_tables(given)
     names = [q.name for q in description.quantities if q.causality == "input"]
     known = f"the inputs are {', '.join(names)}" if names else "there are none"
     constants: dict[str, float] = {}

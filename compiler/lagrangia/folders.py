@@ -1,6 +1,7 @@
 """Where the data folders are (in a wheel beside the modules, in a checkout two levels above them), and where results are kept."""
 
 import os
+import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -8,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 _HERE = Path(__file__).resolve().parent
+_ROOM = 4 << 20  # bytes: the run time and a scene, twice over
 
 
 def data_folder(name: str) -> Path:
@@ -24,15 +26,31 @@ def data_folder(name: str) -> Path:
 
 
 def cache_folder() -> Path:
-    """Where libraries and other results are kept: $LAGRANGIA_CACHE, the system's place for caches, a private temporary one."""
+    """Where libraries and other results are kept: $LAGRANGIA_CACHE, the system's place for caches, a private temporary one.
+
+    The first that can be written to and has room; where none has, the first: what is there already can still be used.
+    """
+    full: list[Path] = []
     for folder in _cache_candidates():
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError:
             continue
         if os.access(folder, os.W_OK | os.X_OK):
-            return folder
-    return _private_temporary_folder()
+            if has_room(folder):
+                return folder
+            full.append(folder)
+    temporary = _private_temporary_folder()
+    return full[0] if full and not has_room(temporary) else temporary
+
+
+def has_room(folder: Path) -> bool:
+    """Whether a library can be built there."""
+    try:
+        usage = shutil.disk_usage(folder)
+    except OSError:
+        return True
+    return usage.free >= _ROOM or usage.total == 0  # some systems of files do not tell
 
 
 def _cache_candidates() -> Iterator[Path]:

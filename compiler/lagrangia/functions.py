@@ -263,16 +263,15 @@ def at_start(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
 
 
 def _outputs(kinematics: Kinematics, names: tuple[str, ...]) -> tuple[tuple[str, ...], ca.SX]:
-    labels: list[str] = []
-    values: list[Scalar] = []
+    found: dict[str, Scalar] = {}  # each once: r and r[1] may both be asked for
     for name in names:
         value = kinematics.evaluator.value(observe(kinematics.graph.model, name))
         for label, scalar in scalars(name, value):
-            labels.append(label)
-            values.append(scalar)
+            found.setdefault(label, scalar)
+    labels, values = tuple(found), list(found.values())
     y = ca.densify(ca.vertcat(*values)) if values else ca.SX(0, 1)
     tau = kinematics.symbols.tau
-    return tuple(labels), ca.substitute(y, tau, ca.SX(1)) if values else y
+    return labels, ca.substitute(y, tau, ca.SX(1)) if values else y
 
 
 def _start_functions(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> dict[str, ca.Function]:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from lagrangia.assembly import independent_columns
 from lagrangia.diagnostics import RunError, fail
+from lagrangia.targets import Target, write_text
 
 Matrix = NDArray[np.float64]
 _RANK, _TIED = 1e-9, 1e-9
@@ -137,18 +138,17 @@ class Linearization:
         """.json, .npz or .mat (for which SciPy is needed). Raises LagError L0004 for another ending, L0901 without SciPy."""
         path = Path(path)
         names = {key: list(getattr(self, key)) for key in ("coordinates", "states", "excitations", "inputs", "outputs")}
-        try:
-            if path.suffix == ".json":
-                path.write_text(json.dumps(self.to_dict(), indent=1) + "\n", encoding="utf-8")
-            elif path.suffix == ".npz":
-                np.savez(path, **self.tables(), **{key: np.array(x, dtype=str) for key, x in names.items()})  # type: ignore[arg-type]
-            elif path.suffix == ".mat":
-                with path.open("wb") as stream:
-                    _scipy_io().savemat(stream, self.tables() | {key: np.array(x, dtype=object) for key, x in names.items()})
-            else:
-                fail("L0004", f"'{path}' is no file for matrices", None, "its name should end in .json, .mat or .npz")
-        except OSError as error:
-            fail("L0004", f"'{path}' cannot be written: {error.strerror}")
+        if path.suffix == ".json":
+            write_text(path, json.dumps(self.to_dict(), indent=1) + "\n")
+        elif path.suffix == ".npz":
+            with Target(path, binary=True) as target:
+                np.savez(target.stream, **self.tables(), **{key: np.array(x, dtype=str) for key, x in names.items()})  # type: ignore[arg-type]
+        elif path.suffix == ".mat":
+            savemat = _scipy_io().savemat
+            with Target(path, binary=True) as target:
+                savemat(target.stream, self.tables() | {key: np.array(x, dtype=object) for key, x in names.items()})
+        else:
+            fail("L0004", f"'{path}' is no file for matrices", None, "its name should end in .json, .mat or .npz")
         return path
 
     def to_control(self) -> Any:

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.cache import find_scene, keep_scene
-from lagrangia.diagnostics import RunError
+from lagrangia.diagnostics import RunError, fail
 from lagrangia.engines import Engine, divided, load_engine, start_building
+from lagrangia.given import by_name
 from lagrangia.interpret import evaluate
 from lagrangia.runtime_library import Runtime
 from lagrangia.scene import Scene
 from lagrangia.simulate import Values, check_values, plan, simulate
-from lagrangia.solvers import is_casadi
+from lagrangia.solvers import AUTO, is_casadi
 from lagrangia.trajectory import Trajectory, collect
 
 if TYPE_CHECKING:
@@ -173,7 +174,7 @@ class Model:
 
     def simulate_many(
         self, *, parameters: Mapping[str, Any] | None = None, initial: Mapping[str, Any] | None = None,
-        outputs: Sequence[str] = (), runs: str | os.PathLike[str] | None = None, samples: int | None = None, seed: int = 0,
+        outputs: str | Sequence[str] = (), runs: str | os.PathLike[str] | None = None, samples: int | None = None, seed: int = 0,
         sampling: str = "random", together: bool = False, stop: float | None = None, start: float | None = None,
         tolerance: float | None = None, interval: float | None = None, inputs: Any = None, solver: str = "auto",
         max_step: float = 0.0, max_steps: int = 0, seconds_per_run: float = 0.0, jobs: int | None = None, dask: str | None = None,
@@ -187,16 +188,19 @@ class Model:
         is looked at every `interval` (s) at least. A run that fails is told in `.failures`, and no error. With a `path` (.csv,
         .parquet) the table is written there, and a sweep that was killed goes on from `path`.part. Raises LagError.
         """
-        from lagrangia.sweep import run_into
-        from lagrangia.sweep_measures import quantities, read_measure, usual_measures
+        from lagrangia.sweep import require_place, run_into
+        from lagrangia.sweep_measures import quantities, read_measures, usual_measures
         from lagrangia.sweep_plan import Request, build_job
 
-        measures = [read_measure(text) for text in outputs]
+        if path is not None:
+            require_place(path, [self.path, *([] if runs is None else [runs])])
+        measures = read_measures(outputs)
         model = self._with_outputs(quantities(measures))
         experiment = plan(self.scene, stop=stop, start=start, tolerance=tolerance, interval=interval, max_step=max_step,
                           max_steps=max_steps, solver=solver)
-        request = Request(parameters or {}, initial or {}, None if runs is None else Path(runs), samples, seed, sampling,
-                          together, inputs, interval, seconds_per_run)
+        request = Request(by_name("parameters", parameters), by_name("start values", initial),
+                          None if runs is None else Path(runs), samples, seed, sampling, together, inputs, interval,
+                          seconds_per_run)
         model, job = model.suited_to_all(build_job(model.scene, measures or usual_measures(model.scene), experiment, request))
         return run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
 
@@ -222,10 +226,23 @@ class Model:
         """A run's progress and the iterator over its rows; see simulate.simulate."""
         engine = self.engine_for(experiment.solver)
         if engine is None:
+            self.falls_back(experiment.solver)
             from lagrangia.casadi_solvers import simulate_casadi
 
             return simulate_casadi(self.compilation, experiment, values, watch)
         return simulate(self.scene, engine, experiment, values, watch)
+
+    def falls_back(self, solver: str) -> bool:
+        """Whether CasADi takes the place of our own solver, for want of a C compiler. Raises LagError L0704 where a solver or an
+        engine was asked for by name: another one is not what was asked for."""
+        if is_casadi(solver) or self.engine_for(solver) is not None:
+            return False
+        engine = {True: "engine 'native'", False: "engine 'tape'", None: ""}[self.native]
+        if solver != AUTO or engine:
+            what = f"solver '{solver}'" if solver != AUTO else engine
+            fail("L0704", f"the {what} needs a C compiler, and none was found", None,
+                 "pip install ziglang brings one; without one, choose auto or casadi:cvodes")
+        return True
 
     def engine_for(self, solver: str) -> Engine | None:
         """The engine that runs a solver of this name: for implicit steps, Jacobians are compiled however long they are."""

@@ -6,6 +6,8 @@ and compiler. A library is built in a folder of another name and renamed, so tha
 processes may build the same library at the same time: the second one keeps the first one's.
 """
 
+import contextlib
+import errno
 import hashlib
 import os
 import shlex
@@ -22,7 +24,8 @@ from pathlib import Path
 from platform import machine
 from sysconfig import get_platform
 
-from lagrangia.folders import cache_folder
+from lagrangia.diagnostics import fail
+from lagrangia.folders import cache_folder, has_room
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 # No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
@@ -31,6 +34,7 @@ _PLATFORM_FLAGS = () if sys.platform == "win32" else ("-fPIC",)
 _LIBRARIES = () if sys.platform == "win32" else ("-lm",)
 _PROCESSOR = Path("/proc/cpuinfo")
 _MOST_LINES = 20
+_ATTEMPTS = 10  # to put a library in its place, where others put it or damage it at the same time
 
 
 class CompilerError(Exception):
@@ -63,7 +67,11 @@ class Compiler:
         """Whether it builds an empty library. A success is remembered in the cache."""
         try:
             build("probe", "int lag_probe(void);\nint lag_probe(void) { return 0; }\n", compiler=self)
-        except (CompilerError, OSError):
+        except CompilerError:
+            return False
+        except OSError as error:
+            if error.errno == errno.ENOSPC:
+                raise  # with room, it may well work
             return False
         return True
 
@@ -76,14 +84,23 @@ def _ziglang() -> str | None:
 def _candidates() -> Iterator[Compiler]:
     chosen = os.environ.get("LAGRANGIA_CC")
     if chosen is not None:
-        if chosen not in ("", "none"):
-            yield Compiler(tuple(shlex.split(chosen)))
+        if (words := _words("LAGRANGIA_CC", chosen)) not in ((), ("none",)):
+            yield Compiler(words)
         return
-    for command in (os.environ.get("CC"), "cc", "gcc", "clang"):
-        if command and shutil.which(shlex.split(command)[0]):
-            yield Compiler(tuple(shlex.split(command)))
+    for words in (_words("CC", os.environ.get("CC", "")), ("cc",), ("gcc",), ("clang",)):
+        if words and shutil.which(words[0]):
+            yield Compiler(words)
     if _ziglang():
         yield Compiler((sys.executable, "-m", "ziglang", "cc"))
+
+
+def _words(variable: str, command: str) -> tuple[str, ...]:
+    """Raises LagError L0706 for what no shell would take."""
+    try:
+        return tuple(shlex.split(command))
+    except ValueError as error:
+        fail("L0706", f"the environment variable {variable} holds no command: {command} ({str(error).lower()})", None,
+             "it names a C compiler, with options if need be: gcc, or '/opt/my tools/cc' -m64")
 
 
 def find_compiler() -> Compiler | None:
@@ -100,8 +117,10 @@ def _require_success(command: Sequence[str], process: "subprocess.Popen[str]") -
 class _Work:
     """Commands running side by side in a folder of their own. `close` ends and removes them; so does the end of Python."""
 
-    def __init__(self, name: str) -> None:
-        self.folder = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=cache_folder()))
+    def __init__(self, name: str, cache: Path) -> None:
+        with _told_where(cache):
+            self.folder = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=cache))
+        self._cache = cache
         self._running: list[tuple[Sequence[str], subprocess.Popen[str]]] = []
         self.close = weakref.finalize(self, _abandon, self.folder, self._running)
 
@@ -115,9 +134,28 @@ class _Work:
         self._running.append((command, process))
 
     def wait(self) -> None:
-        """Raises CompilerError."""
-        for command, process in self._running:
-            _require_success(command, process)
+        """Raises CompilerError; OSError where the disk is full."""
+        try:
+            for command, process in self._running:
+                _require_success(command, process)
+        except CompilerError as error:
+            if os.strerror(errno.ENOSPC) in error.output or not has_room(self._cache):
+                raise _no_room(self._cache) from error
+            raise
+
+
+def _no_room(cache: Path) -> OSError:
+    return OSError(errno.ENOSPC, "no room for compiled code, or for temporary files (LAGRANGIA_CACHE names another folder)",
+                   str(cache))
+
+
+@contextlib.contextmanager
+def _told_where(cache: Path) -> Iterator[None]:
+    """A full disk, or a quota, by the name of the folder."""
+    try:
+        yield
+    except OSError as error:
+        raise _no_room(cache) if error.errno in (errno.ENOSPC, errno.EDQUOT) else error from None
 
 
 def _abandon(folder: Path, running: Sequence[tuple[Sequence[str], "subprocess.Popen[str]"]]) -> None:
@@ -148,7 +186,7 @@ class Objects:
         """Raises CompilerError."""
         missing = [file for file, place in self._places.items() if not _is_whole(place)]
         if self._work is None and missing:
-            self._work = _Work("objects")
+            self._work = _Work("objects", self._folder.parent)
             for k in range(min(self._cores, len(missing))):
                 self._work.start([*self._command, *map(str, missing[k :: self._cores])])
 
@@ -159,15 +197,20 @@ class Objects:
             return
         try:
             self._work.wait()
-            self._folder.mkdir(exist_ok=True)
-            for file, place in self._places.items():
-                if (made := self._work.folder / f"{file.stem}.o").exists():
-                    digest = _digest(made)
-                    os.replace(made, place)
-                    _digest_file(place).write_text(digest)
+            with _told_where(self._folder.parent):
+                self._keep(self._work.folder)
         finally:
             self._work.close()
             self._work = None
+
+
+    def _keep(self, made: Path) -> None:
+        self._folder.mkdir(exist_ok=True)
+        for file, place in self._places.items():
+            if (built := made / f"{file.stem}.o").exists():
+                digest = _digest(built)
+                os.replace(built, place)
+                _digest_file(place).write_text(digest)
 
 
 class Build:
@@ -183,8 +226,10 @@ class Build:
             return
         for made in objects:
             made.finish()
-        self._work = _Work(name)
-        files = [*self._written(self._work, name, sources), *linked]
+        self._cache = self._library.parent.parent
+        self._work = _Work(name, self._cache)
+        with _told_where(self._cache):
+            files = [*self._written(self._work, name, sources), *linked]
         self._work.start([*compiler.command, *options, *(f"-I{folder}" for folder in include),
                           "-o", str(self._work.folder / self._library.name), *map(str, files), *_LIBRARIES])
 
@@ -202,8 +247,9 @@ class Build:
             try:
                 self._work.wait()
                 made = self._work.folder / self._library.name
-                _digest_file(made).write_text(_digest(made))
-                self._install(self._work.folder)
+                with _told_where(self._cache):
+                    _digest_file(made).write_text(_digest(made))
+                    self._install(self._work.folder)
             finally:
                 self._work.close()
                 self._work = None
@@ -216,11 +262,13 @@ class Build:
 
     def _install(self, made: Path) -> None:
         folder = self._library.parent
-        while not _is_whole(self._library):
+        for attempt in range(_ATTEMPTS):
+            if _is_whole(self._library):
+                return
             try:
                 os.rename(made, folder)
             except OSError:
-                if not folder.exists():
+                if not folder.exists() or attempt == _ATTEMPTS - 1:
                     raise
                 if not _is_whole(self._library):
                     shutil.rmtree(folder, ignore_errors=True)
@@ -323,6 +371,6 @@ def _digest_file(library: Path) -> Path:
 def _is_whole(library: Path) -> bool:
     """Whether the library is there with the bytes it was built with. A truncated one would crash whoever loads it."""
     try:
-        return _digest_file(library).read_text() == _digest(library)
+        return _digest_file(library).read_bytes() == _digest(library).encode()
     except OSError:
         return False

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.diagnostics import fail
 from lagrangia.linearization import Linearization
+from lagrangia.targets import Target
 
 Matrix = NDArray[np.float64]
 _USUAL_RANGE = (0.1, 100.0)  # Hz, of a scene that does not oscillate
@@ -65,13 +65,10 @@ class Response:
             header += [f"{what}({y}/{u})" for what in ("magnitude", "phase_deg", "real", "imag")]
             value = self.values[:, i, j]
             columns += [np.abs(value), phase[:, i, j], value.real, value.imag]
-        try:
-            with path.open("w", newline="", encoding="utf-8") as stream:
-                writer = csv.writer(stream, lineterminator="\n")
-                writer.writerow(header)
-                writer.writerows([repr(float(x)) for x in row] for row in zip(*columns, strict=True))
-        except OSError as error:
-            fail("L0004", f"'{path}' cannot be written: {error.strerror}")
+        with Target(path) as target:
+            writer = csv.writer(target.stream, lineterminator="\n")
+            writer.writerow(header)
+            writer.writerows([repr(float(x)) for x in row] for row in zip(*columns, strict=True))
         return path
 
     def plot(self, path: Any = None) -> Any:

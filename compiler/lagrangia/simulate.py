@@ -12,6 +12,7 @@ from typing import Any
 
 from lagrangia.diagnostics import Diagnostic, LagError, Report, RunError, suggest
 from lagrangia.engines import Engine
+from lagrangia.given import a_count, a_number, by_name
 from lagrangia.runtime import Failure, Run, Settings, Statistics, Status
 from lagrangia.scene import Scene
 from lagrangia.solvers import AUTO, is_casadi, number_of
@@ -92,10 +93,13 @@ def plan(scene: Scene, *, stop: float | None = None, start: float | None = None,
          max_steps: int = 0, solver: str = AUTO) -> Experiment:
     """The experiment of the annotation with what is given instead. Raises LagError L0702."""
     report = Report()
+    given = (("start time", start), ("stop time", stop), ("tolerance", tolerance), ("interval", interval))
+    start, stop, tolerance, interval = (None if value is None else a_number(what, value) for what, value in given)
+    max_step, max_steps = a_number("largest step", max_step), a_count("number of steps", max_steps)
     begin = scene.start if start is None else start
     end = (at[-1] if at and stop is None else scene.stop if stop is None else stop) if at is None or len(at) else scene.stop
     accuracy = scene.tolerance if tolerance is None else tolerance
-    if not is_casadi(solver):
+    if not is_casadi(str(solver)):
         number_of(solver, scene)
     _check_times(at, begin, end, report)
     report.raise_errors()
@@ -114,7 +118,7 @@ def plan(scene: Scene, *, stop: float | None = None, start: float | None = None,
     if max_step < 0 or not math.isfinite(max_step):
         report.error("L0702", f"the largest step must be a positive number, not {max_step}")
     if max_steps < 0:
-        report.error("L0702", f"the number of steps must be positive, not {max_steps}")
+        report.error("L0702", f"the number of steps must not be negative, as {max_steps} is; 0 sets no limit")
     report.raise_errors()
     experiment = Experiment(begin, end, accuracy, step or 1.0, tuple(at) if at is not None else None, max_step, max_steps,
                             solver)
@@ -144,14 +148,14 @@ def check_values(
     place = {p.name: k for k, p in enumerate(scene.parameters)}
     values = [0.0 if p.value is None else p.value for p in scene.parameters]
     mask = [0.0 if p.value is None else 1.0 for p in scene.parameters]
-    for name, value in (parameters or {}).items():
+    for name, value in by_name("parameters", parameters).items():
         if name not in place:
             _unknown("parameter", name, [*place, *scene.structural], report)
-        elif not math.isfinite(value):
+        elif not math.isfinite(a_number(f"parameter '{name}'", value)):
             report.error("L0605", f"the parameter '{name}' must be a finite number, not {value}")
         else:
             values[place[name]], mask[place[name]] = float(value), 1.0
-    start, lost = _start_values(scene, initial or {}, report)
+    start, lost = _start_values(scene, by_name("start values", initial), report)
     times, table = _input_table(scene, inputs, report)
     report.raise_errors()
     return Values(tuple(values), tuple(mask), tuple(start[: scene.n]), tuple(start[scene.n :]), times, table, tuple(lost))
@@ -163,7 +167,7 @@ def _start_values(scene: Scene, initial: Mapping[str, float], report: Report) ->
     outputs = {column.name for column in scene.outputs}
     for name, value in initial.items():
         slot = scene.slot(name)
-        if not math.isfinite(value):
+        if not math.isfinite(a_number(f"initial value of '{name}'", value)):
             report.error("L0605", f"the initial value of '{name}' must be a finite number, not {value}")
         elif slot is not None:
             start[slot] = float(value)

@@ -45,7 +45,7 @@ def number_of(name: str, scene: Scene) -> Solver:
         return Solver.AUTO
     if name not in WAYS:
         known = [AUTO, *WAYS, *CASADI]
-        fail("L0704", f"there is no solver '{name}'", None, *filter(None, [suggest(name, known)]),
+        fail("L0704", f"there is no solver '{name}'", None, *filter(None, [suggest(str(name), known)]),
              f"the solvers are {', '.join(known)}")
     if name in scene.refused:
         fail("L0704", f"the solver '{name}' cannot run this scene: {scene.refused[name]}", None,

@@ -2,17 +2,22 @@
 
 import os
 import time
+from collections.abc import Iterable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Protocol
 
 from lagrangia.diagnostics import fail
 from lagrangia.engines import Engine
+from lagrangia.given import a_count
 from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_pieces import Watch
 from lagrangia.sweep_plan import Job
-from lagrangia.sweep_table import Sweep
+from lagrangia.sweep_table import Sweep, is_parquet, require_parquet
 from lagrangia.sweep_threads import cores, run_on_threads
+from lagrangia.targets import keep_apart, require_kind
+
+_TABLES = (".csv", ".txt", ".dat", ".parquet", ".pq")
 
 
 class Loaded(Protocol):
@@ -28,7 +33,7 @@ def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None,
 
     KeyboardInterrupt ends it, and marks the table as interrupted. Raises LagError L0712, L0716, L0901.
     """
-    if jobs is not None and jobs < 1:
+    if jobs is not None and a_count("number of jobs", jobs) < 1:
         fail("L0712", f"the number of jobs must be positive, not {jobs}")
     if dask is not None:
         from lagrangia.sweep_dask import run_on_dask
@@ -42,6 +47,14 @@ def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None,
         begin = time.perf_counter()
         is_whole = run_on_threads(job, engine, ledger, jobs or cores(), watch)
     return Sweep(job, ledger, time.perf_counter() - begin, not is_whole)
+
+
+def require_place(path: str | os.PathLike[str], read: Iterable[str | os.PathLike[str]]) -> None:
+    """Whether the table may be written there, and its journal beside it. Raises LagError L0004, L0715."""
+    require_kind(path, *_TABLES)
+    keep_apart([path, f"{os.fspath(path)}.part"], read)
+    if is_parquet(path):
+        require_parquet()
 
 
 def run_into(job: Job, model: Loaded, path: str | os.PathLike[str] | None, *, restart: bool = False, jobs: int | None = None,

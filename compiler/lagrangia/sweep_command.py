@@ -6,16 +6,16 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, load_model, read_inputs
+from lagrangia.commands import assignment, input_tables, load_model, read_inputs
 from lagrangia.diagnostics import fail
 from lagrangia.model import Model
 from lagrangia.simulate import plan
-from lagrangia.sweep import run_job
+from lagrangia.sweep import require_place, run_job
 from lagrangia.sweep_journal import Journal, Ledger
-from lagrangia.sweep_measures import Measure, quantities, read_measure, split_list, usual_measures
+from lagrangia.sweep_measures import Measure, quantities, read_measures, usual_measures
 from lagrangia.sweep_plan import Job, Request, build_job
-from lagrangia.sweep_table import Sweep, is_parquet, require_parquet
-from lagrangia.targets import Target
+from lagrangia.sweep_table import Sweep
+from lagrangia.targets import Target, is_device
 
 _BAR_AFTER = 2.0  # seconds
 _MOST_SHOWN = 12  # measures in the summary
@@ -24,16 +24,15 @@ _DRY_ROWS = 10
 
 def sweep_command(options: Namespace) -> int:
     """0 when at least one run went well; runs that fail are rows of the table."""
-    if is_parquet(options.output or ""):
-        require_parquet()
+    target = options.output or f"{options.file.stem}_sweep.csv"
+    if not options.dry_run:
+        require_place(target, [options.file, *filter(None, [options.runs]), *input_tables(options.input)])
     model, job = _prepare(options)
     if options.dry_run:
         return _show(job)
-    target = options.output or f"{options.file.stem}_sweep.csv"
-    if target == "-" or (Path(target).exists() and not Path(target).is_file()):
+    if target == "-" or is_device(target):
         return _finish(options, _run(options, model, job, Ledger(job)), target, None)
-    if not Path(target).exists():
-        Target(Path(target)).abandon()  # better told now than after the runs
+    Target(Path(target)).abandon()  # better told now than after the runs
     with Journal(job, Path(f"{target}.part"), options.restart) as journal:
         if journal.found and not options.quiet:
             print(f"goes on with {target}.part: {journal.found} of {job.runs} runs are done", file=sys.stderr)
@@ -41,15 +40,13 @@ def sweep_command(options: Namespace) -> int:
 
 
 def _prepare(options: Namespace) -> tuple[Model, Job]:
-    measures = [read_measure(text) for text in split_list(options.outputs or "")]
+    measures = read_measures(options.outputs or "")
     given = _assignments(options.parameter, "-p")
     single = [(name, text) for name, text in given.items() if not any(c in text for c in ",:(") or "{" in text]
     model = load_model(options, single, quantities(measures))
     scene = model.scene
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
                       max_step=options.max_step, max_steps=options.max_steps, solver=options.solver)
-    if not (options.seconds_per_run >= 0):
-        fail("L0702", f"the seconds per run must be a positive number, not {options.seconds_per_run}")
     varied = {name: text for name, text in given.items() if name not in model.structural}
     request = Request(varied, _assignments(options.initial, "--initial"), options.runs, options.samples, options.seed,
                       options.sampling, options.together, read_inputs(options.input, scene), options.interval,

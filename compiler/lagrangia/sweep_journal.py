@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     import numpy as np
 
 _ENTRY = struct.Struct("<QQI")
-_TITLE = "sweep of lagrangia, to be continued"
+_TITLE = {"what": "sweep of lagrangia, to be continued"}
+_BEGIN = json.dumps(_TITLE)[:-1].encode()
 
 
 class Ledger:
@@ -59,7 +60,7 @@ class Journal(Ledger):
     def __init__(self, job: Job, path: Path, restart: bool = False) -> None:
         super().__init__(job)
         self.path = path
-        self.header = json.dumps({"what": _TITLE, "fingerprint": job.fingerprint(), "runs": job.runs,
+        self.header = json.dumps({**_TITLE, "fingerprint": job.fingerprint(), "runs": job.runs,
                                   "measures": len(job.measures)}).encode() + b"\n"
         try:
             self.stream: IO[bytes] = path.open("r+b" if path.exists() else "x+b")
@@ -86,9 +87,9 @@ class Journal(Ledger):
 
     def _take_over(self, restart: bool) -> None:
         begin = self.stream.readline(100_000)
-        if begin and begin != self.header and not restart:
-            if _TITLE.encode() not in begin:
-                fail("L0714", f"'{self.path}' is in the way: it is no journal of a sweep", None, "move it, or choose another -o")
+        if not begin.startswith(_BEGIN) and not _BEGIN.startswith(begin):  # not even one cut off as it was begun
+            fail("L0714", f"'{self.path}' is in the way: it is no journal of a sweep", None, "move it, or choose another -o")
+        if len(begin) > len(_BEGIN) and begin != self.header and not restart:
             fail("L0714", f"'{self.path}' belongs to another sweep", None,
                  "to continue it, give the command it was started with; to give it up, say --restart; or choose another -o")
         if begin != self.header or restart:
@@ -136,6 +137,8 @@ class Journal(Ledger):
         return self
 
     def __exit__(self, *rest: object) -> None:
+        if not self.entered:  # nothing to go on with
+            self.remove()
         with contextlib.suppress(OSError):
             self.stream.close()
 

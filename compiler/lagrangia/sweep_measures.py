@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from lagrangia.batch import Kind, Reduction
@@ -24,7 +24,7 @@ MEASURES = ("final", "initial", "at", *_PLAIN, "first_time", "last_time")
 _TIMES = {"time_of_min", "time_of_max", "first_time", "last_time"}
 _ENERGIES = {"energy.kinetic": 0, "energy.potential": 1, "energy.dissipated": 3}  # places behind the outputs of a row
 _CALL = re.compile(r"(\w+)\((.*)\)", re.DOTALL)
-_CONDITION = re.compile(r"(.*?)\s*([<>])=?\s*([^<>]*)", re.DOTALL)
+_CONDITION = re.compile(r"(.*?)\s*([<>]=?)\s*([^<>=]*)", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,11 @@ class Measure:
 
 
 def split_list(text: str) -> list[str]:
+    """What stands between commas, as `cut_list` cuts it, without what is empty. Raises LagError L0711."""
+    return [item for item in cut_list(text) if item]
+
+
+def cut_list(text: str) -> list[str]:
     """What stands between commas; commas in parentheses and brackets belong to their item. Raises LagError L0711."""
     items, depth, begin = [], 0, 0
     for k, character in enumerate(text):
@@ -51,11 +56,22 @@ def split_list(text: str) -> list[str]:
             begin = k + 1
     if depth:
         fail("L0711", f"'{text}': a parenthesis or bracket is {'missing' if depth > 0 else 'too many'}")
-    return [item.strip() for item in (*items, text[begin:]) if item.strip()]
+    return [item.strip() for item in (*items, text[begin:])]
+
+
+def read_measures(given: str | Sequence[str]) -> list[Measure]:
+    """A text alone is a list as on the command line. Raises LagError L0711."""
+    if isinstance(given, str):
+        return [read_measure(text) for text in split_list(given)]
+    if not isinstance(given, Iterable):
+        fail("L0711", f"measures are a sequence of texts, not {given!r}"[:200])
+    return [read_measure(text) for text in given]
 
 
 def read_measure(text: str) -> Measure:
     """`y` alone stands for its final value. Raises LagError L0711 when the text is no measure."""
+    if not isinstance(text, str):
+        fail("L0711", f"a measure is a text, such as 'max(y)', not {text!r}"[:200])
     text = " ".join(text.split())
     match = _CALL.fullmatch(text)
     if match is None or match[1] == "der":
@@ -118,7 +134,8 @@ def _reduction(scene: Scene, measure: Measure, experiment: Experiment) -> Reduct
         return Reduction(_PLAIN[measure.kind], column, measure.absolute, rate=rate)
     if measure.relation:
         level = _value(measure, _unit(scene, measure.quantity))
-        return Reduction(_CROSSINGS[measure.kind, measure.relation], column, measure.absolute, level, rate)
+        kind = _CROSSINGS[measure.kind, measure.relation[0]]
+        return Reduction(kind, column, measure.absolute, level, rate, or_equal=measure.relation.endswith("="))
     when = {"final": experiment.stop, "initial": experiment.start}.get(measure.kind)
     if when is None:
         when = _value(measure, "s")

@@ -11,12 +11,23 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.batch import Kind, Reduction, Sweep
 from lagrangia.diagnostics import LagError, Report, fail, suggest
+from lagrangia.given import a_count, a_number, by_name
 from lagrangia.runtime import Settings, Solver
 from lagrangia.scene import Scene, to_json
 from lagrangia.simulate import Experiment, Values, check_values
 from lagrangia.solvers import AUTO, applicable, is_casadi, number_of
 from lagrangia.sweep_measures import Measure, reductions
-from lagrangia.sweep_values import MOST_RUNS, Distribution, Factor, Variations, read_cell, read_runs, read_variation, sample
+from lagrangia.sweep_values import (
+    MOST_RUNS,
+    Distribution,
+    Factor,
+    Variations,
+    is_single,
+    read_cell,
+    read_runs,
+    read_variation,
+    sample,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -91,11 +102,13 @@ def build_job(scene: Scene, measures: Sequence[Measure], experiment: Experiment,
     reduced = reductions(scene, measures, experiment)
     settings = Settings(experiment.start, experiment.stop, experiment.tolerance, experiment.max_step, 0.0, experiment.max_steps,
                         _solver(scene, experiment.solver, reduced, request))
-    window = request.interval or (experiment.stop - experiment.start) / _LOOKS
+    if not (seconds := a_number("seconds per run", request.seconds)) >= 0:
+        fail("L0702", f"the seconds per run must be a positive number, not {seconds}")
+    window = float(request.interval or (experiment.stop - experiment.start) / _LOOKS)
     least = [-math.inf if p.minimum is None else p.minimum for p in scene.parameters]
     most = [math.inf if p.maximum is None else p.maximum for p in scene.parameters]
     has_inputs = bool(scene.inputs)
-    sweep = Sweep(settings, window, request.seconds, reduced, variations.places,
+    sweep = Sweep(settings, window, seconds, reduced, variations.places,
                   values.parameters, values.mask, (*values.q, *values.v), least, most,
                   tuple(values.input_times) if has_inputs else (), tuple(values.input_values) if has_inputs else ())
     return Job(scene, tuple(measures), variations, sweep)
@@ -158,13 +171,13 @@ def _factors(scene: Scene, request: Request) -> tuple[tuple[dict[str, float], di
     fixed: tuple[dict[str, float], dict[str, float]] = ({}, {})
     lists: list[Factor] = []
     random: list[tuple[_Name, Distribution]] = []
-    names = [(_resolve(scene, "parameter", name), value) for name, value in request.parameters.items()]
-    names += [(_resolve(scene, "initial", name), value) for name, value in request.initial.items()]
+    names = [(_resolve(scene, "parameter", name), value) for name, value in by_name("parameters", request.parameters).items()]
+    names += [(_resolve(scene, "initial", name), value) for name, value in by_name("start values", request.initial).items()]
     for name, value in names:
-        found = _values(name, value)
+        found, is_alone = _values(name, value)
         if isinstance(found, Distribution):
             random.append((name, found))
-        elif len(found) == 1:
+        elif is_alone:
             fixed[name.kind == "initial"].update(zip(name.elements, found[0].tolist(), strict=True))
         else:
             lists.append(Factor(name.elements, name.places, found))
@@ -192,50 +205,53 @@ def _check_finite(factor: Factor) -> None:
             fail("L0605", f"the values of '{name}' must be finite numbers")
 
 
-def _values(name: _Name, value: Any) -> "np.ndarray | Distribution":
-    """(number of values, elements of the name)."""
+def _values(name: _Name, value: Any) -> "tuple[np.ndarray | Distribution, bool]":
+    """(number of values, elements of the name), and whether it is one value alone; a list of one is a list."""
     import numpy as np
 
+    is_alone = False
     if isinstance(value, str):
-        found = read_variation(name.name, value, name.unit)
+        found, is_alone = read_variation(name.name, value, name.unit), is_single(value)
         if isinstance(found, Distribution):
             if len(name.elements) != 1:
                 fail("L0712", f"'{name.name}' has {len(name.elements)} elements", None, f"choose one, such as {name.elements[0]}")
-            return found
+            return found, False
     else:
         try:
             found = np.asarray(value, dtype=np.float64)
         except (TypeError, ValueError):
             fail("L0712", f"the values of '{name.name}' must be numbers, not {type(value).__name__}: {value!r}"[:200])
         if found.ndim == 0 or (found.ndim == 1 and len(name.elements) > 1):
-            found = found[np.newaxis]
+            found, is_alone = found[np.newaxis], True
     found = found.reshape(len(found), -1 if found.size else 0)
     if found.shape[1] != len(name.elements):
         wanted = "numbers are" if len(name.elements) == 1 else f"vectors of {len(name.elements)} elements are"
         fail("L0712", f"the values of '{name.name}' do not fit: {wanted} needed")
-    return found
+    return found, is_alone
 
 
 def _side_by_side(lists: Sequence[Factor]) -> list[Factor]:
-    """One factor of lists of equal length."""
+    """One factor of lists of equal length; lists of one value have it in all runs."""
     import numpy as np
 
     if not lists:
         return []
     lengths = {factor.names[0]: len(factor.values) for factor in lists}
-    if len(set(lengths.values())) > 1:
+    if len({*lengths.values()} - {1}) > 1:
         told = ", ".join(f"{name} has {length}" for name, length in lengths.items())
         fail("L0712", f"lists side by side must have the same number of values: {told}")
     names, places = (tuple(x for factor in lists for x in getattr(factor, what)) for what in ("names", "places"))
-    return [Factor(names, places, np.concatenate([factor.values for factor in lists], axis=1))]
+    longest = max(lengths.values())
+    values = [np.repeat(f.values, longest, axis=0) if len(f.values) == 1 else f.values for f in lists]
+    return [Factor(names, places, np.concatenate(values, axis=1))]
 
 
 def _samples(random: Sequence[tuple[_Name, Distribution]], request: Request) -> list[Factor]:
     if request.sampling not in WAYS:
         fail("L0712", f"there is no sampling '{request.sampling}'", None, f"the ways are {', '.join(WAYS)}")
-    if request.seed < 0:
+    if a_count("seed", request.seed) < 0:
         fail("L0712", f"the seed must not be negative: {request.seed}")
-    if request.samples is not None and not 1 <= request.samples <= MOST_RUNS:
+    if request.samples is not None and not 1 <= a_count("number of samples", request.samples) <= MOST_RUNS:
         fail("L0712", f"the number of samples must lie between 1 and {MOST_RUNS}, not {request.samples}")
     if not random:
         if request.samples is not None:

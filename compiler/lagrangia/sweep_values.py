@@ -14,7 +14,7 @@ from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.diagnostics import fail, suggest
-from lagrangia.sweep_measures import split_list
+from lagrangia.sweep_measures import cut_list, split_list
 from lagrangia.values import read_value
 
 if TYPE_CHECKING:
@@ -143,11 +143,13 @@ def read_variation(name: str, text: str, unit: str) -> "np.ndarray | Distributio
     """
     import numpy as np
 
-    items = split_list(text)
+    items = cut_list(text)
+    if not all(items):
+        fail("L0712", f"{name} = {text}: there is no value before or behind one of the commas")
     if len(items) == 1:
         match = _CALL.fullmatch(items[0])
         if match is not None:
-            return _called(name, match[1], split_list(match[2]), text, unit)
+            return _called(name, match[1], cut_list(match[2]), text, unit)
         if ":" in items[0]:
             return _range(name, items[0], unit)
     values = [_read(name, item, unit) for item in items]
@@ -156,6 +158,12 @@ def read_variation(name: str, text: str, unit: str) -> "np.ndarray | Distributio
     if len(widths) != 1:
         fail("L0712", f"{name} = {text}: the values must all be numbers, or vectors of the same size")
     return np.array(values, dtype=np.float64)
+
+
+def is_single(text: str) -> bool:
+    """One value, and no list, range or call that happens to give one."""
+    items = split_list(text)
+    return len(items) == 1 and ":" not in items[0] and _CALL.fullmatch(items[0]) is None
 
 
 def _read(name: str, text: str, unit: str) -> Any:

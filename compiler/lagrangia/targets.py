@@ -1,8 +1,10 @@
-"""Files of results: written beside the target, and given its name when all is well."""
+"""Files of results: written beside the target, and given its name when all is well; never in the place of what is read."""
 
 import errno
 import os
+import re
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import IO, Any, Self
 
@@ -17,12 +19,15 @@ class Target:
     """
 
     def __init__(self, path: Path, binary: bool = False) -> None:
-        self.path, self.target = path, path.resolve()
+        self.path = path
         self.temporary: Path | None = None
         try:
+            self.target = path.resolve()
             self.stream = self._open(binary)
         except OSError as error:
             fail("L0004", f"'{path}' cannot be written: {error.strerror}")
+        except RuntimeError:  # links that lead to each other
+            fail("L0004", f"'{path}' cannot be written: {os.strerror(errno.ELOOP)}")
 
     def _open(self, binary: bool) -> IO[Any]:
         encoding, newline, mode = (None, None, "wb") if binary else ("utf-8", "", "w")
@@ -69,6 +74,39 @@ def _keep_mode(path: Path, temporary: Path) -> None:
     mask = os.umask(0)
     os.umask(mask)
     temporary.chmod(path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~mask)
+
+
+def is_device(path: str | os.PathLike[str]) -> bool:
+    """A terminal, a named pipe: what is written to as it is. A folder is none, and told of where it is to be written."""
+    return os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path)
+
+
+def write_text(path: Path, text: str) -> None:
+    """As a whole or not at all. Raises LagError L0004 where it cannot be written."""
+    with Target(path) as target:
+        target.put(text)
+
+
+def keep_apart(written: Iterable[str | os.PathLike[str] | None], read: Iterable[str | os.PathLike[str]]) -> None:
+    """Raises LagError L0004 where a result would take the place of what is read for it, or of any scene."""
+    sources = list(read)
+    for place in (path for path in written if path is not None and os.path.isfile(path)):
+        for source in sources:
+            if os.path.exists(source) and os.path.samefile(place, source):
+                fail("L0004", f"'{os.fspath(place)}' is read: a result does not take its place", None, "choose another name")
+        if Path(place).suffix.lower() == ".lag":
+            fail("L0004", f"'{os.fspath(place)}' is a scene: a result does not take its place", None, "choose another name")
+
+
+def require_kind(path: str | os.PathLike[str], *endings: str) -> None:
+    """What the name ends in says what is in the file; a name that says nothing, or a device, takes what comes.
+
+    Raises LagError L0004 for another kind.
+    """
+    ending = Path(path).suffix
+    if re.match(r"\.[^\W\d]", ending) and ending.lower() not in endings and not is_device(path):
+        fail("L0004", f"'{os.fspath(path)}' is no table that can be written", None,
+             f"its name should end in {', '.join(endings)}")
 
 
 def quoted(name: str) -> str:

@@ -166,7 +166,7 @@ energy.dissipated, or abs(...) of one):
 final(y) initial(y) at(0.5, y)                at the end (also y alone), the start, a time
 min(y) max(y) range(y) time_of_min(y) time_of_max(y)
 mean(y) rms(y)                                over the time of the run
-first_time(y > 3) last_time(abs(y) < 0.01)    empty when there is no such time
+first_time(y > 3) last_time(abs(y) <= 0.01)   empty when there is no such time; >= and <= hold at the level, too
 They are those of the motion between rows: extremes and crossings are found on the integrator's dense output. What oscillates
 faster than the motion itself needs --interval, which says how closely to look at least. A run ends when all its measures are
 known.

@@ -1,0 +1,40 @@
+"""Signals that end the command: what was computed is kept."""
+
+import contextlib
+import signal
+from collections.abc import Callable, Iterator
+from typing import Any
+
+_ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGINT") if hasattr(signal, name))
+
+
+@contextlib.contextmanager
+def ended_as_by_control_c() -> Iterator[None]:
+    """SIGTERM, by which schedulers and `timeout` end a process, and SIGHUP, by which a closed terminal does, act as Ctrl-C;
+    what is ignored (`nohup`, shells that start something in the background) stays so."""
+    with _handled(signal.default_int_handler):
+        yield
+
+
+@contextlib.contextmanager
+def undisturbed() -> Iterator[None]:
+    """What is written here is written as a whole: signals wait, then raise KeyboardInterrupt."""
+    came: list[int] = []
+    with _handled(lambda number, frame: came.append(number)):
+        yield
+    if came:
+        raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def _handled(handler: Callable[[int, Any], Any]) -> Iterator[None]:
+    before: dict[int, Any] = {}
+    try:
+        for number in _ENDING:
+            if signal.getsignal(number) != signal.SIG_IGN:
+                with contextlib.suppress(ValueError):  # in a thread of its own nobody ends it
+                    before[number] = signal.signal(number, handler)
+        yield
+    finally:
+        for number, earlier in before.items():
+            signal.signal(number, earlier)
