@@ -17,6 +17,7 @@ from lagrangia.bench_problem import Problem, build_problem
 from lagrangia.bench_reference import NoReference, find_reference
 from lagrangia.bench_table import as_json, as_text, duel, front, seconds_at
 from lagrangia.cli import main
+from lagrangia.diagnostics import LagError
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES, CASES = ROOT / "models" / "examples", ROOT / "tests" / "cases"
@@ -91,6 +92,14 @@ end Ball;""")
     error = float(np.abs(reference.positions[:, 0] - heights).max())
     assert error < 1e-8
     assert error < 100 * reference.error
+
+
+def test_impulses_that_peers_would_not_know_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "pushed.lag"
+    path.write_text("""model Pushed Frame table = shift(world, {ramp(time, 0.5, 1), 0});
+      Revolute h(a = table); PointMass p(m = 1, center = shift(h.b, {0, -1})); end Pushed;""")
+    with pytest.raises(LagError, match="L0909"):
+        build_problem(lag.load(path))
 
 
 def test_a_reference_that_takes_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
