@@ -96,7 +96,7 @@ end Ball;""")
 
 def test_impulses_that_peers_would_not_know_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "pushed.lag"
-    path.write_text("""model Pushed Frame table = shift(world, {ramp(time, 0.5, 1), 0});
+    path.write_text("""model Pushed Frame table = shift(world, {1[m]*ramp(time, 0.5, 1), 0});
       Revolute h(a = table); PointMass p(m = 1, center = shift(h.b, {0, -1})); end Pushed;""")
     with pytest.raises(LagError, match="L0909"):
         build_problem(lag.load(path))
