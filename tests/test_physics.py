@@ -17,7 +17,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.bodies import find_bodies
 from lagrangia.elimination import eliminate
-from lagrangia.motion import _dense
+from lagrangia.motion import solve_dense
 from random_trees import FX, FY, TORQUE, Body, RandomTree, random_tree
 
 COUNTS = range(1, 9)
@@ -130,7 +130,7 @@ def test_both_ways_of_solving_agree(scene: Tree) -> None:
     motion = compilation.motion
     tree = eliminate(compilation.kinematics, find_bodies(compilation.kinematics, compilation.energies), -motion.h)
     assert tree is not None
-    dense = _dense(motion.momentum, -motion.h, motion.v)
+    dense = solve_dense(motion.momentum, -motion.h, motion.v)
     both = ca.Function("both", [motion.t, motion.q, motion.v, motion.p], [tree, dense, motion.acceleration])
     for k in range(5):
         found = [np.array(x) for x in both(*scene.random_state(k), scene.model.parameter_values())]

@@ -14,7 +14,7 @@ import numpy as np
 import lagrangia as lag
 from lagrangia.bodies import find_bodies
 from lagrangia.elimination import eliminate
-from lagrangia.motion import _dense, mass_matrix
+from lagrangia.motion import mass_matrix, solve_dense
 from lagrangia.solvers import applicable
 from random_trees import random_tree
 
@@ -78,7 +78,7 @@ def _look_at_equations(model: lag.Model, tree: Tree) -> None:
     motion, random = compilation.motion, np.random.default_rng(tree.seed)
     along = eliminate(compilation.kinematics, find_bodies(compilation.kinematics, compilation.energies), -motion.h)
     assert along is not None
-    dense = _dense(motion.momentum, -motion.h, motion.v)
+    dense = solve_dense(motion.momentum, -motion.h, motion.v)
     function = ca.Function("all", [motion.t, motion.q, motion.v, motion.p],
                            [ca.densify(mass_matrix(motion)), along, dense, motion.acceleration])
     for _ in range(STATES):
