@@ -59,7 +59,7 @@ int lag_accelerations(void *context, double t, const double *q, double *v, doubl
 }
 
 /* Accelerations and multipliers are evaluated anew: the latest may be those of another state. */
-void lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matrix)
+int lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matrix)
 {
     const double *q = y, *v = y + run->model->n;
     const double *in[] = {&t, q, v, run->acceleration, run->multipliers, run->u, run->d, run->c};
@@ -67,6 +67,8 @@ void lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *mat
     ++run->motion.evaluations;
     ++run->statistics.jacobians;
     lag_implicit_matrix_evaluate(matrix, run->model, in, run->work);
+    return all_finite(matrix->part[0], matrix->entries) && all_finite(matrix->part[1], matrix->entries)
+        && all_finite(matrix->part[2], matrix->entries);
 }
 
 int lag_flow(void *context, LagFlowPart part, const double *q, const double *v_or_p, double *result)

@@ -7,8 +7,8 @@
 /* A LagRhs. */
 int lag_accelerations(void *run, double t, const double *q, double *v, double *a, double *power);
 
-/* The parts of the matrix of implicit steps at a state. */
-void lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matrix);
+/* The parts of the matrix of implicit steps at a state. Returns 0 when they are not finite. */
+int lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matrix);
 /* A LagFlow. */
 int lag_flow(void *run, LagFlowPart part, const double *q, const double *v_or_p, double *result);
 

@@ -141,7 +141,9 @@ static double attempt(LagRadau *s, LagRun *run, double t_new, LagConvergence *co
     LagMotion *m = &run->motion;
     const double h = t_new - m->t;
     m->t_old = m->t;
-    lag_radau_prepare(s, run, h);
+    *convergence = LAG_NO_JACOBIAN;
+    if (!lag_radau_prepare(s, run, h))
+        return INFINITY;
     *convergence = lag_radau_solve(s, run, h, asked, worst);
     if (*convergence != LAG_STAGES_CONVERGED || !lag_radau_finish(s, run, h))
         return INFINITY;
@@ -169,6 +171,8 @@ static LagStatus step(LagRun *run)
             return LAG_OK;
         }
         ++run->statistics.rejected;
+        if (convergence == LAG_NO_JACOBIAN)
+            return lag_stiffness_pass(run) ? run->methods.table->step(run) : lag_step_give_up(run, worst);
         if (convergence != LAG_STAGES_CONVERGED && !s->jacobian_is_fresh) {
             s->jacobian_is_known = 0; /* and the same step again */
             continue;

@@ -35,7 +35,7 @@ extern const LagMethod lag_radau;
 
 /* -------- the equations of a step (radau_newton.c) */
 
-typedef enum { LAG_STAGES_CONVERGED, LAG_STAGES_SLOW, LAG_STAGES_DIVERGED, LAG_STAGES_NOT_FINITE } LagConvergence;
+typedef enum { LAG_STAGES_CONVERGED, LAG_STAGES_SLOW, LAG_STAGES_DIVERGED, LAG_STAGES_NOT_FINITE, LAG_NO_JACOBIAN } LagConvergence;
 
 /* Error of component i that counts as 1 in the step being tried, to y_new: not less than rounding of the time moves it. Motions
  * that set in from rest are not resolved against noise. */
@@ -44,8 +44,8 @@ double lag_radau_unit(const LagRadau *s, const LagMotion *motion, const LagScale
 /* Iterations allowed with so many stages. */
 int lag_radau_most_iterations(const LagRadauTableau *tableau);
 
-/* Jacobian and factors for a step of length h, as far as they are not there. */
-void lag_radau_prepare(LagRadau *s, struct LagRun *run, double h);
+/* Jacobian and factors for a step of length h, as far as they are not there. Returns 0 when derivatives are not finite. */
+int lag_radau_prepare(LagRadau *s, struct LagRun *run, double h);
 
 /* Solves for the stages of a step of length h. SLOW: *shorter is the factor by which a step should be shorter. */
 LagConvergence lag_radau_solve(LagRadau *s, struct LagRun *run, double h, double *shorter, int *worst);

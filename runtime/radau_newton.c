@@ -34,22 +34,24 @@ double lag_radau_unit(const LagRadau *s, const LagMotion *m, const LagScale *sca
     return fmax(lag_scale_unit(scale, i, m->y, y_new), resolution);
 }
 
-void lag_radau_prepare(LagRadau *s, LagRun *run, double h)
+int lag_radau_prepare(LagRadau *s, LagRun *run, double h)
 {
     const double *mu = s->tableau->eigenvalue;
     if (!s->jacobian_is_known) {
-        lag_jacobian(run, run->motion.t, run->motion.y, &s->matrix);
+        if (!lag_jacobian(run, run->motion.t, run->motion.y, &s->matrix))
+            return 0;
         s->jacobian_is_known = s->jacobian_is_fresh = 1;
         s->factored = 0;
     }
     if (fabs(s->factored - h) <= 1e-9 * h && s->factored_tableau == s->tableau)
-        return;
+        return 1;
     lag_implicit_matrix_factor(&s->matrix, 0, mu[0] / h, 0);
     for (int k = 1; k <= s->tableau->pairs; ++k)
         lag_implicit_matrix_factor(&s->matrix, k, mu[2 * k - 1] / h, mu[2 * k] / h);
     s->factored = h;
     s->factored_tableau = s->tableau;
     run->statistics.factorisations += 1 + s->tableau->pairs;
+    return 1;
 }
 
 /* h times row i of A times the rates of the stages. */

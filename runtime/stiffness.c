@@ -229,9 +229,19 @@ int lag_stiffness_turn(LagRun *run)
     return 1;
 }
 
+int lag_stiffness_leave_series(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    if (!s->is_watching || !restart(run, run->methods.explicit_solver))
+        return 0;
+    s->explicit_solver = run->methods.explicit_solver;
+    begin(run);
+    return 1;
+}
+
 int lag_stiffness_pass(LagRun *run)
 {
-    if (run->model->n_multipliers == 0 || !restart(run, run->methods.explicit_solver))
+    if (!restart(run, run->methods.explicit_solver))
         return 0;
     run->stiffness.passes = PASSES;
     return 1;

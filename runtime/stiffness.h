@@ -36,7 +36,12 @@ void lag_stiffness_watch(LagRun *run);
 /* Puts the method that was decided on to use, before a step. Returns 0 where its first evaluation is not finite. */
 int lag_stiffness_turn(LagRun *run);
 
-/* The implicit method cannot take a step, near a singular position: the explicit one takes some. Returns 0 if there is none. */
+/* The implicit method cannot take a step, near a singular position or where derivatives are not finite: the explicit one takes
+ * some. Returns 0 if it cannot. */
 int lag_stiffness_pass(LagRun *run);
+
+/* A series has no finite coefficients (exp of a large number under a fraction bar): the explicit method goes on from here. Returns
+ * 0 if there is none, or the user asked for series. */
+int lag_stiffness_leave_series(LagRun *run);
 
 #endif

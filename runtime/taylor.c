@@ -13,6 +13,7 @@
 #include "rough.h"
 #include "segment.h"
 #include "step.h"
+#include "stiffness.h"
 
 enum { LEAST_ORDER = 4 };
 /* What the rest of the series may be worth in units of error, so that errors are those of Dormand-Prince at the same tolerance; by
@@ -310,7 +311,7 @@ static LagStatus step(LagRun *run)
     LagMotion *m = &run->motion;
     double wrong = INFINITY;
     if (!build(run, s, s->order))
-        return lag_step_give_up(run, 0);
+        return lag_stiffness_leave_series(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
     double h = lag_min(length_of(run, s), GROW * run->step); /* at rest a series says nothing of what comes */
     if (run->settings.max_step > 0)
         h = lag_min(h, run->settings.max_step);

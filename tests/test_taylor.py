@@ -185,3 +185,28 @@ end Fall;""")
     assert reached is not None
     assert reached.time[-1] == pytest.approx(math.pi / math.sqrt(8), abs=0.02)
     assert np.isfinite(reached.rows).all()
+
+
+SATURATED = {
+    "tanh": "tanh(b.v/{eps}[m/s])",
+    "logistic": "(1 - 2/(1 + exp(2*b.v/{eps}[m/s])))",
+    "arc": "2/pi*atan(b.v/{eps}[m/s])",
+    "root": "b.v/sqrt(b.v^2 + ({eps}[m/s])^2)",
+}
+
+
+@pytest.mark.parametrize("eps", [1e-2, 1e-3, 1e-5])
+@pytest.mark.parametrize("form", SATURATED)
+def test_dry_friction_that_is_made_steep(form: str, eps: float, scene: Callable[[str], lag.Model]) -> None:
+    """Where tanh is 1, sinh and cosh are infinite; where series have no finite coefficients, `auto` goes on without them."""
+    model = scene(f"""model Sticks
+  World world(gravity = {{0, 0}});
+  Block b(m = 1, base = world, s(start = 0.1, fixed = true)); Spring k(k = 100, stretch = b.s);
+  AppliedForce f(at = b.center, force = {{-1[N]*{SATURATED[form].format(eps=eps)}, 0}});
+end Sticks;""")
+    exact = model.simulate(at=[0.4, 1.0, 3.0], tolerance=1e-12, solver="implicit")
+    for tolerance in (1e-5, 1e-8, 1e-10):
+        run = model.simulate(at=[0.4, 1.0, 3.0], tolerance=tolerance)
+        assert run["b.s"] == pytest.approx(exact["b.s"], abs=3 * tolerance)
+    if form != "logistic":
+        assert model.simulate(at=[1.0], tolerance=1e-8, solver="taylor")["b.s"][0] == pytest.approx(exact["b.s"][1], abs=1e-8)

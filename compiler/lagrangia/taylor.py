@@ -145,6 +145,11 @@ class _Writer:
 
     def inverse_function(self, op: int, a: _Jet) -> _Value:
         """Functions whose slope is a simpler one."""
+        if op == Op.TAN:
+            sine, cosine = self.circular(a, "sin", "cos", "-")
+            return self.quotient(sine, cosine)
+        if op == Op.TANH:
+            return self.hyperbolic_tangent(a)
         square = self.product(a, a)
         assert isinstance(square, _Jet)
         if op == Op.ATAN:
@@ -154,13 +159,16 @@ class _Writer:
             assert isinstance(root, _Jet)
             name, sign = ("asin", "1.0") if op == Op.ASIN else ("acos", "-1.0")
             return self.integral(f"{name}({a}[0])", self.quotient(sign, root), a)
-        if op == Op.TAN:
-            sine, cosine = self.circular(a, "sin", "cos", "-")
-            return self.quotient(sine, cosine)
-        if op == Op.TANH:
-            sine, cosine = self.circular(a, "sinh", "cosh", "")
-            return self.quotient(sine, cosine)
         raise NoSeriesError(f"'{Op(op).name.lower()}' stands in its equations, which has no Taylor series")
+
+    def hyperbolic_tangent(self, u: _Jet) -> _Jet:
+        """w' = (1 - w^2) u': no sinh and cosh, which would be infinite where w is 1."""
+        du, slope = self.derivative(u), f"J({self.n_jets + 2})"
+        w = self.jet(f"tanh({u}[0])", f"lag_jet_inner({du}, {slope}, k) * (1.0 / k)")
+        square = self.product(w, w)
+        assert isinstance(square, _Jet)
+        self.shifted(square, "1.0 - ")
+        return w
 
     def shifted(self, a: _Jet, before: str) -> _Jet:
         """1 + a or 1 - a."""
