@@ -111,6 +111,7 @@ struct LagModel {
     int series_rhs_cost;   /* of one evaluation of rhs, in tenths of a nanosecond of some machine */
     const int *jet_places; /* n + n_power: the jets of accelerations and powers; n_power in a long state: of powers */
     int is_long_state;     /* jets lie order by order, and accelerations are not kept: the rates of one order more tell them */
+    int series_may_hide;   /* terms may be too faint for any coefficient to tell of them, and large within a step */
     LagJets taylor;
 };
 

@@ -351,7 +351,8 @@ int lag_taylor_pays(const LagModel *model, double tolerance)
 {
     const double eps = lag_scale_caution(tolerance), other_length = OTHER_LENGTH * pow(eps, 1.0 / 8);
     const double other_cost = OTHER_STEP + OTHER_SUM * model->n + OTHER_STAGES * model->series_rhs_cost;
-    return model->n_jets > 0 && pace_of(model, REST * eps, order_for(model, REST * eps)) * other_length < other_cost;
+    return model->n_jets > 0 && !model->series_may_hide
+        && pace_of(model, REST * eps, order_for(model, REST * eps)) * other_length < other_cost;
 }
 
 const LagMethod lag_taylor = {"taylor", 8, layout, restart, step, NULL, NULL, interpolate};

@@ -10,7 +10,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.ccode import write_c
-from lagrangia.diagnostics import LagError
+from lagrangia.diagnostics import LagError, RunError
 from lagrangia.instructions import tape_of
 from lagrangia.native import build
 from lagrangia.runtime import Model, Settings, Solver, Status
@@ -185,6 +185,44 @@ end Fall;""")
     assert reached is not None
     assert reached.time[-1] == pytest.approx(math.pi / math.sqrt(8), abs=0.02)
     assert np.isfinite(reached.rows).all()
+
+
+def test_what_a_series_cannot_foresee_is_left_to_others(scene: Callable[[str], lag.Model]) -> None:
+    """A force like exp(-100) at the start, and within a step the largest of all: no coefficient tells of it."""
+    model = scene("""model Bump
+  World world(gravity = {0, 0});
+  Block b(m = 1, base = world, s(start = 0.1, fixed = true), v(start = 0.3)); Spring k(k = 100, stretch = b.s);
+  AppliedForce f(at = b.center, force = {-5[N]*b.s/1e-2[m]*exp(-(b.s/1e-2[m])^2), 0});
+end Bump;""")
+    at = np.linspace(0.1, 2, 20)
+    exact = model.simulate(at=at, tolerance=1e-12, solver="implicit")
+    for tolerance in (1e-5, 1e-8, 1e-11):
+        run = model.simulate(at=at, tolerance=tolerance)
+        assert run.statistics.solver is not Solver.TAYLOR
+        assert run["b.s"] == pytest.approx(exact["b.s"], abs=10 * tolerance)
+
+
+def test_exponentials_of_time_hide_nothing(scene: Callable[[str], lag.Model]) -> None:
+    model = scene("""model Dies Block b(m = 1, base = world); Spring k(k = 10, stretch = b.s);
+      AppliedForce f(at = b.center, force = {1[N]*exp(1 - 0.5[1/s]*time)*(1 + (b.s/1[m])^2), 0}); end Dies;""")
+    assert model.simulate(stop=5.0, tolerance=1e-10).statistics.solver is Solver.TAYLOR
+
+
+def test_auto_leaves_series_without_coefficients(scene: Callable[[str], lag.Model]) -> None:
+    """(s^2)^1.25 has a slope at 0, but its series divides by s^2."""
+    model = scene("""model Power
+  World world(gravity = {0, 0});
+  Block b(m = 1, base = world, v(start = 1)); Spring k(k = 10, stretch = b.s);
+  AppliedForce f(at = b.center, force = {-3[N]*b.s/1[m]*((b.s/1[m])^2)^1.25, 0});
+end Power;""")
+    at = [0.5, 1.0, 2.0]
+    exact = model.simulate(at=at, tolerance=1e-13, solver="erk")["b.s"]
+    run = model.simulate(at=at, tolerance=1e-10)
+    assert run["b.s"] == pytest.approx(exact, abs=1e-9)
+    assert run.statistics.switches == 1
+    assert run.statistics.solver is Solver.ERK
+    with pytest.raises(RunError):
+        model.simulate(at=at, tolerance=1e-10, solver="taylor")
 
 
 SATURATED = {

@@ -56,7 +56,8 @@ def write_c(
         lines += [f"    .n_jets = {series.n_jets},", f"    .jet_pitch = {series.pitch},"]
         cost = _cost(usual_rhs(tapes))
         lines += [f"    .n_products = {series.n_products},", f"    .series_rhs_cost = {cost},"]
-        lines += ["    .jet_places = jet_places,", f"    .is_long_state = {int(series.is_long_state)},", "    .taylor = taylor,"]
+        lines += ["    .jet_places = jet_places,", f"    .is_long_state = {int(series.is_long_state)},"]
+        lines += [f"    .series_may_hide = {int(series.may_hide)},", "    .taylor = taylor,"]
     return "\n".join([*lines, "};", ""])
 
 

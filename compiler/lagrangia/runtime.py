@@ -173,6 +173,7 @@ class _Model(c.Structure):
         ("series_rhs_cost", c.c_int),
         ("jet_places", _Ints),
         ("is_long_state", c.c_int),
+        ("series_may_hide", c.c_int),
         ("taylor", c.c_void_p),
     )
 

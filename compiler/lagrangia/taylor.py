@@ -31,7 +31,9 @@ class NoSeriesError(Exception):
 class Series:
     """`places` are the jets of the accelerations, then of the powers. The first jets are t, q, v and u. `n_products` are sums of
     products, which grow with the order; `pitch` is the distance between the coefficients of a jet. Accelerations of a long state
-    without products are not kept: the jets of v tell them, and `places` has the powers alone."""
+    without products are not kept: the jets of v tell them, and `places` has the powers alone. `may_hide`: exponentials of what
+    moves stand in the equations, which can be so faint that no coefficient tells of them, and large within a step: exp(-(s/w)^2),
+    or tanh(s/w), which is constant but near 0."""
 
     source: str
     n_jets: int
@@ -39,6 +41,7 @@ class Series:
     n_products: int
     places: tuple[int, ...]
     is_long_state: bool
+    may_hide: bool
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,8 @@ class _Writer:
     n_jets: int = 0
     pairs: dict[tuple[str, int], tuple[_Jet, _Jet]] = field(default_factory=dict)
     derivatives: dict[int, _Jet] = field(default_factory=dict)
+    even: set[int] = field(default_factory=lambda: {0})  # jets that grow evenly with time
+    may_hide: bool = False
 
     # ------------------------------------------------------------ pieces
 
@@ -237,10 +242,14 @@ class _Writer:
     def compute(self, op: int, a: _Value, b: _Value) -> _Value:
         if isinstance(a, str) and isinstance(b, str):
             return self.constant(self.expression(op, a, b))
-        if _is_binary(op):
-            return self.binary(op, a, b)
-        assert isinstance(a, _Jet)
-        return self.unary(op, a)
+        jets = [x for x in (a, b) if isinstance(x, _Jet)]
+        is_even = all(jet.slot in self.even for jet in jets)
+        self.may_hide |= op in _EXPONENTIALS and not is_even
+        found = self.binary(op, a, b) if _is_binary(op) else self.unary(op, jets[0])
+        scales = op == Op.MUL or (op == Op.DIV and isinstance(b, str))
+        if isinstance(found, _Jet) and is_even and (op in _SUMS or (scales and len(jets) == 1)):
+            self.even.add(found.slot)
+        return found
 
 
 def _at_start(value: _Value) -> str:
@@ -251,6 +260,8 @@ def _is_binary(op: int) -> bool:
     return op in _BINARY
 
 
+_EXPONENTIALS = (Op.EXP, Op.SINH, Op.COSH, Op.TANH)
+_SUMS = (Op.ADD, Op.SUB, Op.NEG, Op.TWICE)
 _BINARY = frozenset((
     Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.POW, Op.CONSTPOW, Op.ATAN2, Op.FMIN, Op.FMAX, Op.FMOD, Op.COPYSIGN, Op.LT, Op.LE, Op.EQ,
     Op.NE, Op.AND, Op.OR, Op.IF_ELSE_ZERO,
@@ -282,7 +293,8 @@ def write_series(tape: Tape, expression: Callable[[int, str, str], str], number:
     kept = _kept(writer, found[n:] if is_long else found)
     pitch = 1 if products else -(-len(kept) // 4) * 4
     source = _text(writer, found[:n], unrolled, kept, pitch, is_long)
-    return Series(source, len(kept), pitch, products, tuple(kept[slot] for slot in (found[n:] if is_long else found)), is_long)
+    return Series(source, len(kept), pitch, products, tuple(kept[slot] for slot in (found[n:] if is_long else found)), is_long,
+                  writer.may_hide)
 
 
 def _unrolled(products: int, statements: int) -> int:

@@ -101,7 +101,7 @@ auto    islands or linear where they pay; else erk, erk5 or taylor, and from the
 taylor  Taylor series of the motion about the beginning of each step, of an order that follows from the tolerance (Jorba, Zou,
         Exp. Math. 14, 2005), for small scenes of smooth functions: C written for the scene computes the coefficients. Steps are
         long and rows inside them cost next to nothing. auto takes it instead of erk where it is cheaper, most of all at small
-        tolerances.
+        tolerances, but where exponentials of what moves (exp, tanh) may be too faint for a series to tell of them.
 conservative  symplectic steps of equal length: the energy error of a scene that keeps its energy stays bounded, however long.
         Where M is constant, explicit splitting of order 6 (Blanes, Moan, J. Comput. Appl. Math. 142, 2002), whose energy error
         is the tolerance; else Gauss collocation of order 6 to 16 in coordinates and momenta (Hairer, Lubich, Wanner, Geometric
