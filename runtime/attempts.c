@@ -10,7 +10,7 @@
 
 #include "singular.h"
 
-enum { PATIENT = 2, MOST_TRIES = 3, DEPTHS = 7, IN_VAIN, PLUNGED = 100 };
+enum { PATIENT = 2, MOST_TRIES = 3, DEPTHS = 30, IN_VAIN, PLUNGED = 100 };
 static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5, SINGULAR = 100;
 /* An ordinary rejection is one that a shorter step mends. Errors (relative to the state) above NOISE cannot be rounding: there
  * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is the first

@@ -56,3 +56,21 @@ def test_quick_passages_are_no_singular_positions(gap: float, mu: float, solver:
         run = held.simulate(tolerance=tolerance, solver=solver, **how)
         assert np.abs(run["bob.center.x"] - exact).max() < 20 * tolerance + 1e-11, f"at {tolerance:.1e}"
         assert run.statistics.tolerance_missed == 0
+
+
+def test_steep_friction_in_a_closed_loop(tmp_path: Path) -> None:
+    """A crank that comes to rest again and again: its friction turns round within 0.1 ms, where nothing is singular."""
+    path = tmp_path / "rubs.lag"
+    path.write_text("""model Rubs
+  Revolute A(a = world, phi(start = 1.2)); Bar crank(m = 1, L = 1, a = A.b);
+  Revolute B(a = crank.b); Bar coupler(m = 1, L = 2, a = B.b);
+  Revolute C(a = shift(world, {2, 0})); Bar rocker(m = 1, L = 1.5, a = C.b);
+  Revolute D(a = coupler.b, b = rocker.b);
+  AppliedTorque friction(on = crank.a, torque = -0.6[N.m]*tanh(A.w/1e-3[rad/s]) - 0.05[N.m.s/rad]*A.w);
+end Rubs;""")
+    model, at = lag.load(path), np.linspace(1, 12, 12)
+    exact = model.simulate(solver="erk", tolerance=1e-12, at=at)["A.phi"]
+    for solver, tolerance, error in (("auto", 1e-5, 1e-4), ("auto", 1e-8, 1e-6), ("auto", 1e-10, 1e-7), ("erk5", 1e-8, 1e-6),
+                                     ("implicit", 1e-10, 1e-8), ("implicit", 1e-12, 1e-9)):
+        run = model.simulate(solver=solver, tolerance=tolerance, at=at)
+        assert np.abs(run["A.phi"] - exact).max() < error, f"{solver} at {tolerance}"
