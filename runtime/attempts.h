@@ -14,7 +14,7 @@ typedef struct {
     double errors[LAG_WAYS]; /* of the lengths tried near a singular position; infinity: in vain */
     int tries[LAG_WAYS];     /* how often each was tried */
     int way;                 /* the one being tried; -1: another length */
-    int depth;               /* halvings of the shortest of them that were tried after all */
+    int depth;               /* halvings of the shortest of them that were tried after all; IN_VAIN near a singular position */
 } LagAttempts;
 
 LagAttempts lag_attempts_begin(LagRun *run);

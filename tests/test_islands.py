@@ -10,9 +10,9 @@ import lagrangia as lag
 from lagrangia.ccode import write_c
 from lagrangia.diagnostics import LagError, RunError
 from lagrangia.native import find_compiler
-from lagrangia.runtime import Settings, Solver, Status
+from lagrangia.runtime import Run, Settings, Solver, Status
 from lagrangia.scene import from_json, to_json
-from lagrangia.simulate import check_values
+from lagrangia.simulate import Values, check_values
 from sanitizers import needs_sanitizers, run_sanitized
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -65,29 +65,37 @@ def test_rows_one_at_a_time_are_the_same_rows(scene: Scene) -> None:
     assert len(found[0]) == len(times)
 
 
+def driven(model: lag.Model, stop: float, drive: Callable[[Run, Values, bool], np.ndarray]) -> list[np.ndarray]:
+    """What `drive` makes of a started run with inputs of 0: of the islands, and of the whole by one solver."""
+    values, found = check_values(model.scene), []
+    engine = model.engine_for("islands")
+    assert engine is not None
+    for solver in (Solver.ISLANDS, Solver.ERK):
+        with engine.runtime.run(engine.model, Settings(0, stop, 1e-11, solver=solver)) as run:
+            run.set_parameters(values.parameters, values.mask)
+            run.set_inputs([0.0], [0.0])
+            assert run.start(values.q, values.v) is Status.OK
+            found.append(drive(run, values, solver is Solver.ERK))
+    return found
+
+
 def test_portions_with_inputs_and_parameters_in_between(scene: Scene) -> None:
     """The islands are ahead of the time of the whole when something changes; they come back to it."""
     model = scene(UNLIKE)
-    values = check_values(model.scene)
-    results = []
-    for solver in (Solver.ISLANDS, Solver.ERK):
-        engine = model.engine_for("islands")
-        assert engine is not None
-        with engine.runtime.run(engine.model, Settings(0, 4, 1e-11, solver=solver)) as run:
-            parameters = list(values.parameters)
-            run.set_parameters(parameters, values.mask)
-            run.set_inputs([0.0], [0.0])
-            assert run.start(values.q, values.v) is Status.OK
-            rows = []
-            for i, stop in enumerate(np.arange(1, 21) * 0.1):
-                if i in (5, 11):
-                    run.set_inputs([0.0], [1.0 + i])
-                if i == 8:
-                    parameters[model.parameter_names.index("k")] = 2e5
-                    run.set_parameters(parameters, values.mask)
-                run.set_stop(stop if solver is Solver.ERK or i % 2 else 4.0)
-                rows.append(list(run.advance([stop])[0]))
-            results.append(np.array(rows))
+
+    def drive(run: Run, values: Values, is_whole: bool) -> np.ndarray:
+        rows, parameters = [], list(values.parameters)
+        for i, stop in enumerate(np.arange(1, 21) * 0.1):
+            if i in (5, 11):
+                run.set_inputs([0.0], [1.0 + i])
+            if i == 8:
+                parameters[model.parameter_names.index("k")] = 2e5
+                run.set_parameters(parameters, values.mask)
+            run.set_stop(stop if is_whole or i % 2 else 4.0)
+            rows.append(list(run.advance([stop])[0]))
+        return np.array(rows)
+
+    results = driven(model, 4, drive)
     n = model.scene.n
     assert results[0][:, 1 : 1 + n] == pytest.approx(results[1][:, 1 : 1 + n], abs=3e-10)
     assert results[0][:, -2:] == pytest.approx(results[1][:, -2:], abs=3e-8)
@@ -180,24 +188,19 @@ def test_closed_loops_are_islands(scene: Scene) -> None:
 def test_loops_whose_parameters_change_under_way(scene: Scene) -> None:
     """A step that went too far is taken back onto the constraints as they are."""
     model = scene(LOOPS)
-    values, found = check_values(model.scene), []
-    engine = model.engine_for("islands")
-    assert engine is not None
-    for solver in (Solver.ISLANDS, Solver.ERK):
-        with engine.runtime.run(engine.model, Settings(0, 1, 1e-11, solver=solver)) as run:
-            parameters = list(values.parameters)
+
+    def drive(run: Run, values: Values, is_whole: bool) -> np.ndarray:
+        rows, parameters = [], list(values.parameters)
+        for stop in (0.33, 0.66, 1.0):
+            run.set_stop(stop if is_whole else 1.0)  # nothing takes a single solver's step back
+            rows.append(list(run.advance([stop])[0]))
+            run.set_inputs([0.0], [5.0])
+            parameters[model.parameter_names.index("k")] = 2e5 if stop > 0.5 else 1e6
             run.set_parameters(parameters, values.mask)
-            run.set_inputs([0.0], [0.0])
-            assert run.start(values.q, values.v) is Status.OK
-            rows = []
-            for stop in (0.33, 0.66, 1.0):
-                run.set_stop(stop if solver is Solver.ERK else 1.0)  # nothing takes a single solver's step back
-                rows.append(list(run.advance([stop])[0]))
-                run.set_inputs([0.0], [5.0])
-                parameters[model.parameter_names.index("k")] = 2e5 if stop > 0.5 else 1e6
-                run.set_parameters(parameters, values.mask)
-            assert run.statistics.constraint_residual < 1e-14
-            found.append(np.array(rows))
+        assert run.statistics.constraint_residual < 1e-14
+        return np.array(rows)
+
+    found = driven(model, 1, drive)
     n = model.scene.n
     assert found[0][:, 1 : 1 + n] == pytest.approx(found[1][:, 1 : 1 + n], abs=2e-9)
     assert found[0][:, -2:] == pytest.approx(found[1][:, -2:], abs=2e-7)

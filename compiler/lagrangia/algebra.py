@@ -118,14 +118,18 @@ class CasadiAlgebra:
         return symbol
 
 
+STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN", "FMOD", "COPYSIGN", "LT", "LE", "EQ", "NE",
+                                                         "IF_ELSE_ZERO"))
+
+
+def uses(function: ca.Function, operations: frozenset[int]) -> bool:
+    """Whether one of CasADi's operations is among a function's instructions."""
+    return not operations.isdisjoint(function.instruction_id(k) for k in range(function.n_instructions()))
+
+
 def _has_steps(value: ca.SX) -> bool:
     """A slope does not tell of jumps."""
-    function = ca.Function("value", ca.symvar(value), [value])
-    return not _STEPS.isdisjoint(function.instruction_id(k) for k in range(function.n_instructions()))
-
-
-_STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN", "FMOD", "COPYSIGN", "LT", "LE", "EQ", "NE",
-                                                          "IF_ELSE_ZERO"))
+    return uses(ca.Function("value", ca.symvar(value), [value]), STEPS)
 
 
 _SX_FUNCTIONS: Mapping[str, Callable[..., Any]] = {

@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, keep_inputs, load_model, number, read_inputs, values_with_units
+from lagrangia.commands import assignment, keep_inputs, load_model, number, open_parameters, read_inputs, values_with_units
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.model import Model
 from lagrangia.plot import require_format
@@ -99,8 +99,7 @@ def _load(options: Namespace) -> tuple[Model, dict[str, Any]]:
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())
     scene = model.scene
-    parameters = values_with_units([(n, v) for n, v in given if n.partition("[")[0] not in scene.structural],
-                                   {p.name: p.unit for p in scene.parameters})
+    parameters = open_parameters(scene, given)
     units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
     units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
     initial = values_with_units([assignment(text, "--initial") for text in options.initial], units)

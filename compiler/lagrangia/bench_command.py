@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, keep_inputs, load_model, number, values_with_units
+from lagrangia.commands import assignment, keep_inputs, load_model, number, open_parameters
 from lagrangia.diagnostics import RunError, fail, suggest
 from lagrangia.targets import write_text
 
@@ -31,8 +31,7 @@ def bench_command(options: Namespace) -> int:
     if model.engine is None:
         fail("L0901", "not supported yet: a benchmark without a C compiler, which compiles all that is measured", None,
              "pip install ziglang brings one")
-    parameters = values_with_units([(n, v) for n, v in given if n.partition("[")[0] not in model.scene.structural],
-                                   {p.name: p.unit for p in model.scene.parameters})
+    parameters = open_parameters(model.scene, given)
     problem = build_problem(model, stop=options.stop, points=options.points, parameters=parameters)
     try:
         reference = find_reference(problem)

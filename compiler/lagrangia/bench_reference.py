@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from lagrangia.algebra import STEPS, uses
 from lagrangia.bench_peers import prepare_scipy
 from lagrangia.bench_problem import Piece, Problem
 from lagrangia.native import build
@@ -26,8 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _TOLERANCES = (1e-10, 1e-11, 1e-12, 1e-13)  # of SciPy's methods
-_CORNERS = frozenset(getattr(ca, f"OP_{name}") for name in (
-    "LT", "LE", "EQ", "NE", "IF_ELSE_ZERO", "FABS", "SIGN", "FMIN", "FMAX", "FLOOR", "CEIL", "FMOD", "COPYSIGN"))
+_CORNERS = STEPS | {ca.OP_FABS, ca.OP_FMIN, ca.OP_FMAX}
 _COLUMNS = 10  # order 20
 _SMALLEST_STEP = 1e-12  # of the piece
 _HIGHEST_NOISE = 1e-11  # of the state: what is larger is no rounding, nor a step so short over a jump of the force
@@ -61,17 +61,12 @@ class Reference:
 
 def find_reference(problem: Problem, seconds: float = 60.0) -> Reference:
     """Raises NoReference, CompilerError."""
-    if any(map(_has_corners, problem.pieces)):
+    if any(uses(piece.slope, _CORNERS) for piece in problem.pieces):
         return _by_scipy("DOP853", problem, seconds, "its forces have corners")
     try:
         return _by_extrapolation(problem, seconds)
     except TooLong as reason:
         return _by_scipy("Radau", problem, seconds, str(reason))
-
-
-def _has_corners(piece: Piece) -> bool:
-    slope = piece.slope
-    return not _CORNERS.isdisjoint(slope.instruction_id(k) for k in range(slope.n_instructions()))
 
 
 def _by_scipy(method: str, problem: Problem, seconds: float, reason: str) -> Reference:

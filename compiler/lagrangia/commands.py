@@ -55,7 +55,7 @@ def explain_command(options: Namespace) -> int:
 
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())
-    values = check_values(model.scene, _open_parameters(model.scene, given))
+    values = check_values(model.scene, open_parameters(model.scene, given))
     model = model.suited(values)
     c = model.compilation
     scene = model.scene
@@ -67,7 +67,7 @@ def explain_command(options: Namespace) -> int:
     return 0
 
 
-def _open_parameters(scene: Any, given: list[tuple[str, str]]) -> dict[str, float]:
+def open_parameters(scene: Any, given: list[tuple[str, str]]) -> dict[str, float]:
     """Those given that are not structural, in SI units."""
     return values_with_units([(name, value) for name, value in given if name.partition("[")[0] not in scene.structural],
                              {p.name: p.unit for p in scene.parameters})
@@ -114,7 +114,7 @@ def simulate_command(options: Namespace) -> int:
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
                       at=at, max_step=options.max_step, max_steps=options.max_steps,
                       solver=options.solver)
-    parameters = _open_parameters(scene, given)
+    parameters = open_parameters(scene, given)
     units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
     units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
     units |= {name: unit for name, (_, unit) in scene.lost.items()}
@@ -463,6 +463,6 @@ def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
 
 
 __all__ = [
-    "assignment", "check_command", "explain_command", "input_tables", "keep_inputs", "load_model", "number", "prepare_target",
-    "read_inputs", "read_table", "simulate_command", "split_names", "structural_value", "values_with_units",
+    "assignment", "check_command", "explain_command", "input_tables", "keep_inputs", "load_model", "number", "open_parameters",
+    "prepare_target", "read_inputs", "read_table", "simulate_command", "split_names", "structural_value", "values_with_units",
 ]

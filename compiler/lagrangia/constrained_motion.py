@@ -87,7 +87,7 @@ def constrain(
     regular = None if is_robust else _regular(rows, free, M, J)
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
                              regular)
-    return acceleration, free.load_power + _power(rows.rate, v, multipliers), held
+    return acceleration, free.load_power + _power(rate, v, multipliers), held
 
 
 def _regular(rows: ConstraintRows, free: FreeMotion, M: ca.SX, J: ca.SX) -> RegularMotion:

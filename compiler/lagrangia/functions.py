@@ -193,8 +193,7 @@ def people_functions(
     }
     held = motion.constrained
     if held:
-        bias = ca.jtimes(held.rows.rate, ca.vertcat(q, t), ca.vertcat(v, 1))
-        expressions |= {"Phi": [held.rows.phi], "J": [held.J], "bias": [bias], "lambda": [held.multipliers]}
+        expressions |= {"Phi": [held.rows.phi], "J": [held.J], "bias": [held.rows.bias], "lambda": [held.multipliers]}
     labels = {"energies": ["T", "V", "D"], "outputs": ["y"], "rhs": ["a"]}
     modes = kinematics.algebra.modes
     symbols, values = [mode.symbol for mode in modes], [mode.value for mode in modes]

@@ -62,10 +62,15 @@ class _Parts:
         return supports + moved_in_time(self.kinematics, self.constraints)
 
     @cached_property
+    def inertia(self) -> ca.SX:
+        """M v."""
+        momentum, v = self.motion.momentum, self.motion.v
+        return momentum - ca.substitute(momentum, v, ca.SX.zeros(v.numel()))
+
+    @cached_property
     def turning(self) -> list[Coordinate]:
         """The coordinates on whose values M depends; of many, whether there is one."""
-        motion, coordinates = self.motion, list(self.kinematics.graph.coordinates)
-        inertia = motion.momentum - ca.substitute(motion.momentum, motion.v, ca.SX.zeros(motion.v.numel()))
+        motion, coordinates, inertia = self.motion, list(self.kinematics.graph.coordinates), self.inertia
         if not coordinates:
             return []
         if len(coordinates) > _MOST_COUNTED:
@@ -148,8 +153,7 @@ def _coriolis_cost(parts: _Parts) -> str:
 def _mass(parts: _Parts) -> Iterable[Need]:
     motion, names = parts.motion, parts.kinematics.graph.coordinates
     ways = ", ".join(f"{way} {count}" for way, count in motion.nodes.items())
-    inertia = motion.momentum - ca.substitute(motion.momentum, motion.v, ca.SX.zeros(motion.v.numel()))
-    timed = bool(names) and changes(inertia, [parts.symbols_of_time], inertia)[0]
+    timed = bool(names) and changes(parts.inertia, [parts.symbols_of_time], parts.inertia)[0]
     place = str(parts.turning[0].span) if parts.turning else str(parts.moved[0][1]) if timed and parts.moved else ""
     shown = _few([c.name for c in parts.turning]) if len(names) <= _MOST_COUNTED else "position"
     why = f"M depends on {shown}" if parts.turning else "M depends on time" if timed else "M is constant"

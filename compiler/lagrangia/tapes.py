@@ -61,7 +61,8 @@ class Op(IntEnum):
     ERF = 46
 
 
-SINES = (Op.SIN, Op.COS)  # their b: how many that go together, this one among them, are still to come
+# Their b says how many that go together, this one among them, are still to come. Plain numbers: members are slow to compare.
+SINES = (int(Op.SIN), int(Op.COS))
 
 
 @dataclass(frozen=True)
