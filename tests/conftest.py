@@ -12,9 +12,10 @@ from lagrangia.runtime_library import Runtime, start_runtime
 
 Compare = Callable[[str, Path], None]
 
-# A shell starts what it puts into the background with SIGINT ignored, and so would be all that tests start and interrupt.
-if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+# A shell starts what it puts into the background with SIGINT ignored, nohup with SIGHUP, and so would be all that tests start.
+for number in (signal.SIGINT, signal.SIGHUP):
+    if signal.getsignal(number) == signal.SIG_IGN:
+        signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -55,6 +55,7 @@ ORDER = """
     collected
     parameters
     constraints
+    forces
     elimination
     kkt
     evenness

@@ -6,7 +6,8 @@ root, for every coordinate with motion direction s:
 
     U = I s,   D = s . U,   I -= U U^T / D,   p += U (r - s . p) / D,
 
-then I and p move to the parent's reference frame. Back from the root: a = (u - U . A) / D, A += s a.
+then I and p move to the parent's reference frame. p begins with the forces on the body (forces.py). Back from the root:
+a = (u - U . A) / D, A += s a.
 Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
 """
 
@@ -15,10 +16,12 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from lagrangia.algebra import Dual, Scalar, is_zero, minus, plus, rate_of, times
+from lagrangia.algebra import Dual, Scalar, is_zero, minus, plus, rate_of, times, value_of
 from lagrangia.bodies import Bodies, Inertia
 from lagrangia.edges import Edge
+from lagrangia.energies import Energies
 from lagrangia.evaluation import Evaluator, Value
+from lagrangia.forces import find_forces
 from lagrangia.kinematics import Kinematics, Pose, rotated
 from lagrangia.scalars import scalars_in
 
@@ -46,17 +49,30 @@ class Cluster:
 def eliminate(kinematics: Kinematics, bodies: Bodies, r: ca.SX) -> ca.SX | None:
     """The solution a of M a = r, or None when the scene is no tree of rigid bodies: a coordinate that moves several joints,
     or a kinetic term that couples several bodies or is no body's."""
-    uses = Counter(name for edge in kinematics.graph.edges for name in edge.coordinates)
-    tied = any(dependent.terms for dependent in kinematics.dependents.values())
-    if bodies.rest or tied or any(count > 1 for count in uses.values()):
-        return None
     clusters = _clusters(kinematics, bodies)
-    for inertia in bodies.inertias:
-        _add_inertia(clusters[bodies.home[inertia.frame]], inertia, bodies.local[inertia.frame])
-    acceleration: list[Scalar] = [0.0] * r.numel()
-    right = scalars_in(ca.densify(r))
+    return _solve(clusters, scalars_in(ca.densify(r))) if clusters else None
+
+
+def accelerate(kinematics: Kinematics, bodies: Bodies, energies: Energies) -> ca.SX | None:
+    """The accelerations, as eliminate(kinematics, bodies, -h) would give them, but with every force on the body it acts on."""
+    clusters = _clusters(kinematics, bodies) if not kinematics.graph.cut_coordinates else None
+    if clusters is None:
+        return None
+    for cluster in clusters.values():
+        _add_inertial_force(cluster, kinematics.without_accelerations())
+    forces = find_forces(kinematics, energies)
+    for frame, force in forces.on_frames.items():
+        cluster, local = clusters[bodies.home[frame]], bodies.local[frame]
+        x, y = rotated(cluster.turn.cos, cluster.turn.sin, 0.0, local.x, local.y)
+        moment = plus(force[2], minus(times(x, force[1]), times(y, force[0])))
+        cluster.load = _sum(cluster.load, [force[0], force[1], moment])
+    return _solve(clusters, [minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in kinematics.graph.coordinates])
+
+
+def _solve(clusters: dict[str, Cluster], r: Vector) -> ca.SX:
+    acceleration: list[Scalar] = [0.0] * len(r)
     for cluster in reversed(clusters.values()):
-        _towards_root(cluster, right)
+        _towards_root(cluster, r)
     twists: dict[str, Vector] = {}
     for cluster in clusters.values():
         start = _moved(twists[cluster.parent.frame], cluster.joint) if cluster.parent else [0.0] * 3
@@ -67,8 +83,19 @@ def eliminate(kinematics: Kinematics, bodies: Bodies, r: ca.SX) -> ca.SX | None:
 # -------------------------------------------------------------------- bodies
 
 
-def _clusters(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
-    """The rigid bodies by their reference frames, parents first."""
+def _clusters(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster] | None:
+    """The rigid bodies with their inertias by their reference frames, parents first; None when they are no tree."""
+    uses = Counter(name for edge in kinematics.graph.edges for name in edge.coordinates)
+    tied = any(dependent.terms for dependent in kinematics.dependents.values())
+    if bodies.rest or tied or any(count > 1 for count in uses.values()):
+        return None
+    clusters = _joined(kinematics, bodies)
+    for inertia in bodies.inertias:
+        _add_inertia(clusters[bodies.home[inertia.frame]], inertia, bodies.local[inertia.frame])
+    return clusters
+
+
+def _joined(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
     graph = kinematics.graph
     number = {c.name: k for k, c in enumerate(graph.coordinates)}
     units = {"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0], "phi": [0.0, 0.0, 1.0]}
@@ -99,6 +126,16 @@ def _add_inertia(cluster: Cluster, inertia: Inertia, local: Pose) -> None:
     x, y = rotated(cluster.turn.cos, cluster.turn.sin, 0.0, plus(bx, times(m, ahead[0])), plus(by, times(m, ahead[1])))
     for (i, j), value in {(0, 0): m, (1, 1): m, (0, 2): minus(0.0, y), (1, 2): x, (2, 2): J}.items():
         cluster.inertia[i][j] = plus(cluster.inertia[i][j], value)
+
+
+def _add_inertial_force(cluster: Cluster, still: Kinematics) -> None:
+    """What the body's inertia asks for when dv/dt = 0: F = m a - w^2 b + alpha x b, tau = J alpha + b x a."""
+    if cluster.is_ground:
+        return
+    I, pose = cluster.inertia, still.pose(cluster.frame, 2)
+    w, twist = value_of(rate_of(pose.phi)), [rate_of(rate_of(x)) for x in (pose.x, pose.y, pose.phi)]
+    towards = [times(times(w, w), I[1][2]), times(times(w, w), minus(0.0, I[0][2])), 0.0]
+    cluster.load = [minus(_dot([I[min(i, j)][max(i, j)] for j in range(3)], twist), towards[i]) for i in range(3)]
 
 
 class _OneMoves:
@@ -170,20 +207,24 @@ def _hand_over(cluster: Cluster, parent: Cluster) -> None:
     for (i, j), value in {(0, 0): I[0][0], (0, 1): I[0][1], (1, 1): I[1][1], (0, 2): xz, (1, 2): yz, (2, 2): zz}.items():
         parent.inertia[i][j] = plus(parent.inertia[i][j], value)
     moved = [fx, fy, minus(plus(torque, times(fy, dx)), times(fx, dy))]
-    parent.load = [plus(a, b) for a, b in zip(parent.load, moved, strict=True)]
+    parent.load = _sum(parent.load, moved)
 
 
 def _from_root(cluster: Cluster, twist: Vector, acceleration: list[Scalar]) -> Vector:
     for index, s, U, inverse, u in reversed(cluster.solved):
         a = times(minus(u, _dot(U, twist)), inverse)
         acceleration[index] = a
-        twist = [plus(x, times(y, a)) for x, y in zip(twist, s, strict=True)]
+        twist = _sum(twist, [times(x, a) for x in s])
     return twist
 
 
 def _moved(twist: Vector, joint: tuple[Scalar, Scalar]) -> Vector:
     vx, vy, w = twist
     return [minus(vx, times(w, joint[1])), plus(vy, times(w, joint[0])), w]
+
+
+def _sum(a: Vector, b: Vector) -> Vector:
+    return [plus(x, y) for x, y in zip(a, b, strict=True)]
 
 
 def _dot(a: Vector, b: Vector) -> Scalar:

@@ -89,13 +89,13 @@ class Kinematics:
             return self.coordinate(name, level)
         if name in self.graph.cut_coordinates:
             read = cut_coordinate(self, self.graph.cut_coordinates[name], level)
-            return read + _displacement(*self.released[name], level) if name in self.released else read
+            return read + displacement(*self.released[name], level) if name in self.released else read
         return self.symbols.compiled.get(name, self.symbols.values.get(name))
 
     def coordinate(self, name: str, level: int) -> Scalar:
         if name in self.dependents:
             given = self._dependent(self.dependents[name], level)
-            return given + _displacement(*self.released[name], level) if name in self.released else given
+            return given + displacement(*self.released[name], level) if name in self.released else given
         q, v, a = (values[name] for values in (self.symbols.positions, self.symbols.rates, self.symbols.accelerations))
         return (q, Dual(q, v), Dual(Dual(q, v), Dual(v, a)))[level]
 
@@ -186,7 +186,7 @@ class Kinematics:
                 poses[edge.child] = self._displaced(poses[edge.child], *self.released[edge.child], level)
 
     def _displaced(self, pose: Pose, shift: ca.SX, rate: ca.SX, level: int) -> Pose:
-        x, y, angle = (_displacement(shift[k], rate[k], level) for k in range(3))
+        x, y, angle = (displacement(shift[k], rate[k], level) for k in range(3))
         return self.turned(Pose(pose.x + x, pose.y + y, pose.phi, pose.cos, pose.sin), angle, level)
 
     def _root_pose(self, frame: str, attributes: tuple[str, ...], level: int) -> Pose:
@@ -233,7 +233,8 @@ def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[
     return Dual(ahead_x, minus(stretch_x, times(w, ahead_y))), Dual(ahead_y, plus(stretch_y, times(w, ahead_x)))
 
 
-def _displacement(shift: ca.SX, rate: ca.SX, level: int) -> Scalar:
+def displacement(shift: Scalar, rate: Scalar, level: int) -> Scalar:
+    """At a level of the kinematics."""
     return (shift, Dual(shift, rate), Dual(Dual(shift, rate), Dual(rate, 0.0)))[level]
 
 

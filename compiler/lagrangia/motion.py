@@ -18,7 +18,7 @@ from lagrangia.collected import MOST_COORDINATES, Collected, collect, split_weig
 from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, constrain, constraint_rows
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
-from lagrangia.elimination import eliminate
+from lagrangia.elimination import accelerate, eliminate
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
 from lagrangia.joints import all_reactions
@@ -90,7 +90,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
         acceleration, source, constrained = constrain(kinematics, constraint_rows(kinematics, constraints), free, for_any_mass)
     else:
         _require_mass(kinematics, momentum, v)
-        acceleration, way, counted = _solve(kinematics, bodies, momentum, h, v, short)
+        acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, h, v, short)
         if short is not None and way == "collected":
             momentum, h = short.momentum, short.h
     names = kinematics.graph.model.variables
@@ -218,12 +218,12 @@ def _work(expressions: list[ca.SX], kinematics: Kinematics) -> int:
     return count_nodes(expressions, [kinematics.algebra.state])
 
 
-def _solve(kinematics: Kinematics, bodies: Bodies, momentum: ca.SX, h: ca.SX, v: ca.SX,
+def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: ca.SX, h: ca.SX, v: ca.SX,
            short: _Short | None) -> tuple[ca.SX, str, dict[str, int]]:
     """The accelerations by each way that is open, and the one that counts fewer nodes."""
     tau = kinematics.symbols.tau
     ways: dict[str, ca.SX] = {}
-    tree = eliminate(kinematics, bodies, -h)
+    tree = accelerate(kinematics, bodies, energies)
     if tree is not None:
         ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
     if tree is None or coupled_pairs(kinematics) <= _DENSEST * v.numel():

@@ -1,0 +1,117 @@
+"""Potentials, dissipation and loads -> forces and moments on frames, and on what is left, forces on coordinates.
+
+A generalised force sums up all that acts behind a joint. Solving along the tree takes these sums apart again, and what is left
+of their rounding is divided by the inertia of one body: of a chain of 20 links three digits went that way. So each force stays
+on the body it acts on, found by virtual displacements of every frame and every coordinate that an energy reads, apart from all
+others.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import casadi as ca
+
+from lagrangia.algebra import CasadiAlgebra, Scalar
+from lagrangia.energies import Energies
+from lagrangia.evaluation import Evaluator, Value, scalars_of
+from lagrangia.kinematics import Kinematics, displacement
+from lagrangia.scalars import as_expression, scalars_in, symbol
+
+_PLACES = {"r": (0, 1), "x": (0,), "y": (1,), "phi": (2,)}
+_VELOCITIES = {"v": (0, 1), "w": (2,)}
+
+
+@dataclass(frozen=True)
+class Forces:
+    """What potentials, dissipation and loads take from the motion, as h does."""
+
+    on_frames: Mapping[str, list[Scalar]]  # along x and y of the world, N; moment about the frame's origin, N.m
+    on_coordinates: Mapping[str, Scalar]
+
+
+@dataclass
+class _StepsAtRest(CasadiAlgebra):
+    """What has no slope is that of the real motion, the modes among it."""
+
+    displacements: set[int] = field(default_factory=set)  # hashes of their symbols
+
+    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        return super().compare(operator, self._at_rest(a), self._at_rest(b))
+
+    def call(self, function: str, *arguments: Scalar) -> Scalar:
+        steps = function in ("floor", "ceil")
+        return super().call(function, *(map(self._at_rest, arguments) if steps else arguments))
+
+    def new_symbol(self) -> Scalar:
+        made = symbol("displacement")
+        self.displacements.add(made.__hash__())
+        return made
+
+    def _at_rest(self, x: Scalar) -> Scalar:
+        moved = [s for s in ca.symvar(x) if s.__hash__() in self.displacements] if isinstance(x, ca.SX) else []
+        return as_expression(ca.substitute([x], moved, [ca.SX(0)] * len(moved))[0]) if moved else x
+
+
+@dataclass
+class _Apart:
+    """Leaves of an evaluator in which each frame and each coordinate that is read has displacements and rates of its own."""
+
+    kinematics: Kinematics
+    algebra: _StepsAtRest
+    movable: frozenset[str]
+    frames: dict[str, tuple[list[Scalar], list[Scalar]]] = field(default_factory=dict)
+    coordinates: dict[str, tuple[Scalar, Scalar]] = field(default_factory=dict)
+
+    def symbol(self, name: str, level: int) -> Value | None:
+        value = self.kinematics.symbol(name, level)
+        if name not in self.kinematics.symbols.positions:
+            return value
+        if name not in self.coordinates:
+            self.coordinates[name] = self.algebra.new_symbol(), self.algebra.new_symbol()
+        return value + displacement(*self.coordinates[name], level)
+
+    def time(self, level: int) -> Scalar:
+        return self.kinematics.time(level)
+
+    def frame(self, name: str, attribute: str, level: int) -> Value:
+        value = self.kinematics.frame(name, attribute, level)
+        if name not in self.movable:
+            return value
+        if name not in self.frames:
+            self.frames[name] = [self.algebra.new_symbol() for _ in range(3)], [self.algebra.new_symbol() for _ in range(3)]
+        shift, rate = self.frames[name]
+        if attribute in _PLACES:
+            moved = tuple(displacement(shift[k], rate[k], level) for k in _PLACES[attribute])
+        else:
+            moved = tuple(displacement(rate[k], 0.0, level) for k in _VELOCITIES[attribute])
+        return tuple(a + b for a, b in zip(value, moved, strict=True)) if isinstance(value, tuple) else value + moved[0]
+
+
+def find_forces(kinematics: Kinematics, energies: Energies) -> Forces:
+    """Not for scenes with cut joints, whose coordinates are read off frames."""
+    known = kinematics.algebra
+    algebra = _StepsAtRest(known.time, known.state, known.modes, known.tiny)
+    apart = _Apart(kinematics, algebra, _movable(kinematics))
+    value = Evaluator(kinematics.graph.model, algebra, apart).value
+    potential, dissipation = (energies.total(tuple(replace(term, value=value(term.statement.value)) for term in terms))
+                              for terms in (energies.potential, energies.dissipation))
+    positions, forces = [potential], [1.0]
+    for load in energies.loads:
+        positions += scalars_of(value(load.statement.position))
+        forces += [-force for force in load.force]
+    places = [*apart.frames.values(), *(([shift], [rate]) for shift, rate in apart.coordinates.values())]
+    shifts, rates = (ca.vertcat(ca.SX(0, 1), *[x for place in places for x in place[k]]) for k in range(2))
+    total = ca.jtimes(ca.vertcat(*positions), shifts, ca.vertcat(*forces), True) + ca.gradient(dissipation, rates)
+    found = scalars_in(ca.densify(ca.substitute([total], [shifts, rates], [ca.SX.zeros(shifts.numel())] * 2)[0]))
+    on_frames = {name: found[3 * k : 3 * k + 3] for k, name in enumerate(apart.frames)}
+    return Forces(on_frames, dict(zip(apart.coordinates, found[3 * len(on_frames) :], strict=True)))
+
+
+def _movable(kinematics: Kinematics) -> frozenset[str]:
+    """The frames that coordinates move."""
+    free, graph = kinematics.symbols.positions, kinematics.graph
+    moving = {root.frame for root in graph.roots if any(f"{root.frame}.{a}" in free for a in root.attributes)}
+    for edge in graph.edges:
+        if edge.parent in moving or any(name in free for name in edge.coordinates):
+            moving.add(edge.child)
+    return frozenset(moving)
