@@ -134,8 +134,9 @@ def _add_inertial_force(cluster: Cluster, still: Kinematics) -> None:
         return
     I, pose = cluster.inertia, still.pose(cluster.frame, 2)
     w, twist = value_of(rate_of(pose.phi)), [rate_of(rate_of(x)) for x in (pose.x, pose.y, pose.phi)]
-    towards = [times(times(w, w), I[1][2]), times(times(w, w), minus(0.0, I[0][2])), 0.0]
-    cluster.load = [minus(_dot([I[min(i, j)][max(i, j)] for j in range(3)], twist), towards[i]) for i in range(3)]
+    square = times(w, w)
+    x, y, torque = (_dot([I[min(i, j)][max(i, j)] for j in range(3)], twist) for i in range(3))
+    cluster.load = [minus(x, times(square, I[1][2])), plus(y, times(square, I[0][2])), torque]
 
 
 class _OneMoves:

@@ -32,13 +32,13 @@ def hoist(groups: Sequence[Sequence[ca.SX]], p: ca.SX) -> tuple[list[ca.SX], ca.
 
 def _merged(expressions: list[ca.SX], symbols: ca.SX, values: ca.SX) -> tuple[list[ca.SX], ca.SX, ca.SX]:
     """With one symbol for equal values, and none for what is not used."""
-    values = ca.cse(values)
+    own, made = symbols.elements(), ca.cse(values).elements()
     first: dict[int, ca.SX] = {}
-    chosen = [first.setdefault(value.__hash__(), own) for value, own in zip(values.elements(), symbols.elements(), strict=True)]
+    chosen = [first.setdefault(value.__hash__(), symbol) for value, symbol in zip(made, own, strict=True)]
     expressions = ca.substitute(expressions, [symbols], [ca.vertcat(*chosen)])
     used = {s.__hash__() for s in ca.symvar(ca.veccat(*expressions))}
-    kept = [k for k, own in enumerate(symbols.elements()) if own.__hash__() in used]
-    return expressions, ca.vertcat(ca.SX(0, 1), *[symbols[k] for k in kept]), ca.vertcat(ca.SX(0, 1), *[values[k] for k in kept])
+    kept = [k for k, symbol in enumerate(own) if symbol.__hash__() in used]
+    return expressions, ca.vertcat(ca.SX(0, 1), *[own[k] for k in kept]), ca.vertcat(ca.SX(0, 1), *[made[k] for k in kept])
 
 
 @dataclass

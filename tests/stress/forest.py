@@ -34,7 +34,7 @@ class Tree:
     coordinates: int = 0
     asymmetry: float = 0.0  # of M, relative
     definiteness: float = 1.0  # smallest eigenvalue of M over the largest
-    disagreement: float = 0.0  # of elimination and of a dense M, in what a change of eps, and eps times the condition of M, may do
+    disagreement: float = 0.0  # of elimination and of a dense M, in what a change of eps, and eps cond M, may do
     account: float = 0.0  # largest residual of the energy account, relative, over the tolerance
     errors: dict[str, float] = field(default_factory=dict)  # of each solver, relative, over the tolerance
     finite: bool = True
