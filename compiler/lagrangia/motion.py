@@ -26,6 +26,8 @@ from lagrangia.kinematics import Kinematics, rotated
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
+# Collected accelerations may be so much longer than the shortest where M and h, of which implicit steps are made, are shorter.
+_NEARLY = 1.1
 
 
 @dataclass(frozen=True)
@@ -220,7 +222,7 @@ def _work(expressions: list[ca.SX], kinematics: Kinematics) -> int:
 
 def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: ca.SX, h: ca.SX, v: ca.SX,
            short: _Short | None) -> tuple[ca.SX, str, dict[str, int]]:
-    """The accelerations by each way that is open, and the one that counts fewer nodes."""
+    """The accelerations by the way that counts fewest nodes, and what each way that is open counts."""
     tau = kinematics.symbols.tau
     ways: dict[str, ca.SX] = {}
     tree = accelerate(kinematics, bodies, energies)
@@ -235,6 +237,8 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
         return ways[way], way, {}
     nodes = {way: _work([a], kinematics) for way, a in ways.items()}
     best = min(nodes, key=lambda way: nodes[way])
+    if short is not None and nodes["collected"] <= _NEARLY * nodes[best] and short.is_shorter(kinematics, momentum, h):
+        best = "collected"
     return ways[best], best, nodes
 
 
