@@ -204,12 +204,10 @@ static LagStatus watch(LagBatch *batch, double a)
     return status;
 }
 
-/* The exact solver's steps are as long as they may be, and a row far inside of one costs as much as a step; islands are asked
- * for rows alone. */
+/* The exact solver's steps are as long as they may be, and a row far inside of one costs as much as a step. */
 static void limit_step(const LagBatch *batch, double a)
 {
-    const int32_t solver = lag_run_statistics(batch->run)->solver;
-    if (solver == LAG_SOLVER_LINEAR || solver == LAG_SOLVER_ISLANDS)
+    if (lag_run_statistics(batch->run)->solver == LAG_SOLVER_LINEAR)
         lag_run_set_stop(batch->run, fmin(a + batch->sweep.window, batch->sweep.t_stop));
 }
 

@@ -148,6 +148,8 @@ static void weigh(LagRadau *s, const LagMotion *m, const LagScale *scale)
         m->point[k] = m->y[k] + s->place[last + k];
         m->point[n + k] = m->y[n + k] + s->trial.rate[last + k];
     }
+    if (scale->is_resting)
+        lag_scale_foresee(scale, m->point);
     for (int k = 0; k < 2 * n; ++k) {
         const double unit = lag_radau_unit(s, m, scale, k, m->point);
         s->weight[k] = unit > 0 ? 1 / unit : 0;

@@ -28,7 +28,7 @@ Write = Callable[[str], lag.Model]
 
 def march(model: lag.Model, times: list[float], q: dict[str, float] | None = None, **settings: float) -> tuple[Rows, object]:
     """Rows of a run by implicit steps, and its statistics: closer to the run time than Model.simulate."""
-    engine = load_engine(model.scene, is_implicit=True)
+    engine = load_engine(model.scene, solver=Solver.IMPLICIT)
     assert engine is not None
     values = check_values(model.scene, initial=q)
     with engine.runtime.run(engine.model, Settings(t_stop=times[-1], solver=Solver.IMPLICIT, **settings)) as run:
@@ -372,7 +372,7 @@ def test_rows_and_pauses_change_nothing() -> None:
     model = lag.load(EXAMPLES / "double_pendulum.lag")
     at = [0.03 * k for k in range(60)]
     whole, _ = march(model, at, tolerance=1e-8)
-    engine = load_engine(model.scene, is_implicit=True)
+    engine = load_engine(model.scene, solver=Solver.IMPLICIT)
     values = check_values(model.scene)
     with engine.runtime.run(engine.model, Settings(t_stop=at[-1], tolerance=1e-8, solver=Solver.IMPLICIT)) as run:
         run.set_parameters(values.parameters, values.mask)
@@ -390,7 +390,7 @@ def test_the_end_may_move_and_parameters_change(scene: Write) -> None:
     """As in a co-simulation."""
     model = scene(DRIVEN)
     exact = model.simulate(at=[0.1, 0.2, 0.3], tolerance=1e-13, solver="erk")
-    engine, values = load_engine(model.scene, is_implicit=True), check_values(model.scene)
+    engine, values = load_engine(model.scene, solver=Solver.IMPLICIT), check_values(model.scene)
     with engine.runtime.run(engine.model, Settings(t_stop=0, tolerance=1e-10, solver=Solver.IMPLICIT)) as run:
         run.set_parameters(values.parameters, values.mask)
         run.start(values.q, values.v)
@@ -456,11 +456,22 @@ def test_more_code_is_compiled_when_implicit_steps_are_asked_for() -> None:
     """Long Jacobians are data otherwise; both give the same motion."""
     model = lag.load(EXAMPLES / "chain.lag", n=4)
     runs = []
-    for is_implicit in (False, True):
-        engine, values = load_engine(model.scene, is_implicit=is_implicit), check_values(model.scene)
+    for solver in (Solver.AUTO, Solver.IMPLICIT):
+        engine, values = load_engine(model.scene, solver=solver), check_values(model.scene)
         with engine.runtime.run(engine.model, Settings(t_stop=1, solver=Solver.IMPLICIT)) as run:
             run.set_parameters(values.parameters, values.mask)
             run.start(values.q, values.v)
             runs.append(run.advance([1])[0].tolist())
     assert runs[0] == pytest.approx(runs[1], rel=1e-12, abs=1e-12)
     assert runs[0][0] == 1
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-7])
+def test_what_hardly_moves_at_first_does_not_hold_up_the_rest(tolerance: float) -> None:
+    """From rest, the rates of the last links begin at 1e-30 of those of the first: they count as much as these let them."""
+    model = lag.load(EXAMPLES / "chain.lag", n=60)
+    runs = [model.simulate(stop=0.5, tolerance=tolerance, solver="implicit"), model.simulate(stop=0.5, tolerance=1e-11)]
+    assert runs[0].statistics.rejected < 12
+    assert runs[0].statistics.smallest_step > 1e-5
+    for k in (1, 30, 60):
+        assert runs[0][f"hinge[{k}].phi"] == pytest.approx(runs[1][f"hinge[{k}].phi"], abs=30 * tolerance)

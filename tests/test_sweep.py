@@ -157,6 +157,24 @@ def test_an_interval_shows_what_oscillates_within_a_step(scene: Scene) -> None:
     assert abs(coarse - exact) > 1e-4, "or the test shows nothing"
 
 
+def test_islands_are_asked_for_rows_alone(scene: Scene) -> None:
+    """They do not go back to look what was between two rows; `auto` takes them only where nobody wants to know."""
+    model = scene("""model Two
+  Revolute hinge(a = world, phi(start = 1)); Bar bar(m = 1, L = 1, a = hinge.b);
+  Block block(m = 1, base = world, s(start = 0.1)); Spring spring(k = 1e5, stretch = block.s);
+  annotation(experiment(StopTime = 2));
+end Two;""")
+    outputs = ["mean(hinge.phi)", "max(block.s)", "at(1.3, block.s)"]
+    alone = model.simulate_many(parameters={"block.m": [1.0, 2.0]}, outputs=outputs, interval=0.01)
+    whole = model.simulate_many(parameters={"block.m": [1.0, 2.0]}, outputs=outputs, solver="erk")
+    for name in outputs:
+        assert alone[name] == pytest.approx(whole[name], abs=1e-6)
+    with pytest.raises(lag.LagError, match="between rows"):
+        model.simulate_many(outputs=outputs, solver="islands", interval=0.01)
+    apart = model.simulate_many(parameters={"block.m": [1.0, 2.0]}, outputs=["at(1.3, block.s)"], solver="islands")
+    assert apart["at(1.3, block.s)"] == pytest.approx(whole["at(1.3, block.s)"], abs=1e-6)
+
+
 def test_the_exact_solver_is_looked_at_as_closely_as_asked(scene: Scene) -> None:
     """Its steps say nothing of how quick the motion is."""
     model = scene(OSCILLATOR)

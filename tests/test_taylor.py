@@ -158,6 +158,21 @@ def test_auto_takes_series_where_they_pay() -> None:
         chain.simulate(stop=1, solver="taylor")
 
 
+def test_series_are_compiled_when_they_are_asked_for() -> None:
+    """Also for a scene that would start on its tape, and in a sweep; a tape cannot run them."""
+    path = Path(__file__).parent / "benchmarks" / "scenes" / "row.lag"
+    series = lag.load(path, n=210)
+    assert series.engine is not None and series.engine.how.startswith("tape"), "or the test shows nothing"
+    runs = [series.simulate(stop=2, tolerance=1e-11, solver=solver) for solver in ("taylor", "erk")]
+    assert runs[0].statistics.solver is Solver.TAYLOR
+    assert runs[0]["mass[25].s"] == pytest.approx(runs[1]["mass[25].s"], abs=1e-9)
+    table = series.simulate_many(parameters={"mass[25].m": [1.0, 2.0]}, outputs=["at(2, mass[25].s)"], stop=2, solver="taylor")
+    assert table["at(2, mass[25].s)"][0] == pytest.approx(runs[1]["mass[25].s"][-1], abs=1e-6)
+    series.native = False
+    with pytest.raises(LagError, match="engine 'tape' cannot"):
+        series.simulate(stop=2, solver="taylor")
+
+
 def test_rows_do_not_change_the_steps() -> None:
     model = lag.load(EXAMPLES / "pendulum.lag")
     many, few = (model.simulate(at=at, solver="taylor") for at in (np.linspace(0, 10, 1001)[1:], [10.0]))

@@ -92,13 +92,16 @@ def start_building() -> Runtime | None:
 
 
 def load_engine(
-    scene: Scene, runtime: Runtime | None = None, native: bool | None = None, is_implicit: bool = False
+    scene: Scene, runtime: Runtime | None = None, native: bool | None = None, solver: Solver = Solver.AUTO
 ) -> Engine | None:
     """The run time with the scene in it. None when there is no C compiler.
 
-    `native` decides instead of the model of costs. `is_implicit`: implicit steps are sure to be made.
+    `native` decides instead of the model of costs. `solver` is sure to be run: series are C in any case, and Jacobians are
+    compiled for implicit steps however long they are.
     """
-    engine = _load_whole(scene, runtime, native, is_implicit)
+    if native is None and solver is Solver.TAYLOR:
+        native = True
+    engine = _load_whole(scene, runtime, native, solver is Solver.IMPLICIT)
     return divided(engine, scene, native) if engine is not None and scene.sizes.get("solver") == Solver.ISLANDS else engine
 
 

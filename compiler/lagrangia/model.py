@@ -15,7 +15,7 @@ from lagrangia.interpret import evaluate
 from lagrangia.runtime_library import Runtime
 from lagrangia.scene import Scene
 from lagrangia.simulate import Values, check_values, plan, simulate
-from lagrangia.solvers import AUTO, is_casadi
+from lagrangia.solvers import AUTO, WAYS, is_casadi
 from lagrangia.trajectory import Trajectory, collect
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Model:
         self._engine: Engine | None = None
         self._runtime: Runtime | None = None
         self._has_engine = False
-        self._implicit_engine: Engine | None = None
+        self._engines: dict[str, Engine | None] = {}  # of solvers that want one of their own
         self.native: bool | None = None  # native code, a tape, or what costs less time
         found = find_scene(path, model, self.structural, self.outputs, for_any_mass, is_general)
         self.is_cached = found is not None
@@ -245,16 +245,19 @@ class Model:
         return True
 
     def engine_for(self, solver: str) -> Engine | None:
-        """The engine that runs a solver of this name: for implicit steps, Jacobians are compiled however long they are."""
+        """The engine that runs a solver of this name. Raises LagError L0704 where engine 'tape' cannot."""
         if is_casadi(solver):
             return None
         if solver == "islands" and self.engine is not None:
             self._engine = divided(self.engine, self.scene, self.native)
-        if solver != "implicit":
+        if solver == "taylor" and self.native is False:
+            fail("L0704", "the solver 'taylor' is C that is written for each scene: engine 'tape' cannot run it", None,
+                 "leave --engine out")
+        if solver not in ("implicit", "taylor"):
             return self.engine
-        if self._implicit_engine is None:
-            self._implicit_engine = load_engine(self.scene, self._runtime, self.native, is_implicit=True)
-        return self._implicit_engine
+        if solver not in self._engines:
+            self._engines[solver] = load_engine(self.scene, self._runtime, self.native, WAYS[solver].number)
+        return self._engines[solver]
 
     def observer(self, parameters: "np.ndarray", values: Any) -> Any:
         """Computes any quantity from rows of results."""

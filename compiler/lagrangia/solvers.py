@@ -54,4 +54,4 @@ def number_of(name: str, scene: Scene) -> Solver:
 
 
 def name_of(number: Solver) -> str:
-    return next(name for name, way in WAYS.items() if way.number is number)
+    return next((name for name, way in WAYS.items() if way.number is number), AUTO)

@@ -10,6 +10,7 @@ from typing import Protocol
 from lagrangia.diagnostics import fail
 from lagrangia.engines import Engine
 from lagrangia.given import a_count
+from lagrangia.solvers import name_of
 from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_pieces import Watch
 from lagrangia.sweep_plan import Job
@@ -23,8 +24,7 @@ _TABLES = (".csv", ".txt", ".dat", ".parquet", ".pq")
 class Loaded(Protocol):
     """A model, of which only the native code is wanted, and only where it is used."""
 
-    @property
-    def engine(self) -> Engine | None: ...
+    def engine_for(self, solver: str) -> Engine | None: ...
 
 
 def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None, dask: str | None = None,
@@ -41,7 +41,7 @@ def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None,
         begin = time.perf_counter()
         is_whole = run_on_dask(job, dask, ledger, watch)
     else:
-        engine = model.engine
+        engine = model.engine_for(name_of(job.sweep.settings.solver))
         if engine is None:
             fail("L0901", "not supported yet: many runs without a C compiler", None, "pip install ziglang brings one")
         begin = time.perf_counter()

@@ -18,7 +18,7 @@ from lagrangia.batch import OUTCOME, Batch, Reduction, Sweep
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.engines import Engine, load_engine
 from lagrangia.folders import data_folder
-from lagrangia.runtime import Settings
+from lagrangia.runtime import Settings, Solver
 from lagrangia.scene import from_json, to_json
 from lagrangia.sweep_journal import Ledger
 from lagrangia.sweep_pieces import Pace, Pieces, Watch
@@ -56,11 +56,11 @@ def _load(text: str) -> tuple[Engine, Sweep]:
     plain = json.loads(text)
     if plain["runtime"] != _runtime_digest():
         raise RuntimeError("the worker has another version of lagrangia")
-    engine = load_engine(from_json(plain["scene"]))
-    if engine is None:
-        raise RuntimeError("the worker has no C compiler (pip install ziglang brings one)")
     given = plain["sweep"]
     given["settings"] = Settings(**given["settings"])
+    engine = load_engine(from_json(plain["scene"]), solver=Solver(given["settings"].solver))
+    if engine is None:
+        raise RuntimeError("the worker has no C compiler (pip install ziglang brings one)")
     given["reductions"] = [Reduction(**reduction) for reduction in given["reductions"]]
     return engine, Sweep(**given)
 

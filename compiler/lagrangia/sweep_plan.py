@@ -115,19 +115,22 @@ def build_job(scene: Scene, measures: Sequence[Measure], experiment: Experiment,
 
 
 def _solver(scene: Scene, name: str, reduced: Sequence[Reduction], request: Request) -> Solver:
-    """Where a motion is looked at between rows, its solver's steps must be as short as the motion is quick; those of the
-    linear solver, and of islands, are as long as one likes, so that these need an interval. Raises LagError L0704."""
+    """Where a motion is looked at between rows, its solver's steps must be as short as the motion is quick. Those of the linear
+    solver are as long as one likes, so that it needs an interval; islands do not go back. Raises LagError L0704."""
     if is_casadi(name):
         fail("L0704", f"a sweep runs in the run time's own solvers, not in '{name}'", None,
              f"the solvers are {', '.join((AUTO, *applicable(scene)))}")
-    looks = any(reduction.kind is not Kind.AT for reduction in reduced)
     number = number_of(name, scene)
-    if not looks or request.interval is not None:
+    if all(reduction.kind is Kind.AT for reduction in reduced):
         return number
-    if number in (Solver.LINEAR, Solver.ISLANDS):
-        fail("L0704", f"the solver '{name}' makes steps of any length: it does not show what a motion does between them", None,
+    if number is Solver.ISLANDS:
+        fail("L0704", "the solver 'islands' does not show what a motion does between rows", None,
+             "measure at times, as with final(y) or at(0.5, y), or choose --solver erk")
+    if number is Solver.LINEAR and request.interval is None:
+        fail("L0704", "the solver 'linear' makes steps of any length: it does not show what a motion does between them", None,
              "say with --interval how closely it is to be looked at, or choose --solver erk")
-    return Solver.ERK if number is Solver.AUTO and {"linear", "islands"} & {*applicable(scene)} else number
+    unsuitable = {"islands"} if request.interval is not None else {"linear", "islands"}
+    return Solver.ERK if number is Solver.AUTO and unsuitable & {*applicable(scene)} else number
 
 
 # -------------------------------------------------------------------- names and factors
