@@ -54,8 +54,9 @@ def eliminate(kinematics: Kinematics, bodies: Bodies, r: ca.SX) -> ca.SX | None:
 
 
 def accelerate(kinematics: Kinematics, bodies: Bodies, energies: Energies) -> ca.SX | None:
-    """The accelerations, as eliminate(kinematics, bodies, -h) would give them, but with every force on the body it acts on."""
-    clusters = _clusters(kinematics, bodies) if not kinematics.graph.cut_coordinates else None
+    """The accelerations, as eliminate(kinematics, bodies, -h) would give them, but with every force on the body it acts on. Not
+    for scenes with cut joints, whose coordinates are read off frames."""
+    clusters = _clusters(kinematics, bodies)
     if clusters is None:
         return None
     for cluster in clusters.values():
@@ -64,8 +65,7 @@ def accelerate(kinematics: Kinematics, bodies: Bodies, energies: Energies) -> ca
     for frame, force in forces.on_frames.items():
         cluster, local = clusters[bodies.home[frame]], bodies.local[frame]
         x, y = rotated(cluster.turn.cos, cluster.turn.sin, 0.0, local.x, local.y)
-        moment = plus(force[2], minus(times(x, force[1]), times(y, force[0])))
-        cluster.load = _sum(cluster.load, [force[0], force[1], moment])
+        cluster.load = _sum(cluster.load, _about(force, x, y))
     return _solve(clusters, [minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in kinematics.graph.coordinates])
 
 
@@ -135,7 +135,7 @@ def _add_inertial_force(cluster: Cluster, still: Kinematics) -> None:
     I, pose = cluster.inertia, still.pose(cluster.frame, 2)
     w, twist = value_of(rate_of(pose.phi)), [rate_of(rate_of(x)) for x in (pose.x, pose.y, pose.phi)]
     square = times(w, w)
-    x, y, torque = (_dot([I[min(i, j)][max(i, j)] for j in range(3)], twist) for i in range(3))
+    x, y, torque = _momentum(I, twist)
     cluster.load = [minus(x, times(square, I[1][2])), plus(y, times(square, I[0][2])), torque]
 
 
@@ -171,7 +171,7 @@ def _direction(kinematics: Kinematics, edge: Edge, mover: str) -> Vector:
 def _towards_root(cluster: Cluster, r: Vector) -> None:
     I, p = cluster.inertia, cluster.load
     for index, s in reversed(cluster.directions):
-        U = [_dot([I[min(i, j)][max(i, j)] for j in range(3)], s) for i in range(3)]
+        U = _momentum(I, s)
         inverse = 1.0 / _dot(s, U)
         u = r[index] - _dot(s, p)
         cluster.solved.append((index, s, U, inverse, u))
@@ -200,15 +200,13 @@ def _hand_over(cluster: Cluster, parent: Cluster) -> None:
     """Adds the inertia and load of a body to its parent's, moved to the parent's reference frame."""
     dx, dy = cluster.joint
     I = cluster.inertia
-    fx, fy, torque = cluster.load
     # X^T I X with X = [[1, 0, -dy], [0, 1, dx], [0, 0, 1]]
     xz = plus(minus(I[0][2], times(I[0][0], dy)), times(I[0][1], dx))
     yz = plus(minus(I[1][2], times(I[0][1], dy)), times(I[1][1], dx))
     zz = minus(plus(minus(plus(I[2][2], times(I[1][2], dx)), times(I[0][2], dy)), times(yz, dx)), times(xz, dy))
     for (i, j), value in {(0, 0): I[0][0], (0, 1): I[0][1], (1, 1): I[1][1], (0, 2): xz, (1, 2): yz, (2, 2): zz}.items():
         parent.inertia[i][j] = plus(parent.inertia[i][j], value)
-    moved = [fx, fy, minus(plus(torque, times(fy, dx)), times(fx, dy))]
-    parent.load = _sum(parent.load, moved)
+    parent.load = _sum(parent.load, _about(cluster.load, dx, dy))
 
 
 def _from_root(cluster: Cluster, twist: Vector, acceleration: list[Scalar]) -> Vector:
@@ -222,6 +220,17 @@ def _from_root(cluster: Cluster, twist: Vector, acceleration: list[Scalar]) -> V
 def _moved(twist: Vector, joint: tuple[Scalar, Scalar]) -> Vector:
     vx, vy, w = twist
     return [minus(vx, times(w, joint[1])), plus(vy, times(w, joint[0])), w]
+
+
+def _about(force: Vector, x: Scalar, y: Scalar) -> Vector:
+    """A force that acts at (x, y), with its moment about the origin."""
+    fx, fy, torque = force
+    return [fx, fy, minus(plus(torque, times(fy, x)), times(fx, y))]
+
+
+def _momentum(I: list[Vector], twist: Vector) -> Vector:
+    """I s, of the upper triangle."""
+    return [_dot([I[min(i, j)][max(i, j)] for j in range(3)], twist) for i in range(3)]
 
 
 def _sum(a: Vector, b: Vector) -> Vector:

@@ -225,7 +225,7 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
     """The accelerations by the way that counts fewest nodes, and what each way that is open counts."""
     tau = kinematics.symbols.tau
     ways: dict[str, ca.SX] = {}
-    tree = accelerate(kinematics, bodies, energies)
+    tree = eliminate(kinematics, bodies, -h) if kinematics.graph.cut_coordinates else accelerate(kinematics, bodies, energies)
     if tree is not None:
         ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
     if tree is None or coupled_pairs(kinematics) <= _DENSEST * v.numel():

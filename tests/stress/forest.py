@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -34,7 +33,8 @@ class Tree:
     coordinates: int = 0
     asymmetry: float = 0.0  # of M, relative
     definiteness: float = 1.0  # smallest eigenvalue of M over the largest
-    disagreement: float = 0.0  # of elimination and of a dense M, in what a change of eps, and eps cond M, may do
+    disagreement: float = 0.0  # of elimination and of a dense M, in units of eps times the condition of M
+    departure: float = 0.0  # of the model's accelerations from these, in what a change of eps, and eps cond M, may do
     account: float = 0.0  # largest residual of the energy account, relative, over the tolerance
     errors: dict[str, float] = field(default_factory=dict)  # of each solver, relative, over the tolerance
     finite: bool = True
@@ -45,8 +45,10 @@ class Tree:
         found = [] if self.finite else ["a row is not finite"]
         if self.asymmetry > 1e-14 or not self.definiteness > 0:
             found.append(f"M: asymmetry {self.asymmetry:.1e}, smallest eigenvalue {self.definiteness:.1e}")
-        if not self.disagreement < 4:
-            found.append(f"elimination and dense M: apart by {self.disagreement:.1e}")
+        if not self.disagreement < 10:
+            found.append(f"elimination and dense M: {self.disagreement:.1e} eps cond M")
+        if not self.departure < 4:
+            found.append(f"accelerations and elimination: apart by {self.departure:.1e}")
         if not self.account < 100:  # no step is made smaller for work that moves nothing: a spring between places given in time
             found.append(f"energy account: {self.account:.1e} tolerances")
         found += [f"{name}: {error:.1e} tolerances" for name, error in self.errors.items() if not error < 100]
@@ -89,17 +91,11 @@ def _look_at_equations(model: lag.Model, tree: Tree) -> None:
         values = np.linalg.eigvalsh((M + M.T) / 2)
         tree.asymmetry = max(tree.asymmetry, np.abs(M - M.T).max() / np.abs(M).max())
         tree.definiteness = min(tree.definiteness, values[0] / values[-1])
-        apart = max(np.abs(way - ways[0]).max() for way in ways[1:])
-        size = values[-1] / values[0] * np.abs(ways[0]).max() + _response(function, (*state, model.parameter_values()), random)
-        unit = np.finfo(float).eps * size
-        tree.disagreement = max(tree.disagreement, apart / unit)
-
-
-def _response(function: ca.Function, arguments: tuple[Any, ...], random: np.random.Generator) -> float:
-    """How much the accelerations change, for how much all they depend on is changed: large where large forces nearly balance."""
-    nudged = [x * (1 + NUDGE * random.choice([-1, 1], np.shape(x))) for x in arguments]
-    before, after = (np.array(function(*values)[-1]) for values in (arguments, nudged))
-    return float(np.abs(after - before).max() / NUDGE)
+        eps, size = np.finfo(float).eps, values[-1] / values[0] * np.abs(ways[0]).max()
+        tree.disagreement = max(tree.disagreement, np.abs(ways[1] - ways[0]).max() / (eps * size))
+        nudged = [x * (1 + NUDGE * random.choice([-1, 1], np.shape(x))) for x in (*state, model.parameter_values())]
+        response = np.abs(np.array(function(*nudged)[-1]) - ways[2]).max() / NUDGE  # large where large forces nearly balance
+        tree.departure = max(tree.departure, np.abs(ways[2] - ways[0]).max() / (eps * (size + response)))
 
 
 def _look_at_motion(model: lag.Model, tree: Tree) -> None:
