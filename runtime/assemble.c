@@ -100,7 +100,8 @@ static void set_reach(LagAssembly *s, const double *p, const double *x, double *
 static void approach(LagAssembly *s, const double *p, double *x, double *work)
 {
     LagNewton *newton = &s->newton;
-    for (int i = 0; i < MOST_LEANS && lag_newton_lean(newton, s->guess, x) > CLOSE; ++i) {
+    const int moved = lag_newton_distance2(newton, s->guess, x) > 0;
+    for (int i = 0; moved && i < MOST_LEANS && lag_newton_lean(newton, s->guess, x) > CLOSE; ++i) {
         const double before = lag_newton_distance2(newton, s->guess, x);
         int nearer = 0;
         copy(s, newton->step, s->lean);

@@ -88,6 +88,15 @@ static LagStatus failed(LagRun *run, int k, int first, LagStatus status)
     return lag_fail(run, status, index, failure->rate, failure->value);
 }
 
+/* The natural sizes that were found when the loops were closed. */
+static void pass_sizes(LagIslands *s, const LagRun *run, int first, LagRun *island)
+{
+    for (int i = 0; i < island->model->n; ++i)
+        s->values[i] = run->scale.size[run->model->island[first + i]];
+    lag_scale_size(&island->scale, s->values);
+    lag_scale_note(&island->scale, island->motion.y);
+}
+
 static LagStatus start(LagIslands *s, LagRun *run)
 {
     const int n = run->model->n;
@@ -106,6 +115,8 @@ static LagStatus start(LagIslands *s, LagRun *run)
             status = lag_run_start(island, s->values, s->values + size);
         if (status != LAG_OK)
             return failed(run, k, first, status);
+        if (island->model->n_multipliers > 0)
+            pass_sizes(s, run, first, island);
     }
     memset(s->taken, 0, 2 * (size_t)s->count * sizeof *s->taken);
     return LAG_OK;

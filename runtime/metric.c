@@ -102,10 +102,12 @@ void lag_metric_set(LagMetric *s, const double *q, const double *p, const int *f
 void lag_metric_of_gradient(const LagMetric *s, const double *g, double *z)
 {
     const int n = lag_start_size(s->model);
-    memset(z, 0, (size_t)n * sizeof *z);
-    for (int i = 0; i < s->count; ++i) {
+    int first = 0; /* before it all is 0 */
+    while (first < s->count && g[s->order[first]] == 0)
+        z[first++] = 0;
+    for (int i = first; i < s->count; ++i) {
         const double *row = s->factor + i * n;
-        z[i] = (g[s->order[i]] * s->unit[s->order[i]] - dot(row, z, i)) / row[i];
+        z[i] = (g[s->order[i]] * s->unit[s->order[i]] - dot(row + first, z + first, i - first)) / row[i];
     }
 }
 
@@ -114,7 +116,7 @@ void lag_metric_to_step(const LagMetric *s, const double *z, double *dx)
 {
     const int n = lag_start_size(s->model);
     double *rest = s->column;
-    memcpy(rest, z, (size_t)n * sizeof *z);
+    memcpy(rest, z, (size_t)s->count * sizeof *z);
     memset(dx, 0, (size_t)n * sizeof *dx);
     for (int i = s->count - 1; i >= 0; --i) {
         const double *row = s->factor + i * n, x = rest[i] / row[i];
@@ -128,7 +130,7 @@ void lag_metric_to_step(const LagMetric *s, const double *z, double *dx)
 void lag_metric_from_step(const LagMetric *s, const double *dx, double *z)
 {
     const int n = lag_start_size(s->model);
-    memset(z, 0, (size_t)n * sizeof *z);
+    memset(z, 0, (size_t)s->count * sizeof *z);
     for (int i = 0; i < s->count; ++i) {
         const double *row = s->factor + i * n, x = dx[s->order[i]] / s->unit[s->order[i]];
         for (int k = 0; k <= i; ++k)

@@ -29,8 +29,8 @@ enum { LAG_METRIC_MASS, LAG_METRIC_UNITS, LAG_METRIC_EVEN, LAG_METRIC_WAYS };
 void lag_metric_set(LagMetric *metric, const double *q, const double *p, const int *fixed, const double *unit, int way,
                     double *work);
 
-/* With the distance |z|, dx = B z: a gradient g becomes B' g, z becomes dx, dx becomes z; all (n), where the values that may
- * not move are left 0. */
+/* With the distance |z|, dx = B z: a gradient g (n) becomes B' g, z becomes dx (n), 0 for values that may not move, dx becomes z.
+ * z has `count` entries. */
 void lag_metric_of_gradient(const LagMetric *metric, const double *g, double *z);
 void lag_metric_to_step(const LagMetric *metric, const double *z, double *dx);
 void lag_metric_from_step(const LagMetric *metric, const double *dx, double *z);

@@ -3,8 +3,8 @@
  * Values are measured by their natural sizes, equations by the length of their gradient in those, so that a residual is the
  * distance to the solution set and units do not matter. A correction is the shortest in the mass metric (metric.c) that solves
  * the linearised equations, by the QR factors of the transposed Jacobian; dependent ones (redundant constraints) as well as they
- * can be. Long corrections are cut, so that a mechanism near a dead
- * centre is not thrown to a far solution, and halved until the sum of squares falls.
+ * can be. Long corrections of positions are cut, so that a mechanism near a dead centre is not thrown to a far solution: less where
+ * the equations have changed as foretold, by lengths that are far apart. All are halved until the sum of squares falls.
  *
  * Where that leads nowhere, steepest descent does, unless the gradient vanishes: then a small push, always the same one,
  * leaves the critical point. The iteration ends when nothing falls any more.
@@ -17,7 +17,7 @@
 #include "function.h"
 #include "linear.h"
 
-static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5;
+static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5, FAITHFUL = 0.9;
 static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;
 
 void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
@@ -68,17 +68,20 @@ void lag_newton_survey(LagNewton *s, const double *reach)
     }
 }
 
+/* So many values may move: in the metrics, vectors have an entry for each, positions first. */
+static int moving(const LagNewton *s) { return s->positions.count + s->rates.count; }
+
 /* The gradient of an equation in the metrics. Returns its length. */
-static double measure_gradient(LagNewton *s, const double *jacobian, int i, double *row)
+static double measure_gradient(LagNewton *s, const double *jacobian, int i, double *measured)
 {
     const int equations = s->model->n_initial, n = lag_start_size(s->model);
     double length2 = 0;
     for (int j = 0; j < 2 * n; ++j)
         s->gradient[j] = jacobian[i + j * equations];
-    lag_metric_of_gradient(&s->positions, s->gradient, row);
-    lag_metric_of_gradient(&s->rates, s->gradient + n, row + n);
-    for (int j = 0; j < 2 * n; ++j)
-        length2 += row[j] * row[j];
+    lag_metric_of_gradient(&s->positions, s->gradient, measured);
+    lag_metric_of_gradient(&s->rates, s->gradient + n, measured + s->positions.count);
+    for (int j = 0; j < moving(s); ++j)
+        length2 += measured[j] * measured[j];
     return sqrt(length2);
 }
 
@@ -135,36 +138,51 @@ static double sum_of_squares(const LagNewton *s)
 }
 
 /* Fills `transposed` with the gradients of the linearised equations in the metrics, of unit size at most, `right`, and what a
- * unit is worth in the sum of squares. */
-static void measure_equations(LagNewton *s)
+ * unit is worth in the sum of squares. Returns their number: equations that do not change with what may move are left out. */
+static int measure_equations(LagNewton *s)
+{
+    const int rows = moving(s);
+    int count = 0;
+    for (int i = 0; i < s->active; ++i) {
+        double *column = s->transposed + count * rows;
+        const double length = measure_gradient(s, s->jacobian, i, column), unit = fmax(length, s->weight[i]);
+        if (!(length > 0))
+            continue;
+        s->right[count] = -s->g[i] / unit;
+        s->share[count++] = unit / s->length[i];
+        for (int j = 0; j < rows; ++j)
+            column[j] /= unit;
+    }
+    return count;
+}
+
+/* Cuts the step: rates go all the way, angles LONGEST_STEP at once, other positions as far as they are trusted. Returns its
+ * length before. */
+static double cut(LagNewton *s)
 {
     const int n = lag_start_size(s->model);
-    for (int i = 0; i < s->active; ++i) {
-        double *row = s->transposed + i * 2 * n;
-        const double length = fmax(measure_gradient(s, s->jacobian, i, row), s->weight[i]), unit = length > 0 ? length : INFINITY;
-        s->right[i] = -s->g[i] / unit;
-        s->share[i] = length > 0 ? length / s->length[i] : 0;
-        for (int j = 0; j < 2 * n; ++j)
-            row[j] /= unit;
+    double longest = 0, excess = 1;
+    for (int j = 0; j < 2 * n; ++j) {
+        const double size = s->scale[j] > 0 ? fabs(s->step[j]) / s->scale[j] : 0;
+        longest = fmax(longest, size);
+        if (j < n)
+            excess = fmax(excess, size / (s->model->coordinate_kind[j] == LAG_KIND_ANGLE ? LONGEST_STEP : s->trusted));
     }
+    s->part = 1 / excess;
+    for (int j = 0; s->part < 1 && j < 2 * n; ++j)
+        s->step[j] *= s->part;
+    return longest;
 }
 
 /* `step` from the wish `z`, so changed that the linearised equations hold. Returns its length. */
 static double correct(LagNewton *s)
 {
-    const int n = lag_start_size(s->model);
-    measure_equations(s);
-    const int rank = lag_qr(s->transposed, 2 * n, s->active, s->diagonal, s->pivot, DEPENDENT);
-    lag_qr_nearest(s->transposed, 2 * n, s->active, rank, s->diagonal, s->pivot, s->right, s->share, &s->scratch,
-                   s->z);
+    const int n = lag_start_size(s->model), rows = moving(s), count = measure_equations(s);
+    const int rank = lag_qr(s->transposed, rows, count, s->diagonal, s->pivot, DEPENDENT);
+    lag_qr_nearest(s->transposed, rows, count, rank, s->diagonal, s->pivot, s->right, s->share, &s->scratch, s->z);
     lag_metric_to_step(&s->positions, s->z, s->step);
-    lag_metric_to_step(&s->rates, s->z + n, s->step + n);
-    double longest = 0;
-    for (int j = 0; j < 2 * n; ++j)
-        longest = fmax(longest, s->scale[j] > 0 ? fabs(s->step[j]) / s->scale[j] : 0);
-    for (int j = 0; longest > LONGEST_STEP && j < 2 * n; ++j)
-        s->step[j] *= LONGEST_STEP / longest;
-    return longest;
+    lag_metric_to_step(&s->rates, s->z + s->positions.count, s->step + n);
+    return cut(s);
 }
 
 /* From a to b in the metrics. */
@@ -174,12 +192,13 @@ static void fill_wish(LagNewton *s, const double *a, const double *b)
     for (int j = 0; j < 2 * n; ++j)
         s->gradient[j] = b[j] - a[j];
     lag_metric_from_step(&s->positions, s->gradient, s->z);
-    lag_metric_from_step(&s->rates, s->gradient + n, s->z + n);
+    lag_metric_from_step(&s->rates, s->gradient + n, s->z + s->positions.count);
 }
 
 double lag_newton_lean(LagNewton *s, const double *guess, const double *x)
 {
     fill_wish(s, x, guess);
+    s->trusted = LONGEST_STEP;
     return correct(s);
 }
 
@@ -187,7 +206,7 @@ double lag_newton_distance2(LagNewton *s, const double *a, const double *b)
 {
     double sum = 0;
     fill_wish(s, a, b);
-    for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
+    for (int j = 0; j < moving(s); ++j)
         sum += s->z[j] * s->z[j];
     return sum;
 }
@@ -243,10 +262,14 @@ static void push(LagNewton *s, const double *p, double *x, double *work)
 /* One step nearer to a solution. Returns 0 where none is found. */
 static int improve(LagNewton *s, const double *p, double size, double *x, double *work)
 {
+    const double before = sum_of_squares(s);
     memset(s->z, 0, 2 * (size_t)lag_start_size(s->model) * sizeof *s->z);
     correct(s);
-    if (descend(s, p, x, work))
+    if (descend(s, p, x, work)) {
+        const double foretold = 1 - FAITHFUL * s->part;
+        s->trusted *= s->part < 1 && sum_of_squares(s) <= foretold * foretold * before ? 2 : 1;
         return 1;
+    }
     scale_equations(s);
     return size > SATISFIED && steepest(s) && descend(s, p, x, work);
 }
@@ -255,6 +278,7 @@ int lag_newton_solve(LagNewton *s, const double *p, int most_iterations, int mos
 {
     int worst = 0, pushes = 0;
     double size = INFINITY;
+    s->trusted = LONGEST_STEP;
     if (lag_newton_evaluate(s, p, x, work) != 0)
         return 0;
     for (int i = 0; i < most_iterations; ++i) {

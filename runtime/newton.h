@@ -10,13 +10,15 @@
 typedef struct {
     const LagModel *model;
     double *g, *jacobian; /* n_initial, n_initial x 2 n column-major */
-    double *transposed;   /* 2 n x n_initial: scaled */
+    double *transposed;   /* 2 n x n_initial, or fewer of both: scaled */
     double *length;       /* n_initial: size of an equation's scaled gradient */
     double *general;      /* the Jacobian at a general position near the guess */
     double *general_length, *weight; /* n_initial: sizes of its rows, scaled and in the metrics */
     double *right, *diagonal, *share; /* n_initial */
     double *scale;        /* 2 n: natural size of a value, 0: it may not move */
     double *step, *trial, *z, *gradient; /* 2 n */
+    double trusted; /* positions that are no angles may go so far at once */
+    double part;    /* of the correction, that was not cut off */
     int *pivot;
     int active; /* so many equations are looked at */
     LagLeastSquares scratch;

@@ -9,6 +9,9 @@
  * A rate cannot be known better than rounding of its position allows over a step: eps |q_i| / h. Without this floor a stiff
  * spring (1e6 N/m on 1 kg) at tolerance 1e-14 took 3.3 million steps of noise, with it 60 thousand, to the same accuracy.
  *
+ * Constraints hold to rounding of the natural sizes of what they tie together, an angle of 1 and its lever. A mechanism that
+ * rests where its coordinates are 0 is moved by nothing but that: its steps would be resolved against 1e-20.
+ *
  * The constants were chosen on Kepler orbits (e = 0.6, 0.99), pendulums, linear vibration, double pendulums and a stiff
  * spring pendulum, for fewest evaluations to a given error. CAUTION makes a tolerance of 1e-12 mean 1e-9 in the end, in
  * motions that do not lose more digits by themselves.
@@ -47,6 +50,7 @@ void lag_scale_layout(LagScale *scale, LagArena *arena)
     scale->cap = lag_take(arena, size);
     scale->largest = lag_take(arena, size);
     scale->floor = lag_take(arena, size);
+    scale->size = lag_take(arena, size);
     scale->group = lag_take(arena, 2 * kinds);
     scale->noise = lag_take(arena, (size_t)scale->n);
     scale->motion = lag_take(arena, kinds);
@@ -60,6 +64,7 @@ void lag_scale_reset(LagScale *scale)
     memset(scale->largest, 0, size);
     memset(scale->floor, 0, size);
     memset(scale->noise, 0, size / 2);
+    memset(scale->size, 0, size);
     memset(scale->group, 0, 2 * (size_t)scale->kinds * sizeof(double));
     scale->rate_rounding = scale->step = 0;
     scale->is_resting = 1;
@@ -68,6 +73,8 @@ void lag_scale_reset(LagScale *scale)
         scale->cap[n + i] = INFINITY;
     }
 }
+
+void lag_scale_size(LagScale *scale, const double *size) { memcpy(scale->size, size, (size_t)scale->n * sizeof *size); }
 
 static double *group_of(const LagScale *scale, int i)
 {
@@ -98,12 +105,16 @@ static int note_many(const LagScale *scale, const double *y, int first, int end)
 static int floor_many(const LagScale *scale, int first, int end)
 {
     const LagLanes own = LAG_LANES_OF(OWN), least = LAG_LANES_OF(GROUP * *group_of(scale, first));
+    const LagLanes rounding = LAG_LANES_OF(DBL_EPSILON / scale->tolerance);
     int i = first;
     for (; i + LAG_LANES <= end; i += LAG_LANES) {
-        LagLanes value;
+        LagLanes value, size;
         memcpy(&value, scale->largest + i, sizeof value);
+        memcpy(&size, scale->size + i, sizeof size);
         value *= own;
+        size *= rounding;
         value = LAG_LANES_MAX(value, least);
+        value = LAG_LANES_MAX(value, size);
         memcpy(scale->floor + i, &value, sizeof value);
     }
     return i;
@@ -121,8 +132,9 @@ static inline void note_each(const LagScale *scale, const double *y, int first, 
 
 static inline void floor_each(const LagScale *scale, int first, int end)
 {
+    const double rounding = DBL_EPSILON / scale->tolerance;
     for (int i = first; i < end; ++i)
-        scale->floor[i] = lag_max(OWN * scale->largest[i], GROUP * *group_of(scale, i));
+        scale->floor[i] = lag_max(lag_max(OWN * scale->largest[i], GROUP * *group_of(scale, i)), rounding * scale->size[i]);
 }
 
 void lag_scale_note(LagScale *scale, const double *y)
@@ -181,11 +193,12 @@ void lag_scale_units(const LagScale *scale, const double *y_old, const double *y
     const LagLanes step = LAG_LANES_OF(scale->step), rate_rounding = LAG_LANES_OF(scale->rate_rounding);
     int i = 0;
     for (; i + LAG_LANES <= n; i += LAG_LANES) {
-        LagLanes places, rates, rounding, noise;
+        LagLanes places, rates, rounding, noise, size;
         magnitudes(scale, i, y_old, y_new, &places);
         magnitudes(scale, n + i, y_old, y_new, &rates);
         memcpy(&noise, scale->noise + i, sizeof noise);
-        rounding = rate_rounding * places;
+        memcpy(&size, scale->size + i, sizeof size);
+        rounding = rate_rounding * LAG_LANES_MAX(places, size);
         noise *= step;
         noise = LAG_LANES_MAX(rounding, noise);
         raise_and_scale(scale, i, &places);

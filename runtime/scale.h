@@ -17,6 +17,7 @@ typedef struct {
     double *cap;          /* 2 n: magnitudes above this one count no more */
     double *largest;      /* 2 n: magnitude seen so far */
     double *floor;        /* 2 n: magnitude that counts at least */
+    double *size;         /* 2 n: natural sizes: positions are known to rounding of these at best; 0 where nothing tells */
     double *group;        /* 2 kinds: largest magnitude of a kind, positions then rates */
     double *noise;        /* n: uncertainty of the accelerations by rounding */
     double *motion, *change; /* kinds: scratch of lag_first_step */
@@ -29,6 +30,9 @@ double lag_scale_caution(double tolerance);
 void lag_scale_init(LagScale *scale, int n, const int *kind, double tolerance);
 void lag_scale_layout(LagScale *scale, LagArena *arena);
 void lag_scale_reset(LagScale *scale);
+
+/* Natural sizes of the positions (n), as they are known where loops are closed. Before lag_scale_note. */
+void lag_scale_size(LagScale *scale, const double *size);
 
 /* Takes notice of a state (q, v) that was reached. */
 void lag_scale_note(LagScale *scale, const double *y);
@@ -56,7 +60,8 @@ static inline double lag_scale_unit(const LagScale *scale, int i, const double *
     if (i < scale->n)
         return unit;
     const int position = i - scale->n;
-    const double rounding = scale->rate_rounding * lag_scale_magnitude(scale, position, y_old[position], y_new[position]);
+    const double place = lag_scale_magnitude(scale, position, y_old[position], y_new[position]), size = scale->size[position];
+    const double rounding = scale->rate_rounding * (place > size ? place : size);
     const double noise = scale->step * scale->noise[position], least = rounding > noise ? rounding : noise;
     return unit > least ? unit : least;
 }

@@ -59,6 +59,8 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     if (worst >= 0)
         return lag_fail(run, LAG_INITIAL_FAILED, worst, 0, run->assembly.newton.g[worst]);
     const size_t n = (size_t)run->model->n;
+    if (run->model->n_initial > 0 && run->model->n_multipliers > 0)
+        lag_scale_size(&run->scale, run->assembly.reach);
     memcpy(run->motion.y, run->start, n * sizeof *run->start);
     memcpy(run->motion.y + n, run->start + lag_start_size(run->model), n * sizeof *run->start);
     lag_scale_note(&run->scale, run->motion.y);

@@ -19,7 +19,8 @@ class Derived:
     def __getitem__(self, name: str) -> sp.Expr:
         """A coordinate, a parameter or a given function by its name in the model; with der(...) around it a rate."""
         scene = self.equations.scene
-        known = {str(x): x for x in (*scene.q, *scene.v, *scene.a, scene.t, *self.equations.multipliers)}
+        known = {str(x): x for x in (*scene.q, *scene.v, *scene.a)} | {"t": scene.t}
+        known |= {f"lambda_{k}": x for k, x in enumerate(self.equations.multipliers, 1)}
         known |= {p.name: p.symbol for p in scene.parameters} | {str(x): x for g in scene.given for x in g.moving}
         return known[name]
 

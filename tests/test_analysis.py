@@ -399,3 +399,38 @@ def test_what_is_opposed_lags_by_half_a_turn() -> None:
     close(response.phase[:, k, 0], [0, -180])
     assert "O.phi" not in response.outputs and not any(name.startswith("der(") for name in response.outputs)
     assert response.units[response.outputs.index("pin.phi")] == response.units[-1] == "rad"
+
+
+@pytest.mark.parametrize(("ground", "place", "moved"), [
+    ("shift(world, {0.01*sin(3*time), 0})", "ground.x", "x"),
+    ("turn(world, 0.01*sin(3*time))", "ground.phi", "phi"),
+])
+def test_a_support_carries_its_acceleration_to_what_stands_on_it(ground: str, place: str, moved: str, scene: Write) -> None:
+    """Accelerations of frames are -omega^2 times their places, of those on the ground itself as of those on a spring."""
+    model = scene(f"""model M
+      World world(gravity = {{0, 0}});
+      Frame ground = {ground};
+      Block b(m = 1, base = ground, s(start = 0));
+      Spring c(k = 100, stretch = b.s);
+      Revolute h(a = b.center); Bar rod(m = 1, L = 1, a = h.b); TorsionSpring t(k = 40, twist = h.phi);
+      output Real place = rod.b.{moved}; output Real jerk = der(der(rod.b.{moved}));
+      output Real own = ground.{moved}; output Real felt = der(der(ground.{moved}));
+    end M;""")
+    frequencies = np.array([0.2, 1.0, 3.0])
+    found = model.response([place], ["place", "jerk", "own", "felt"], frequencies=frequencies)
+    carried, jerk, own, felt = (found.of(name) for name in ("place", "jerk", "own", "felt"))
+    omega = 2 * np.pi * frequencies
+    np.testing.assert_allclose(own, 1, atol=1e-12)
+    np.testing.assert_allclose(felt, -omega**2, rtol=1e-9)
+    np.testing.assert_allclose(jerk, -omega**2 * carried, rtol=1e-9, atol=1e-9)
+
+
+def test_where_a_distance_vanishes_is_no_equilibrium(scene: Write) -> None:
+    """On a peg the rope's stiffness has no bounds, beside which any force would pass for nothing: unequal masses find no rest."""
+    rope = """model M
+      Rope r(n = 1, L = 2, a = p.center, b = q.center, pulley = {shift(world, {0, 1})});
+      PointMass p(m = 1, center(x(start = -0.1), y(start = 0.2))), q(m = 1.5, center(x(start = 0.3), y(start = -0.1)));"""
+    assert len(scene(rope + " end M;").equilibrium()) == 0
+    (held,) = scene(rope + " Spring s(k = 100, s_rel0 = 0.3, a = shift(world, {0, -1}), b = p.center); end M;").equilibrium()
+    assert held.residual < 1e-9 and held.is_stable
+    assert held.position["q.center.y"] == pytest.approx(-held.position["p.center.y"])  # the peg is 1 m up, the rope 2 m long

@@ -114,6 +114,22 @@ def test_what_is_guessed_holds_where_the_others_can_follow(scene: Write) -> None
     assert start["k.phi"] == pytest.approx(np.arcsin(0.7 - np.sin(0.5)) - 0.5, abs=1e-12)
 
 
+@pytest.mark.parametrize("ratio", [1e-6, -1e3, 1e6])
+def test_positions_and_rates_may_be_far_apart(ratio: float, scene: Write) -> None:
+    """Where equations are linear, no step towards their solution is too long: with and without a compiler."""
+    model = scene(f"""model M
+      World world(gravity = {{0, 0}});
+      Block a(m = 1, base = world, s(start = 1, fixed = true), v(start = 2, fixed = true)), b(m = 1, base = world);
+    initial equation
+      b.s = {ratio}*a.s; b.v = {ratio}*a.v;
+    end M;""")
+    start, made = begin(model), model.compilation
+    x, worst = assembly.begin(made.kinematics, made.initial, made.functions).assemble()
+    assert worst == -1
+    for found in ([start[name] for name in ("a.s", "b.s", "der(a.s)", "der(b.s)")], x):
+        np.testing.assert_allclose(found, [1, ratio, 2, 2 * ratio], rtol=1e-12)
+
+
 # ---------------------------------------------------------------- singular assemblies
 
 

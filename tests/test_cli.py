@@ -409,3 +409,55 @@ def test_casadi_solvers_close_the_energy_account_too(lag: Lag) -> None:
     outcome = simulate(lag, "suspended_bar", "--solver", "casadi:cvodes", "--tolerance", "1e-10")
     residual = float(outcome.out.split("energy account closes to ")[1].split()[0])
     assert 0 < residual < 1e-6
+
+
+# ---------------------------------------------------------------- prescribed motion, energies, redundancy
+
+TURNED = """
+model Turned
+  Revolute hinge(a = world);
+  Bar bar(m = 1, L = 1, a = hinge.b);
+equation
+  hinge.w = 10;
+end Turned;
+"""
+DRIVEN = """
+model Driven
+  Prismatic arm(a = world);
+  Bar bar(m = 1, L = 1, center = arm.b);
+  Motion drive(of = arm.s, to = 2[m/s]*time);
+  PointMass free(m = 1);
+  Revolute nothing(a = world, b = world);
+end Driven;
+"""
+
+
+def test_a_prescribed_rate_is_no_standstill(lag: Lag) -> None:
+    Path("turned.lag").write_text(TURNED)
+    assert "0 degrees of freedom: its motion is prescribed" in lag("check", "turned.lag").out
+    said = lag("simulate", "turned.lag").out
+    assert "no freedom is left: its motion is prescribed" in said
+    assert "stands still" not in said
+
+
+def test_what_is_prescribed_cannot_be_started(lag: Lag) -> None:
+    Path("driven.lag").write_text(DRIVEN)
+    for name in ("arm.s", "der(arm.s)"):
+        said = lag("simulate", "driven.lag", "--initial", f"{name}=2").err
+        assert f"'{name}' is prescribed as a function of time" in said
+        assert "declare a start" not in said
+
+
+def test_a_loop_that_repeats_is_told_once(lag: Lag) -> None:
+    Path("driven.lag").write_text(DRIVEN)
+    assert lag("check", "driven.lag").out.count("the loop world - nothing - world repeats") == 1
+
+
+def test_energies_among_outputs_are_where_they_are(lag: Lag) -> None:
+    said = lag("simulate", EXAMPLES / "pendulum.lag", "--outputs", "energy.kinetic").err
+    assert "final(energy.kinetic)" in said and "run.energy.kinetic" in said
+
+
+def test_modes_seen_from_a_point_that_is_left_say_no_more(lag: Lag) -> None:
+    said = lag("modes", EXAMPLES / "double_pendulum.lag", "--about", "start").out
+    assert "no equilibrium" in said and "not symmetric" not in said

@@ -9,7 +9,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.instructions import tape_of
-from lagrangia.interpret import evaluate
+from lagrangia.interpret import evaluate, evaluate_each
 from lagrangia.simulate import check_values
 from reference import integrate
 
@@ -194,6 +194,29 @@ def test_a_massless_bar_in_a_loop_is_a_link(scene: Write) -> None:
     np.testing.assert_allclose(first["C.w"], second["C.w"], atol=1e-7)
 
 
+def test_what_is_integrated_needs_no_mass(scene: Write) -> None:
+    """An integral and a filter of a coordinate that swings, beside a loop: der(i) = s, der(w) = (s - w)/tau."""
+    model = scene("""model M
+      Block b(m = 1, base = world, s(start = 1));
+      Spring c(k = 4, stretch = b.s);
+      Revolute h(a = world, phi(start = 0.3)), k(a = rod.b); Bar rod(m = 1, L = 1, a = h.b);
+      Bar arm(m = 1, L = 1, a = k.b);
+      PointOnLine eye(line = world, point = arm.b);
+      coordinate Real i(unit = "m.s", start = 0, fixed = true);
+      coordinate Length w(start = 0, fixed = true);
+    equation
+      der(i) = b.s; der(w) = (b.s - w)/0.5[s];
+    end M;""")
+    for solver in ("auto", "erk", "implicit"):
+        run = model.simulate(stop=5, interval=0.1, tolerance=1e-10, solver=solver)
+        t = run.time
+        np.testing.assert_allclose(run["b.s"], np.cos(2 * t), atol=1e-8)
+        np.testing.assert_allclose(run["i"], np.sin(2 * t) / 2, atol=1e-8)
+        # w' + 2 w = 2 cos 2t
+        np.testing.assert_allclose(run["w"], (np.cos(2 * t) + np.sin(2 * t) - np.exp(-2 * t)) / 2, atol=1e-8)
+        assert np.abs(run.energy.residual).max() < 1e-7
+
+
 def test_a_mass_is_taken_away_when_the_run_begins(scene: Write) -> None:
     """The formulas compiled for a bar of 1 kg divide by its mass: the run goes over to others, which cost more."""
     bar = "Revolute A(a = crank.b), B(a = coupler.b, b = rocker.b); Bar coupler(m = 1, L = 1, a = A.b);"
@@ -232,4 +255,12 @@ def test_a_tape_in_python_gives_what_casadi_gives() -> None:
     for numbers in ([1.7, -0.4, 0.3], [2.5, 0.9, -0.6]):
         (found,) = evaluate(tape_of(function), numbers)
         np.testing.assert_allclose(found, function(numbers).full().ravel(), rtol=1e-14)
-    assert np.isnan(evaluate(tape_of(ca.Function("bad", [x], [a / b])), [1, 0, 0])[0][0])
+    many = np.array([[1.7, 2.5, 1.1], [-0.4, 0.9, 0.2], [0.3, 0.3, 0.3]])
+    (found_each,) = evaluate_each(tape_of(function), [many[0], many[1], 0.3])
+    for k in range(3):
+        found = [np.broadcast_to(x, 3)[k] for x in found_each]
+        np.testing.assert_allclose(found, function(many[:, k]).full().ravel(), rtol=1e-14)
+    for bad in (a / b, 1 / b, ca.sqrt(b - 1), ca.log(b)):
+        tape = tape_of(ca.Function("bad", [x], [bad]))
+        assert np.isnan(evaluate(tape, [1, 0, 0])[0][0])
+        assert np.isnan(evaluate_each(tape, [1, np.array([2.0, 0.0]), 0])[0][0]).tolist() == [False, True]

@@ -1,6 +1,7 @@
 """`lag equations`: every form in every format, names, numbers, limits, wrong input, and the page in a browser."""
 
 import json
+import math
 import os
 import re
 import shutil
@@ -13,11 +14,13 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
+import lagrangia as lag
 from lagrangia.cli import WRONG, main
 from lagrangia.equation_sheet import ALL_FORMATS, ALL_FORMS
 from lagrangia.layout import Bracket, Name, Numeral, Product, Relation, Total, broken
 from lagrangia.notation import Wanted, name_all
 from lagrangia.typeset import line
+from printed_numbers import everything_laid_out
 from symbolic_scenes import EXAMPLES, derived
 
 GOLDEN = Path(__file__).parent / "golden" / "equations"
@@ -209,6 +212,8 @@ def test_short_names_where_they_are_unambiguous() -> None:
     assert named("k1", "ks", "md", "speed", "Omega", "s_rel0") == ["k₁", "k_s", "m_d", "speed", "Ω", "s_rel0"]
     assert named("m", "bob.m") == ["m", "m_bob"]
     assert named("rod.center.x", "rod.center.phi") == ["x", "φ"]
+    assert named("k1", "k_1", "k2") == ["k1", "k_1", "k₂"]
+    assert line(name_all([Wanted("t")], {}, [Name("t")])["t"]) == "t₁"
     assert named("left.arm.phi", "right.arm.phi") == ["φ_left,arm", "φ_right,arm"]
     loads = name_all([Wanted("P.force", True, True), Wanted("drive.torque", True), Wanted("push.force", True)], {})
     assert [line(x) for x in loads.values()] == ["P(t)", "M", "F"]
@@ -246,13 +251,20 @@ def test_force_writes_everything_and_ends(capsys, monkeypatch) -> None:
     (["--form", "matrx"], "L0704"), (["--format", "pdf"], "L0704"), (["--names", "tilt.phi"], "L0706"),
     (["--names", "tilt.fi=theta"], "L0711"), (["--names", "tilt.phi=2x"], "L0711"),
     (["--names", "tilt.phi=x,guide.s=x"], "L0711"),
-    (["--names", "tilt.phi=m"], "L0711"), (["--names", "tilt.phi=a,tilt.phi=b"], "L0706"), (["-p", "mass=3"], "L0702"),
+    (["--names", "tilt.phi=m"], "L0711"), (["--names", "tilt.phi=t"], "L0711"), (["--names", "m=x1,k1=x_1"], "L0711"),
+    (["--names", "tilt.phi=a,tilt.phi=b"], "L0706"), (["-p", "mass=3"], "L0702"),
     (["-p", "m=heavy"], "L0706"), (["-p", "m=3[s]"], "L0706"), (["-p", "m"], "L0706"),
     (["--form", "linear", "--about", "bar=1"], "L0706"), (["--form", "linear", "--about", "tilt.phi=up"], "L0706"),
-    (["--model", "Nothing"], "L0003"),
+    (["--model", "Nothing"], "L0003"), (["--format", "sympy", "--form", "matrix"], "L0704"), (["-p", "m=nan"], "L0706"),
 ])
 def test_wrong_options(options: list[str], code: str, capsys) -> None:
     assert f"error[{code}]" in refused(capsys, str(EXAMPLES / "suspended_bar.lag"), *options)
+
+
+def test_what_is_no_number_is_refused() -> None:
+    for value in (math.nan, -math.inf, True, None):
+        with pytest.raises(lag.LagError, match="parameter 'm'"):
+            lag.load(EXAMPLES / "suspended_bar.lag").equations(parameters={"m": value})
 
 
 def test_a_scene_with_too_many_coordinates(capsys) -> None:
@@ -295,7 +307,7 @@ ODD = {
 def test_odd_scenes_have_equations_too(what: str, tmp_path: Path, capsys) -> None:
     (tmp_path / "odd.lag").write_text(f"model Odd\n  {ODD[what]}\nend Odd;\n", encoding="utf-8")
     for form in ALL_FORMS:
-        for format in ("text", "html", "sympy") if form in ("lagrange", "worked") else ("latex",):
+        for format in {"lagrange": ("text", "html", "sympy"), "worked": ("text", "html")}.get(form, ("latex",)):
             code = main(["equations", str(tmp_path / "odd.lag"), "--form", form, "--format", format])
             told = capsys.readouterr()
             assert code == 0 or (form == "linear" and re.search(r"L0912|L0713", told.err)), (form, format, told.err)
@@ -328,3 +340,65 @@ def test_long_lines_are_broken_between_terms() -> None:
 
 def test_every_format_is_there() -> None:
     assert set(ALL_FORMATS) == {"text", "markdown", "latex", "html", "sympy"}
+
+
+# ---------------------------------------------------------------- what is printed, evaluated
+
+SLANTED = {
+    "a vibrating pivot": "Frame pivot = shift(world, {0, 0.02*cos(300*time)}); Revolute hinge(a = pivot, phi(start = 1));"
+                         "PointMass bob(m = 1, center = shift(hinge.b, {0, -1}));",
+    "two floating bodies": "Body a(m = 1, I = 0.1, center(x(start = 1))), b(m = 2, I = 0.3);"
+                           "Spring s(k = 10, s_rel0 = 0.5, a = shift(a.center, {0.1, 0}), b = shift(b.center, {-0.2, 0}));",
+    "angles from the vertical": "coordinate Angle phi(start = 1), alpha(start = 0.5); parameter Length L = 1, l = 0.5;"
+                                "parameter Mass m = 1; Length x = L*sin(phi) + l*sin(alpha), y = -L*cos(phi) - l*cos(alpha);"
+                                "energy kinetic m*(der(x)^2 + der(y)^2)/2; potential m*9.81*y;",
+    "a bend by 60 degrees": "Revolute h(a = world); Bar b(m = 1, L = 1, a = turn(h.b, 60[deg])); Block c(m = 2, base = b.b);"
+                            "Spring s(k = 3, a = shift(world, {1, 0}), b = c.center);",
+    "a parameter called t": "parameter Length t = 0.5; parameter Real rho(unit = \"kg/m\") = 3; Block b(m = 0, base = world);"
+                            "Spring s(k = 3, stretch = b.s); energy kinetic rho*t*b.v^2/2;",
+    "an input called t": "input Force t(start = 2); Block b(m = 1, base = world);"
+                         "AppliedForce F(at = b.center, force = {t*sin(3*time/1[s]), 0});",
+    "names of multipliers": "parameter Mass lambda = 2, lambda_1 = 3; parameter Stiffness k1 = 1, k_1 = 2;"
+                            "parameter Length ell = 2; Block b(m = lambda, base = world); Revolute h(a = world);"
+                            "Bar c(m = lambda_1, L = ell, a = h.b); Spring s(k = k1, a = shift(b.center, {1, 2}), b = c.b);"
+                            "Spring s2(k = k_1, a = shift(c.center, {1, 2}), b = b.center);"
+                            "equation norm(c.b.r - b.center.r - {1[m], 0[m]}) = 1.5[m];",
+    "an inverse cosine": "Block b(m = 1, base = turn(world, acos(0.3))); Revolute h(a = b.center); Bar c(m = 1, L = 1, a = h.b);"
+                         "GeneralSpring s(V = 2[J]/cos(h.phi - 0.3), stretch = b.s);",
+}
+
+
+@pytest.mark.parametrize("what", SLANTED)
+def test_what_is_printed_has_the_value_of_what_was_derived(what: str, tmp_path: Path, capsys) -> None:
+    (tmp_path / "scene.lag").write_text(f"model Scene\n  {SLANTED[what]}\nend Scene;\n", encoding="utf-8")
+    with everything_laid_out() as told:
+        for form in ALL_FORMS:
+            code = main(["equations", str(tmp_path / "scene.lag"), "--form", form, "--force"])
+            said = capsys.readouterr().err
+            assert code == 0 or (form == "linear" and re.search(r"L0912|L0713", said)), said
+    assert [words for words in told if words] == [] and len(told) > 50
+
+
+def test_a_parameter_called_t_is_not_the_time(tmp_path: Path, capsys) -> None:
+    (tmp_path / "scene.lag").write_text(f"model Scene\n  {SLANTED['a parameter called t']}\nend Scene;\n", encoding="utf-8")
+    assert main(["equations", str(tmp_path / "scene.lag")]) == 0
+    said = capsys.readouterr().out
+    assert "t₁ ρ s'' + k s = 0" in said and "t₁ is t." in said
+    for target, line_ in (("sympy", "t_1 = sp.Symbol('t_1', real=True)  # t, m"), ("modelica", "rho*t_1*s_dd + k*s = 0;")):
+        assert main(["export", str(tmp_path / "scene.lag"), "--to", target, "-o", "-"]) == 0
+        assert line_ in capsys.readouterr().out
+
+
+def test_sines_of_differences_keep_their_sign(tmp_path: Path, capsys) -> None:
+    """SymPy writes sin(b - a) as -sin(a - b)."""
+    (tmp_path / "scene.lag").write_text(f"model Scene\n  {SLANTED['a vibrating pivot']}\nend Scene;\n", encoding="utf-8")
+    for form in ("lagrange", "matrix"):
+        assert main(["equations", str(tmp_path / "scene.lag"), "--form", form]) == 0
+        assert "− 900 m sin(φ + 300 t) − 900 m sin(φ − 300 t)" in capsys.readouterr().out
+
+
+def test_a_parameter_that_changes_in_time_is_no_bug(tmp_path: Path, capsys) -> None:
+    text = "Block b(m = 1, base = world); Spring k(k = 10*(1 + 0.5*cos(4*time)), stretch = b.s);"
+    (tmp_path / "scene.lag").write_text(f"model Scene\n  {text}\nend Scene;\n", encoding="utf-8")
+    assert main(["equations", str(tmp_path / "scene.lag")]) == 2
+    assert "L0604" in capsys.readouterr().err

@@ -12,6 +12,7 @@ import pytest
 from lagrangia.cli import WRONG, main
 from lagrangia.expectations import SPOKEN
 from lagrangia.folders import data_folder
+from lagrangia.pipeline import flatten_file, read_files
 
 FOLDER = Path(__file__).parent / "errors"
 MODELS = sorted(FOLDER.glob("*.lag"))
@@ -56,5 +57,57 @@ def test_every_pattern_of_the_grammar_has_a_spoken_name() -> None:
     assert sorted(patterns - SPOKEN.keys()) == []
 
 
-# Told by `lag simulate` only (tests/test_hostile.py), or about bytes that no file of text can hold.
-ELSEWHERE = {"L0101", "L0102", "L0605", "L0606", "L0909", "L0912", "L0916"}
+# Told by `lag simulate` only (tests/test_hostile.py), a warning (below), or about bytes that no file of text can hold.
+ELSEWHERE = {"L0101", "L0102", "L0224", "L0605", "L0606", "L0909", "L0912", "L0916"}
+
+
+# ---------------------------------------------------------------- warnings
+
+IGNORED = """
+model Cart "Its damper is there on demand, and its damping is no false alarm"
+  parameter Boolean damped = false;
+  parameter Damping c = 1;
+  Frame base;
+  Block block(m = 1, base = base);
+  Damper brake(c = c, rate = block.v) if damped;
+end Cart;
+model Marker
+  parameter Length above = 0;
+  Frame at;
+  Length height = at.y - above;
+end Marker;
+model Ignored
+  Cart cart(base = world, c = 2);
+  Marker marker(at = cart.block.center, above = 2);
+  Disc disc(m = 1, r = 0.1, I = 2, center = cart.block.center);
+  Spring both(k = 10, s_rel0 = 0.1, a = world, b = cart.block.center, stretch = cart.block.s);
+  GeneralSpring other(V = 1[N/m]*cart.block.s^2, s_rel0 = 0.2);
+end Ignored;
+"""
+
+
+@pytest.mark.parametrize("command", ["check", "simulate", "modes", "sweep -p both.k=1,2"])
+def test_what_is_given_and_read_by_nothing_is_told(command: str, tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("ignored.lag").write_text(IGNORED)
+    first, *others = command.split()
+    assert main([first, "ignored.lag", *others]) == 0
+    told = capsys.readouterr().err
+    assert told.count("warning[L0224]") == 2
+    assert "nothing reads 's_rel0', 'a' and 'b' of Spring 'both', though they are given" in told
+    assert "write stretch = cart.block.s - 0.1" in told
+    assert "only 'stretch' reads 's_rel0', and nothing reads 'stretch'" in told
+
+
+TESTS = FOLDER.parent
+FOLDERS = TESTS.parent / "models" / "examples", TESTS / "cases", TESTS / "benchmarks" / "scenes"
+SCENES = [file for folder in FOLDERS for file in sorted(folder.glob("*.lag"))]
+
+
+@pytest.mark.parametrize("file", SCENES, ids=lambda file: file.stem)
+def test_no_scene_of_ours_gives_anything_in_vain(file: Path) -> None:
+    classes = read_files(file)[0].classes
+    parts = {element.type_name for item in classes for element in item.elements}
+    models = [item.name for item in classes if item.kind == "model" and not item.is_partial and item.name not in parts]
+    assert models
+    assert [flatten_file(file, name)[1].warnings for name in models] == [()] * len(models)

@@ -1,9 +1,13 @@
 """`lag export`: what other programs make of it moves as ours does."""
 
+import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import casadi
 import numpy as np
 import pytest
 
@@ -12,7 +16,16 @@ from lagrangia.cli import WRONG, main
 from symbolic_scenes import EXAMPLES
 
 SCENES = ["suspended_bar", "double_pendulum", "cart_pole", "slider_crank", "four_bar", "spring_pendulum", "crank_press", "skate",
-          "quarter_car", "rolling_disc"]
+          "quarter_car", "rolling_disc", "parallelogram"]
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Callable[[str], Path]:
+    def write(text: str) -> Path:
+        (tmp_path / "scene.lag").write_text(text, encoding="utf-8")
+        return tmp_path / "scene.lag"
+
+    return write
 
 
 def exported(name: str, target: str, file: Path, *options: str) -> Path:
@@ -95,12 +108,111 @@ def test_loops_of_the_modelica_model_stay_closed(name: str, tolerance: float, tm
         assert np.abs(np.array(gaps)).max() < 1e-8
 
 
+def test_inputs_keep_their_start_values(written, tmp_path: Path) -> None:
+    """Where nobody gives others: 10 N on 2 kg."""
+    scene = written("""
+        model Pushed
+          input Force F(start = 0.01[kN]);
+          Block block(m = 2, base = world);
+          AppliedForce push(at = block.center, force = {F, 0});
+        end Pushed;""")
+    files = {target: tmp_path / f"exported.{target}" for target in ("python", "casadi", "modelica")}
+    for target, file in files.items():
+        assert main(["export", str(scene), "--to", target, "-o", str(file)]) == 0
+    module: dict[str, Any] = {}
+    exec(files["python"].read_text(encoding="utf-8"), module)
+    assert module["INPUTS"] == {"F": 10.0}
+    assert module["slope"](0.0, module["START"]).tolist() == [0, 5]
+    functions = {f.name(): f for f in casadi.FileDeserializer(str(files["casadi"])).unpack()}
+    assert functions["inputs"]()["u"] == 10
+    assert "input Real F(start = 10.0);" in files["modelica"].read_text(encoding="utf-8")
+
+
 def test_what_cannot_be_exported_is_told(tmp_path: Path, capsys) -> None:
     scene = str(EXAMPLES / "chain.lag")
     for options, code in ((["--to", "matlab"], "L0704"), (["--to", "modelica", "-p", "n=9"], "L0712"),
                           (["--to", "python", "-p", "m=3"], "L0702"), (["--to", "sympy", "--names", "x=y"], "L07")):
         assert main(["export", scene, "-o", str(tmp_path / "out"), *options]) == WRONG
         assert f"error[{code}" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+CORNERS = {
+    "a contact": ("Block b(m = 2, base = world); AppliedForce F(at = b.center, force = {-100[N/m]*min(b.s, 0[m]), 0});", 20),
+    "a saw": ("Block b(m = 2, base = world); AppliedForce F(at = b.center, force = {2[N]*mod(time, 0.4)/1[s], 0});", 0.4),
+    "a stop": ("Block b(m = 2, base = world);"
+               "GeneralSpring s(V = max(b.s, 0.1[m], -b.s)*3[N], stretch = b.s);", 3),
+    "a shake": ("Prismatic w(a = world); Motion mv(of = w.s, to = 0.1[m]*asinh(sin(3*time/1[s]))); Block b(m = 2, base = w.b);",
+                1.8 * np.sin(1.8) / np.sqrt(1 + np.sin(1.8)**2) * (1 + np.cos(1.8)**2 / (1 + np.sin(1.8)**2))),
+    "a drift": ("Prismatic w(a = world); Motion mv(of = w.s, to = 0.1[m/s2]*time^2 + 0.2[m]*floor(time/2[s]));"
+                "Block b(m = 2, base = w.b);", -0.4),
+}
+
+
+@pytest.mark.parametrize("what", CORNERS)
+def test_corners_and_steps_are_written(what: str, written, tmp_path: Path) -> None:
+    """At t = 0.6 and s = -0.2: the force as the script has it, and as the Modelica compiler takes it."""
+    text, wanted = CORNERS[what]
+    scene = written(f"model Corner\n{text.replace('Block b(', 'Block b(s(start = -0.2), ')}\nend Corner;")
+    for target in ("sympy", "modelica"):
+        assert main(["export", str(scene), "--to", target, "-o", str(tmp_path / target)]) == 0
+    script, model = ((tmp_path / target).read_text(encoding="utf-8") for target in ("sympy", "modelica"))
+    assert not re.search(r"Heaviside|Derivative|Subs|Dirac", script + model)
+    assert not re.search(r"\b(Min|Max|asinh)\b", model)
+    space: dict[str, Any] = {}
+    exec(script, space)
+    force = -space["equations"][0].subs(dict.fromkeys([*space["v"], *space["a"]], 0)).subs(space.get("given", {}))
+    assert float(force.subs({space["q"][0]: -0.2, space["t"]: 0.6} | space["values"])) == pytest.approx(wanted)
+    rumoca = pytest.importorskip("rumoca")
+    compiled = rumoca.Session().loads(model, model="Corner")
+    run = compiled.simulate(t=(0.0, 0.6), dt=0.2, config=rumoca.SimConfig(rtol=1e-9, atol=1e-9))
+    reference = lag.load(scene).simulate(at=[0.6], tolerance=1e-11)["b.s"][0]
+    assert np.array(run.to_numpy([str(space["q"][0])]))[0, -1] == pytest.approx(reference, abs=1e-5)
+
+
+JUMPING = """
+    model Jumping
+      Prismatic road(a = world);
+      Motion up(of = road.s, to = 0.1*ramp(time, 0.2, 0.5));
+      Block car(m = 3, base = road.b);
+      SpringDamper sd(k = 200, c = 6, stretch = car.s, rate = car.v);
+    end Jumping;"""
+
+
+@pytest.mark.parametrize("target", ["python", "casadi", "modelica"])
+def test_a_support_whose_rate_jumps_is_refused(target: str, written, tmp_path: Path, capsys) -> None:
+    """Its impulse is in no right-hand side: the car would start at rest where it keeps its momentum."""
+    scene = written(JUMPING)
+    assert main(["export", str(scene), "--to", target, "-o", str(tmp_path / "out")]) == WRONG
+    told = capsys.readouterr().err
+    assert "error[L0909]: not supported yet: to export" in told and "scene.lag:4:44" in told and "--to fmu" in told
+    assert not (tmp_path / "out").exists()
+    scene.write_text(JUMPING.replace("0.1*ramp(time, 0.2, 0.5)", "0.1*sin(time/1[s])"), encoding="utf-8")
+    assert main(["export", str(scene), "--to", target, "-o", str(tmp_path / "out")]) == 0
+
+
+def test_equations_tell_of_supports_whose_rate_jumps(written, capsys) -> None:
+    """And what the ramp is: rates of coordinates that functions of time give keep them."""
+    scene = written(JUMPING)
+    for form in ("lagrange", "worked"):
+        assert main(["equations", str(scene), "--form", form]) == 0
+        said = capsys.readouterr().out
+        assert "The rate of a support jumps at times" in said and "ramp(t) = ⎨" in said
+    assert "∂T/∂s_car' = m s_car' + 0.1 m ramp'(t)" in said
+    assert main(["export", str(scene), "--to", "sympy", "-o", "-"]) == 0
+    assert "The rate of a support jumps at times" in capsys.readouterr().out
+    scene.write_text(JUMPING.replace("0.1*ramp(time, 0.2, 0.5)", "0.1*sin(time/1[s])"), encoding="utf-8")
+    assert main(["equations", str(scene)]) == 0
+    assert "jumps" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("options", [
+    ["--to", "python", "--fmi", "2"], ["--to", "modelica", "--outputs", "hinge.phi"], ["--to", "casadi", "--no-sources"],
+    ["--to", "sympy", "--info", "author=me"], ["--to", "latex", "--kind", "me"], ["--to", "python", "--names", "m=M"],
+    ["--to", "fmu", "--names", "m=M"]])
+def test_options_of_other_targets_are_refused(options: list[str], tmp_path: Path, capsys) -> None:
+    assert main(["export", str(EXAMPLES / "pendulum.lag"), *options, "-o", str(tmp_path / "out")]) == WRONG
+    assert f"error[L0704]: an export to {options[1]} has no {options[2].replace('no-', '')}" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 

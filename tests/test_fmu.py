@@ -16,6 +16,7 @@ import lagrangia as lag
 from fmus import EXAMPLES, KINDS, VERSIONS, fmu_of, model_of, simulated
 from lagrangia.cli import main
 from lagrangia.fmu_check import check_fmu
+from lagrangia.fmu_model import build_fmu_model
 
 FILES = sorted(EXAMPLES.glob("*.lag"))
 # Far apart after a while, whatever the solver: the time up to which two runs are compared, in s.
@@ -55,6 +56,15 @@ def test_into_a_folder(tmp_path: Path) -> None:
     written = lag.load(EXAMPLES / "pendulum.lag").export_fmu(tmp_path, fmi="both")
     assert written == [tmp_path / "Pendulum_fmi2.fmu", tmp_path / "Pendulum_fmi3.fmu"]
     assert all(path.stat().st_size for path in written)
+
+
+def test_what_stands_still_has_no_rounding_for_a_nominal_value(tmp_path: Path) -> None:
+    (tmp_path / "truss.lag").write_text("""model Truss
+      Link l1(L = 1, a = world, b = p.center), l2(L = 1.2, a = shift(world, {1, 0}), b = p.center);
+      PointMass p(m = 2, center(x(start = 0.3), y(start = 0.8)));
+      AppliedForce f(at = p.center, force = {3*time, 1});
+    end Truss;""")
+    assert build_fmu_model(lag.load(tmp_path / "truss.lag")).nominal == (0.1, 0.1, 1.0, 1.0)
 
 
 def test_a_scene_without_c_names_and_one_at_rest(tmp_path: Path) -> None:

@@ -29,6 +29,24 @@ def small_motion(path: Path) -> tuple[Derived, Linear]:
     return d, linearize(d.equations, values, lambda: start_of(kinematics, {}, path))
 
 
+@pytest.mark.parametrize(("text", "varies"), [
+    ("Frame pivot = shift(world, {0, 0.02*cos(300*time)}); Revolute h(a = pivot);"
+     "PointMass b(m = 1, center = shift(h.b, {0, -1}));", True),
+    ("Frame pivot = shift(world, {0.02*cos(300*time), 0}); Revolute h(a = pivot);"
+     "PointMass b(m = 1, center = shift(h.b, {0, -1}));", False),
+    ("Revolute h(a = world); Bar b(m = 1, L = 1, a = h.b); AppliedForce F(at = b.b, force = {0, 2[N]*sin(3*time)});", True),
+    ("Block b(m = 1, base = world); Spring s(k = 3, stretch = b.s);"
+     "AppliedForce F(at = b.center, force = {2[N]*sin(3*time), 0});", False),
+    ("World world(gravity = {0, 0}); Prismatic w(a = turn(world, 0.5*time)); PointMass b(m = 1, center = w.b);"
+     "Spring s(k = 3, stretch = w.s);", False),
+])
+def test_coefficients_that_vary_are_told(text: str, varies: bool, small, tmp_path: Path, capsys) -> None:
+    """A vertical vibration of the pivot stiffens the pendulum, a horizontal one drives it; a steady turn does neither."""
+    assert small(text)[1].varies == varies
+    assert main(["equations", str(tmp_path / "scene.lag"), "--form", "linear"]) == 0
+    assert ("taken at a standstill" in capsys.readouterr().out) == varies
+
+
 @pytest.fixture
 def small(tmp_path: Path) -> Small:
     def read(text: str) -> tuple[Derived, Linear]:

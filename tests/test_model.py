@@ -1,7 +1,9 @@
 """The Python interface: lag.load, simulate, the trajectory, and the CasADi functions of every example."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -46,6 +48,18 @@ def test_names_of_a_trajectory() -> None:
     np.testing.assert_allclose(run["s2.stretch"], 0.2 * run["axle.phi"] - run["block.s"], atol=1e-15)
     with pytest.raises(lag.LagError, match=r"axle.phi|axel"):
         run["axel.phi"]
+
+
+def test_a_run_says_in_a_line_what_it_is() -> None:
+    said = repr(load("double_pendulum").simulate(stop=1))
+    assert said.startswith("<DoublePendulum: 501 rows, t = 0 to 1 s: ")
+    assert len(said) < 200 and "\n" not in said
+
+
+def test_rates_are_shown_per_second_of_what_is_shown() -> None:
+    """A coordinate that is shown in its own unit has a rate that is shown in its own unit."""
+    shown = {column.name: (column.unit, column.display_unit) for column in load("cart_pole").scene.rates}
+    assert set(shown.values()) == {("m/s", ""), ("rad/s", "deg/s")}
 
 
 def test_a_quantity_that_was_not_asked_for_is_what_it_would_have_been() -> None:
@@ -121,6 +135,27 @@ def test_dependents_follow_and_given_values_stay() -> None:
     assert model.parameter_values({"md": 10})[names].tolist() == pytest.approx([10, 0.2, 0.2])
     assert model.parameter_values({"md": 10, "I": 0.7})[names].tolist() == pytest.approx([10, 0.7, 0.7])
     assert model.parameter_values({"disc.I": 0.3})[names].tolist() == pytest.approx([5, 0.1, 0.3])
+
+
+DEALT = """model Dealt
+  parameter Length L[3] = {1, 2, 3}, P[3, 2] = {{0, 0}, {1, 2}, {3, 4}};
+  parameter Real rho(unit = "kg/m") = 2;
+  PointMass p[3](m = rho*L + 2*rho*L/4, center(r(start = -2*P)));
+  PointMass q[2](m = (if rho > 1 then rho*L[2:3] else rho*L[1:2]), center(x(start = rotate({1, 2}, pi/2))));
+  Spring s[5](each k = 1, a = {p[1].center, p[2].center, p[3].center, q[1].center, q[2].center}, each b = world);
+end Dealt;
+"""
+
+
+def test_what_is_computed_of_arrays_is_dealt_out_to_the_elements(tmp_path: Path) -> None:
+    (tmp_path / "dealt.lag").write_text(DEALT)
+    model = lag.load(tmp_path / "dealt.lag")
+    masses = dict(zip(model.parameter_names, model.parameter_values({"L[2]": 4}), strict=True))
+    found = [masses[f"{name}.m"] for name in ("p[1]", "p[2]", "p[3]", "q[1]", "q[2]")]
+    assert found == pytest.approx([3, 12, 9, 8, 6])
+    run = model.simulate(at=[0])
+    starts = [run[f"{name}"][0] for name in ("p[2].center.x", "p[3].center.y", "q[1].center.x", "q[2].center.x")]
+    assert starts == pytest.approx([-2, -8, -2, 1])
 
 
 def test_a_run_uses_the_dependents() -> None:
@@ -256,3 +291,62 @@ def test_rows_are_an_interval_apart_and_the_last_is_the_stop(span: float, interv
     gaps = np.diff(times)
     assert gaps.min() > 1e-4 * interval
     assert gaps[:-1] == pytest.approx(interval, rel=1e-6)
+
+
+# ---------------------------------------------------------------- what cannot be meant
+
+WRONG_RUNS = [{"at": 5}, {"at": "abc"}, {"at": [0, "1"]}, {"inputs": 5}, {"inputs": {"F": "1"}}, {"inputs": {"F": [1, 2]}},
+              {"inputs": ([0, 1], [1, 2])}, {"inputs": (0, {"F": [1]})}, {"inputs": ([0, 1],)}]
+WRONG_RESPONSES = [{"span": (0, 1)}, {"span": (10, 1)}, {"span": (math.nan, 1)}, {"span": (1,)}, {"span": 5}, {"points": -5},
+                   {"points": 0}, {"points": 2.5}, {"frequencies": 1.0}, {"frequencies": [1e300]}, {"frequencies": [math.nan]},
+                   {"frequencies": [-1]}, {"frequencies": "12"}, {"time": "a"}, {"excitations": 5}, {"outputs": [5]}]
+
+
+@pytest.mark.parametrize("given", WRONG_RUNS, ids=str)
+def test_what_no_run_can_have_is_told(given: dict[str, Any]) -> None:
+    model = load("cart_pole")
+    with pytest.raises(lag.LagError, match=r"L070[23]"):
+        model.simulate(**given)
+    if "inputs" in given:
+        with pytest.raises(lag.LagError, match=r"L070[23]"):
+            model.simulate_many(**given, parameters={"M": [1, 2]})
+
+
+@pytest.mark.parametrize("given", WRONG_RESPONSES, ids=str)
+def test_what_no_response_can_have_is_told(given: dict[str, Any]) -> None:
+    with pytest.raises(lag.LagError, match="L0702"):
+        load("vibration_absorber").response(**given)
+
+
+@pytest.mark.parametrize("starts", [0, 1.5, -1, "2", 10**6])
+def test_equilibria_are_searched_from_a_number_of_places(starts: Any) -> None:
+    with pytest.raises(lag.LagError, match="number of starts"):
+        load("vibration_absorber").equilibrium(starts=starts)
+
+
+def test_a_name_alone_is_one_name() -> None:
+    linear = load("quarter_car").linearize(excitations="road.y", outputs="car.s")
+    assert (linear.excitations, linear.outputs) == (("road.y",), ("car.s",))
+
+
+WRONG_FMUS = [{"fmi": 4}, {"kind": 5}, {"platforms": 5}, {"info": {"zz": "x"}}, {"info": {"author": 5}}]
+
+
+@pytest.mark.parametrize("given", WRONG_FMUS, ids=str)
+def test_what_no_fmu_can_have_is_told(given: dict[str, Any], tmp_path: Path) -> None:
+    with pytest.raises(lag.LagError, match="L0706"):
+        load("pendulum").export_fmu(tmp_path / "x.fmu", **given)
+
+
+def test_the_version_of_fmi_may_be_a_number(tmp_path: Path) -> None:
+    assert load("pendulum").export_fmu(tmp_path / "x.fmu", fmi=3, platforms="") == [tmp_path / "x.fmu"]
+
+
+def test_a_quantity_is_asked_for_by_its_name() -> None:
+    with pytest.raises(lag.LagError, match="L0701"):
+        load("pendulum").simulate(stop=0.1)[5]  # type: ignore[index]
+
+
+def test_a_structural_parameter_needs_a_value() -> None:
+    with pytest.raises(lag.LagError, match="value given for n must be a number"):
+        load("chain", n=None)

@@ -151,6 +151,56 @@ def test_an_arch_of_three_hinges_stands_still(scene: Write) -> None:
     np.testing.assert_allclose(run["apex.b.y"], h, rtol=1e-12)
 
 
+BEAM = "Bar beam(m = 20, L = 4); Revolute pin(a = world, b = beam.a);"
+LOAD = "AppliedForce P(at = beam.b, force = {0, -100*sin(3*time)});"
+RESTING = {
+    "its weight alone": (BEAM + "PointOnLine r(line = world, point = beam.b);",
+                         {"pin": lambda P: 98.1 + P, "r": lambda P: 98.1 + P}),
+    "a metre up": (BEAM.replace("world", "shift(world, {0, 1})") + "PointOnLine r(line = shift(world, {0, 1}), point = beam.b);",
+                   {"pin": lambda P: 98.1 + P, "r": lambda P: 98.1 + P}),
+    "a load beyond": (BEAM + LOAD + "PointOnLine r(line = world, point = shift(beam.center, {1, 0}));",
+                      {"pin": lambda P: 196.2 / 3 - P / 3, "r": lambda P: 196.2 * 2 / 3 + P * 4 / 3}),
+    "free to slide": ("Bar beam(m = 20, L = 4); PointOnLine r(line = world, point = beam.a), r2(line = world, point = beam.b);",
+                      {"r": lambda P: 98.1 + P, "r2": lambda P: 98.1 + P}),
+    "redundant": (BEAM + LOAD + "PointOnLine r(line = world, point = beam.b), r2(line = world, point = beam.center);",
+                  {"pin r r2": lambda P: 196.2 + P}),
+}
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk", "erk5", "implicit"])
+@pytest.mark.parametrize("case", RESTING)
+def test_what_rests_where_its_coordinates_are_zero_rests_in_a_few_steps(case: str, solver: str, scene: Write) -> None:
+    """Nothing moves it but rounding, of accelerations of 1e-17: there is no motion that tells how large that is."""
+    text, reactions = RESTING[case]
+    model = scene(f"model M {text} end M;")
+    for tolerance in (1e-3, 1e-8, 1e-12):
+        run = model.simulate(stop=10, interval=0.1, tolerance=tolerance, solver=solver)
+        assert run.statistics.steps + run.statistics.rejected < 200
+        P = 100 * np.sin(3 * run.time) if LOAD in text else 0 * run.time
+        for names, wanted in reactions.items():
+            found = sum(run[f"{name}.reaction"][:, 1] for name in names.split())
+            np.testing.assert_allclose(found, wanted(P), rtol=1e-9)
+
+
+TRUSS = """model M
+  Bar b1(m = {m}, I = 0, L = 5), b2(m = {m}, I = 0, L = 5);
+  Revolute A(a = world, b = b1.a, phi(start = 53[deg])), B(a = shift(world, {{6, 0}}), b = b2.b, phi(start = -53[deg]));
+  Revolute C(a = b1.b, b = b2.a);
+  AppliedForce P(at = b1.b, force = {{100, -200}});
+end M;"""
+
+
+@pytest.mark.parametrize("declared", [0, 1e-9, 1])
+def test_a_truss_of_bars_without_mass(declared: float, scene: Write) -> None:
+    """By hand: the load at the top of two bars of slopes 4/3 and -4/3."""
+    model = scene(TRUSS.format(m=declared))
+    for solver in ("auto", "erk", "implicit"):
+        run = model.simulate(stop=5, interval=0.5, solver=solver, parameters={"b1.m": 0.0, "b2.m": 0.0})
+        assert run.statistics.steps < 100
+        np.testing.assert_allclose(run["A.reaction"], [[25, 100 / 3]] * 11, rtol=1e-9)
+        np.testing.assert_allclose(run["B.reaction"], [[-125, 500 / 3]] * 11, rtol=1e-9)
+
+
 def test_a_cantilever_has_no_coordinate_but_a_reaction(scene: Write) -> None:
     """m g + P and m g L/2 + P L in the wall, with a load P = 50 t."""
     m, L = 2, 1.5

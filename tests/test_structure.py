@@ -34,12 +34,14 @@ ORDER = """
     meanings
     instances
     folding
+    dealing
     names
     algorithms
     flat
+    walk
+    unread
     flattening
     dimensions
-    walk
     observables
     scalars
     algebra
@@ -180,7 +182,11 @@ ORDER = """
     bench_table
     bench_plot
     topics
-    commands
+    arguments
+    summary
+    check_command
+    explain_command
+    simulate_command
     sweep_command
     bench_command
     analysis_commands

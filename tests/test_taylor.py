@@ -263,3 +263,19 @@ end Sticks;""")
         assert run["b.s"] == pytest.approx(exact["b.s"], abs=3 * tolerance)
     if form != "logistic":
         assert model.simulate(at=[1.0], tolerance=1e-8, solver="taylor")["b.s"][0] == pytest.approx(exact["b.s"][1], abs=1e-8)
+
+
+@pytest.mark.parametrize("n", [3, 9, 40])
+@pytest.mark.parametrize("acceleration", ["0", "time/1[s]"])
+def test_many_free_masses_fall_alike(n: int, acceleration: str, scene: Callable[[str], lag.Model]) -> None:
+    """Their accelerations are one number, in loops over masses as one by one."""
+    model = scene(f"""model M
+      PointMass p[{n}](m = {{1 + j for j in 1:{n}}}, center(x(each start = 1), y(start = {{1[m]*j for j in 1:{n}}})));
+      AppliedForce f[{n}](at = p.center, force = {{{{(1 + j)*1[N]*({acceleration}), 0}} for j in 1:{n}}});
+    end M;""")
+    for solver in ("auto", "erk", *(["taylor"] if acceleration == "0" else [])):  # many products are no series
+        run = model.simulate(stop=2, interval=0.5, tolerance=1e-11, solver=solver)
+        t = run.time
+        for j in (1, n):
+            np.testing.assert_allclose(run[f"p[{j}].center.y"], j - 9.81 * t**2 / 2, rtol=1e-12, atol=1e-12)
+            np.testing.assert_allclose(run[f"p[{j}].center.x"], 1 + (t**3 / 6 if acceleration != "0" else 0 * t), rtol=1e-10)

@@ -15,16 +15,17 @@ from lagrangia.assembly import Assembly, start_equations
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.dimensions import unit_of
 from lagrangia.equilibrium import Rest, StaticEquations, find_all, find_rest, onto_constraints
+from lagrangia.given import a_number
 from lagrangia.initial import FIXED, FREE
 from lagrangia.joints import all_reactions, reaction_ports
-from lagrangia.linearization import Given, Linearization, linearization, tangent_of
+from lagrangia.linearization import Given, Linearization, TangentParts, linearization, tangent_of
 from lagrangia.mechanism import Mechanism, build_mechanism
 from lagrangia.modes import Modes, find_modes, stability
 from lagrangia.observables import observe
 from lagrangia.probes import Probe, find_probes, usual_probes
 from lagrangia.response import Response, find_response
 from lagrangia.simulate import Values, check_parameters
-from lagrangia.small_motion import SmallMotion, build_small_motion
+from lagrangia.small_motion import DIRECTIONS, SmallMotion, build_small_motion
 from lagrangia.tree import Ref
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ class Study:
 
     def __init__(self, compilation: "Compilation", values: Values, time: float | None) -> None:
         self.c, self.scene, self.values = compilation, compilation.scene, values
-        self.time = self.scene.start if time is None else float(time)
+        self.time = self.scene.start if time is None else a_number("time", time)
         if not math.isfinite(self.time):
             fail("L0702", f"the time must be a finite number, not {self.time}")
         table = compilation.functions.table
@@ -161,10 +162,33 @@ class Study:
         return build_small_motion(self.c.kinematics, self.c.constraints, self.c.motion, probes, outputs)
 
     def call(self, function: ca.Function, q: Vector, lam: Vector, pace: float, v: Vector | None = None, a: Vector | None = None,
-             time: float | None = None) -> list[Vector]:
+             time: float | None = None, seeds: tuple[Vector, ...] = ()) -> list[Vector]:
         still = np.zeros(self.scene.n)
         state = q, still if v is None else v, still if a is None else a, lam
-        return [x.full() for x in function(*state, self.time if time is None else time, pace, self.u, self.p)]
+        found = function.call([*state, self.time if time is None else time, pace, self.u, self.p, *seeds])
+        return [x.full() for x in found]
+
+    def slopes(self, e: SmallMotion, function: ca.Function, names: Sequence[str], q: Vector, lam: Vector, pace: float,
+               v: Vector | None = None, a: Vector | None = None) -> dict[str, list[Vector]]:
+        """The derivatives of a function's values by each of small_motion.DIRECTIONS named: a column for each of its entries."""
+        directions = e.directions(*names)
+        columns = self.call(function, q, lam, pace, v, a, seeds=(np.hstack(list(directions.values())),))
+        ends = np.cumsum([x.shape[1] for x in directions.values()])[:-1]
+        parts = [np.split(x, ends, axis=1) for x in columns]
+        return {name: [part[k] for part in parts] for k, name in enumerate(names)}
+
+    def tangent(self, e: SmallMotion, q: Vector, lam: Vector, pace: float, v: Vector | None = None, a: Vector | None = None
+                ) -> TangentParts:
+        """At a state."""
+        by = self.slopes(e, e.slopes, ("a", "v", "q", "s", "ds", "dds"), q, lam, pace, v, a)
+        (M, _, _), (C, _, rates), (K, J, _), (E0, pushed, _), (E1, _, _), (E2, _, _) = by.values()
+        return TangentParts(M, C, K, J, rates, (E0, E1, E2), pushed)
+
+    def observed(self, e: SmallMotion, q: Vector, lam: Vector, pace: float, v: Vector | None = None, a: Vector | None = None
+                 ) -> list[Vector]:
+        """y, and its derivatives by q, v, a, lambda, s, s', s''."""
+        by = self.slopes(e, e.observed_slopes, DIRECTIONS, q, lam, pace, v, a)
+        return [*self.call(e.observed, q, lam, pace, v, a), *(x for (x,) in by.values())]
 
     def pace(self, e: SmallMotion) -> float:
         """1 where only loads depend on time, else 0: tried at two other times, at a general state."""
@@ -193,8 +217,9 @@ class Study:
             return R.ravel(), phi.ravel(), float(V[0, 0])
 
         def stiffness(q: Vector, lam: Vector) -> tuple[Vector, Vector, Vector]:
-            found = self.call(e.tangent, q, lam if lam.size else nothing, pace)
-            return found[2], found[3], found[4]
+            by = self.slopes(e, e.slopes, ("q", "v") if e.m else ("q",), q, lam if lam.size else nothing, pace)
+            K, J, _ = by["q"]
+            return K, J, by["v"][2] if e.m else J
 
         is_rolling = any(not row.is_holonomic for row in self.c.constraints.rows)
         return StaticEquations(static, stiffness, self.reach, self.is_angle, is_rolling)
@@ -251,11 +276,11 @@ class Study:
     def linear_at(self, e: SmallMotion, q: Vector, v: Vector, lam: Vector, pace: float, is_equilibrium: bool,
                   a: Vector | None = None) -> Linearization:
         """About a state and its accelerations; the forces R that are left over without those are the load."""
-        tangent = tangent_of(self.call(e.tangent, q, lam, pace, v, a), self.is_preferred, self.reach)
+        tangent = tangent_of(self.tangent(e, q, lam, pace, v, a), self.is_preferred, self.reach)
         residual = np.zeros(e.n) if is_equilibrium else self.call(e.static, q, lam, pace, v)[0].ravel()
         given = Given(self.scene.name, self.names, tuple(p.name for p in e.probes), e.outputs,
                       dict(zip(self.names, map(float, q), strict=True)), residual, is_equilibrium,
-                      self.call(e.observed, q, lam, pace, v, a))
+                      self.observed(e, q, lam, pace, v, a))
         return linearization(tangent, given)
 
     def linearize(self, about: str, excitations: Sequence[str] | None, outputs: Sequence[str] | None) -> Linearization:
@@ -286,7 +311,8 @@ class Study:
         if not v.any():
             self.require_rest(e, pace)
         R = self.call(e.static, q, np.zeros(e.m), pace, v)[0].ravel()
-        M, *_, rows = self.call(e.tangent, q, np.zeros(e.m), pace, v)[:5]
+        here = self.tangent(e, q, np.zeros(e.m), pace, v)
+        M, rows = here.M, here.rates
         lam = np.asarray(-np.linalg.pinv(rows.T, rcond=1e-9) @ R) if e.m else np.zeros(0)
         left = float(np.abs(R + rows.T @ lam).max(initial=0.0))
         is_rest = left <= _BALANCED * float(np.abs(R).max(initial=0.0)) and not v.any()

@@ -6,22 +6,29 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, keep_inputs, load_model, number, open_parameters, read_inputs, values_with_units
+from lagrangia.arguments import (
+    assignment,
+    keep_inputs,
+    load_model,
+    number,
+    open_parameters,
+    read_inputs,
+    tell_warnings,
+    values_with_units,
+)
 from lagrangia.diagnostics import RunError, fail
+from lagrangia.given import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span
 from lagrangia.model import Model
 from lagrangia.plot import require_format
 from lagrangia.targets import write_text
-
-_MOST_STARTS, _MOST_POINTS = 10_000, 200_000
-_HIGHEST = 1e100  # Hz: its square is still a number
 
 
 def equilibrium_command(options: Namespace) -> int:
     """Exit code 1 where there is no equilibrium to be found."""
     from lagrangia.analysis_text import equilibria_text
 
-    if options.starts is not None and not 1 <= options.starts <= _MOST_STARTS:
-        fail("L0702", f"--starts must be a number from 1 to {_MOST_STARTS}, not {options.starts}")
+    if options.starts is not None:
+        a_count_within("number of starts", options.starts, 1, MOST_STARTS)
     _require(options.output, ".json")
     model, values = _load(options)
     found = model.equilibrium(**values, starts=options.starts)
@@ -77,9 +84,8 @@ def response_command(options: Namespace) -> int:
     _require(options.output, ".csv")
     if options.plot is not None:
         require_format(options.plot)
-    if not 2 <= options.points <= _MOST_POINTS:
-        fail("L0702", f"--points must be a number from 2 to {_MOST_POINTS}, not {options.points}")
-    frequencies = None if options.at is None else [_frequency(text, "--at") for text in options.at.split(",")]
+    a_count_within("number of points", options.points, 2, MOST_POINTS)
+    frequencies = None if options.at is None else [a_frequency(number(text, "--at")) for text in options.at.split(",")]
     span = _span(options.range)
     model, values = _load(options)
     response = model.response(_names(options.excite, "--from"), _names(options.to, "--to"), **values, about=options.about,
@@ -98,6 +104,7 @@ def _load(options: Namespace) -> tuple[Model, dict[str, Any]]:
     keep_inputs(options, options.output)
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())
+    tell_warnings(model)
     scene = model.scene
     parameters = open_parameters(scene, given)
     units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
@@ -126,23 +133,13 @@ def _names(text: str | None, option: str) -> tuple[str, ...] | None:
     return found
 
 
-def _frequency(text: str, option: str) -> float:
-    value = number(text, option)
-    if not 0 < value < _HIGHEST:
-        fail("L0702", f"a frequency is a positive number of Hz, not {text.strip()}")
-    return value
-
-
 def _span(text: str | None) -> tuple[float, float] | None:
     if text is None:
         return None
     low, colon, high = text.partition(":")
     if not colon:
         fail("L0706", f"'{text}' after --range is not of the form LOW:HIGH", None, "in Hz: --range 0.1:100")
-    span = _frequency(low, "--range"), _frequency(high, "--range")
-    if not span[0] < span[1]:
-        fail("L0702", f"the frequencies must rise, not go from {span[0]:g} to {span[1]:g}")
-    return span
+    return a_span((number(low, "--range"), number(high, "--range")))
 
 
 def _require(path: str | None, *endings: str) -> None:

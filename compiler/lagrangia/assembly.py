@@ -17,7 +17,7 @@ from lagrangia.initial import FIXED, FREE, InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import default_parameters
 
-_SATISFIED, _DEPENDENT, _SHORTEST_STEP, _LONGEST_STEP = 1e-10, 1e-10, 1e-4, 0.5
+_SATISFIED, _DEPENDENT, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL = 1e-10, 1e-10, 1e-4, 0.5, 0.9
 _CLOSED, _MOST_CLOSINGS = 1e-11, 40
 _CRITICAL, _PUSH, _GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
 _EASE, _LEAST_PIVOT, _NO_MASS = 100.0, 1e-10, 1e-30
@@ -209,6 +209,7 @@ class _Newton:
 
     def solve(self, x: Vector, most_iterations: int, most_pushes: int) -> tuple[Vector, int]:
         pushes, size, worst = 0, np.inf, 0
+        self.trusted = _LONGEST_STEP
         self.evaluate(x)
         for _ in range(most_iterations):
             self.scale_equations()
@@ -229,6 +230,7 @@ class _Newton:
         return x, -1 if size <= _SATISFIED else worst
 
     def lean(self, guess: Vector, x: Vector) -> float:
+        self.trusted = _LONGEST_STEP
         return self._correct(self.wish(x, guess))
 
     def distance2(self, a: Vector, b: Vector) -> float:
@@ -262,19 +264,22 @@ class _Newton:
         unit = np.where(length > 0, length, np.inf)
         z, _ = nearest(rows / unit[:, None], -self.g / unit, wish, _DEPENDENT, length / self.length)
         self.step = np.concatenate([self.metrics[0].to_step(z[: self.middle]), self.metrics[1].to_step(z[self.middle :])])
-        moving = self.scale > 0
-        longest = float((np.abs(self.step[moving]) / self.scale[moving]).max(initial=0.0))
-        if longest > _LONGEST_STEP:
-            self.step *= _LONGEST_STEP / longest
-        return longest
+        size = np.abs(self.step) / np.where(self.scale > 0, self.scale, np.inf)
+        excess = size[: self.n] / np.where(self.equations.is_angle, _LONGEST_STEP, self.trusted)
+        self.part = 1 / max(1.0, float(excess.max(initial=0.0)))
+        self.step *= self.part
+        return float(size.max(initial=0.0))
 
     def _sum_of_squares(self) -> float:
         scaled = self.g / self.length
         return float(scaled @ scaled)
 
     def _improve(self, x: Vector, size: float) -> Vector | None:
+        before = self._sum_of_squares()
         self._correct(np.zeros(sum(metric.order.size for metric in self.metrics)))
         better = self._descend(x)
+        if better is not None and self.part < 1 and self._sum_of_squares() <= (1 - _FAITHFUL * self.part) ** 2 * before:
+            self.trusted *= 2
         if better is None and size > _SATISFIED and self._steepest():
             better = self._descend(x)
         return better
@@ -371,7 +376,7 @@ class Assembly:
         return x, worst < 0
 
     def _approach(self, newton: _Newton, x: Vector) -> Vector:
-        for _ in range(_MOST_LEANS):
+        for _ in range(_MOST_LEANS if newton.distance2(self.guess, x) > 0 else 0):
             if not newton.lean(self.guess, x) > _CLOSE:
                 break
             before, lean, part = newton.distance2(self.guess, x), newton.step, 1.0

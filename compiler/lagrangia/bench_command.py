@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, keep_inputs, load_model, number, open_parameters
+from lagrangia.arguments import assignment, keep_inputs, load_model, number, open_parameters
 from lagrangia.diagnostics import RunError, fail, suggest
 from lagrangia.targets import write_text
 

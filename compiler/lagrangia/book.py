@@ -24,6 +24,7 @@ from lagrangia.layout import (
     product,
     total,
 )
+from lagrangia.notation import is_own
 from lagrangia.presentation import Presentation
 from lagrangia.sympy_algebra import Expr, exact_throughout
 from lagrangia.typeset import line, text
@@ -41,6 +42,7 @@ class Book:
     constants: tuple[Constant, ...]
     values: Mapping[str, float]
     has_numbers: bool
+    has_kicks: bool = False  # rates of supports jump
 
     @property
     def q(self) -> tuple[Name, ...]:
@@ -140,12 +142,24 @@ def lengths(book: Book) -> list[Node]:
     return [equal(name, Root(book.sum(base))) for base, name in book.presentation.symbols.lengths.items()]
 
 
+def kicks_block(book: Book) -> list[Block]:
+    """What holds where rates of supports jump."""
+    if not book.has_kicks:
+        return []
+    momentum = partial("T", Name("q", "k", 1))
+    return [paragraph("The rate of a support jumps at times: there ", momentum, " stays as it is, but for what holds the scene, "
+                      "and the equations hold in between.")]
+
+
 def names_block(book: Book) -> list[Block]:
     """s = guide.s, where the name on paper is not that of the model."""
     scene = book.equations.scene
     pairs: list[Inline] = []
     for name, q in zip(scene.names, book.q, strict=True):
         pairs += [", " if pairs else "", q, f" is {name}"]
+    for label, x in (*((p.name, p.symbol) for p in scene.parameters), *scene.inputs.items()):
+        if x in book.names and not is_own(label, book.names[x]):
+            pairs += [", ", book.names[x], f" is {label}"]
     return [paragraph(*pairs, ".")]
 
 

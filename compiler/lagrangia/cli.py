@@ -82,7 +82,7 @@ def _simulate(options: argparse.Namespace) -> int:
         from lagrangia.fmu_simulate_command import simulate_fmu_command
 
         return simulate_fmu_command(options)
-    from lagrangia.commands import simulate_command
+    from lagrangia.simulate_command import simulate_command
 
     return simulate_command(options)
 
@@ -100,13 +100,13 @@ def _sweep(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from lagrangia.commands import check_command
+    from lagrangia.check_command import check_command
 
     return check_command(options)
 
 
 def _explain(options: argparse.Namespace) -> int:
-    from lagrangia.commands import explain_command
+    from lagrangia.explain_command import explain_command
 
     return explain_command(options)
 
@@ -337,10 +337,10 @@ def _add_export(parser: argparse.ArgumentParser) -> None:
         help="a structural parameter: -p n=3; in an FMU, other ones get this start value")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own, for modelica, sympy and latex")
     add("--force", action="store_true", help="write even what is too large to read")
-    add("--fmi", default="2", metavar="VERSION", help="of an FMU: 2, 3 or both")
-    add("--kind", default="me,cs", metavar="KIND,...", help="of an FMU: Model Exchange (me), Co-Simulation (cs); both by default")
-    add("--platforms", default="host", metavar="LIST", help="of an FMU's binaries: host, all, or names: x86_64-windows, ...")
-    add("--sources", action=argparse.BooleanOptionalAction, default=True, help="put the C sources into an FMU")
+    add("--fmi", metavar="VERSION", help="of an FMU: 2 (the default), 3 or both")
+    add("--kind", metavar="KIND,...", help="of an FMU: Model Exchange (me), Co-Simulation (cs); both by default")
+    add("--platforms", metavar="LIST", help="of an FMU's binaries: host (the default), all, or names: x86_64-windows, ...")
+    add("--sources", action=argparse.BooleanOptionalAction, help="put the C sources into an FMU, by default")
     add("--outputs", metavar="NAME,NAME,...", help="more outputs of an FMU")
     add("--info", action="append", default=[], metavar="NAME=TEXT", help="author, version, copyright, license of an FMU")
     add("-o", "--output", metavar="FILE", help="the file; by default the model's name in this folder (- for standard output)")

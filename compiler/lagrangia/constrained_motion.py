@@ -81,8 +81,9 @@ def constrain(
     kkt = factor(M, J, is_robust)
     acceleration, multipliers = kkt.solve(-free.h, -rows.bias)
     steer, _ = kkt.solve(zero, -rate, refine=False)
-    holonomic = kkt if k == m else factor(M, J[:k, :], is_robust)
-    place = holonomic.solve(zero, -phi, refine=False)[0] if k else zero
+    holonomic = kkt if k == m or is_robust else factor(M, J[:k, :], False)  # massless coordinates may be in other rows alone
+    gap = -phi if holonomic is not kkt else ca.vertcat(-phi, ca.SX.zeros(m - k))
+    place = holonomic.solve(zero, gap, refine=False)[0] if k else zero
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(m)])
     regular = None if is_robust else _regular(rows, free, M, J)
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,

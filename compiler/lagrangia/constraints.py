@@ -151,7 +151,8 @@ class _Reduction:
             return True
         if not row.is_holonomic:
             return False
-        named = [name for k, name in enumerate(self.names) if ca.depends_on(gap, self.q[k])]
+        mentioned = {x.__hash__() for x in ca.symvar(gap)}
+        named = [name for name, x in self.kinematics.symbols.positions.items() if x.__hash__() in mentioned]
         known = self.solved | self.last
         if known:
             gap = ca.substitute([gap], [self.kinematics.symbols.positions[n] for n in known], list(known.values()))[0]

@@ -113,6 +113,9 @@ class Report:
     def error(self, code: str, message: str, span: Span | None = None, *hints: str, label: str = "") -> None:
         self.add([Diagnostic("error", code, message, span, label, hints)])
 
+    def warning(self, code: str, message: str, span: Span | None = None, *hints: str) -> None:
+        self.add([Diagnostic("warning", code, message, span, "", hints)])
+
     def add(self, found: Iterable[Diagnostic]) -> None:
         """Each is told once, of the first element, however many elements of an array the same text is wrong for."""
         for diagnostic in found:

@@ -247,9 +247,9 @@ class _Checker:
                           if isinstance(node, FrameRef) else "bind it to a port: Frame f = ...; and then f.r, f.phi")
         return ANY
 
-    def _pure(self, quantity: Quantity, node: Flat, what: str) -> None:
+    def _pure(self, quantity: Quantity, node: Flat, what: str, *hints: str) -> None:
         if not _fits(quantity, ONE):
-            self.report.error("L0304", f"{what} must be a number without unit, this is in {quantity.spell()}", node.span)
+            self.report.error("L0304", f"{what} must be a number without unit, this is in {quantity.spell()}", node.span, *hints)
 
     # ------------------------------------------------------------ functions
 
@@ -287,7 +287,8 @@ class _Checker:
             case "product":
                 return ANY
         for quantity, argument in zip(found, node.arguments, strict=True):
-            self._pure(quantity, argument, f"the argument of {node.function}")
+            hints = [f"write: {node.function}(1[rad/s]*{argument.span.text})"] if isinstance(argument, Time) else []
+            self._pure(quantity, argument, f"the argument of {node.function}", *hints)
         return PURE
 
     def _user_function(self, node: Call[Flat], local: Mapping[str, Quantity] | None) -> Quantity:

@@ -1,5 +1,6 @@
 """`lag equations`: from a file to a page. Imports SymPy, so only what asks for equations imports this."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -13,6 +14,8 @@ from lagrangia.diagnostics import fail, suggest
 from lagrangia.document import Document
 from lagrangia.equations import constants_of_motion, derive, with_values
 from lagrangia.forms import FORMS
+from lagrangia.given import a_number
+from lagrangia.impulses import rates_jump
 from lagrangia.kinematics import Kinematics
 from lagrangia.linear_matrices import Begin, linearize
 from lagrangia.linear_page import linear_form, values_of
@@ -34,6 +37,7 @@ MOST_KINETIC_TERMS = 250
 MOST_COORDINATES, MOST_FORCED_COORDINATES = 24, 60
 MOST_PRODUCTS, MOST_FORCED_PRODUCTS = 20_000, 200_000  # some 0.2 ms each
 _DIGITS = 6
+_FORM_OF_SCRIPTS = "lagrange"
 
 
 @dataclass(frozen=True)
@@ -53,12 +57,15 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
     """The page. Raises LagError: L0704 for an unknown form or format, L0711 names, L0712 too large, L0713 no equilibrium."""
     _choose("form", request.form, ALL_FORMS)
     _choose("format", request.format, ALL_FORMATS)
+    if request.format == "sympy" and request.form != _FORM_OF_SCRIPTS:
+        fail("L0704", f"there is no script of the form '{request.form}'", None,
+             f"--format sympy has M, h, f, T, V of the form {_FORM_OF_SCRIPTS}; go on from those")
     kinematics, constraints = compile_energies(path, model, structural)
     _check_size(kinematics, request)
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, request.form == "linear")
         begin = cache(lambda: start_of(kinematics, request.parameters, path, model, structural))
-        return _written(kinematics, scene, request, begin)
+        return _written(kinematics, scene, request, begin, rates_jump(kinematics, constraints))
 
 
 def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> Book:
@@ -85,7 +92,8 @@ def _check_size(kinematics: Kinematics, request: Request) -> None:
              "model.functions() of the Python interface has M, h and the accelerations of any scene")
 
 
-def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, begin: Callable[[], Begin]) -> str:
+def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, begin: Callable[[], Begin],
+             has_kicks: bool) -> str:
     values = parameter_values(kinematics, request.parameters)
     printer = PRINTERS.get(request.format)
     limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
@@ -97,7 +105,7 @@ def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, beg
         if is_bound and e.terms > (MOST_WORKED_TERMS if request.form == "worked" else MOST_TERMS):
             raise TooLarge(e.terms, e.T)
         presentation = presentation_of(e, names, 20 * limit, _DIGITS if request.has_numbers else 0)
-        book = Book(e, presentation, names, constants_of_motion(e), values, request.has_numbers)
+        book = Book(e, presentation, names, constants_of_motion(e), values, request.has_numbers, has_kicks)
         return write_script(book) if printer is None else printer(_page(book, request, begin))
     except TooLarge as large:
         if not request.is_forced:
@@ -189,7 +197,7 @@ def _parameter_units(kinematics: Kinematics) -> dict[str, str]:
 def chosen_parameters(kinematics: Kinematics, given: Mapping[str, float | list[float] | str]) -> dict[str, float]:
     """The parameters that are given, element by element, in SI units.
 
-    Texts may carry units. Raises LagError L0702 for an unknown name, L0706 for what is no value.
+    Texts may carry units. Raises LagError L0702 for an unknown name, L0706 for what is no finite value.
     """
     model, units = kinematics.graph.model, _parameter_units(kinematics)
     labels = list(units)
@@ -200,6 +208,8 @@ def chosen_parameters(kinematics: Kinematics, given: Mapping[str, float | list[f
             fail("L0702", f"there is no parameter '{name}'", None, *filter(None, [suggest(name, [*labels, *model.structural])]))
         value = _read(name, text, units[mine[0]])
         several = value if isinstance(value, list) else [value]
+        if not all(math.isfinite(a_number(f"parameter '{name}'", x)) for x in several):
+            fail("L0706", f"parameter '{name}' = {text}: a finite number is needed")
         if len(several) != len(mine):
             fail("L0706", f"{name} = {text}: {len(mine)} number{'s are' if len(mine) > 1 else ' is'} needed")
         chosen |= dict(zip(mine, several, strict=True))

@@ -5,7 +5,7 @@
 Every expression is brought to its normal form (series.py) as soon as it is made, so that the next step works on few terms.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -90,12 +90,22 @@ def derive(scene: SymbolicScene, most_products: int, most_terms: int | None = No
     h = tuple(tidy(rates[k].xreplace(at_rest) - dT_dq[k] + dV_dq[k] + dD_dv[k]) for k in range(len(scene.q)))
     rows = tuple(tidy(row) for row in scene.rows)
     J = tuple(slopes(row, scene.q if k < scene.holonomic else scene.v) for k, row in enumerate(rows))
-    multipliers = tuple(sp.Symbol(f"lambda_{k + 1}" if len(rows) > 1 else "lambda", real=True) for k in range(len(rows)))
+    multipliers = tuple(sp.Symbol(f"multiplier {k + 1}", real=True) for k in range(len(rows)))  # no name of a quantity
     reactions = tuple(tidy(sum((x * row[k] for x, row in zip(multipliers, J, strict=True)), sp.S.Zero))
                       for k in range(len(scene.q)))
     f = generalised_force(scene, ring)
     slopes_of = dT_dq, dV_dq, dVe_dq, dD_dv
     return Equations(scene, ring, T, elastic, field, D, momenta, rates, *slopes_of, f, M, h, rows, J, multipliers, reactions)
+
+
+def without_rows(e: Equations, places: Collection[int]) -> Equations:
+    """Without constraints that repeat others, and without their multipliers."""
+    kept = [k for k in range(len(e.rows)) if k not in places]
+    rows, J, multipliers = (tuple(x[k] for k in kept) for x in (e.rows, e.J, e.multipliers))
+    none = dict.fromkeys(set(e.multipliers) - set(multipliers), sp.S.Zero)
+    scene = replace(e.scene, rows=tuple(e.scene.rows[k] for k in kept), holonomic=sum(k < e.scene.holonomic for k in kept))
+    reactions = tuple(x.xreplace(none) for x in e.reactions)
+    return replace(e, scene=scene, rows=rows, J=J, multipliers=multipliers, reactions=reactions)
 
 
 def sum_of(terms: tuple[Term, ...]) -> Expr:

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, keep_inputs, structural_value
+from lagrangia.arguments import assignment, keep_inputs, structural_value
 from lagrangia.diagnostics import fail
 from lagrangia.pipeline import flatten_file
 from lagrangia.targets import write_text

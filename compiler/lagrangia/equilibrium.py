@@ -8,6 +8,7 @@ scene is let down, by steps that turn back in directions of negative stiffness, 
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -19,7 +20,8 @@ _RANK = 1e-9
 _NEAR = 0.5  # natural sizes: rad, or the size of the scene
 _ASIDE, _SAFE = 0.03, 1e-6  # where the rank is compared; constraints less independent leave no digits
 _STALLED, _PATIENCE = 0.5, 8  # so many steps that take off less than half of the residual
-_AT_REST = 1e-9  # of the forces that a natural displacement calls up
+_AT_REST = 1e-9  # of the forces that a natural displacement calls up,
+_STEEPEST = 1e4  # which are at most so many times those at the start
 _SAME = 1e-6
 _LARGEST_TURN, _SETTLING = 0.8, 0.2  # of one step, in natural sizes
 
@@ -52,7 +54,7 @@ class StaticEquations:
 
 def find_rest(equations: StaticEquations, start: Vector) -> Rest | None:
     """The position of rest near the start, or else the one where it would settle; None when there is no rest to be found."""
-    newton = _Newton(equations)
+    newton = _Newton(equations, start)
     with np.errstate(all="ignore"):
         near = newton.solve(start)
         if near is not None and np.abs((near.q - start) / equations.reach).max(initial=0.0) < _NEAR:
@@ -64,7 +66,7 @@ def onto_constraints(equations: StaticEquations, q: Vector, is_free: NDArray[np.
     """The nearest position on the constraints that differs in the free coordinates alone; None when there is none."""
     with np.errstate(all="ignore"):
         try:
-            return _Newton(equations).onto(q, is_free)
+            return _Newton(equations, q).onto(q, is_free)
         except np.linalg.LinAlgError:
             return None
 
@@ -72,7 +74,7 @@ def onto_constraints(equations: StaticEquations, q: Vector, is_free: NDArray[np.
 def find_all(equations: StaticEquations, start: Vector, most: int) -> list[Rest]:
     """Positions of rest from `most` starts: the given one first, then by potential energy; each once, angles modulo 2 pi."""
     found: list[Rest] = []
-    newton = _Newton(equations)
+    newton = _Newton(equations, start)
     first = find_rest(equations, start)
     for k, guess in enumerate(starts(equations, start, most)):
         with np.errstate(all="ignore"):
@@ -137,8 +139,8 @@ def _is_same(equations: StaticEquations, a: Rest, b: Rest) -> bool:
 
 
 class _Newton:
-    def __init__(self, equations: StaticEquations) -> None:
-        self.e, self.reach = equations, equations.reach
+    def __init__(self, equations: StaticEquations, start: Vector) -> None:
+        self.e, self.reach, self.start = equations, equations.reach, start
 
     def solve(self, start: Vector) -> Rest | None:
         try:
@@ -186,8 +188,9 @@ class _Newton:
     def _judge(self, best: "_Look") -> Rest | None:
         q, r, N, K, lam, V = best
         reduced = N.T @ K @ N
-        size = max(float(np.abs(reduced).max(initial=0.0)), float(np.abs(K).max(initial=0.0)) * 1e-6, self._held(q, lam))
-        if not np.isfinite(r).all() or np.abs(r).max(initial=0.0) > _AT_REST * max(size, 1e-300):
+        size = max(float(np.abs(reduced).max(initial=0.0)), float(np.abs(K).max(initial=0.0)) * 1e-6, self._held(q))
+        usual = _STEEPEST * self.usual or size
+        if not np.isfinite(r).all() or np.abs(r).max(initial=0.0) > _AT_REST * max(min(size, usual), 1e-300):
             return None
         sizes = np.linalg.svd(reduced, compute_uv=False)
         neutral = int((sizes <= 1e-9 * max(sizes.max(initial=0.0), 1e-3 * size)).sum()) if sizes.size else 0
@@ -208,7 +211,13 @@ class _Newton:
         kept = sizes[sizes > _RANK * sizes.max(initial=0.0)]
         return kept.size, float(kept.min() / kept.max()) if kept.size else 1.0
 
-    def _held(self, q: Vector, lam: Vector) -> float:
+    @cached_property
+    def usual(self) -> float:
+        """The size of forces and stiffness at the start: a place where distances vanish has stiffness without bounds."""
+        K, _, _ = self.e.stiffness(self.start, np.zeros(0))
+        return max(float(np.abs(K * self.reach * self.reach[:, None]).max(initial=0.0)), self._held(self.start))
+
+    def _held(self, q: Vector) -> float:
         """The size of the forces themselves, in natural displacements."""
         R, _, _ = self.e.static(q)
         return float(np.abs(R * self.reach).max(initial=0.0))
@@ -216,10 +225,12 @@ class _Newton:
     def _look(self, q: Vector) -> "_Look":
         """In natural sizes: the residual in the free directions, those directions, the stiffness, the multipliers, V."""
         R, _, V = self.e.static(q)
-        scaled = self.e.stiffness(q, np.zeros(0))[2] * self.reach
+        K, _, rows = self.e.stiffness(q, np.zeros(0))
+        scaled = rows * self.reach
         lam = -np.linalg.pinv(scaled.T, rcond=_RANK) @ (R * self.reach) if scaled.size else np.zeros(len(scaled))
         N = _null_space(scaled)
-        K, _, _ = self.e.stiffness(q, lam)
+        if lam.size:
+            K, _, _ = self.e.stiffness(q, lam)
         return q, N.T @ (R * self.reach), N, K * self.reach * self.reach[:, None], lam, V
 
     def _descend(self, q: Vector, step: Vector, before: float) -> "_Look | None":

@@ -35,6 +35,9 @@ _FOREIGN = {
     **dict.fromkeys("“”", 'a text stands in straight quotes: "..."'), "²": "a power is written a^2",
 }
 _KINDS = {"class": "model", "block": "model", "struct": "record", "def": "function", "include": "import", "from": "import"}
+_UNSUPPORTED = ("replaceable", "redeclare")
+_CLASSES = ("model", "record", "function", "type", "package", "partial")
+_ENERGIES = ("kinetic", "potential", "dissipation", "work")
 _CLOSES = {")": "(", "]": "[", "}": "{"}
 
 
@@ -62,8 +65,9 @@ class Stop:
 
 
 def refuse(source: Source, parser: Lark) -> NoReturn:
-    """Raise the LagError (L0103 to L0105) for a text that the parser refuses. It is parsed once more, token by token."""
+    """Raise the LagError (L0103 to L0105, L0901) for a text that the parser refuses. It is parsed once more, token by token."""
     stop = _find_stop(source, parser)
+    _refuse_unsupported(source, stop)
     if source.text.startswith("/*", stop.span.start):
         begin = Span(source, stop.span.start, stop.span.start + 2)
         fail("L0104", "this comment has no end", begin, "a comment that begins with /* ends with */")
@@ -75,6 +79,20 @@ def refuse(source: Source, parser: Lark) -> NoReturn:
     if "SEMICOLON" in stop.accepted and stop.is_first_of_line and stop.word not in _CLOSES:
         fail("L0103", "a ';' is missing", _end_of(source, stop), label="after this")
     fail("L0103", f"unexpected '{shortened(stop.word)}'", stop.span, *_hints(stop), label=_label(stop, parser, "expected"))
+
+
+def _refuse_unsupported(source: Source, stop: Stop) -> None:
+    """What is Modelica's, but not ours; it was read as a type or a name."""
+    said = [token for token in stop.before[-3:] if token.type != "STRING"]
+    last = [token for token in said[-2:] if token.type == "NAME"]
+    foreign = next((token for token in last if token in _UNSUPPORTED), None)
+    if len(last) == 2 and last[0] in _CLASSES:
+        foreign = last[0]
+    if foreign is not None:
+        is_class = foreign in _CLASSES
+        place = Span(source, foreign.start_pos or 0, foreign.end_pos or 0)
+        fail("L0901", f"not supported yet: {f'a {foreign} inside another class' if is_class else foreign}", place,
+             "classes stand side by side in the file" if is_class else "declare the component with the type it has")
 
 
 def _find_stop(source: Source, parser: Lark) -> Stop:
@@ -175,6 +193,8 @@ def _guesses_from_neighbours(stop: Stop) -> Iterator[str]:
         yield "comparisons are joined by `and`: a < b and b < c"
     if last == ("NUMBER", "COMMA") and word.isdigit():
         yield f"decimals have a point: {stop.before[-2]}.{word}"
+    if last[1:] == ("NAME",) and stop.before[-1] in _ENERGIES and stop.before[-2] in (";", "equation"):
+        yield f"'{stop.before[-1]}' stands in a section of its own: write `energy` before it"
     if last == ("NAME", "NAME") and stop.accepted >= {"SEMICOLON", "ANNOTATION"}:
         kind, name = stop.before[-2:]
         yield f"this is read as the declaration of '{name}', of type '{kind}'"

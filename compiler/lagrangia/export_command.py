@@ -4,16 +4,28 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.commands import assignment, structural_value
+from lagrangia.arguments import assignment, structural_value
 from lagrangia.diagnostics import fail
+from lagrangia.exports import TARGETS
+
+_WRITTEN = ("modelica", "sympy", "latex")  # with names on paper
+_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "outputs", "info"), ("fmu",)) | {"names": _WRITTEN}
+
+
+def _refuse_idle(options: Namespace) -> None:
+    """Raises LagError L0704 for an option that would change nothing."""
+    for name, targets in _MEANT.items():
+        if getattr(options, name) not in (None, []) and options.to not in targets and options.to in ("fmu", *TARGETS):
+            fail("L0704", f"an export to {options.to} has no --{name}", None, f"it is for {', '.join(targets)}")
 
 
 def export_command(options: Namespace) -> int:
+    _refuse_idle(options)
     if options.to == "fmu":
         from lagrangia.fmu_command import export_fmu_command
 
         return export_fmu_command(options)
-    from lagrangia.exports import TARGETS, export, exported_text
+    from lagrangia.exports import export, exported_text
     from lagrangia.model import Model
     from lagrangia.pipeline import flatten_file
 

@@ -2,10 +2,12 @@
 
 import tempfile
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.diagnostics import fail, suggest
+from lagrangia.places import place_of_moving_support
 from lagrangia.targets import Target, keep_apart, write_text
 
 if TYPE_CHECKING:
@@ -22,10 +24,14 @@ _WORDS = {
 
 
 def export(model: "Model", target: str, path: Path, names: Mapping[str, str] | None = None, force: bool = False) -> str:
-    """Writes the file; returns what to say of it. Raises LagError L0704 for an unknown target, L0712 for a scene too large."""
+    """Writes the file; returns what to say of it.
+
+    Raises LagError: L0704 for an unknown target, L0712 for a scene too large, L0909 for one whose supports' rates jump.
+    """
     _require_target(target)
     keep_apart([path], [model.path])
     if target == "casadi":
+        _require_smooth(model, target)
         count = _write_casadi(model, path)
         return f"{path}: {count} CasADi functions; casadi.FileDeserializer('{path}').unpack() is a list of them"
     text = exported_text(model, target, names, force)
@@ -38,6 +44,8 @@ def exported_text(model: "Model", target: str, names: Mapping[str, str] | None =
     _require_target(target)
     if target == "casadi":
         fail("L0704", "an export to 'casadi' is no text: it cannot go to standard output", None, "give a file with -o")
+    if target in ("python", "modelica"):
+        _require_smooth(model, target)
     text = {"python": _python, "modelica": _modelica}.get(target, _page)(model, target, names or {}, force)
     return text if text.endswith("\n") else text + "\n"
 
@@ -46,6 +54,15 @@ def _require_target(target: str) -> None:
     if target not in TARGETS:
         fail("L0704", f"there is no export to '{target}'", None, *filter(None, [suggest(target, TARGETS)]),
              f"the targets are {', '.join(TARGETS)}")
+
+
+def _require_smooth(model: "Model", target: str) -> None:
+    """Raises LagError L0909 where impulses act, which right-hand sides do not tell of."""
+    compilation = model.compilation
+    if "kick" in compilation.functions.table:
+        fail("L0909", f"not supported yet: to export a scene to {target} whose supports move with rates that jump",
+             place_of_moving_support(compilation.kinematics), "an FMU takes the impulses into account: --to fmu",
+             "or let the support start and stop smoothly")
 
 
 def _page(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
@@ -62,25 +79,37 @@ def starts(model: "Model") -> dict[str, float]:
     return {name: float(run[name][0]) for name in names}
 
 
+def inputs(model: "Model") -> dict[str, float]:
+    """The start values of the inputs, which hold while nobody gives others."""
+    return {u.name: u.value or 0.0 for u in model.scene.inputs}
+
+
 def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
     from lagrangia.equation_sheet import Request, written_book
+    from lagrangia.equations import without_rows
+    from lagrangia.freedom import find_freedom
     from lagrangia.modelica import write_modelica
 
-    request = Request(names=names, is_forced=force)
-    return write_modelica(written_book(model.path, request, model.model, model.structural), starts(model))
+    book = written_book(model.path, Request(names=names, is_forced=force), model.model, model.structural)
+    c = model.compilation
+    freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions)
+    remarks = [f"left out: {what}" for what in freedom.repeated] if freedom.dependent else []
+    book = replace(book, equations=without_rows(book.equations, freedom.dependent))
+    return write_modelica(book, starts(model) | inputs(model), remarks)
 
 
 # -------------------------------------------------------------------- CasADi, Python
 
 
 def _write_casadi(model: "Model", path: Path) -> int:
-    """All functions of t, q, v, u, p, and the constants `parameters` and `start` (q, v) as functions without arguments."""
+    """All functions of t, q, v, u, p, and the constants `parameters`, `inputs`, `start` (q, v) as functions without arguments."""
     import casadi as ca
 
     first = starts(model)
     q, v = (ca.DM([first[c.name] for c in columns]) for columns in (model.scene.coordinates, model.scene.rates))
     functions = [*model.functions().values(),
                  ca.Function("parameters", [], [ca.DM(model.parameter_values())], [], ["p"]),
+                 ca.Function("inputs", [], [ca.DM(list(inputs(model).values()))], [], ["u"]),
                  ca.Function("start", [], [q, v], [], ["q", "v"])]
     with Target(path, binary=True) as target, tempfile.TemporaryDirectory(prefix="lagrangia-") as folder:
         file = Path(folder) / "functions"
@@ -100,11 +129,11 @@ def _python(model: "Model", target: str, names: Mapping[str, str], force: bool) 
     head = [f'"""{scene.name}: {scene.description}.' if scene.description else f'"""{scene.name}.', "",
             "Functions of t, q, v, u, p in SI units, the entries in the order of COORDINATES, INPUTS and PARAMETERS;",
             "scipy.integrate.solve_ivp(slope, (0, 1), START) integrates it.", '"""', "", "import numpy as np", "",
-            f"COORDINATES = {coordinates!r}", f"INPUTS = {[u.name for u in scene.inputs]!r}", f"PARAMETERS = {values!r}",
+            f"COORDINATES = {coordinates!r}", f"INPUTS = {inputs(model)!r}", f"PARAMETERS = {values!r}",
             f"OUTPUTS = {[c.name for c in scene.outputs]!r}",
             f"START = np.array({[first[c.name] for c in (*scene.coordinates, *scene.rates)]!r})  # q, v", "", "",
             "def slope(t, y, u=None, p=None):", '    """dy/dt of y = (q, v)."""', f"    q, v = y[:{scene.n}], y[{scene.n}:]",
-            "    u = np.zeros(len(INPUTS)) if u is None else u",
+            "    u = np.array(list(INPUTS.values())) if u is None else u",
             "    p = np.array(list(PARAMETERS.values())) if p is None else p",
             "    return np.concatenate([v, rhs(t, q, v, u, p)])", ""]
     parts = ["\n".join(head)]

@@ -6,7 +6,7 @@ from math import prod
 from typing import Literal
 
 from lagrangia.algorithms import FlatFunction
-from lagrangia.diagnostics import Span
+from lagrangia.diagnostics import Diagnostic, Span
 from lagrangia.folding import numbers_of
 from lagrangia.names import FRAME_FUNCTIONS
 from lagrangia.tree import Call, EnergyKind, Flat, FrameRef
@@ -117,6 +117,7 @@ class FlatModel:
     structural: Mapping[str, float | bool | str]
     experiment: Experiment
     span: Span
+    warnings: tuple[Diagnostic, ...] = ()
 
 
 def is_frame(node: Flat) -> bool:

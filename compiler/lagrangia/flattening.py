@@ -9,6 +9,7 @@ from lagrangia.classes import ClassTable
 from lagrangia.diagnostics import LagError, Report, Source, Span, fail, nearest, suggest
 from lagrangia.flat import Energy, Equation, Experiment, FlatModel, Frame, FrameEquation, Kind, Variable, Work, is_frame
 from lagrangia.folding import fold
+from lagrangia.given import a_number
 from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
 from lagrangia.names import Names, read_unit
 from lagrangia.tree import (
@@ -33,6 +34,7 @@ from lagrangia.tree import (
     WhenBlock,
     WorkTerm,
 )
+from lagrangia.unread import find_unread
 
 
 def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None) -> FlatModel:
@@ -71,11 +73,12 @@ class _Flattening:
         self._visit(root)
         bound = self._bind_variables()
         self.report.raise_errors()
-        return FlatModel(
+        model = FlatModel(
             definition.name, definition.description, self.variables, self.frames, tuple(self.frame_equations), bound,
             tuple(self.energies), tuple(self.works), tuple(self.initial), self.functions, self.structural,
             self._experiment(definition.annotation, Scope(root)), definition.name_span,
         )
+        return replace(model, warnings=tuple(find_unread(model, root, self.table).diagnostics))
 
     def _require_model(self) -> None:
         if self.definition.kind != "model" or self.definition.is_partial:
@@ -155,7 +158,7 @@ class _Flattening:
         if slot.binding is not None and kind == "coordinate":
             fail("L0218", f"the coordinate '{declaration.name}' cannot be bound", slot.binding.expression.span,
                  f"give it a start, {declaration.name}(start = ...), or state an equation")
-        binding = self.names.flatten_bound(slot.binding) if slot.binding is not None else None
+        binding = self.names.flatten_bound(slot.binding, slot.dimensions) if slot.binding is not None else None
         start = self.names.flatten_bound(slot.attributes["start"]) if "start" in slot.attributes else None
         self.variables[slot.path] = Variable(
             slot.path, kind, slot.dimensions, self._unit(slot), self._text(slot, "displayUnit"), binding, start,
@@ -381,4 +384,5 @@ def _literal(value: Any, span: Span) -> Expression:
         return String(value, span)
     if isinstance(value, Sequence):
         return Array(tuple(_literal(item, span) for item in value), span)
-    return Number(float(value), None, span, float(value).is_integer())
+    number = a_number(span.source.name.removeprefix("the "), value)
+    return Number(number, None, span, number.is_integer())

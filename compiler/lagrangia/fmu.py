@@ -23,11 +23,13 @@ from lagrangia.fmu_xml import About
 from lagrangia.fmu_xml2 import write_fmi2
 from lagrangia.fmu_xml3 import write_build_description, write_fmi3
 from lagrangia.folders import data_folder
+from lagrangia.given import by_name
 from lagrangia.pipeline import read_files
 from lagrangia.targets import Target, keep_apart
 
 VERSIONS = ("2", "3")
 KINDS = ("me", "cs")
+INFO = ("author", "version", "copyright", "license")
 EXTRA = "io.github.lagrangia"  # its folder in extra/
 SCENE = "scene.json"  # in it: which model of which file was exported, and with what
 _MOST_READABLE = 3  # coordinates of a scene whose equations are written out
@@ -67,13 +69,13 @@ def export_fmu(model: Exportable, wanted: Export, path: Path, tell: Callable[[st
 
 
 def export_fmus(
-    model: Exportable, path: Path | None, fmi: str, kind: str, platforms: str, sources: bool,
+    model: Exportable, path: Path | None, fmi: str | int, kind: str, platforms: str, sources: bool,
     parameters: Mapping[str, float] | None, info: Mapping[str, str] | None, tell: Callable[[str], None] | None,
 ) -> list[Path]:
     """One archive for each version, from one description of the scene. Raises LagError."""
     versions = VERSIONS if fmi == "both" else read_choice(fmi, VERSIONS, "version of FMI")
     kinds = read_choice(kind, KINDS, "kind of FMU")
-    wanted = Export("", kinds, read_platforms(platforms), sources, parameters or {}, info or {})
+    wanted = Export("", kinds, read_platforms(platforms), sources, parameters or {}, _checked_info(info))
     described = build_fmu_model(model, wanted.parameters)
     extras = build_extras(model, described)
     name = f"{identifier_of(model.scene.name)}.fmu"
@@ -88,6 +90,16 @@ def export_fmus(
             opened.stream.write(content)
         written.append(here)
     return written
+
+
+def _checked_info(info: Mapping[str, str] | None) -> Mapping[str, str]:
+    found = by_name("info", info)
+    for name, text in found.items():
+        if name not in INFO:
+            fail("L0706", f"the info of an FMU has no '{name}'", None, f"it has {', '.join(INFO)}")
+        if not isinstance(text, str):
+            fail("L0706", f"the {name} of an FMU must be a text, not {text!r}"[:200])
+    return found
 
 
 def archive(described: FmuModel, wanted: Export, extras: Extras, tell: Callable[[str], None] | None = None) -> bytes:
@@ -203,9 +215,9 @@ def zipped(files: Mapping[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
-def read_choice(text: str, known: Sequence[str], what: str) -> tuple[str, ...]:
-    """Names between commas. Raises LagError L0706."""
-    chosen = tuple(dict.fromkeys(part.strip() for part in text.split(",") if part.strip()))
+def read_choice(given: object, known: Sequence[str], what: str) -> tuple[str, ...]:
+    """Names between commas, or a number that is one. Raises LagError L0706."""
+    chosen = tuple(dict.fromkeys(part.strip() for part in str(given).split(",") if part.strip()))
     for name in chosen:
         if name not in known:
             fail("L0706", f"there is no {what} '{name}'", None, f"there are {', '.join(known)}")

@@ -77,8 +77,9 @@ def host_platform() -> str | None:
     return name if name in PLATFORMS else None
 
 
-def read_platforms(text: str) -> tuple[str, ...]:
+def read_platforms(given: object) -> tuple[str, ...]:
     """ "all", "host", or names between commas. Raises LagError L0706."""
+    text = str(given)
     if text == "all":
         return tuple(PLATFORMS)
     host = host_platform()

@@ -5,7 +5,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lagrangia.commands import assignment, load_model, split_names, values_with_units
+from lagrangia.arguments import assignment, load_model, split_names, values_with_units
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.native import CompilerError
 from lagrangia.pipeline import ALL_REACTIONS
@@ -14,7 +14,7 @@ from lagrangia.statics import is_static
 if TYPE_CHECKING:
     from lagrangia.model import Model
 
-_INFO = ("author", "version", "copyright", "license")
+OPTIONS = ("fmi", "kind", "platforms", "sources")  # of export_fmu, under their names there
 
 
 def export_fmu_command(options: Namespace) -> int:
@@ -27,12 +27,9 @@ def export_fmu_command(options: Namespace) -> int:
     units = {p.name: p.unit for p in model.scene.parameters}
     others = [(name, text) for name, text in given if name.partition("[")[0] not in model.scene.structural]
     info = dict(assignment(text, "--info") for text in options.info)
-    for name in info:
-        if name not in _INFO:
-            fail("L0706", f"--info has no '{name}'", None, f"it has {', '.join(_INFO)}")
     try:
-        written = model.export_fmu(options.output, fmi=options.fmi, kind=options.kind, platforms=options.platforms,
-                                   sources=options.sources, parameters=values_with_units(others, units), info=info, tell=_tell)
+        chosen = {name: value for name in OPTIONS if (value := getattr(options, name)) is not None}
+        written = model.export_fmu(options.output, **chosen, parameters=values_with_units(others, units), info=info, tell=_tell)
     except CompilerError as error:
         raise RunError(f"the C compiler refused\n{error}") from None
     for path in written:

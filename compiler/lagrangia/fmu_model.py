@@ -24,6 +24,7 @@ _ENERGIES = {"kinetic": "kinetic energy", "potential": "potential energy", "tota
              "dissipated": "taken out by dampers since the start", "work": "put in by loads and moving supports since the start",
              "residual": "of the energy account, which is 0 but for errors"}
 _DRIFT_RATE = 100  # stabilisation: times in an experiment in which an error of the constraints falls to 1/e
+_ROUNDING = 1e-12  # of positions: what moves no further in the experiment stands still
 _SMALLEST_NOMINAL = 1e-3  # of the largest of its kind
 
 
@@ -152,6 +153,10 @@ def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[
     largest = np.abs(states).max(axis=0) if scene.n else np.zeros(0)
     own = scene.coordinate_kind[: scene.n]  # the others are of coordinates that these give
     kinds = np.array([*own, *(-1 - kind for kind in own)])
+    for kind in set(own):  # rates of what stands still are rounding
+        reach, rates = max(largest[kinds == kind].max(), 0.0 if kind else 1.0), kinds == -1 - kind
+        if largest[rates].max() * (scene.stop - scene.start) <= _ROUNDING * reach:
+            largest[rates] = 0.0
     nominal = []
     for size, kind in zip(largest, kinds, strict=True):
         least = max(_SMALLEST_NOMINAL * largest[kinds == kind].max(), 0.0)

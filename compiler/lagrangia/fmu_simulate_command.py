@@ -8,13 +8,13 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, input_tables, number, prepare_target, read_table, split_names
+from lagrangia.arguments import assignment, input_tables, number, prepare_target, read_table, split_names
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.fmu_description import Description
 from lagrangia.fmu_process import SPOKEN, Inputs
 from lagrangia.fmu_run import FmuRun, Request, open_fmu, settable, simulate_fmu
 from lagrangia.plot import draw
-from lagrangia.targets import Target, quoted
+from lagrangia.targets import Target, cells, quoted
 from lagrangia.units import ONE, Unit, parse_unit
 from lagrangia.values import read_value
 
@@ -132,7 +132,7 @@ def _write(run: FmuRun, target: str, first: float | None) -> None:
     """A line of names and a line for each row; `first` leaves out the start when no row was asked for there."""
     names = ",".join(quoted(name) for name in ("time", *(column.name for column in run.columns)))
     rows = (row for row in run.lines() if first is None or row[0] >= first)
-    lines = (",".join(repr(x) if math.isfinite(x) else "" for x in row) for row in rows)
+    lines = (cells(row) for row in rows)
     if target == "-":
         print(names, *lines, sep="\n")
         return

@@ -68,7 +68,7 @@ class _Apart:
             return value
         if name not in self.coordinates:
             self.coordinates[name] = self.algebra.new_symbol(), self.algebra.new_symbol()
-        return value + displacement(*self.coordinates[name], level)
+        return value + displacement(self.coordinates[name], level)
 
     def time(self, level: int) -> Scalar:
         return self.kinematics.time(level)
@@ -81,9 +81,9 @@ class _Apart:
             self.frames[name] = [self.algebra.new_symbol() for _ in range(3)], [self.algebra.new_symbol() for _ in range(3)]
         shift, rate = self.frames[name]
         if attribute in _PLACES:
-            moved = tuple(displacement(shift[k], rate[k], level) for k in _PLACES[attribute])
+            moved = tuple(displacement((shift[k], rate[k]), level) for k in _PLACES[attribute])
         else:
-            moved = tuple(displacement(rate[k], 0.0, level) for k in _VELOCITIES[attribute])
+            moved = tuple(displacement((rate[k],), level) for k in _VELOCITIES[attribute])
         return tuple(a + b for a, b in zip(value, moved, strict=True)) if isinstance(value, tuple) else value + moved[0]
 
 

@@ -15,6 +15,7 @@ from lagrangia.book import (
     coordinates_table,
     equal,
     generic,
+    kicks_block,
     matrix,
     multiplier_term,
     names_block,
@@ -40,7 +41,7 @@ def opening(book: Book) -> list[Block]:
 
 
 def page(book: Book, blocks: list[Block]) -> Document:
-    return Document(title(book), (*opening(book), *names_block(book), *blocks))
+    return Document(title(book), (*opening(book), *names_block(book), *blocks, *kicks_block(book)))
 
 
 # -------------------------------------------------------------------- energies

@@ -29,14 +29,15 @@ _RETURNS = 60
 
 @dataclass(frozen=True)
 class Freedom:
-    """`degrees` of freedom at general positions and `now`, at the start; rows that repeat others; what does not assemble; loops
-    that close in several ways."""
+    """`degrees` of freedom at general positions and `now`, at the start; rows that repeat others, told and by their places; what
+    does not assemble; loops that close in several ways."""
 
     degrees: int
     now: int
     repeated: tuple[str, ...]
     problem: Diagnostic | None
     alternatives: tuple[Alternatives, ...] = ()
+    dependent: tuple[int, ...] = ()
 
 
 def is_held_still(
@@ -64,7 +65,7 @@ def _find(
 ) -> tuple[Freedom, Assembly | None, Vector]:
     """But for the alternatives; the assembly, and the state it found."""
     held, n = motion.constrained, motion.q.numel()
-    told = tuple(_tell(row) for row in constraints.repeated)
+    told = tuple(dict.fromkeys(map(_tell, constraints.repeated)))
     if held is None:
         return Freedom(n, n, told, None), None, np.zeros(0)
     assembly = begin(kinematics, initial, functions)
@@ -76,8 +77,9 @@ def _find(
     q, numbers = x[:n], _Numbers(kinematics, held)
     slopes = numbers.scaled([q, *numbers.nearby(q)])
     ranks = [_rank(J) for J in slopes]
-    repeated = [constraints.rows[k] for k in _dependent_rows(slopes[int(np.argmax(ranks))])]
-    found = Freedom(n - max(ranks), n - ranks[0], told + tuple(dict.fromkeys(map(_tell, repeated))), None)
+    dependent = tuple(_dependent_rows(slopes[int(np.argmax(ranks))]))
+    repeated = dict.fromkeys((*told, *(_tell(constraints.rows[k]) for k in dependent)))
+    found = Freedom(n - max(ranks), n - ranks[0], tuple(repeated), None, (), dependent)
     return found, assembly, x
 
 

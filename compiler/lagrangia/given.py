@@ -1,10 +1,13 @@
 """What Python code gives by name: numbers, counts and mappings, or a diagnostic in place of a TypeError deep below."""
 
 import operator
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from lagrangia.diagnostics import fail
+
+MOST_STARTS, MOST_POINTS = 10_000, 200_000
+_HIGHEST = 1e100  # Hz: its square is still a number
 
 
 def a_number(what: str, value: Any) -> float:
@@ -25,6 +28,47 @@ def a_count(what: str, value: Any) -> int:
         except TypeError:
             pass
     fail("L0702", f"the {what} must be a whole number, not {value!r}"[:200])
+
+
+def a_count_within(what: str, value: Any, least: int, most: int) -> int:
+    """Raises LagError L0702."""
+    count = a_count(what, value)
+    if not least <= count <= most:
+        fail("L0702", f"the {what} must lie between {least} and {most}, not be {count}")
+    return count
+
+
+def numbers(what: str, given: Any) -> list[float]:
+    """Raises LagError L0702."""
+    if isinstance(given, str | bytes | Mapping) or not isinstance(given, Iterable):
+        fail("L0702", f"the {what} must be a sequence of numbers, not {given!r}"[:200])
+    return [a_number(what, value) for value in given]
+
+
+def names(what: str, given: Any) -> tuple[str, ...]:
+    """A text alone is one name. Raises LagError L0702."""
+    found = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Iterable) else None
+    if found is None or not all(isinstance(name, str) for name in found):
+        fail("L0702", f"the {what} must be names, not {given!r}"[:200])
+    return found
+
+
+def a_frequency(value: Any) -> float:
+    """In Hz. Raises LagError L0702."""
+    frequency = a_number("frequency", value)
+    if not 0 < frequency < _HIGHEST:
+        fail("L0702", f"a frequency is a positive number of Hz, not {frequency:g}")
+    return frequency
+
+
+def a_span(given: Any) -> tuple[float, float]:
+    """Of frequencies, rising. Raises LagError L0702."""
+    ends = [a_frequency(value) for value in numbers("span", given)]
+    if len(ends) != 2:
+        fail("L0702", f"the span must be two frequencies, not {len(ends)}")
+    if not ends[0] < ends[1]:
+        fail("L0702", f"the frequencies must rise, not go from {ends[0]:g} to {ends[1]:g}")
+    return ends[0], ends[1]
 
 
 def by_name(what: str, given: Any) -> Mapping[str, Any]:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from lagrangia.constraints import Constraints
+from lagrangia.energies import evaluate_energies
 from lagrangia.kinematics import Kinematics
 from lagrangia.kkt import factor
 from lagrangia.motion import Motion, mass_matrix, solve_mass
@@ -20,6 +22,16 @@ class Kick:
 
     rates: ca.SX
     before: ca.SX
+
+
+def rates_jump(kinematics: Kinematics, constraints: Constraints) -> bool:
+    """Whether there are kicks, of scenes that are not compiled as a whole."""
+    modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    if modes.numel() == 0:
+        return False
+    energies = evaluate_energies(kinematics)
+    momentum = ca.gradient(energies.total(energies.kinetic), ca.vertcat(*kinematics.symbols.rates.values()))
+    return bool(ca.depends_on(ca.vertcat(momentum, *(row.rate(kinematics) for row in constraints.rows)), modes))
 
 
 def find_kick(kinematics: Kinematics, motion: Motion) -> Kick:

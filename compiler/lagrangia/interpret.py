@@ -3,8 +3,13 @@
 import math
 import operator
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from lagrangia.tapes import Op, Tape
+
+if TYPE_CHECKING:
+    import numpy as np
 
 _FUNCTIONS: Mapping[Op, Callable[..., float]] = {
     Op.ASSIGN: lambda a, b: a, Op.ADD: operator.add, Op.SUB: operator.sub, Op.MUL: operator.mul, Op.DIV: operator.truediv,
@@ -26,24 +31,54 @@ def _of_one(name: str) -> Callable[[float, float], float]:
     return lambda a, b: float(function(a))
 
 
-_TABLE = {**_FUNCTIONS, **{op: _of_one(op.name.lower()) for op in _OF_ONE}}
+_BY_NUMBER = {int(op): function for op, function in (*_FUNCTIONS.items(), *((op, _of_one(op.name.lower())) for op in _OF_ONE))}
+_LIKE_NUMBERS = {int(op) for op in (Op.ASSIGN, Op.ADD, Op.SUB, Op.MUL, Op.NEG, Op.SQ, Op.TWICE, Op.FABS)}  # arrays, too
+_QUOTIENTS = {int(Op.DIV), int(Op.INV)}
+_INPUT, _OUTPUT, _CONST = int(Op.INPUT), int(Op.OUTPUT), int(Op.CONST)
+_UNARY = {int(op) for op in _OF_ONE}
 
 
 def evaluate(tape: Tape, *inputs: Sequence[float]) -> list[list[float]]:
     """The outputs of a tape; NaN wherever something cannot be computed, a division by zero among them."""
+    return _evaluate(tape, inputs, _apply)
+
+
+def evaluate_each(tape: Tape, *inputs: "Sequence[np.ndarray | float]") -> "list[list[np.ndarray | float]]":
+    """The same for many sets of inputs at once: arrays (sets,) in the place of numbers, or numbers that all sets share."""
+    return _evaluate(tape, inputs, _apply_to_arrays)
+
+
+def _evaluate(tape: Tape, inputs: Sequence[Sequence[Any]], apply: Callable[[int, Any, Any], Any]) -> list[list[Any]]:
     work = [0.0] * tape.n_work
     outputs = [[0.0] * size for size in tape.out_sizes]
-    for k in range(0, len(tape.code), 4):
-        op, out, a, b = tape.code[k : k + 4]
-        if op == Op.INPUT:
-            work[out] = float(inputs[a][b])
-        elif op == Op.OUTPUT:
+    places = iter(tape.code)
+    for op, out, a, b in zip(places, places, places, places, strict=True):
+        if op == _INPUT:
+            work[out] = inputs[a][b]
+        elif op == _OUTPUT:
             outputs[out][b] = work[a]
-        elif op == Op.CONST:
+        elif op == _CONST:
             work[out] = tape.constants[a]
         else:
-            try:
-                work[out] = _TABLE[op](work[a], 0.0 if op in _OF_ONE else work[b])
-            except (ValueError, ArithmeticError):
-                work[out] = math.nan
+            work[out] = apply(op, work[a], 0.0 if op in _UNARY else work[b])
     return outputs
+
+
+def _apply(op: int, a: float, b: float) -> float:
+    try:
+        return _BY_NUMBER[op](a, b)
+    except (ValueError, ArithmeticError):
+        return math.nan
+
+
+def _apply_to_arrays(op: int, a: Any, b: Any) -> Any:
+    import numpy as np
+
+    if op in _LIKE_NUMBERS:
+        return _BY_NUMBER[op](a, b)
+    if op in _QUOTIENTS:
+        above, below = (1.0, a) if op == Op.INV else (a, b)
+        is_zero = below == 0
+        return np.where(is_zero, np.nan, above / np.where(is_zero, 1.0, below))
+    with np.errstate(all="ignore"):
+        return np.asarray(np.frompyfunc(partial(_apply, op), 2, 1)(a, b), float)

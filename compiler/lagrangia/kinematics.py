@@ -5,7 +5,7 @@ Duals, so the velocities come with the positions. Only this module, the frame fu
 dimensions.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -22,6 +22,7 @@ from lagrangia.graph import ComponentGraph
 from lagrangia.scalars import symbol
 
 _JUST_AFTER = 1e-9  # of the time from start to stop
+Displacement = tuple[ca.SX, ...]  # a virtual one and its rate, or those of an excitation, with its second derivative
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,8 +71,8 @@ class Kinematics:
     symbols: Symbols
     algebra: CasadiAlgebra  # symbolic.py puts SymPy's in its place
     dependents: Mapping[str, Dependent] = field(default_factory=dict)
-    released: Mapping[str, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # virtual displacements, rates
-    moved: Mapping[str, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # those of single frames, nothing behind them
+    released: Mapping[str, Displacement] = field(default_factory=dict)
+    moved: Mapping[str, Displacement] = field(default_factory=dict)  # those of single frames, nothing behind them
     reactions: dict[str, tuple[ca.SX, ca.SX, ca.SX]] = field(default_factory=dict)  # symbols of those that outputs ask for
     evaluator: Evaluator = field(init=False)
     _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])
@@ -89,13 +90,13 @@ class Kinematics:
             return self.coordinate(name, level)
         if name in self.graph.cut_coordinates:
             read = cut_coordinate(self, self.graph.cut_coordinates[name], level)
-            return read + displacement(*self.released[name], level) if name in self.released else read
+            return read + displacement(self.released[name], level) if name in self.released else read
         return self.symbols.compiled.get(name, self.symbols.values.get(name))
 
     def coordinate(self, name: str, level: int) -> Scalar:
         if name in self.dependents:
             given = self._dependent(self.dependents[name], level)
-            return given + displacement(*self.released[name], level) if name in self.released else given
+            return given + displacement(self.released[name], level) if name in self.released else given
         q, v, a = (values[name] for values in (self.symbols.positions, self.symbols.rates, self.symbols.accelerations))
         return (q, Dual(q, v), Dual(Dual(q, v), Dual(v, a)))[level]
 
@@ -149,7 +150,7 @@ class Kinematics:
         return self._still
 
     def displaced(
-        self, released: Mapping[str, tuple[ca.SX, ca.SX]], moved: Mapping[str, tuple[ca.SX, ca.SX]] | None = None
+        self, released: Mapping[str, Displacement], moved: Mapping[str, Displacement] | None = None
     ) -> "Kinematics":
         """The same motion with virtual displacements and their rates: of a frame with all that lies behind it (x, y, angle), of
         the coordinate of a cut joint, or of a coordinate that a constraint gives. `moved`: of frames alone."""
@@ -164,7 +165,7 @@ class Kinematics:
         pose = self.poses(level).get(name)
         if pose is None:
             fail("L0401", f"the frame '{name}' is joined to nothing", self.graph.model.frames[name].span)
-        return self._displaced(pose, *self.moved[name], level) if name in self.moved else pose
+        return self._displaced(pose, self.moved[name], level) if name in self.moved else pose
 
     def poses(self, level: int) -> Mapping[str, Pose]:
         """Of all frames; the level is 1 or 2."""
@@ -183,10 +184,10 @@ class Kinematics:
         for edge in self.graph.edges:
             poses[edge.child] = self.follow(edge, poses[edge.parent], level)
             if edge.child in self.released:
-                poses[edge.child] = self._displaced(poses[edge.child], *self.released[edge.child], level)
+                poses[edge.child] = self._displaced(poses[edge.child], self.released[edge.child], level)
 
-    def _displaced(self, pose: Pose, shift: ca.SX, rate: ca.SX, level: int) -> Pose:
-        x, y, angle = (displacement(shift[k], rate[k], level) for k in range(3))
+    def _displaced(self, pose: Pose, moved: Displacement, level: int) -> Pose:
+        x, y, angle = (displacement([part[k] for part in moved], level) for k in range(3))
         return self.turned(Pose(pose.x + x, pose.y + y, pose.phi, pose.cos, pose.sin), angle, level)
 
     def _root_pose(self, frame: str, attributes: tuple[str, ...], level: int) -> Pose:
@@ -233,9 +234,10 @@ def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[
     return Dual(ahead_x, minus(stretch_x, times(w, ahead_y))), Dual(ahead_y, plus(stretch_y, times(w, ahead_x)))
 
 
-def displacement(shift: Scalar, rate: Scalar, level: int) -> Scalar:
+def displacement(moved: Sequence[Scalar], level: int) -> Scalar:
     """At a level of the kinematics."""
-    return (shift, Dual(shift, rate), Dual(Dual(shift, rate), Dual(rate, 0.0)))[level]
+    shift, rate, second = (*moved, 0.0, 0.0)[:3]
+    return (shift, Dual(shift, rate), Dual(Dual(shift, rate), Dual(rate, second)))[level]
 
 
 def _change(displacements: list[ca.SX], value: Scalar) -> Scalar:

@@ -37,9 +37,10 @@ class KKT:
     @property
     def doubt(self) -> ca.SX:
         """Above 0 where J M^-1 J^T loses digits: a pivot is much less than what it was before others were eliminated."""
-        n, total = self.M.size1(), ca.SX(0)
+        n, total, pattern = self.M.size1(), ca.SX(0), self.upper.sparsity()
+        starts, rows = pattern.colind(), pattern.row()
         for k, row in enumerate(self.order):
-            above = [i for i in range(k) if self.upper.has_nz(i, k)]
+            above = [i for i in rows[starts[k] : starts[k + 1]] if i < k]
             if row < n or all(self.order[i] < n for i in above):
                 continue
             before = sum((self.upper[i, k] ** 2 * self.diagonal[i] for i in above if self.order[i] < n), ca.SX(0))
@@ -69,8 +70,7 @@ def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False) -> K
     weight = None
     if is_singular:
         squares = ca.densify((J * J) @ ca.SX.ones(n))
-        mass = ca.DM(J.sparsity(), 1) @ ca.vertcat(*[M[k, k] for k in range(n)])
-        weight = ca.densify(mass) / squares
+        weight = _masses(M, J) / squares
         M = M + J.T @ (ca.diag(weight) @ J)
     diagonal = ca.vertcat(*[M[k, k] for k in range(n)])
     small = ca.SX.zeros(J.size1()) if is_regular else _SMALL * ((J * J) @ (1 / diagonal))
@@ -78,6 +78,15 @@ def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False) -> K
     order = (_front if is_singular else _levels)(M.sparsity(), J.sparsity())
     D, upper, _ = ca.ldl(K[list(order), list(order)], False)
     return KKT(M, J, weight, order, D, upper)
+
+
+def _masses(M: ca.SX, J: ca.SX) -> ca.SX:
+    """The mass of the coordinates in each row; of all where these have none (bars of a truss, integrals), 1 where nothing has."""
+    own = ca.vertcat(*[M[k, k] for k in range(M.size1())])
+    of_rows = ca.vertsplit(ca.densify(ca.DM(J.sparsity(), 1) @ own))
+    total = ca.sum1(own)
+    others = ca.if_else(total > 0, total, 1)
+    return ca.vertcat(ca.SX(0, 1), *[ca.if_else(x > 0, x, others) for x in of_rows])
 
 
 def _levels(M: ca.Sparsity, J: ca.Sparsity) -> tuple[int, ...]:

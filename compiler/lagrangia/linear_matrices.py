@@ -19,7 +19,7 @@ from lagrangia.equations import Equations
 from lagrangia.linearization import pivots
 from lagrangia.rest_points import Begin, Point, Statics, point_given, point_of_rest, put
 from lagrangia.symbolic import Given, SymbolicScene
-from lagrangia.sympy_algebra import Expr, exact
+from lagrangia.sympy_algebra import Expr, exact, slope
 
 Table = tuple[tuple[Expr, ...], ...]
 _NOTHING = 1e-12
@@ -54,6 +54,7 @@ class Linear:
     J: Table
     pushed: tuple[Expr, ...]
     resting: Mapping[Expr, Expr]
+    varies: bool  # whether coefficients change with time but for the standstill
     reduced: Reduced | None
 
 
@@ -82,7 +83,7 @@ class _Small:
         self.still = dict.fromkeys((x for g in self.supports for x in g.moving[1:]), sp.S.Zero)
         parts = (*e.h, *e.f, *e.rows, *(x for table in (e.M, e.J) for row in table for x in row))
         for g in self.supports:
-            first = g.value.diff(self.scene.t)
+            first = slope(g.value, self.scene.t)
             if not first.has(self.scene.t) and not any(x.has(g.symbol) for x in parts):
                 self.still[g.rate] = first  # a frame that turns steadily keeps turning
         self.loads = [*self.scene.inputs.values(),
@@ -151,7 +152,17 @@ class _Linearizer:
                                 for x, r in zip(held, rest, strict=True)]])
         reduced = self._reduced(M, C, K, load, J, pushed, begin) if J and scene.holonomic == len(J) else None
         return Linear(self.point.q, self.point.multipliers, self.point.is_numeric, is_still, M, C, K, load, J, pushed,
-                      self.s.resting, reduced)
+                      self.s.resting, self._varies(held), reduced)
+
+    def _varies(self, held: list[Expr]) -> bool:
+        """Whether supports that do not turn steadily, loads or inputs stand in coefficients at the point."""
+        supports = [x for g in self.s.supports for x in g.moving]
+        driven = {*self.s.loads, *(x for x in supports if self.s.still.get(x, 0) == 0)}
+        here = self.here | dict.fromkeys(self.scene.v, sp.S.Zero)
+        tables = [row for table in (self.e.M, self.e.J) for row in table]
+        for x in (x for x in held if x.free_symbols & driven):
+            tables.append(tuple(self.e.ring.slope(x, y) for y in (*self.scene.q, *self.scene.v)))
+        return any(put(x, here).free_symbols & driven for row in tables for x in row if x.free_symbols & driven)
 
     def _moved(self, x: Expr) -> Expr:
         """What supports do, to first order: dx/dg g + dx/dg' g' + dx/dg'' g'', g the deviation."""

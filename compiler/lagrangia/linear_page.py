@@ -21,7 +21,8 @@ def linear_form(book: Book, linear: Linear) -> Document:
     about = _about(book, linear)
     if book.equations.n == 1 and not linear.J:
         system = linear.M, linear.C, linear.K, linear.load
-        return page(book, [*about, Display((_single(book, system, book.q[0], prefix),)), *_where(book, linear)])
+        return page(book, [*about, Display((_single(book, system, book.q[0], prefix),)), *_standstill(linear),
+                           *_where(book, linear)])
     has_C, has_K = (_is_there(A) for A in (linear.C, linear.K))
     q, names = replace(bold("q"), prefix=prefix), [replace(x, prefix=prefix) for x in book.q]
     lines: list[Node] = [equal(q, column(names)), *_matrices(book, (linear.M, linear.C, linear.K), has_C, has_K)]
@@ -35,7 +36,7 @@ def linear_form(book: Book, linear: Linear) -> Document:
         is_rate = not book.equations.scene.holonomic
         whole.append(equal(product([bold("J"), replace(q, marks=int(is_rate))]), bold("e") if has_push else p.sum(sp.S.Zero)))
     blocks: list[Block] = [*about, Display(tuple(whole)), paragraph("with"), Display(tuple(lines))]
-    return page(book, [*blocks, *_without(book, linear, prefix), *_where(book, linear)])
+    return page(book, [*blocks, *_without(book, linear, prefix), *_standstill(linear), *_where(book, linear)])
 
 
 def _deviations(book: Book, linear: Linear, prefix: str) -> Book:
@@ -146,6 +147,12 @@ def _values(book: Book, names: Sequence[Node], values: Sequence[Expr]) -> list[R
     bases = [name for name in names if isinstance(name, Name)]
     return [Relation(Name(name.base, f"{name.sub} 0".strip()), book.presentation.sum(x))
             for name, x in zip(bases, values, strict=True)]
+
+
+def _standstill(linear: Linear) -> list[Block]:
+    """What is left out of M, C, K and J."""
+    words = "Coefficients that vary with time are taken at a standstill: with supports at rest, and without loads."
+    return [paragraph(words)] if linear.varies else []
 
 
 def _where(book: Book, linear: Linear) -> list[Block]:

@@ -46,9 +46,22 @@ class Tangent:
     full: tuple[Matrix, ...]  # M, C, K (n, n), J (m, n), and dR/ds, ds', ds'' at fixed coordinates (n, k)
 
 
-def tangent_of(values: Sequence[Matrix], is_preferred: Sequence[bool], reach: Matrix) -> Tangent:
-    """`values` as SmallMotion.tangent gives them. Coordinates that are preferred stay free where the choice is open."""
-    M, C, K, J, rates, E0, E1, E2, pushed = values
+@dataclass(frozen=True)
+class TangentParts:
+    """dR/da, dR/dv, dR/dq (n, n), dPhi/dq (m_h, n), d rate/dv (m, n), dR/ds, ds', ds'' (n, k), dPhi/ds (m_h, k)."""
+
+    M: Matrix
+    C: Matrix
+    K: Matrix
+    J: Matrix
+    rates: Matrix
+    E: tuple[Matrix, Matrix, Matrix]
+    pushed: Matrix
+
+
+def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix) -> Tangent:
+    """Coordinates that are preferred stay free where the choice is open."""
+    M, C, K, J, rates, (E0, E1, E2), pushed = x.M, x.C, x.K, x.J, x.rates, x.E, x.pushed
     n = M.shape[0]
     weight = reach * np.where(is_preferred, _PREFERRED, 1.0)
     dependent = pivots(J, weight)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.cache import find_scene, keep_scene
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.engines import Engine, divided, load_engine, start_building
-from lagrangia.given import by_name
-from lagrangia.interpret import evaluate
+from lagrangia.given import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, by_name, names, numbers
+from lagrangia.interpret import evaluate, evaluate_each
 from lagrangia.runtime_library import Runtime
 from lagrangia.scene import Scene
 from lagrangia.simulate import Values, check_values, plan, simulate
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from lagrangia.response import Response
     from lagrangia.sweep_plan import Job
     from lagrangia.sweep_table import Sweep
-
-_MOST_LOOKED_AT = 20_000  # parameter sets of a sweep, at some 50 us each
 
 
 def load(path: str | os.PathLike[str], *, model: str | None = None, **structural: Any) -> "Model":
@@ -87,6 +85,11 @@ class Model:
         return notes
 
     @property
+    def warnings(self) -> list[str]:
+        """What the model says in vain, in words: parameters and ports that are given and read by nothing."""
+        return list(self.scene.notes["warnings"])
+
+    @property
     def compilation(self) -> "Compilation":
         """What each phase of the compiler made; compiled when first asked for."""
         if self._compilation is None:
@@ -123,7 +126,7 @@ class Model:
         import numpy as np
 
         experiment = plan(self.scene, stop=stop, start=start, tolerance=tolerance, interval=interval,
-                          at=None if at is None else [float(t) for t in at], max_step=max_step, max_steps=max_steps,
+                          at=None if at is None else numbers("output times", at), max_step=max_step, max_steps=max_steps,
                           solver=solver)
         values = check_values(self.scene, parameters, initial, inputs)
         suited = self.suited(values)
@@ -153,8 +156,13 @@ class Model:
             return self.general.suited(values)
         if self.scene.evenness is None:
             return self
-        (parameters,) = evaluate(self.scene.tapes["parameters"], values.parameters, values.mask)
-        return self if all(x > 1 for x in evaluate(self.scene.evenness, parameters)[0]) else self._for_all_masses
+        return self if all(x > 1 for x in self._evenness(evaluate, values.parameters, values.mask)) else self._for_all_masses
+
+    def _evenness(self, evaluate: Callable[..., list[list[Any]]], given: Sequence[Any], mask: Sequence[float]) -> list[Any]:
+        """Above 1 all over where these formulas do for the masses: of one set of parameters, or of many (evaluate_each)."""
+        assert self.scene.evenness is not None
+        (parameters,) = evaluate(self.scene.tapes["parameters"], given, mask)
+        return evaluate(self.scene.evenness, parameters)[0]
 
     @property
     def general(self) -> "Model":
@@ -206,13 +214,14 @@ class Model:
 
     def suited_to_all(self, job: "Job") -> "tuple[Model, Job]":
         """The model whose formulas hold for the parameters of every run, and the job with its scene; see `suited`."""
+        import numpy as np
+
         parameters, varied = self.scene.parameters, [k for k in job.sweep.varied if k < len(self.scene.parameters)]
         suited = self.general if any(parameters[k].compiled is not None for k in varied) else self
         suited = suited.suited(Values(tuple(job.sweep.given), tuple(job.sweep.mask), (), ()))
-        for number, values in enumerate(job.parameter_sets() if suited.scene.evenness is not None else ()):
-            suited = suited.suited(values) if number < _MOST_LOOKED_AT else suited._for_all_masses
-            if suited.scene.evenness is None:
-                break
+        if suited.scene.evenness is not None:
+            found = (x > 1 for sets in job.parameter_sets() for x in suited._evenness(evaluate_each, *sets))
+            suited = suited if all(map(np.all, found)) else suited._for_all_masses
         return (self, job) if suited is self else (suited, replace(job, scene=suited.scene))
 
     def _with_outputs(self, names: Sequence[str]) -> "Model":
@@ -286,10 +295,11 @@ class Model:
         Each has `.position`, `.stability`, `.eigenvalues`, `.reactions`; time stands still at `time` (s), the start time by
         default. Raises LagError for wrong input, RunError where nothing can rest.
         """
-        return self._study(parameters, initial, inputs, time).equilibria(starts)
+        most = None if starts is None else a_count_within("number of starts", starts, 1, MOST_STARTS)
+        return self._study(parameters, initial, inputs, time).equilibria(most)
 
-    def linearize(self, *, about: str = "equilibrium", excitations: Sequence[str] | None = None,
-                  outputs: Sequence[str] | None = None, parameters: Mapping[str, float] | None = None,
+    def linearize(self, *, about: str = "equilibrium", excitations: str | Sequence[str] | None = None,
+                  outputs: str | Sequence[str] | None = None, parameters: Mapping[str, float] | None = None,
                   initial: Mapping[str, float] | None = None, inputs: Mapping[str, float] | None = None, time: float | None = None
                   ) -> "Linearization":
         """M, C, K and the state-space form of small motion about the equilibrium found from the start, or about the "start".
@@ -297,7 +307,8 @@ class Model:
         `excitations` and `outputs` are names; by default the inputs with all loads that depend on time, and the coordinates with
         the declared outputs. See `lag help analysis`. Raises LagError, RunError.
         """
-        return self._study(parameters, initial, inputs, time).linearize(about, excitations, outputs)
+        chosen = _chosen(excitations, outputs)
+        return self._study(parameters, initial, inputs, time).linearize(about, *chosen)
 
     def modes(self, *, about: str = "equilibrium", mass_normalised: bool = False, parameters: Mapping[str, float] | None = None,
               initial: Mapping[str, float] | None = None, inputs: Mapping[str, float] | None = None, time: float | None = None
@@ -305,13 +316,17 @@ class Model:
         """Natural frequencies, mode shapes and damping ratios about the equilibrium, or about the "start"."""
         return self._study(parameters, initial, inputs, time).modes(about, mass_normalised)
 
-    def response(self, excitations: Sequence[str] | None = None, outputs: Sequence[str] | None = None, *,
+    def response(self, excitations: str | Sequence[str] | None = None, outputs: str | Sequence[str] | None = None, *,
                  frequencies: Sequence[float] | None = None, span: tuple[float, float] | None = None, points: int = 400,
                  about: str = "equilibrium", parameters: Mapping[str, float] | None = None,
                  initial: Mapping[str, float] | None = None, inputs: Mapping[str, float] | None = None, time: float | None = None
                  ) -> "Response":
         """Frequency response of outputs to excitations, at `frequencies` (Hz) or over `span` (Hz, from the modes by default)."""
-        return self._study(parameters, initial, inputs, time).response(excitations, outputs, about, frequencies, span, points)
+        chosen = _chosen(excitations, outputs)
+        at = None if frequencies is None else [a_frequency(value) for value in numbers("frequencies", frequencies)]
+        ends = None if span is None else a_span(span)
+        count = a_count_within("number of points", points, 2, MOST_POINTS)
+        return self._study(parameters, initial, inputs, time).response(*chosen, about, at, ends, count)
 
     def _study(self, parameters: Any, initial: Any, inputs: Any, time: float | None) -> "Study":
         from lagrangia.analysis import Study
@@ -331,7 +346,7 @@ class Model:
         return write_equations(self.path, request, self.model, self.structural)
 
     def export_fmu(
-        self, path: str | os.PathLike[str] | None = None, *, fmi: str = "2", kind: str = "me,cs", platforms: str = "host",
+        self, path: str | os.PathLike[str] | None = None, *, fmi: str | int = "2", kind: str = "me,cs", platforms: str = "host",
         sources: bool = True, parameters: Mapping[str, float] | None = None, info: Mapping[str, str] | None = None,
         tell: Callable[[str], None] | None = None,
     ) -> "list[Path]":
@@ -375,6 +390,11 @@ class Model:
 
     def __repr__(self) -> str:
         return f"<{self.name}: {', '.join(self.coordinate_names[:6])}{', ...' if self.scene.n > 6 else ''}>"
+
+
+def _chosen(excitations: Any, outputs: Any) -> tuple[tuple[str, ...] | None, tuple[str, ...] | None]:
+    return (None if excitations is None else names("excitations", excitations),
+            None if outputs is None else names("outputs", outputs))
 
 
 def _interpolated(t: "np.ndarray", values: Any, k: int) -> "np.ndarray":

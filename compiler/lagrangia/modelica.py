@@ -9,7 +9,7 @@ mu is zero on the exact motion, which is not changed (Gear, Gupta and Leimkuhler
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import sympy as sp
 from sympy.printing.precedence import precedence
@@ -17,7 +17,7 @@ from sympy.printing.str import StrPrinter
 
 from lagrangia.book import Book
 from lagrangia.symbolic import SymbolicScene
-from lagrangia.sympy_algebra import Expr, exact_throughout
+from lagrangia.sympy_algebra import Expr, exact_throughout, slope
 from lagrangia.sympy_script import identifiers
 
 _RESERVED = set("""algorithm and annotation block break class connect connector constant constrainedby der discrete each else
@@ -25,11 +25,12 @@ _RESERVED = set("""algorithm and annotation block break class connect connector 
     impure in initial inner input loop model not operator or outer output package parameter partial protected public pure record
     redeclare replaceable return stream then true type when while within time Real Integer Boolean String""".split())
 _CLOSING = 10.0  # 1/s
-_NAMES = {"Abs": "abs", "ceiling": "ceil", "Min": "min", "Max": "max"}
+_NAMES = {"Abs": "abs", "ceiling": "ceil"}
+_LOGARITHMS = (sp.asinh, sp.acosh, sp.atanh)  # which Modelica has not
 
 
-def write_modelica(book: Book, starts: Mapping[str, float]) -> str:
-    """`starts` are the assembled start values by coordinate and der(coordinate)."""
+def write_modelica(book: Book, starts: Mapping[str, float], remarks: Iterable[str] = ()) -> str:
+    """`starts` are the assembled start values by coordinate and der(coordinate), and those of the inputs."""
     e, scene = book.equations, book.equations.scene
     model = scene.kinematics.graph.model
     # names as on paper, phi_d and phi_dd for rates and accelerations
@@ -40,12 +41,12 @@ def write_modelica(book: Book, starts: Mapping[str, float]) -> str:
         x = _without_given_rates(scene, exact_throughout(x))
         return str(printer.doprint(x.xreplace({s: sp.Symbol(names[s], real=True) for s in x.free_symbols if s in names})))
 
-    lines = [f"model {model.name}{_quoted(model.description)}"]
+    lines = [f"model {model.name}{_quoted(model.description)}", *(f"  // {remark}" for remark in remarks)]
     for p in (p for p in scene.parameters if p.symbol in names):
         value = code(p.formula) if p.formula is not None else repr(book.values[p.name])
         lines.append(f"  parameter Real {names[p.symbol]}{_unit(p.unit)} = {value}{_quoted(p.description)};")
     for label, x in scene.inputs.items():
-        lines += [f"  input Real {names[x]}; // {label}"] if x in names else []
+        lines += [f"  input Real {names[x]}(start = {starts[label]!r}); // {label}"] if x in names else []
     lines += [f"  Real {names[g.symbol]};" for g in scene.given if g.symbol in names]
     lines += [*_states(scene, names, starts), *(f"  Real {names[x]};" for x in e.multipliers)]
     closers = [_free_name(f"mu_{k + 1}", names) for k in range(scene.holonomic)]
@@ -115,7 +116,7 @@ def _without_given_rates(scene: SymbolicScene, x: Expr) -> Expr:
     for g in scene.given:
         value = g.value
         for s in g.moving[1:]:
-            value = value.diff(scene.t)
+            value = slope(value, scene.t)
             known[s] = value
     return x.xreplace(known) if known else x
 
@@ -149,13 +150,22 @@ class _Printer(StrPrinter):  # type: ignore[misc]
         return re.sub(r"\*\*", "^", str(super()._print_Mul(e)))
 
     def _print_Function(self, e: Expr) -> str:
+        if isinstance(e, _LOGARITHMS):
+            return f"({self._print(e.rewrite(sp.log))})"
         return f"{_NAMES.get(type(e).__name__, type(e).__name__)}({', '.join(map(self._print, e.args))})"
+
+    def _print_LatticeOp(self, e: Expr) -> str:
+        """min and max take two numbers."""
+        name, (*rest, last) = type(e).__name__.lower(), map(self._print, sorted(e.args, key=str))
+        return f"{''.join(f'{name}({x}, ' for x in rest)}{last}{')' * len(rest)}"
 
     def _print_Abs(self, e: Expr) -> str:
         return f"abs({self._print(e.args[0])})"
 
-    def _print_Pi(self, e: Expr) -> str:
-        return repr(float(sp.pi))
+    def _print_NumberSymbol(self, e: Expr) -> str:
+        return repr(float(e))
+
+    _print_Pi = _print_Exp1 = _print_NumberSymbol
 
     def _print_Piecewise(self, e: Expr) -> str:
         flat = sp.piecewise_fold(e)
@@ -168,6 +178,9 @@ class _Printer(StrPrinter):  # type: ignore[misc]
 
     def _print_Or(self, e: Expr) -> str:
         return " or ".join(f"({self._print(x)})" for x in e.args)
+
+    def _print_Not(self, e: Expr) -> str:
+        return f"not ({self._print(e.args[0])})"
 
     def _print_Relational(self, e: Expr) -> str:
         return f"{self._print(e.lhs)} {({'!=': '<>'}).get(e.rel_op, e.rel_op)} {self._print(e.rhs)}"

@@ -7,6 +7,7 @@ from functools import reduce
 from typing import Any, NoReturn, cast
 
 from lagrangia.classes import ClassTable
+from lagrangia.dealing import element, length
 from lagrangia.diagnostics import Report, Span, fail, nearest, suggest
 from lagrangia.folding import fold, folded
 from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS, Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
@@ -43,6 +44,7 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
 FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
 _ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
+_EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
 _MOST_ITERATIONS = 100_000
 
 
@@ -112,10 +114,13 @@ class Names:
 
     # ------------------------------------------------------------ expressions
 
-    def flatten_bound(self, bound: Bound) -> Flat:
+    def flatten_bound(self, bound: Bound, shape: tuple[int, ...] = ()) -> Flat:
+        """`shape` is of what it is bound to."""
         flat = self._flatten_dealt(bound) if bound.selection else self.flatten(bound.expression, bound.scope)
         for index, size in bound.selection:
-            flat = self._deal(flat, index, size)
+            flat = self._deal(flat, index, size, shape)
+        if bound.selection and shape and length(flat, self._size) is None:
+            fail("L0213", f"one number for an array of {shape[0]}, of every component", bound.expression.span, _EACH_WHOLE)
         return flat
 
     def _flatten_dealt(self, bound: Bound) -> Flat:
@@ -125,19 +130,20 @@ class Names:
             self._dealt[key] = bound, self.flatten(bound.expression, bound.scope)  # bound is kept, and so its ids stay its own
         return self._dealt[key][1]
 
-    def _deal(self, flat: Flat, index: int, size: int) -> Flat:
-        if isinstance(flat, Array):
-            if len(flat.items) != size:
-                fail("L0213", f"{len(flat.items)} values for an array of {size}", flat.span)
-            return flat.items[index - 1]
-        if isinstance(flat, Ref) and self._is_array(flat):
-            return Ref(flat.name, (*flat.index, index), flat.span)
-        fail("L0213", "one value for an array of components", flat.span,
-             "write `each` before it to give it to every element, or give an array")
+    def _deal(self, flat: Flat, index: int, size: int, shape: tuple[int, ...]) -> Flat:
+        found = length(flat, self._size)
+        if found is None:
+            fail("L0213", "one value for an array of components", flat.span,
+                 "write `each` before it to give it to every element, or give an array")
+        if found != size:
+            hints = [_EACH_WHOLE] if shape[:1] == (found,) else []
+            fail("L0213", f"{found} values for an array of {size}", flat.span, *hints)
+        return element(flat, index, self._size)
 
-    def _is_array(self, ref: Ref) -> bool:
+    def _size(self, ref: Ref) -> int | None:
         member = self._find(ref.name)
-        return isinstance(member, Slot) and len(member.dimensions) > len(ref.index)
+        is_array = isinstance(member, Slot) and len(member.dimensions) > len(ref.index)
+        return cast(Slot, member).dimensions[len(ref.index)] if is_array else None
 
     def _find(self, path: str) -> Member | None:
         member: Member | None = self.root
@@ -369,6 +375,12 @@ class Names:
         if name in instance.absent:
             fail("L0204", f"'{name}' is not there: its condition is false", span)
         what = f"{instance.definition.name} '{instance.path}'"
+        if name in REACTIONS:
+            joints = [str(slot.binding.expression).rpartition(".")[0] for slot in instance.members.values()
+                      if isinstance(slot, Slot) and slot.binding is not None and isinstance(slot.binding.expression, Reference)]
+            driven = next((f": {joint}.reaction, {joint}.reaction_torque" for joint in joints if joint), "")
+            fail("L0216", f"{what} has no reaction", span, "components with two ports have one; what acts on the coordinate of a "
+                 f"joint is in the reaction of the joint{driven}")
         fail("L0216", f"{what} has no member '{name}'", span, *explain(self.table, instance.definition, name))
 
 

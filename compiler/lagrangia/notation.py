@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import chain, count
 
 from lagrangia.diagnostics import fail, suggest
 from lagrangia.layout import GREEK, Name
@@ -22,23 +23,23 @@ class Wanted:
     is_function: bool = False  # of time: printed with (t)
 
 
-def name_all(wanted: Iterable[Wanted], given: Mapping[str, str]) -> dict[str, Name]:
-    """A name for each source name, all different; `given` are those that the user chose (source -> text).
+def name_all(wanted: Iterable[Wanted], given: Mapping[str, str], others: Iterable[Name] = ()) -> dict[str, Name]:
+    """A name for each source name, all different, and different from `others`; `given` are those that the user chose (source ->
+    text).
 
     Raises LagError L0711 for a chosen name that is no name, or stands for two things, or for a source name that is unknown.
     """
-    wanted = list(wanted)
-    _check(wanted, given)
+    wanted, kept = list(wanted), {(x.base, x.sub) for x in others}
+    _check(wanted, given, kept)
     names = {source: _split(text) for source, text in given.items()}
-    for item in wanted:
-        if "." not in item.source and item.source not in names:
-            names[item.source] = _split(item.source)
+    names |= _own_names([item.source for item in wanted if "." not in item.source and item.source not in names],
+                        kept | set(names.values()))
     rest = [item for item in wanted if item.source not in names]
     for level in range(3):
         groups: dict[tuple[str, str], list[Wanted]] = {}
         for item in rest:
             groups.setdefault(_candidate(item, level, rest), []).append(item)
-        taken = set(names.values())
+        taken = kept | set(names.values())
         unique = {items[0].source: key for key, items in groups.items() if len(items) == 1 and key not in taken}
         names |= unique
         rest = [item for item in rest if item.source not in unique]
@@ -47,7 +48,23 @@ def name_all(wanted: Iterable[Wanted], given: Mapping[str, str]) -> dict[str, Na
     return {source: Name(base, sub, 0, "t" if source in functions else "") for source, (base, sub) in names.items()}
 
 
-def _check(wanted: list[Wanted], given: Mapping[str, str]) -> None:
+def _own_names(sources: list[str], taken: set[tuple[str, str]]) -> dict[str, tuple[str, str]]:
+    """Of names without a path: themselves, but k1 and k_1 as they are written, and t, which is the time, t_1."""
+    found: dict[str, tuple[str, str]] = {}
+    shared = [_split(source) for source in sources]
+    for source, short in zip(sources, shared, strict=True):
+        choices = chain([short] if shared.count(short) == 1 else [], [(source, "")], ((source, str(k)) for k in count(1)))
+        found[source] = next(x for x in choices if x not in taken)
+        taken = taken | {found[source]}
+    return found
+
+
+def is_own(source: str, name: Name) -> bool:
+    """Whether a name without a path stands on paper as one expects it."""
+    return "." in source or (name.base, name.sub) in (_split(source), (source, ""))
+
+
+def _check(wanted: list[Wanted], given: Mapping[str, str], kept: set[tuple[str, str]]) -> None:
     known = [item.source for item in wanted]
     for source, text in given.items():
         if source not in known:
@@ -55,8 +72,9 @@ def _check(wanted: list[Wanted], given: Mapping[str, str]) -> None:
             fail("L0711", f"--names: there is no symbol '{source}' in the equations", None, *hints)
         if not _NAME.fullmatch(text):
             fail("L0711", f"--names: '{text}' is no name", None, "letters and digits, with _ before a subscript: theta, x_1")
-    texts = list(given.values())
-    twice = [text for text in texts if texts.count(text) > 1]
+    texts = {text: _split(text) for text in given.values()}
+    shown = [_split(text) for text in given.values()]
+    twice = [text for text, name in texts.items() if shown.count(name) > 1 or name in kept]
     others = [text for text in texts if text in known and text not in given and "." not in text]
     if twice or others:
         fail("L0711", f"--names: '{(twice or others)[0]}' would stand for two things", None)
@@ -112,7 +130,7 @@ def _split(text: str) -> tuple[str, str]:
     if re.fullmatch(r"[A-Za-z][a-z]", base) and base not in GREEK:
         base, sub = base[0], _joined(base[1], sub)  # ks is k_s
     element = re.fullmatch(r"(\w+)\[([\d,]+)\]", base)
-    return (element[1], _joined(element[2], sub)) if element else (base, sub.replace("_", " "))
+    return (element[1], _joined(element[2].replace(",", " "), sub)) if element else (base, sub.replace("_", " "))
 
 
 def _joined(*parts: str) -> str:

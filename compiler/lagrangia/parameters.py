@@ -11,6 +11,10 @@ from lagrangia.evaluation import Evaluator, Value, elements
 from lagrangia.flat import FlatModel
 from lagrangia.kinematics import Kinematics
 
+# What takes an energy or a dissipation function in place of a constant of this unit.
+_GENERAL = {**dict.fromkeys(("N/m", "N.m/rad"), "GeneralSpring(V = ...)"),
+            **dict.fromkeys(("N.s/m", "N.m.s/rad"), "GeneralDamper(D = ...)")}
+
 
 def scalars(name: str, value: Value) -> list[tuple[str, Scalar]]:
     if not isinstance(value, tuple):
@@ -89,8 +93,12 @@ class _ParameterLeaves:
     def _refuse(self, what: str) -> NoReturn:
         parameter = self.model.variables[self.pending[-1]]
         place = parameter.binding.span if parameter.binding is not None else parameter.span
+        is_of_component = "." in parameter.name
+        general = _GENERAL.get(parameter.unit) if is_of_component else None
         fail("L0604", f"the parameter '{parameter.name}' cannot depend on {what}", place,
-             "what changes during the run is a variable: leave `parameter` away")
+             "what changes during the run is a variable: leave `parameter` away" +
+             (", in a component of your own" if is_of_component else ""),
+             *([f"of the library's components, {general} takes any expression"] if general else []))
 
 
 def _nest(values: Iterator[Scalar], shape: tuple[int, ...]) -> Value:

@@ -107,12 +107,13 @@ def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, .
 
 def compile_energies(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None
                      ) -> "tuple[Kinematics, Constraints]":
-    """What the equations for people begin with: text -> kinematics, and energies that were checked. Raises LagError."""
+    """What the equations for people begin with: text -> kinematics; parameters and energies were checked. Raises LagError."""
     from lagrangia.constraints import reduce_kinematics
     from lagrangia.dimensions import check_dimensions
     from lagrangia.energies import build_energies
     from lagrangia.graph import build_graph
     from lagrangia.kinematics import build_kinematics
+    from lagrangia.parameters import default_parameters
 
     with deep_recursion():
         _, flat = flatten_file(path, model, structural)
@@ -121,6 +122,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
         if not kinematics.symbols.positions:
             fail("L0505", "nothing can move: the scene has no coordinate", flat.span,
                  "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
+        default_parameters(kinematics)
         build_energies(kinematics)
         return kinematics, constraints
 

@@ -1,6 +1,6 @@
 """Where in the source it is decided what a scene needs."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import casadi as ca
 
@@ -21,11 +21,20 @@ def place_of_world(kinematics: Kinematics) -> Span | None:
     return declared if declared != model.span else None
 
 
+def place_of_moving_support(kinematics: Kinematics) -> Span | None:
+    """Where `time` stands first in what moves a support or a coordinate and jumps or bends at known times."""
+    return _place(kinematics, _moving(kinematics), True)
+
+
 def place_of_time(kinematics: Kinematics, is_event: bool = False) -> Span | None:
     """Where `time` stands first in what acts or moves; `is_event`: in what jumps or bends at known times, outputs as well."""
+    return _place(kinematics, (*_statements(kinematics), *(_outputs(kinematics) if is_event else ())), is_event)
+
+
+def _place(kinematics: Kinematics, statements: Iterable[Flat], is_event: bool) -> Span | None:
     bindings = {name: variable.binding for name, variable in kinematics.graph.model.variables.items()}
     modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
-    for statement in (*_statements(kinematics), *(_outputs(kinematics) if is_event else ())):
+    for statement in statements:
         times = [leaf.span for leaf in leaves([statement], bindings) if isinstance(leaf, Time)]
         if times and (not is_event or _depends(kinematics, statement, modes)):
             return times[0]
@@ -34,10 +43,15 @@ def place_of_time(kinematics: Kinematics, is_event: bool = False) -> Span | None
 
 def _statements(kinematics: Kinematics) -> Iterator[Flat]:
     """Forces, energies, equations, shifts and turns."""
-    graph = kinematics.graph
-    for work in graph.model.works:
+    for work in kinematics.graph.model.works:
         yield from (work.force, work.position)
-    yield from (energy.value for energy in graph.model.energies)
+    yield from (energy.value for energy in kinematics.graph.model.energies)
+    yield from _moving(kinematics)
+
+
+def _moving(kinematics: Kinematics) -> Iterator[Flat]:
+    """Equations, shifts and turns."""
+    graph = kinematics.graph
     for equation in graph.model.constraints:
         yield from (equation.left, equation.right)
     yield from (step.amount for edge in graph.edges for step in edge.steps)

@@ -343,7 +343,7 @@ class Presentation:
         return Power(Bracket(base) if loose else base, self.number(k))
 
     def wave(self, x: Expr, k: int = 1) -> Node:
-        return Apply("sin" if isinstance(x, sp.sin) else "cos", self.sum(x.args[0]), k)
+        return Apply(type(x).__name__, self.sum(x.args[0]), k)
 
     # ------------------------------------------------------------ anything
 

@@ -13,7 +13,7 @@ from lagrangia.algebra import Dual, Scalar
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import fail
 from lagrangia.evaluation import Value, scalars_of
-from lagrangia.kinematics import Kinematics, Symbols
+from lagrangia.kinematics import Displacement, Kinematics, Symbols
 from lagrangia.observables import observe
 from lagrangia.parameters import scalars
 from lagrangia.tree import FrameRef, Ref, Time
@@ -60,8 +60,7 @@ class ProbedKinematics(Kinematics):
         at_rest = dict.fromkeys(self.symbols.accelerations, 0.0)
         return _with_symbols(self, replace(self.symbols, accelerations=at_rest))
 
-    def displaced(self, released: Mapping[str, tuple[ca.SX, ca.SX]], moved: Mapping[str, tuple[ca.SX, ca.SX]] | None = None
-                  ) -> Kinematics:
+    def displaced(self, released: Mapping[str, Displacement], moved: Mapping[str, Displacement] | None = None) -> Kinematics:
         return ProbedKinematics(self.graph, self.symbols, self.algebra, self.dependents, {**self.released, **released},
                                 {**self.moved, **(moved or {})}, moved_values=self.moved_values,
                                 moved_coordinates=self.moved_coordinates)
@@ -191,12 +190,13 @@ def probe_kinematics(kinematics: Kinematics, constraints: Constraints, probes: S
                             moved_values=moved, moved_coordinates=carried)
 
 
-def _released_frames(probes: Sequence[Probe], s: Triple) -> dict[str, tuple[ca.SX, ca.SX]]:
-    found: dict[str, tuple[ca.SX, ca.SX]] = {}
+def _released_frames(probes: Sequence[Probe], s: Triple) -> dict[str, Displacement]:
+    found: dict[str, Displacement] = {}
     for k, probe in enumerate(probes):
         if probe.kind == "frame":
-            shift, rate = found.setdefault(probe.of, (ca.SX.zeros(3), ca.SX.zeros(3)))
-            shift[probe.element], rate[probe.element] = s[0][k], s[1][k]
+            moved = found.setdefault(probe.of, (ca.SX.zeros(3), ca.SX.zeros(3), ca.SX.zeros(3)))
+            for part, x in zip(moved, s, strict=True):
+                part[probe.element] = x[k]
     return found
 
 

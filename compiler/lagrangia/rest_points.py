@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lagrangia.diagnostics import fail
 from lagrangia.equations import Equations
 from lagrangia.equilibrium import Rest, StaticEquations, find_rest, onto_constraints, starts
-from lagrangia.sympy_algebra import Expr, exact
+from lagrangia.sympy_algebra import Expr, exact, slope
 
 Vector = NDArray[np.float64]
 _MOST_ANGLES, _MOST_STARTS = 5, 40
@@ -113,13 +113,13 @@ def _promising(s: Statics, turning: list[Expr], numbers: Mapping[Expr, float]) -
     others = [x for x in q if x not in turning]
     values = [f.subs(list(numbers.items())) for f in s.forces]
     force = sp.lambdify([turning, others], values, "numpy")
-    slope = sp.lambdify([turning, others], [[s.equations.ring.tidy(f.diff(x)) for x in others] for f in values], "numpy")
+    slopes = sp.lambdify([turning, others], [[s.equations.ring.tidy(slope(f, x)) for x in others] for f in values], "numpy")
     nothing, found = np.zeros(len(others)), []
     for angles in combinations(_TRIED, repeat=len(turning)):
         at = [float(x) for x in angles]
         try:
             with np.errstate(all="ignore"):
-                f, A = np.array(force(at, nothing), float), np.array(slope(at, nothing), float).reshape(len(q), len(others))
+                f, A = np.array(force(at, nothing), float), np.array(slopes(at, nothing), float).reshape(len(q), len(others))
                 is_finite = np.isfinite(f).all() and np.isfinite(A).all()
                 x = np.linalg.lstsq(A, -f, rcond=None)[0] if others and is_finite else nothing
                 left = float(np.abs(np.array(force(at, x), dtype=float)).max(initial=0.0))
@@ -136,7 +136,7 @@ def _completed(s: Statics, angles: Mapping[Expr, Expr]) -> tuple[Expr, ...] | No
     left = [e.ring.tidy(put(f, angles)) for f in s.forces]
     values: dict[Expr, Expr] = {}
     if others:
-        A = sp.Matrix([[f.diff(x) for x in others] for f in left])
+        A = sp.Matrix([[slope(f, x) for x in others] for f in left])
         if any(entry.free_symbols & set(e.scene.q) for entry in A):
             return None
         free = [x for k, x in enumerate(others) if any(A[:, k])]
@@ -156,7 +156,7 @@ def _vanishes(e: Equations, x: Expr) -> bool:
 def _is_stable(s: Statics, point: tuple[Expr, ...], numbers: Mapping[Expr, float]) -> bool:
     q = s.equations.scene.q
     here = list(zip(q, point, strict=True))
-    K = sp.Matrix([[f.diff(x).subs(here).subs(list(numbers.items())) for x in q] for f in s.forces])
+    K = sp.Matrix([[slope(f, x).subs(here).subs(list(numbers.items())) for x in q] for f in s.forces])
     if any(not entry.is_number for entry in K):
         return False
     return all(float(sp.re(x)) >= -_SMALL for x in sp.Matrix((K + K.T) / 2).evalf().eigenvals(multiple=True))

@@ -12,6 +12,7 @@ from itertools import islice
 
 _JET = re.compile(r"J\((\d+)\)\[[0k]\]")
 _CONSTANT = re.compile(r"c\[(\d+)\]")
+_LANES = re.compile(r"\b[jcy]\d+\b")  # what has a number for each coordinate
 _WIDTH = 4  # most numbers that LagLanes of runtime/lanes.h hold
 _SHORTEST, _MOST_STATEMENTS = 8, 16  # coordinates in a loop; statements of one acceleration
 
@@ -115,7 +116,8 @@ def write_loop(loop: Loop, constants: Constants, jet: Callable[[int], str], resu
         is_one = len(set(numbers)) == 1
         place = constants.place(numbers[0]) if is_one else constants.row(numbers)
         lines.append(f"    c{k} = LAG_LANES_OF(c[{place}]);" if is_one else f"    memcpy(&c{k}, c + {place} + i, sizeof c{k});")
-    lines += [f"    const LagLanes y{k} = {text};" for k, text in enumerate(loop.statements)]
+    wide = [text if _LANES.search(text) else f"LAG_LANES_OF({text})" for text in loop.statements]
+    lines += [f"    const LagLanes y{k} = {text};" for k, text in enumerate(wide)]
     lines += [f"    next = y{len(loop.statements) - 1} * (1.0 / (k + 1));", f"    memcpy({result} + i, &next, sizeof next);", "}"]
     return lines
 

@@ -33,7 +33,8 @@ def build_scene(
     model, graph = kinematics.graph.model, kinematics.graph
     tapes = {name: tape_of(function) for name, function in functions.table.items()}
     coordinates = tuple(Column(c.name, c.unit, c.display_unit, c.description) for c in graph.coordinates)
-    rates = tuple(Column(c.rate_name, _per_second(c.unit), _per_second(c.display_unit), "") for c in graph.coordinates)
+    rates = tuple(Column(c.rate_name, _per_second(c.unit), _per_second(c.display_unit) if c.display_unit else "", "")
+                  for c in graph.coordinates)
     outputs = tuple(Column(name, *_units(model, name)) for name in functions.outputs)
     started = (*graph.coordinates, *initial.lost)
     kinds = {unit: k + 1 for k, unit in enumerate(sorted({c.unit for c in started} - {"rad"}))} | {"rad": 0}
@@ -59,8 +60,9 @@ def build_scene(
         model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
         experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
         tuple(kinds[c.unit] for c in started), tuple(map(int, initial.fixed)), functions.event_kinds,
-        _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, is_still), functions.patterns,
-        {**functions.refused, **refused, **_no_series(tapes)}, tapes, (), _evenness(motion), _lost_starts(model, initial),
+        _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, is_still) | _warnings(model),
+        functions.patterns, {**functions.refused, **refused, **_no_series(tapes)}, tapes, (), _evenness(motion),
+        _lost_starts(model, initial),
     )
 
 
@@ -140,19 +142,28 @@ def _initial_places(initial: InitialConditions) -> tuple[tuple[str, str], ...]:
 
 
 def _is_driven(kinematics: Kinematics, motion: Motion) -> bool:
-    """Whether a support moves, or a constraint prescribes a motion in time."""
+    """Whether a support moves, or a constraint prescribes a motion in time, or a rate."""
     if any(edge.moves_with_time for edge in kinematics.graph.edges):
         return True
     rows = [ca.SX(dependent.constant[0]) for dependent in kinematics.dependents.values()]
-    rows += [motion.constrained.rows.phi] if motion.constrained else []
+    held = motion.constrained
+    if held is not None and not ca.substitute(held.rows.rate, motion.v, ca.SX.zeros(motion.v.numel())).is_zero():
+        return True
     return bool(rows) and ca.depends_on(ca.vertcat(*rows), motion.t)
 
 
 def _freedom(kinematics: Kinematics, motion: Motion, is_still: bool) -> dict[str, object]:
     """What is known at once; "freedom" is filled in when somebody asks: see model.py."""
-    return {"is_static": is_still and not _is_driven(kinematics, motion), "loops": len(kinematics.graph.closures),
-            "is_driven": _is_driven(kinematics, motion), "freedom": None,
+    is_driven = _is_driven(kinematics, motion)
+    return {"is_static": is_still and not is_driven, "is_prescribed": is_still and is_driven, "is_driven": is_driven,
+            "loops": len(kinematics.graph.closures), "freedom": None,
+            "prescribed": [name for name, dependent in kinematics.dependents.items() if not dependent.terms],
             "dependent": [c.name for c in kinematics.graph.dependent_coordinates]}
+
+
+def _warnings(model: FlatModel) -> dict[str, object]:
+    """As text: the scene outlives the source they point at."""
+    return {"warnings": [warning.render() for warning in model.warnings]}
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:

@@ -7,14 +7,14 @@ mechanics; Deprit and Rom, 1968), so nothing is ever guessed. Roots and quotient
 count of products, never by a clock.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 
 import sympy as sp
 
-from lagrangia.sympy_algebra import Expr, exact
+from lagrangia.sympy_algebra import TIME, Expr, exact, slope
 
 Powers = tuple[tuple[int, Fraction], ...]  # of atoms, by their numbers
 Angle = tuple[tuple[int, Fraction], ...]  # sum of coefficient x atom
@@ -23,8 +23,6 @@ Series = dict[Key, Fraction]
 
 _ONE, _HALF = Fraction(1), Fraction(1, 2)
 CONSTANT: Key = ((), (), False)
-_STEPS = (sp.sign, sp.floor, sp.ceiling)
-TIME = sp.Symbol("t", real=True)
 
 
 class TooLarge(Exception):
@@ -78,14 +76,14 @@ class Ring:
     def slope(self, expression: Expr, x: Expr) -> Expr:
         """d/dx, tidy: term by term, where x stands by itself or in a sum of angles."""
         found = self._slope(self.series(expression), x)
-        return self.tidy(expression.diff(x)) if found is None else self._tidied(found)
+        return self.tidy(slope(expression, x)) if found is None else self._tidied(found)
 
     def along(self, expression: Expr, pairs: Iterable[tuple[Expr, Expr]]) -> Expr:
         """sum of d/dx times dx over the pairs (x, dx), tidy."""
         pairs = list(pairs)
         slopes = [(self._slope(self.series(expression), x), dx) for x, dx in pairs]
         if any(series is None for series, _ in slopes):
-            return self.tidy(sp.Add(*(expression.diff(x) * dx for x, dx in pairs if expression.has(x))))
+            return self.tidy(sp.Add(*(slope(expression, x) * dx for x, dx in pairs if expression.has(x))))
         return self._tidied(_sum(self.product(series, self.series(dx)) for series, dx in slopes if series))
 
     def terms(self, expression: Expr) -> list[Term]:
@@ -137,9 +135,9 @@ class Ring:
             if exponent.is_Integer and not angle:
                 return {(tuple((n, x * k) for n, x in powers), (), False): number ** int(exponent)}
             if angle and exponent.is_Integer:
-                wave = self._number(self._wave_expression(angle, is_sine))
-                whole = self._merged(tuple((n, x * k) for n, x in powers), ((wave, k),))
-                return {(whole, (), False): number ** int(exponent)}
+                sign, wave = self._wave_expression(angle, is_sine)
+                whole = self._merged(tuple((n, x * k) for n, x in powers), ((self._number(wave), k),))
+                return {(whole, (), False): (sign * number) ** int(exponent)}
         tidy = sp.Add(*(t.expression() for t in self._written(inner)))
         found = sp.Pow(tidy, exponent)
         if found.is_Pow and found.args == (tidy, exponent) and tidy.is_Add:
@@ -187,8 +185,6 @@ class Ring:
         return (_sorted(parts), is_sine), sign
 
     def _opaque(self, e: Expr) -> Series:
-        if isinstance(e, sp.DiracDelta) or (isinstance(e, sp.Derivative) and isinstance(e.expr, _STEPS)):
-            return {}  # the slope of a jump: zero but at one point
         if e.args and not isinstance(e, sp.Piecewise):
             e = e.func(*(self.tidy(x) if isinstance(x, sp.Expr) else x for x in e.args))
         return self._series(e) if e.is_Add or e.is_Mul or e.is_Number else self._atom_series(e)
@@ -295,16 +291,20 @@ class Ring:
         for powers, waves in groups.items():
             atoms = tuple((self.atoms[n], k) for n, k in powers)
             for number, factors in _paired(waves, self.whole):
+                x = number
                 merged: dict[Expr, int] = {}
                 for angle, is_sine in factors:
-                    wave = self._wave_expression(angle, is_sine)
+                    sign, wave = self._wave_expression(angle, is_sine)
                     merged[wave] = merged.get(wave, 0) + 1
-                terms.append(Term(number, atoms, tuple(merged.items())))
+                    x *= sign
+                terms.append(_term(x, atoms, merged))
         return terms
 
-    def _wave_expression(self, angle: Angle, is_sine: bool) -> Expr:
+    def _wave_expression(self, angle: Angle, is_sine: bool) -> tuple[Fraction, Expr]:
+        """A number times what SymPy makes of the wave, who writes -sin(a - b) for sin(b - a), 1/2 for cos(pi/3)."""
         total = sp.Add(*(_rational(k) * self.atoms[n] for n, k in angle))
-        return sp.sin(total) if is_sine else sp.cos(total)
+        number, wave = (sp.sin(total) if is_sine else sp.cos(total)).as_coeff_Mul(rational=True)
+        return Fraction(int(number.p), int(number.q)), wave
 
 
 # -------------------------------------------------------------------- pairing
@@ -350,6 +350,17 @@ def _as_product(p: _Wave, q: _Wave, x: Fraction, y: Fraction, whole: set[int]) -
     if p[1]:  # sin p + sin q = 2 sin cos,  sin p - sin q = 2 cos sin
         return (2 * x, [(half, True), (gap, False)]) if x == y else (2 * x * flip, [(half, False), (gap, True)])
     return (2 * x, [(half, False), (gap, False)]) if x == y else (-2 * x * flip, [(half, True), (gap, True)])
+
+
+def _term(number: Fraction, powers: Iterable[tuple[Expr, Fraction]], factors: Mapping[Expr, int]) -> Term:
+    """What is no wave any more, sin(asin x) = x, is among the powers."""
+    whole, waves = dict(powers), {}
+    for x, k in factors.items():
+        if isinstance(x, sp.sin | sp.cos):
+            waves[x] = k
+        elif x != 1:
+            whole[x] = whole.get(x, Fraction(0)) + k
+    return Term(number, tuple((x, k) for x, k in whole.items() if k), tuple(waves.items()))
 
 
 def _halved(angle: Angle, whole: set[int]) -> Angle | None:

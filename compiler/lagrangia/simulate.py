@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
-from lagrangia.diagnostics import Diagnostic, LagError, Report, RunError, suggest
+from lagrangia.diagnostics import Diagnostic, LagError, Report, RunError, fail, suggest
 from lagrangia.engines import Engine
-from lagrangia.given import a_count, a_number, by_name
+from lagrangia.given import a_count, a_number, by_name, numbers
 from lagrangia.runtime import Failure, Run, Settings, Statistics, Status
 from lagrangia.scene import Scene
 from lagrangia.solvers import AUTO, is_casadi, number_of
@@ -173,6 +173,9 @@ def _start_values(scene: Scene, initial: Mapping[str, float], report: Report) ->
             start[slot] = float(value)
         elif name in scene.lost:
             lost[scene.lost[name][0]] = float(value)
+        elif name.removeprefix("der(").removesuffix(")") in scene.notes["prescribed"]:
+            report.error("L0701", f"'{name}' is prescribed as a function of time: it starts as that says", None,
+                         "change the function, or parameters in it")
         elif name in outputs:
             report.error("L0701", f"'{name}' follows from the coordinates, and the scene states no start for it", None,
                          f"start one of {', '.join(c.name for c in scene.coordinates[:6])}, or declare a start for "
@@ -188,9 +191,12 @@ def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[fl
     times: Sequence[float] = [scene.start]
     columns: dict[str, Sequence[float]] = {}
     if isinstance(inputs, tuple):
-        times, columns = list(inputs[0]), {name: list(column) for name, column in inputs[1].items()}
+        if len(inputs) != 2:
+            fail("L0703", f"a table of inputs is a pair (times, values by name), not {len(inputs)} things")
+        times = numbers("times of the inputs", inputs[0])
+        columns = {name: numbers(f"values of the input '{name}'", given) for name, given in by_name("inputs", inputs[1]).items()}
     else:
-        columns = {name: [value] for name, value in (inputs or {}).items()}
+        columns = {name: [a_number(f"input '{name}'", value)] for name, value in by_name("inputs", inputs).items()}
     for name, column in columns.items():
         if name not in names:
             _unknown("input", name, names, report)

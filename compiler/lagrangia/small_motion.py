@@ -8,6 +8,7 @@ but loads depends on time it goes on (pace 1): a frame that turns steadily keeps
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -20,30 +21,61 @@ from lagrangia.probes import Probe, ProbedKinematics, Triple, probe_kinematics
 from lagrangia.reactions import build_reactions
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from lagrangia.constraints import Constraints
     from lagrangia.kinematics import Kinematics
     from lagrangia.motion import Motion
 
+DIRECTIONS = ("q", "v", "a", "lambda", "s", "ds", "dds")
+
 
 @dataclass(frozen=True)
 class SmallMotion:
-    """Functions of q, v, a, lambda and of t, pace, u, p; n coordinates, m rows (m_h holonomic first), k excitations, y outputs.
+    """The equations in numbers: n coordinates, m rows (m_h of them holonomic), k excitations, outputs y.
 
+    Functions of q, v, a, lambda and of t, pace, u, p, made when they are first asked for:
     static:   R (n,), Phi (m_h,), rates of all rows (m,), V
-    tangent:  M = dR/da, C = dR/dv, K = dR/dq (n, n), dPhi/dq (m_h, n), d rate/dv (m, n),
-              dR/ds, dR/ds', dR/ds'' (n, k), dPhi/ds (m_h, k)
-    observed: y, and its derivatives by q, v, a, lambda, s, s', s''
     unsteady: R without loads, Phi and rates: what tells whether time matters
+    observed: y
+    slopes:   and of a direction of (q, v, a, lambda, s, s', s''): the derivatives of R, Phi, the rates
+    observed_slopes: that of y
     """
 
     n: int
     m: int
     probes: tuple[Probe, ...]
     outputs: tuple[str, ...]
-    static: ca.Function
-    tangent: ca.Function
-    observed: ca.Function
-    unsteady: ca.Function
+    _parts: "_Parts"
+    _y: ca.SX
+
+    @cached_property
+    def static(self) -> ca.Function:
+        return self._parts.function("static", [self._parts.R, self._parts.phi, self._parts.rate, self._parts.V])
+
+    @cached_property
+    def unsteady(self) -> ca.Function:
+        return self._parts.function("unsteady", [self._parts.unloaded, self._parts.phi, self._parts.rate])
+
+    @cached_property
+    def observed(self) -> ca.Function:
+        return self._parts.function("observed", [self._y])
+
+    @cached_property
+    def slopes(self) -> ca.Function:
+        return self._parts.derivatives("slopes", [self._parts.R, self._parts.phi, self._parts.rate])
+
+    @cached_property
+    def observed_slopes(self) -> ca.Function:
+        return self._parts.derivatives("observed_slopes", [self._y])
+
+    def directions(self, *names: str) -> dict[str, "np.ndarray"]:
+        """Those of `slopes` along each of q, v, a, lambda, s, ds, dds: (3 n + m + 3 k, n, m or k)."""
+        import numpy as np
+
+        sizes = dict(zip(DIRECTIONS, (self.n, self.n, self.n, self.m, *3 * (len(self.probes),)), strict=True))
+        ends = dict(zip(sizes, np.cumsum(list(sizes.values())), strict=True))
+        return {name: np.eye(sum(sizes.values()), sizes[name], sizes[name] - ends[name]) for name in names}
 
 
 def build_small_motion(kinematics: "Kinematics", constraints: "Constraints", motion: "Motion", probes: Sequence[Probe] = (),
@@ -54,26 +86,7 @@ def build_small_motion(kinematics: "Kinematics", constraints: "Constraints", mot
     free = probe_kinematics(kinematics, constraints, probes, s)
     parts = _Parts(free, constraints, motion, s)
     names, y = parts.outputs(outputs)
-    tau, quiet = kinematics.symbols.tau, ca.vertcat(*s)
-    arguments = [motion.q, motion.v, motion.a, parts.lam, motion.t, tau, motion.u, motion.p]
-    labels = ["q", "v", "a", "lambda", "t", "pace", "u", "p"]
-    modes = kinematics.algebra.modes
-
-    def function(name: str, values: list[ca.SX]) -> ca.Function:
-        values = [ca.densify(ca.SX(x)) for x in values]
-        if modes:
-            values = ca.substitute(values, [m.symbol for m in modes], [m.value for m in modes])
-        if k:
-            values = ca.substitute(values, [quiet], [ca.SX.zeros(3 * k)])
-        return ca.Function(name, arguments, ca.cse(values), labels, [f"x{i}" for i in range(len(values))])
-
-    R, q, v, a = parts.R, motion.q, motion.v, motion.a
-    tangent = [ca.jacobian(R, a), ca.jacobian(R, v), ca.jacobian(R, q), ca.jacobian(parts.phi, q), ca.jacobian(parts.rate, v),
-               *(ca.jacobian(R, x) for x in s), ca.jacobian(parts.phi, s[0])]
-    observed = [y, *(ca.jacobian(y, x) for x in (q, v, a, parts.lam, *s))]
-    return SmallMotion(q.numel(), parts.rate.numel(), tuple(probes), names,
-                       function("static", [R, parts.phi, parts.rate, parts.V]), function("tangent", tangent),
-                       function("observed", observed), function("unsteady", [parts.unloaded, parts.phi, parts.rate]))
+    return SmallMotion(motion.q.numel(), parts.rate.numel(), tuple(probes), names, parts, y)
 
 
 class _Parts:
@@ -101,6 +114,23 @@ class _Parts:
         rolling = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.rate(free)) for row in rows if not row.is_holonomic])
         if rolling.numel() and ca.depends_on(rolling, ca.vertcat(*s)):
             fail("L0916", "not supported yet: an excitation of a constraint on velocities", free.graph.model.span)
+
+    def function(self, name: str, values: list[ca.SX], seeds: Sequence[ca.SX] = ()) -> ca.Function:
+        """Of the state, with the excitations at rest."""
+        m = self.motion
+        values = [ca.densify(ca.SX(x)) for x in values]
+        if modes := self.free.algebra.modes:
+            values = ca.substitute(values, [x.symbol for x in modes], [x.value for x in modes])
+        if quiet := self.s[0].numel():
+            values = ca.substitute(values, [ca.vertcat(*self.s)], [ca.SX.zeros(3 * quiet)])
+        return ca.Function(name, [m.q, m.v, m.a, self.lam, m.t, self.free.symbols.tau, m.u, m.p, *seeds], values)
+
+    def derivatives(self, name: str, values: list[ca.SX]) -> ca.Function:
+        """Along a direction: as long as the values themselves; a whole Jacobian would be as many times that as it has columns."""
+        m = self.motion
+        state = ca.vertcat(m.q, m.v, m.a, self.lam, *self.s)
+        seed = ca.SX.sym("seed", state.numel())
+        return self.function(name, [ca.jtimes(x, state, seed) if x.numel() else ca.SX(0, 1) for x in values], [seed])
 
     def outputs(self, names: Sequence[str]) -> tuple[tuple[str, ...], ca.SX]:
         labels, values = [], []

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from lagrangia.instances import REACTIONS
 from lagrangia.scene import Scene
 from lagrangia.trajectory import columns
 
@@ -14,6 +13,8 @@ def is_static(scene: Scene) -> bool:
 
 def reaction_table(scene: Scene, row: Sequence[float]) -> list[str]:
     """The reactions in one row of results, a line for each joint or tie, with their units."""
+    from lagrangia.instances import REACTIONS  # here: few scenes stand still, and others need not know the language's trees
+
     found: dict[str, list[float]] = {}
     for column, value in zip(columns(scene), row, strict=False):
         joint, _, what = column.name.rpartition(".")

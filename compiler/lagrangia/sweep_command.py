@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.commands import assignment, input_tables, load_model, read_inputs
+from lagrangia.arguments import assignment, input_tables, load_model, read_inputs, tell_warnings
 from lagrangia.diagnostics import fail
 from lagrangia.model import Model
 from lagrangia.simulate import plan
@@ -15,7 +15,7 @@ from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_measures import Measure, quantities, read_measures, usual_measures
 from lagrangia.sweep_plan import Job, Request, build_job
 from lagrangia.sweep_table import Sweep
-from lagrangia.targets import Target, is_device
+from lagrangia.targets import Target, cells, is_device
 
 _BAR_AFTER = 2.0  # seconds
 _MOST_SHOWN = 12  # measures in the summary
@@ -44,6 +44,7 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     given = _assignments(options.parameter, "-p")
     single = [(name, text) for name, text in given.items() if not any(c in text for c in ",:(") or "{" in text]
     model = load_model(options, single, quantities(measures))
+    tell_warnings(model)
     scene = model.scene
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
                       max_step=options.max_step, max_steps=options.max_steps, solver=options.solver)
@@ -102,7 +103,7 @@ def _show(job: Job) -> int:
     print(f"{job.scene.name}: {job.runs} runs; measures {', '.join(measure.text for measure in job.measures)}")
     print(",".join(("run", *names)))
     for k, row in enumerate(job.variations.values(0, min(job.runs, _DRY_ROWS)).tolist()):
-        print(",".join((str(k), *map(repr, row))))
+        print(cells((k, *row)))
     if job.runs > _DRY_ROWS:
         print("...")
     return 0

@@ -14,7 +14,7 @@ from lagrangia.diagnostics import LagError, Report, fail, suggest
 from lagrangia.given import a_count, a_number, by_name
 from lagrangia.runtime import Settings, Solver
 from lagrangia.scene import Scene, to_json
-from lagrangia.simulate import Experiment, Values, check_values
+from lagrangia.simulate import Experiment, check_values
 from lagrangia.solvers import AUTO, applicable, is_casadi, number_of
 from lagrangia.sweep_measures import Measure, reductions
 from lagrangia.sweep_values import (
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 WAYS = ("random", "lhs")
+_PORTION = 1024  # sets of parameters
 _LOOKS = 50  # windows at least in a run, when no interval says how closely to look
 
 
@@ -65,17 +66,18 @@ class Job:
     def runs(self) -> int:
         return self.variations.runs
 
-    def parameter_sets(self) -> Iterator[Values]:
-        """The parameters of all runs, each combination once."""
+    def parameter_sets(self) -> "Iterator[tuple[list[np.ndarray | float], list[float]]]":
+        """The parameters of all runs, each combination once, in portions: arrays (sets,) of what varies, and which are given."""
         n = len(self.scene.parameters)
-        factors = tuple(f for f in self.variations.factors if any(place < n for place in f.places))
-        varied = Variations(factors)
-        for run in range(varied.runs):
-            given, mask = list(self.sweep.given), list(self.sweep.mask)
-            for place, value in zip(varied.places, varied.values(run, run + 1)[0].tolist(), strict=True):
+        varied = Variations(tuple(f for f in self.variations.factors if any(place < n for place in f.places)))
+        for first in range(0, varied.runs, _PORTION):
+            given: list[np.ndarray | float] = list(self.sweep.given)
+            mask = list(self.sweep.mask)
+            values = varied.values(first, min(varied.runs, first + _PORTION))
+            for place, column in zip(varied.places, values.T, strict=True):
                 if place < n:
-                    given[place], mask[place] = value, 1.0
-            yield Values(tuple(given), tuple(mask), (), ())
+                    given[place], mask[place] = column, 1.0
+            yield given, mask
 
     def fingerprint(self) -> str:
         """The same for equal sweeps only: results of different ones are never mixed. Where the model is written, and its

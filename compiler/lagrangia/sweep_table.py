@@ -17,7 +17,7 @@ from lagrangia.simulate import explain
 from lagrangia.sweep_journal import Ledger
 from lagrangia.sweep_measures import unit_of
 from lagrangia.sweep_plan import Job
-from lagrangia.targets import Target, quoted
+from lagrangia.targets import Target, cells, quoted
 
 if TYPE_CHECKING:
     import numpy as np
@@ -103,8 +103,7 @@ class Sweep:
     def lines(self) -> Iterator[str]:
         yield ",".join(quoted(name) for name in ("run", *self.names, "failure")) + "\n"
         for rows in self._rows():
-            yield "".join(",".join("" if x is None else quoted(x) if isinstance(x, str) else repr(x) for x in row) + "\n"
-                          for row in rows)
+            yield "".join(f"{cells(numbers)},{quoted(failure or '')}\n" for *numbers, failure in rows)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Columns of doubles with nulls where there is no number, units as metadata of the fields; pyarrow must be installed."""

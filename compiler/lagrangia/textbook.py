@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import count
 
 import sympy as sp
 
@@ -40,8 +41,9 @@ def name_symbols(scene: SymbolicScene, chosen: Mapping[str, str]) -> Mapping[Exp
     wanted += [Wanted(g.name, g.what == "load", g.what != "coordinate" and g.value.has(scene.t)) for g in shown]
     wanted += [Wanted(name) for name in scene.dependents]
     wanted += [Wanted(label, False, True) for label, x in scene.inputs.items() if x in used]
-    names = name_all(wanted, chosen)
-    found: dict[Expr, Name] = {scene.t: Name("t")}
+    time = Name("t")
+    names = name_all(wanted, chosen, [time, *(multiplier_name(k, len(scene.rows)) for k in range(len(scene.rows)))])
+    found: dict[Expr, Name] = {scene.t: time}
     found |= {p.symbol: names[p.name] for p in scene.parameters if p.symbol in used}
     found |= {x: names[label] for label, x in scene.inputs.items() if x in used}
     found |= {sp.Symbol(name, real=True): names[name] for name in scene.dependents}
@@ -56,7 +58,8 @@ def presentation_of(e: Equations, names: Mapping[Expr, Name], most_products: int
     named = dict(names) | {x: multiplier_name(k, len(e.multipliers)) for k, x in enumerate(e.multipliers)}
     moving = {scene.t, *scene.inputs.values(), *(x for g in scene.given for x in g.moving if g.value.has(scene.t))}
     coordinates = scene.q, scene.v, scene.a
-    symbols = Symbols(named, parameter_ranks(scene), *coordinates, e.multipliers, frozenset(moving), digits, _lengths(e))
+    symbols = Symbols(named, parameter_ranks(scene), *coordinates, e.multipliers, frozenset(moving), digits,
+                      _lengths(e, set(named.values())))
     return Presentation(symbols, most_products, e.ring)
 
 
@@ -65,13 +68,14 @@ def parameter_ranks(scene: SymbolicScene) -> dict[Expr, int]:
     return {p.symbol: _RANKS.get(p.unit, 3) for p in scene.parameters} | {g.symbol: 0 for g in scene.given}
 
 
-def _lengths(e: Equations) -> dict[Expr, Name]:
+def _lengths(e: Equations, taken: set[Name]) -> dict[Expr, Name]:
     """Roots of long sums get a name: l, or l_1, l_2, by what stands under the root."""
     found: dict[Expr, None] = {}
     for x in (e.T, e.V_elastic, e.D, *e.left, *e.f, *e.rows):
         roots = sorted((p for p in x.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.is_Add), key=str)
         found |= dict.fromkeys(p.base for p in roots if len(p.base.args) > 2)
-    return {base: Name("ell", str(k) if len(found) > 1 else "") for k, base in enumerate(found, 1)}
+    free = (name for k in count(int(len(found) > 1)) for name in [Name("ell", str(k or ""))] if name not in taken)
+    return dict(zip(found, free, strict=False))
 
 
 def multiplier_name(k: int, count: int) -> Name:

@@ -29,7 +29,9 @@ work F on r                a term of the virtual work: F in N on a position, N.m
 expression = expression    between positions: a constraint. Linear ones (rolling, gears, prescribed motion) remove a coordinate;
                            the others, and closed loops of joints, are kept exactly. Linear in der(...): nonholonomic.
 hinge.reaction             in outputs: force (2), in world axes, of a joint or a tie (Gear, Belt, Link, Rope) on its port b, or on
-                           its last frame when it has no b; hinge.reaction_torque: about that frame's origin
+                           its last frame when it has no b; hinge.reaction_torque: about that frame's origin. What is bound to a
+                           joint's coordinate (stretch = guide.s, a Rack, a Motion, equations of coordinates) acts through the
+                           joint, and counts as its reaction: the torque of a drive is hinge.reaction_torque
 initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3
 parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
                            are structural: they decide what the scene consists of
@@ -228,7 +230,7 @@ forms     lagrange      d/dt dT/dv - dT/dq + dV/dq + dD/dv = f, written out for 
                         their Jacobian and multipliers, and then the same without; motion of supports on the right-hand side
           worked        the whole derivation: coordinates, positions, velocities, energies, every partial derivative
 formats   text, markdown (formulas between dollars), latex, html (one page that needs no network and prints well),
-          sympy (a Python script that builds the expressions)
+          sympy (a Python script that builds the expressions of the form lagrange)
 
 --names tilt.phi=theta,guide.s=x   symbols of your own (Greek letters by their names, k_1 with a subscript)
 --numbers, -p NAME=VALUE           puts the parameters' values in      -o FILE   writes a file
@@ -237,14 +239,19 @@ A coordinate is called by its last name where that is unambiguous, phi of tilt.p
 the model keep their names; a component's that is bound to a formula (I = m L^2/12) stays, and the formula is told below.
 Constraints come with multipliers, Phi = 0 and J^T lambda; loads and prescribed coordinates are given functions of time; constants
 of the motion are named. What is too large to read is told so, with its energies and structure; --force writes it all the same.
+The linear form finds its equilibrium without loads that depend on time, and with supports at rest; linearize, modes and
+equilibrium hold loads as they are at the start time. Coefficients that vary with time are taken at the same standstill, and the
+page says so.
 From Python: model.equations("worked", "html", names={"tilt.phi": "theta"})
 
 lag export FILE --to TARGET [-o FILE] writes a scene for other programs, with the start values as they were assembled:
-python    a module that needs NumPy alone: M, h, rhs, energies, outputs, ..., slope(t, y) for scipy's solve_ivp; any scene
-casadi    M, h, rhs, energies, ... of t, q, v, u, p, parameters and start: casadi.FileDeserializer(FILE).unpack(); any scene
+python    a module that needs NumPy alone: M, h, rhs, energies, outputs, ..., slope(t, y) for scipy's solve_ivp
+casadi    M, h, rhs, energies, ... of t, q, v, u, p, parameters, inputs, start: casadi.FileDeserializer(FILE).unpack()
 modelica  a flat model: Lagrange's equations, parameters with units; constraints differentiated twice, as a linear system, and
           multipliers mu (zero on the exact motion) that keep them closed; `closing` says how fast gaps close, 10/s
 sympy, latex   the script, and the worked derivation
+python and casadi take any scene, modelica what can be written out; but none of them where rates of supports jump (a ramp, a
+table): momentum stays as it is there, which an FMU knows.
 """
 
 _ANALYSIS = """\

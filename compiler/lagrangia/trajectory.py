@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.diagnostics import fail, suggest
 from lagrangia.scene import Column, Scene
 from lagrangia.simulate import Progress, shortcomings
-from lagrangia.targets import Target, quoted
+from lagrangia.targets import Target, cells, quoted
 
 if TYPE_CHECKING:
     import numpy as np
@@ -49,6 +49,11 @@ class Trajectory:
     progress: Progress
     observe: Callable[[str, "np.ndarray"], "np.ndarray"] | None = None
 
+    def __repr__(self) -> str:
+        names = self.names[1:]
+        span = f", t = {self.time[0]:g} to {self.time[-1]:g} s" if len(self.rows) else ""
+        return f"<{self.scene.name}: {len(self.rows)} rows{span}: {', '.join(names[:6])}{', ...' if len(names) > 6 else ''}>"
+
     @property
     def time(self) -> "np.ndarray":
         return self.rows[:, 0]
@@ -67,6 +72,8 @@ class Trajectory:
 
     def __getitem__(self, name: str) -> "np.ndarray":
         """Raises LagError L0701 for a name the scene does not know."""
+        if not isinstance(name, str):
+            fail("L0701", f"a quantity is asked for by its name, not by {name!r}"[:200], None, "run.names lists some")
         if name in self.names:
             return self.rows[:, self.names.index(name)]
         slot = self.scene.slot(name)
@@ -149,16 +156,12 @@ class EmptyCells:
 
 def csv_lines(values: Sequence[float], shown: int, empty: EmptyCells) -> list[str]:
     """Rows of results, flat, as lines of their first `shown` columns; cells without a finite value are empty, and noted."""
-    width = shown + ENERGIES
-    lines = [",".join(map(repr, values[k : k + shown])) for k in range(0, len(values), width)]
-    for row, line in enumerate(lines):
-        if "n" in line:  # of nan and inf: no finite number is written with one
-            cells = line.split(",")
-            for column, cell in enumerate(cells):
-                if "n" in cell:
-                    empty.note(column, values[row * width])
-                    cells[column] = ""
-            lines[row] = ",".join(cells)
+    starts = range(0, len(values), shown + ENERGIES)
+    lines = [cells(values[k : k + shown]) for k in starts]
+    for k, line in zip(starts, lines, strict=True):
+        if ",," in line or line.endswith(","):
+            for column in (column for column, cell in enumerate(line.split(",")) if not cell):
+                empty.note(column, values[k])
     return lines
 
 

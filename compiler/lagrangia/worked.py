@@ -10,6 +10,7 @@ from lagrangia.book import (
     equal,
     generic,
     given_functions,
+    kicks_block,
     lengths,
     parameters_table,
     partial,
@@ -37,7 +38,7 @@ def worked_form(book: Book) -> Document:
     for k in range(e.n):
         blocks += _coordinate(book, k)
     blocks += [Heading("The equations of motion", 2), Display(tuple(_equation(book, k) for k in range(e.n)))]
-    blocks += [Heading("In matrix form", 2), *matrix_blocks(book), *constants_block(book)]
+    blocks += [Heading("In matrix form", 2), *matrix_blocks(book), *kicks_block(book), *constants_block(book)]
     return Document(f"{title(book)}: the equations of motion", tuple(blocks))
 
 

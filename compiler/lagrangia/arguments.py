@@ -1,0 +1,159 @@
+"""What the subcommands of `lag` share: what was written after them -> names, values in SI units, tables, the model."""
+
+import csv
+import re
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+from lagrangia.diagnostics import fail
+from lagrangia.model import Model
+from lagrangia.plot import require_format
+from lagrangia.targets import keep_apart, require_kind
+from lagrangia.values import read_value
+
+_TABLES = (".csv", ".txt", ".dat")
+
+
+def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
+    """The model; parameters that turn out to be structural are compiled in."""
+    names = {name for name, _ in given}
+    structural = {}
+    if names:
+        known = _structural_names(options, outputs)
+        structural = {name: structural_value(value) for name, value in given if name in known}
+    model = Model(options.file, options.model, structural, outputs)
+    model.native = {"native": True, "tape": False}.get(getattr(options, "engine", "auto"))
+    return model
+
+
+def tell_warnings(model: Model) -> None:
+    for text in model.warnings:
+        print(text, file=sys.stderr)
+
+
+def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:
+    from lagrangia.cache import find_scene
+
+    found = find_scene(options.file, options.model, {}, outputs)
+    if found is not None:
+        return set(found.structural)
+    from lagrangia.pipeline import flatten_file
+
+    return set(flatten_file(options.file, options.model)[1].structural)
+
+
+def structural_value(text: str) -> Any:
+    if text in ("true", "false"):
+        return text == "true"
+    try:
+        return read_value(text, "")
+    except ValueError:
+        return text
+
+
+# -------------------------------------------------------------------- names, numbers and tables
+
+
+def split_names(text: str | None) -> tuple[str, ...]:
+    """Names between commas; a comma in brackets belongs to its name, x[1,2]."""
+    return tuple(name.strip() for name in re.split(r",(?![^\[]*\])", text or "") if name.strip())
+
+
+def assignment(text: str, option: str) -> tuple[str, str]:
+    """`NAME=VALUE`. Raises LagError L0706."""
+    name, equals, value = text.partition("=")
+    if not equals or not name.strip() or not value.strip():
+        fail("L0706", f"'{text}' after {option} is not of the form NAME=VALUE")
+    return name.strip(), value.strip()
+
+
+def number(text: str, option: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        fail("L0706", f"'{text}' after {option} is no number")
+
+
+def open_parameters(scene: Any, given: list[tuple[str, str]]) -> dict[str, float]:
+    """Those given that are not structural, in SI units."""
+    return values_with_units([(name, value) for name, value in given if name.partition("[")[0] not in scene.structural],
+                             {p.name: p.unit for p in scene.parameters})
+
+
+def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, float]:
+    """Values in SI units; `world.gravity={0,0}` sets the elements of an array."""
+    found: dict[str, Any] = {}
+    for name, text in given:
+        elements = [known for known in units if re.fullmatch(rf"{re.escape(name)}\[[\d,]+\]", known)]
+        try:
+            value = read_value(text, units.get(elements[0] if elements else name, ""))
+        except ValueError as error:
+            fail("L0706", f"{name} = {text}: {error}")
+        count = len(value) if isinstance(value, list) else 0
+        if count != len(elements) and (elements or name in units):
+            wanted = f"{len(elements)} numbers in braces" if elements else "one number"
+            fail("L0706", f"{name} = {text}: {wanted} {'are' if elements else 'is'} needed, not {count or 'one'}")
+        found |= dict(zip(elements, value, strict=True)) if isinstance(value, list) and elements else {name: value}
+    return found
+
+
+def input_tables(given: list[str]) -> list[str]:
+    """Those that are files."""
+    return [text for text in given if "=" not in text or Path(text).suffix == ".csv"]
+
+
+def read_inputs(given: list[str], scene: Any) -> Any:
+    """Constants by name, or one table from a CSV file with a column `time`."""
+    files = input_tables(given)
+    units = {p.name: p.unit for p in scene.inputs}
+    constants = values_with_units([assignment(text, "-u") for text in given if text not in files], units)
+    if not files:
+        return constants
+    if len(files) > 1:
+        fail("L0703", "one table of inputs can be given", None, "put its columns into one file")
+    times, columns = read_table(Path(files[0]))
+    return times, columns | {name: [value] * len(times) for name, value in constants.items()}
+
+
+def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
+    """A CSV file with a line of names, one of them time. Raises LagError L0703."""
+    try:
+        with path.open(newline="", encoding="utf-8") as stream:
+            rows = [row for row in csv.reader(stream) if row]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        fail("L0703", f"the table '{path}' cannot be read: {getattr(error, 'strerror', None) or error}")
+    if len(rows) < 2 or "time" not in [cell.strip() for cell in rows[0]]:
+        fail("L0703", f"the table '{path}' needs a line of names, one of them time, and at least one row")
+    names = [cell.strip() for cell in rows[0]]
+    columns: dict[str, list[float]] = {name: [] for name in names}
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(names):
+            fail("L0703", f"{path}:{number} has {len(row)} cells, not {len(names)}")
+        for name, cell in zip(names, row, strict=True):
+            try:
+                columns[name].append(float(cell))
+            except ValueError:
+                fail("L0703", f"{path}:{number}: '{cell}' is no number")
+    return columns.pop("time"), columns
+
+
+# -------------------------------------------------------------------- where results go
+
+
+def prepare_target(options: Namespace) -> str:
+    """Where the rows go. Raises LagError L0004 for a place, or a picture's, that results cannot take."""
+    target: str = options.output or f"{options.file.stem}.csv"
+    require_kind(target, *_TABLES)
+    if options.plot is not None:
+        require_format(options.plot)
+    if options.dump is None:
+        keep_inputs(options, target)
+    return target
+
+
+def keep_inputs(options: Namespace, *targets: str | Path | None) -> None:
+    """Raises LagError L0004 where a result would take the place of the model or of a table that is read."""
+    tables = input_tables(getattr(options, "input", []))
+    keep_apart([*targets, getattr(options, "plot", None)], [options.file, *tables])

@@ -1,0 +1,70 @@
+"""Flat arrays, and what is computed of them, dealt out: how many elements an expression has, and each of them."""
+
+from collections.abc import Callable
+
+from lagrangia.diagnostics import Span, fail
+from lagrangia.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Number, Ref, Unary
+
+_VECTORS = frozenset({"r", "v", "reaction"})  # attributes of frames that have two components
+_OF_EACH = frozenset({"der", "virtual"})  # functions that give an array for an array
+Size = Callable[[Ref], int | None]  # of the next dimension of a variable
+
+
+def length(node: Flat, size: Size) -> int | None:
+    """None for a single number. Raises LagError L0303 for arrays that do not go together."""
+    match node:
+        case Array(items, _):
+            return len(items)
+        case Ref():
+            return size(node)
+        case FrameRef(_, attribute, (), _) if attribute in _VECTORS:
+            return 2
+        case Call("rotate", _, _, _):
+            return 2
+        case Call(function, (inner,), _, _) if function in _OF_EACH:
+            return length(inner, size)
+        case Unary("-", operand, _):
+            return length(operand, size)
+        case Binary("+" | "-", left, right, span) | IfExpression(_, left, right, span):
+            return _common(length(left, size), length(right, size), span)
+        case Binary("*", left, right, _):
+            a, b = length(left, size), length(right, size)
+            return None if a is not None and b is not None else b if a is None else a  # two vectors: their inner product
+        case Binary("/", left, _, _):
+            return length(left, size)
+    return None
+
+
+def _common(a: int | None, b: int | None, span: Span) -> int | None:
+    if a != b:
+        first, second = ("a number" if n is None else f"an array of {n}" for n in (a, b))
+        fail("L0303", f"{first} and {second} do not go together", span)
+    return a
+
+
+def element(node: Flat, index: int, size: Size) -> Flat:
+    """One of an expression that has a length; the first is 1. Numbers in it stay as they are."""
+    if length(node, size) is None:
+        return node
+
+    def of(part: Flat) -> Flat:
+        return element(part, index, size)
+
+    match node:
+        case Array(items, _):
+            return items[index - 1]
+        case Ref(name, at, span):
+            return Ref(name, (*at, index), span)
+        case FrameRef(name, attribute, _, span):
+            return FrameRef(name, attribute, (index,), span)
+        case Call("rotate", _, _, span):
+            return Call("element", (node, Number(float(index), None, span, True)), (), span)
+        case Call(function, (inner,), _, span):
+            return Call(function, (of(inner),), (), span)
+        case Unary(operator, operand, span):
+            return Unary(operator, of(operand), span)
+        case Binary(operator, left, right, span):
+            return Binary(operator, of(left), of(right), span)
+        case IfExpression(condition, then, otherwise, span):
+            return IfExpression(condition, of(then), of(otherwise), span)
+    return node

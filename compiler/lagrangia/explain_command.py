@@ -1,0 +1,26 @@
+"""`lag explain`: what a scene needs, and how it is run."""
+
+from argparse import Namespace
+
+from lagrangia.arguments import assignment, load_model, open_parameters
+from lagrangia.simulate import check_values
+
+
+def explain_command(options: Namespace) -> int:
+    """The scene with the parameters given, as it would be run."""
+    from lagrangia.casadi_solvers import casadi_refusal
+    from lagrangia.explain import as_json, as_text, solver_of, without_compiler
+    from lagrangia.needs import find_needs
+
+    given = [assignment(text, "-p") for text in options.parameter]
+    model = load_model(options, given, ())
+    values = check_values(model.scene, open_parameters(model.scene, given))
+    model = model.suited(values)
+    c = model.compilation
+    scene = model.scene
+    if model.engine is None:
+        scene = without_compiler(scene, (casadi_refusal(c) or ("",))[0])
+    parameters = c.functions.table["parameters"](values.parameters, values.mask)
+    needs = find_needs(c.kinematics, c.constraints, c.energies, c.motion, c.initial, scene, parameters)
+    print((as_json if options.json else as_text)(scene, needs, solver_of(scene, model.engine)))
+    return 0

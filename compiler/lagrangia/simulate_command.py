@@ -1,0 +1,194 @@
+"""`lag simulate`: rows as they come, a picture, and what is said of the run."""
+
+import sys
+import time
+from argparse import Namespace
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from lagrangia.arguments import (
+    assignment,
+    load_model,
+    number,
+    open_parameters,
+    prepare_target,
+    read_inputs,
+    split_names,
+    tell_warnings,
+    values_with_units,
+)
+from lagrangia.diagnostics import LagError, RunError, fail
+from lagrangia.interruptions import undisturbed
+from lagrangia.model import Model
+from lagrangia.pipeline import ALL_REACTIONS
+from lagrangia.simulate import Experiment, Progress, check_values, is_lost, plan
+from lagrangia.statics import is_static
+from lagrangia.summary import summarise, tell_assembly, tell_reactions
+from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines
+
+_BAR_AFTER = 2.0  # seconds
+
+
+def simulate_command(options: Namespace) -> int:
+    if options.kind is not None:
+        fail("L0706", "--kind belongs to FMUs", None, f"'{options.file}' is none: its name would end in .fmu")
+    target = prepare_target(options)
+    begin = time.perf_counter()
+    outputs = split_names(options.outputs) + ((ALL_REACTIONS,) if options.reactions else ())
+    given = [assignment(text, "-p") for text in options.parameter]
+    model = _load(options, given, outputs)
+    if is_static(model.scene) and not options.reactions:
+        model = load_model(options, given, (*outputs, ALL_REACTIONS))
+    model = _without_repeated(options, model, given)
+    scene = model.scene
+    if options.dump is not None:
+        from lagrangia.dumps import dump
+
+        print(dump(model.compilation, options.dump))
+        return 0
+    at = None if options.at is None else [number(text, "--at") for text in options.at.split(",")]
+    experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
+                      at=at, max_step=options.max_step, max_steps=options.max_steps,
+                      solver=options.solver)
+    parameters = open_parameters(scene, given)
+    units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
+    units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
+    units |= {name: unit for name, (_, unit) in scene.lost.items()}
+    initial = values_with_units([assignment(text, "--initial") for text in options.initial], units)
+    values = check_values(scene, parameters, initial, read_inputs(options.input, scene))
+    tell_warnings(model)
+    model = model.suited(values)
+    compiled = time.perf_counter() - begin
+    return _run(options, model, experiment, values, compiled, target)
+
+
+def _load(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
+    try:
+        return load_model(options, given, outputs)
+    except LagError as error:
+        (first, *others) = error.diagnostics
+        if first.code != "L0701" or others or not (named := [name for name in outputs if name.startswith("energy.")]):
+            raise
+        fail(first.code, first.message, None, f"`lag sweep` measures energies, as in final({named[0]}); in Python a run has "
+             f"them, run.{named[0]}", "a table has what the model declares: output Energy T = ...")
+
+
+def _without_repeated(options: Namespace, model: Model, given: list[tuple[str, str]]) -> Model:
+    """The model without outputs that are among its coordinates and rates, whose columns are there anyway."""
+    there = {column.name for column in (*model.scene.coordinates, *model.scene.rates)}
+    kept = tuple(name for name in model.outputs if name not in there)
+    return model if kept == model.outputs else load_model(options, given, kept)
+
+
+def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, compiled: float, target: str) -> int:
+    scene = model.scene
+    begin = time.perf_counter()
+    if model.falls_back(options.solver) and not options.quiet:
+        print("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
+              "(pip install ziglang brings a compiler)",
+              file=sys.stderr)
+    bar = _Bar(experiment, sys.stderr)
+    progress, portions = model.start(experiment, values, bar)
+    loaded = time.perf_counter() - begin
+    keep: list[Sequence[float]] = []
+    first: Sequence[float] = ()
+    last: Sequence[float] = ()
+    failure: RunError | None = None
+    with _writer(target, scene) as writer:
+        try:
+            for portion in portions:
+                writer(portion)
+                first = first or portion[: 1 + 2 * scene.n]
+                last = portion[-len(columns(scene)) - ENERGIES :]
+                if options.plot is not None:
+                    keep.append(portion)
+        except RunError as error:
+            failure = error
+        except KeyboardInterrupt:  # while rows were written
+            progress.interrupted = True
+    bar.close()
+    if options.plot is not None:
+        _plot(options, model, progress, keep, values)
+    if not options.quiet:
+        summarise(options, model, progress, target, compiled, loaded)
+        tell_assembly(scene, experiment, first, sys.stdout if target != "-" else sys.stderr)
+        tell_reactions(scene, last, sys.stdout if target != "-" else sys.stderr)
+    if progress.interrupted:
+        print(f"interrupted at t = {progress.time:.6g}; the {progress.rows} rows before are kept", file=sys.stderr)
+        return 1
+    _raise_failure(failure, progress, target)
+    return 0
+
+
+def _raise_failure(failure: RunError | None, progress: Progress, target: str) -> None:
+    """Raises RunError for a run that stopped, and for one that went on beyond all sense."""
+    if failure is not None:
+        raise RunError(f"{failure}\n{progress.rows} rows before it are kept in {target}")
+    if is_lost(progress):
+        raise RunError(f"the energy account does not close at all: the rows in {target} are not the motion of this scene, which "
+                       "has a singularity (a collision, a division by zero) or needs a far smaller tolerance")
+
+
+class _writer:
+    """Rows to a file, or to standard output for "-"."""
+
+    def __init__(self, target: str, scene: Any) -> None:
+        self.file = CsvWriter(Path(target), scene) if target != "-" else None
+        self.scene = scene
+        self.empty = self.file.empty if self.file is not None else EmptyCells(scene)
+
+    def __enter__(self) -> Callable[[Sequence[float]], None]:
+        if self.file is not None:
+            self.file.__enter__()
+            return self.file.write if self.file.temporary is None else self._write_whole
+        shown = columns(self.scene)
+        print(",".join(c.name for c in shown))
+        return lambda rows: print("\n".join(csv_lines(rows, len(shown), self.empty)))
+
+    def _write_whole(self, rows: Sequence[float]) -> None:
+        """To a file; a pipe may keep its writer waiting for ever."""
+        assert self.file is not None
+        with undisturbed():
+            self.file.write(rows)
+
+    def __exit__(self, *exception: Any) -> None:
+        if self.file is not None:
+            self.file.__exit__(*exception)
+        for text in self.empty.describe():
+            print(f"warning: {text}", file=sys.stderr)
+
+
+def _plot(options: Namespace, model: Model, progress: Progress, rows: list[Sequence[float]], values: Any) -> None:
+    import numpy as np
+
+    from lagrangia.trajectory import Trajectory, collect
+
+    observer = model.observer(np.array(progress.parameters), values)
+    trajectory = Trajectory(model.scene, collect(model.scene, rows), progress, observer)
+    trajectory.plot(*split_names(options.plot_quantities), path=options.plot)
+
+
+class _Bar:
+    """A progress bar with the time left, on runs over two seconds, where somebody watches."""
+
+    def __init__(self, experiment: Experiment, stream: Any) -> None:
+        self.experiment, self.stream = experiment, stream
+        self.begin = time.perf_counter()
+        self.is_shown = False
+
+    def __call__(self, progress: Progress) -> None:
+        elapsed = time.perf_counter() - self.begin
+        if elapsed < _BAR_AFTER or not self.stream.isatty():
+            return
+        whole = self.experiment.stop - self.experiment.start
+        done = min(1.0, max(0.0, (progress.time - self.experiment.start) / whole)) if whole > 0 else 1.0
+        left = f"{elapsed / done - elapsed:.0f} s left" if done > 0 else "..."
+        filled = int(30 * done)
+        self.stream.write(f"\r[{'#' * filled}{'.' * (30 - filled)}] {100 * done:5.1f} %  t = {progress.time:.4g} s  {left}   ")
+        self.stream.flush()
+        self.is_shown = True
+
+    def close(self) -> None:
+        if self.is_shown:
+            self.stream.write("\r" + " " * 78 + "\r")

@@ -1,0 +1,102 @@
+"""What `lag simulate` says of a run."""
+
+import math
+import sys
+from argparse import Namespace
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from lagrangia.engines import Engine, describe
+from lagrangia.model import Model
+from lagrangia.simulate import Experiment, Progress, shortcomings
+from lagrangia.solvers import name_of
+from lagrangia.statics import is_static, reaction_table
+
+_FIXED = 1  # LAG_START_FIXED of runtime/model.h
+
+
+def summarise(options: Namespace, model: Model, progress: Progress, target: str, compiled: float, loaded: float) -> None:
+    scene, experiment, statistics = model.scene, progress.experiment, progress.statistics
+    out = sys.stdout if target != "-" else sys.stderr
+
+    def say(text: str) -> None:
+        print(text, file=out)
+
+    say(f"{scene.name}: {scene.description}" if scene.description else scene.name)
+    names = ", ".join(c.name for c in scene.coordinates[:6]) + (", ..." if scene.n > 6 else "")
+    say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''}{f' ({names})' if names else ''}, "
+        f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
+    if scene.notes["is_prescribed"]:
+        say("  no freedom is left: its motion is prescribed")
+    engine = model.engine_for(options.solver)
+    solver = "" if engine else f"casadi:{options.solver.partition(':')[2] or 'cvodes'}"
+    how = ""
+    if statistics is not None and engine is not None:
+        solver = name_of(statistics.solver)
+        if statistics.switches:
+            implicit = statistics.implicit_steps
+            parts = f"{statistics.steps - implicit} steps explicit, {implicit} implicit, {statistics.switches} switches"
+            solver = f"{options.solver} ({parts})"
+        how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations"
+    say(f"  {solver}{how} in {_time(progress.seconds)}")
+    if statistics is not None:
+        scale = statistics.energy_scale
+        relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if 0 < scale < math.inf else ""
+        say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
+        for text in shortcomings(progress):
+            say(f"  {text}")
+    say(f"  {progress.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""))
+    if options.stats:
+        _tell(model, engine, progress, compiled, loaded, say)
+
+
+def tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out: Any) -> None:
+    """Where the loops were closed, when start values were free to choose."""
+    free = [k for k in range(scene.n) if scene.fixed[k] != _FIXED]
+    if not (scene.notes["loops"] and scene.sizes["n_initial_positions"] and free and row and row[0] == experiment.start):
+        return
+    size = max(map(abs, row[1 : 1 + scene.n]))
+    kept = [x if abs(x) > 1e-12 * size else 0.0 for x in row[1 : 1 + scene.n]]  # but for rounding
+    shown = [f"{scene.coordinates[k].name} = {_quantity(kept[k], scene.coordinates[k].unit)}" for k in free[:4]]
+    more = ", ..." if len(free) > 4 else ""
+    print(f"  loops closed at {', '.join(shown)}{more}; `lag check` tells whether there are other ways", file=out)
+
+
+def _quantity(value: float, unit: str) -> str:
+    """To four digits; angles from -180 to 180 degrees."""
+    return f"{math.degrees(math.remainder(value, 2 * math.pi)):.4g} deg" if unit == "rad" else f"{value:.4g} {unit}"
+
+
+def tell_reactions(scene: Any, row: Sequence[float], out: Any) -> None:
+    """What a scene that cannot move is computed for."""
+    if is_static(scene) and row:
+        print(f"  no freedom is left, so it stands still; on the port b of each joint act, at t = {row[0]:g} s", file=out)
+        print("\n".join(f"    {line}" for line in reaction_table(scene, row)), file=out)
+
+
+def _tell(model: Model, engine: Engine | None, progress: Progress, compiled: float, loaded: float,
+          say: Callable[[str], None]) -> None:
+    scene, statistics = model.scene, progress.statistics
+    notes = scene.notes
+    ways = ", ".join(f"{way} {count}" for way, count in notes["ways"].items())
+    say(f"  accelerations: {notes['way']}, {notes['acceleration_nodes']} nodes, "
+        f"{notes['nodes_per_coordinate']} a coordinate (tried: {ways})")
+    say(f"  right-hand side: {notes['rhs_operations']} operations; {scene.sizes['n_hoisted']} values hoisted out of it")
+    how = "found in the cache" if model.is_cached else "; ".join(f"{k} {_time(v)}" for k, v in model.compilation.seconds.items())
+    ready = f"{'native code' if engine.how == 'native' else 'run time'} in {_time(loaded)}" if engine else "no native code"
+    say(f"  compiled in {_time(compiled)} ({how}); {ready}")
+    if engine is not None:
+        say(f"  {describe(scene)}")
+    if statistics is not None and statistics.steps:
+        say(f"  steps {statistics.smallest_step:.3g} to {statistics.largest_step:.3g} s, {statistics.rejected} rejected, "
+            f"{statistics.dense_outputs} dense outputs, {statistics.events} events; "
+            f"{_time(progress.seconds / statistics.rhs_evaluations)} an evaluation")
+        worst = (*scene.coordinates, *scene.rates)[statistics.worst].name if 0 <= statistics.worst < 2 * scene.n else "none"
+        say(f"  the steps were limited last by {worst}")
+
+
+def _time(seconds: float) -> str:
+    for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
+        if seconds >= factor:
+            return f"{seconds / factor:.3g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"

@@ -1,0 +1,178 @@
+"""What is given to components and read by nothing: a value that would be ignored without a word.
+
+Mostly another value was given in place of the expression that reads it, as in Spring(s_rel0 = 0.1, stretch = block.s).
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cached_property
+from typing import Any
+
+from lagrangia.classes import ClassTable
+from lagrangia.diagnostics import Report, Source, Span
+from lagrangia.flat import FlatModel
+from lagrangia.instances import Bound, FrameSlot, Instance, Member, Slot
+from lagrangia.tree import Binary, Declaration, Expression, Flat, FrameRef, IfExpression, Ref, Reference, Time, Unary
+from lagrangia.walk import leaves
+
+
+@dataclass(frozen=True, eq=False)
+class _Reader:
+    """An expression in a class, and the variable it is written for."""
+
+    variable: str
+    expression: Expression
+
+
+@dataclass(frozen=True)
+class _Class:
+    """Of a class and all it extends: names in its sections, conditions and components; which variables' expressions read others;
+    and what has no value of its own, so that it must be given."""
+
+    named: frozenset[str]
+    readers: Mapping[str, _Reader]
+    required: frozenset[str]
+
+
+def find_unread(model: FlatModel, root: Instance, table: ClassTable) -> Report:
+    """A warning for each component that is given a parameter or a port in vain."""
+    finder = _Finder(model, root, table)
+    for instance in _inside(root):
+        finder.visit(instance)
+    return finder.report
+
+
+class _Finder:
+    def __init__(self, model: FlatModel, root: Instance, table: ClassTable) -> None:
+        self.model, self.root, self.table, self.report = model, root, table, Report()
+        self.classes: dict[int, _Class] = {}
+
+    def visit(self, instance: Instance) -> None:
+        """What the class names itself it reads; of the rest, all expressions of the scene are asked."""
+        own = self._class(instance)
+        given = {name: member for name, member in instance.members.items() if isinstance(member, Slot | FrameSlot)
+                 and name not in own.named and (isinstance(member, FrameSlot) or name not in own.required)
+                 and (isinstance(member, Slot) or name in own.readers) and self._is_given(instance, member)}
+        unread = {name: member for name, member in given.items() if member.path not in self._read}
+        if unread:
+            verb = "it is" if len(unread) == 1 else "they are"
+            what = f"nothing reads {_listed(unread)} of {instance.definition.name} '{instance.path}', though {verb} given"
+            places = [member.binding.expression.span for member in unread.values() if member.binding is not None]
+            self.report.warning("L0224", what, places[0], *_advice(instance, unread, own.readers))
+
+    @cached_property
+    def _read(self) -> set[str]:
+        """By energies, equations, starts and outputs, and by what people declare to look at."""
+        model, library = self.model, self.table.library_sources
+        declared = [slot.path for instance in (self.root, *_inside(self.root)) for slot in instance.members.values()
+                    if isinstance(slot, Slot) and slot.declaration.name_span.source not in library]
+        shown = [model.variables[path] for path in declared if path in model.variables]
+        sides: list[Flat] = [x for e in (*model.constraints, *model.initial_equations) for x in (e.left, e.right)]
+        sides += [e.value for e in model.energies] + [x for w in model.works for x in (w.force, w.position)]
+        sides += [x for frame in model.frames.values() for x in frame.starts.values()]
+        sides += [x for v in shown if v.kind == "variable" and (x := v.binding) is not None]
+        sides += [x for v in model.variables.values() if (x := v.start) is not None]
+        bindings = {name: v.binding for name, v in model.variables.items()}
+        read = {leaf.name for leaf in leaves(sides, bindings) if not isinstance(leaf, Time)}
+        placing = leaves([x for e in model.frame_equations for x in (e.left, e.right)], bindings)
+        joined = Counter(leaf.name for leaf in placing if isinstance(leaf, FrameRef))
+        read |= {leaf.name for leaf in placing if isinstance(leaf, Ref)}
+        return read | {name for name, times in joined.items() if times > 1}  # once, where it is given, places nothing else
+
+    def _is_given(self, instance: Instance, member: Slot | FrameSlot) -> bool:
+        """From outside, in a model of the user's."""
+        bound = member.binding
+        if bound is None or bound.scope.instance is instance or bound.expression.span.source in self.table.library_sources:
+            return False
+        return not (isinstance(member, Slot) and member.is_structural)
+
+    def _class(self, instance: Instance) -> _Class:
+        key = id(instance.definition)
+        if key not in self.classes:
+            self.classes[key] = self._look_at(instance)
+        return self.classes[key]
+
+    def _look_at(self, instance: Instance) -> _Class:
+        named: set[str] = set()
+        readers: dict[str, _Reader] = {}
+        required = set(instance.members)
+        for definition in self.table.lineage(instance.definition):
+            named |= set(_names(definition.sections))
+            for element in definition.elements:
+                if isinstance(element, Declaration) and not isinstance(instance.members.get(element.name), Slot | FrameSlot):
+                    named |= set(_names((element.arguments, element.condition, element.dimensions)))
+                    continue
+                written = ([(element.name, element.binding)] if isinstance(element, Declaration) else
+                           [(argument.name, argument.value) for argument in element.arguments])
+                for variable, expression in written:
+                    if expression is not None:
+                        required.discard(variable)
+                        readers = dict.fromkeys(_names(expression), _Reader(variable, expression)) | readers
+        return _Class(frozenset(named), readers, frozenset(required))
+
+
+def _advice(instance: Instance, unread: Mapping[str, Slot | FrameSlot], readers: Mapping[str, _Reader]) -> Iterator[str]:
+    left = dict(unread)
+    for reader in dict.fromkeys(readers[name] for name in unread if name in readers):
+        names = [name for name in unread if readers.get(name) is reader]
+        other = _binding(instance.members.get(reader.variable))
+        if other is None or other.expression is reader.expression:
+            yield f"only '{reader.variable}' reads {_listed(names)}, and nothing reads '{reader.variable}'"
+            left = {name: member for name, member in left.items() if name not in names}
+            continue
+        instead = [(name, text) for name in names if (text := _moved(reader.expression, name, unread[name], other))]
+        for name, _ in instead:
+            del left[name]
+        write = "".join(f": write {reader.variable} = {text}" for _, text in instead[:1])
+        yield f"'{reader.variable}' is given in place of {_text(reader.expression)}{write}"
+    if left:
+        yield f"leave {_listed(left)} out, or read {'it' if len(left) == 1 else 'them'} in what is given"
+
+
+def _moved(expression: Expression, name: str, member: Slot | FrameSlot, given: Bound) -> str:
+    """What is given with the last operand of the expression it replaced, where that operand is the name."""
+    value = member.binding
+    match expression:
+        case Binary("+" | "-" as sign, _, Reference() as last, _) if str(last) == name and value and not value.selection:
+            return f"{_text(given.expression, IfExpression)} {sign} {_text(value.expression, Binary | Unary | IfExpression)}"
+    return ""
+
+
+def _text(expression: Expression, bracketed: Any = ()) -> str:
+    text = " ".join(expression.span.text.split())
+    return f"({text})" if isinstance(expression, bracketed) else text
+
+
+def _inside(root: Instance) -> Iterator[Instance]:
+    """All components, of arrays their elements."""
+    pending: list[Member] = list(reversed(root.members.values()))
+    while pending:
+        member = pending.pop()
+        if isinstance(member, list):
+            pending += reversed(member)
+        elif isinstance(member, Instance):
+            yield member
+            pending += reversed(member.members.values())
+
+
+def _binding(member: Member | None) -> Bound | None:
+    return member.binding if isinstance(member, Slot | FrameSlot) else None
+
+
+def _names(part: Any) -> Iterator[str]:
+    """The first parts of all names in a piece of syntax."""
+    if isinstance(part, tuple):
+        for item in part:
+            yield from _names(item)
+    elif isinstance(part, Reference):
+        yield part.parts[0].name
+        yield from _names(tuple(piece.subscripts for piece in part.parts))
+    elif is_dataclass(part) and not isinstance(part, Span | Source):
+        for field in fields(part):
+            yield from _names(getattr(part, field.name))
+
+
+def _listed(names: Iterable[str]) -> str:
+    *first, last = (f"'{name}'" for name in names)
+    return f"{', '.join(first)} and {last}" if first else last
