@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "account.h"
+#include "advance.h"
 #include "clock.h"
 #include "evaluate.h"
 #include "schedule.h"
@@ -41,24 +42,21 @@ static LagStatus row_at(LagRun *run, double t, double *row)
     return LAG_OK;
 }
 
-static int time_is_over(LagRun *run, double deadline)
-{
-    return ++run->ticks % TICKS_PER_LOOK == 0 && lag_clock() > deadline;
-}
+static int time_is_over(LagRun *run) { return ++run->ticks % TICKS_PER_LOOK == 0 && lag_clock() > run->deadline; }
 
-static double deadline_after(double seconds) { return seconds > 0 ? lag_clock() + seconds : INFINITY; }
+static void set_deadline(LagRun *run, double seconds) { run->deadline = seconds > 0 ? lag_clock() + seconds : INFINITY; }
 
 /* Steps until t is not after the present time. */
-static LagStatus reach(LagRun *run, double t, double deadline)
+static LagStatus reach(LagRun *run, double t)
 {
     if (t > run->settings.t_stop)
         return lag_fail(run, LAG_PAST_STOP, -1, 0, 0);
     if (t < run->motion.t_old)
         return lag_fail(run, LAG_TIME_PASSED, -1, 0, 0);
-    LagStatus status = time_is_over(run, deadline) ? LAG_PAUSED : LAG_OK;
+    LagStatus status = time_is_over(run) ? LAG_PAUSED : LAG_OK;
     run->wanted = t;
     while (status == LAG_OK && run->motion.t < t)
-        status = time_is_over(run, deadline) ? LAG_PAUSED : lag_step(run);
+        status = time_is_over(run) ? LAG_PAUSED : lag_step(run);
     return status;
 }
 
@@ -69,18 +67,22 @@ static double not_after_stop(const LagRun *run, double t)
     return t > stop && t <= stop + lag_time_resolution(stop) ? stop : t;
 }
 
+LagStatus lag_advance_to(LagRun *run, double t, double *row)
+{
+    const double time = not_after_stop(run, t);
+    const LagStatus status = reach(run, time);
+    return status == LAG_OK ? row_at(run, time, row) : status;
+}
+
 LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *results, int *done, double seconds)
 {
-    const double deadline = deadline_after(seconds);
     const size_t width = (size_t)lag_run_row_width(run->model);
+    set_deadline(run, seconds);
     *done = 0;
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
     for (int i = 0; i < rows; ++i) {
-        const double t = not_after_stop(run, times[i]);
-        LagStatus status = reach(run, t, deadline);
-        if (status == LAG_OK)
-            status = row_at(run, t, results + (size_t)i * width);
+        const LagStatus status = lag_advance_to(run, times[i], results + (size_t)i * width);
         if (status != LAG_OK)
             return status;
         *done = i + 1;
@@ -90,13 +92,13 @@ LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *re
 
 LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *done, double seconds)
 {
-    const double deadline = deadline_after(seconds);
     const size_t width = (size_t)lag_run_row_width(run->model);
+    set_deadline(run, seconds);
     *done = 0;
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
     while (*done < rows && run->motion.t < run->settings.t_stop) {
-        LagStatus status = time_is_over(run, deadline) ? LAG_PAUSED : lag_step(run);
+        LagStatus status = time_is_over(run) ? LAG_PAUSED : lag_step(run);
         if (status == LAG_OK)
             status = row_at(run, run->motion.t, results + (size_t)*done * width);
         if (status != LAG_OK)

@@ -6,10 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "advance.h"
 #include "project.h"
 #include "step.h"
-
-static const double PATIENCE = 0.05; /* seconds until a look at the clock of the whole */
 
 int lag_islands_open(LagIslands *s, const LagModel *model, const LagSettings *settings)
 {
@@ -148,9 +147,9 @@ static LagStatus ask(LagIslands *s, LagRun *run, int k, int first, double t)
 {
     LagRun *island = s->runs[k];
     const int n = run->model->n, size = island->model->n, *place = run->model->island + first;
-    int done;
     lag_run_set_stop(island, run->settings.t_stop);
-    const LagStatus status = lag_run_advance(island, &t, 1, s->row, &done, PATIENCE);
+    island->deadline = run->deadline;
+    const LagStatus status = lag_advance_to(island, t, s->row);
     if (status != LAG_OK)
         return status == LAG_PAUSED ? status : failed(run, k, first, status);
     for (int i = 0; i < size; ++i) {

@@ -52,6 +52,7 @@ struct LagRun {
     double *probe; /* 5 n: scratch of lag_singularity, with constraints */
     double start_energy, energy_before;
     double given_energy;  /* by jumps of modes, inputs and parameters, where no work is integrated */
+    double deadline;      /* by lag_clock, of the call under way; infinity: none */
     unsigned ticks;       /* steps and rows, to look at the clock now and then */
 };
 

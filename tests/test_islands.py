@@ -206,6 +206,19 @@ def test_loops_whose_parameters_change_under_way(scene: Scene) -> None:
     assert found[0][:, -2:] == pytest.approx(found[1][:, -2:], abs=2e-7)
 
 
+def test_a_run_without_a_limit_of_time_does_not_pause(scene: Scene) -> None:
+    """However long an island takes to the next row: 240 000 steps here, more than 0.05 s, after which islands once answered."""
+    model = scene(LOOPS)
+    assert model.engine is not None
+    values = check_values(model.scene)
+    with model.engine.runtime.run(model.engine.model, Settings(0, 500, 1e-9, solver=Solver.ISLANDS)) as run:
+        run.set_parameters(values.parameters, values.mask)
+        assert run.start() is Status.OK
+        rows = run.advance([500.0])
+        assert (rows.status, rows.count) == (Status.OK, 1)
+        assert run.statistics.steps > 200_000
+
+
 def test_one_constraint_is_one_island(scene: Scene) -> None:
     """Two masses that a rope over a pulley ties together move as one, whatever else is there."""
     model = scene("""model Tied
