@@ -140,6 +140,16 @@ def test_rows_on_standard_output(lag: Lag) -> None:
     assert not list(Path().iterdir())
 
 
+def test_names_with_commas_are_quoted_in_files_and_on_standard_output(lag: Lag) -> None:
+    Path("grid.lag").write_text("""model Grid
+  Block b[1,2](each m = 1, each base = world, each along = {1, 0}, s(each start = 2));
+end Grid;""")
+    shown = lag("simulate", "grid.lag", "-o", "-", "--at", "0").out
+    assert lag("simulate", "grid.lag", "-o", "grid.csv", "--at", "0").code == 0
+    assert shown == Path("grid.csv").read_text()
+    assert next(csv.reader(shown.splitlines())) == ["time", "b[1,1].s", "b[1,2].s", "der(b[1,1].s)", "der(b[1,2].s)"]
+
+
 def test_quiet_says_nothing(lag: Lag) -> None:
     assert simulate(lag, "pendulum", "--quiet") == (0, "", "")
     assert Path("pendulum.csv").exists()

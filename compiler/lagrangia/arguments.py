@@ -22,7 +22,7 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
     structural = {}
     if names:
         known = _structural_names(options, outputs)
-        structural = {name: structural_value(value) for name, value in given if name in known}
+        structural = {name: _structural_value(value) for name, value in given if name in known}
     model = Model(options.file, options.model, structural, outputs)
     model.native = {"native": True, "tape": False}.get(getattr(options, "engine", "auto"))
     return model
@@ -44,7 +44,18 @@ def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:
     return set(flatten_file(options.file, options.model)[1].structural)
 
 
-def structural_value(text: str) -> Any:
+def part_structural(options: Namespace, given: list[tuple[str, str]]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Those that are structural, by their values, and the others, as they were written."""
+    if not given:
+        return {}, {}
+    from lagrangia.pipeline import flatten_file
+
+    known = flatten_file(options.file, options.model)[1].structural
+    return ({name: _structural_value(text) for name, text in given if name in known},
+            {name: text for name, text in given if name not in known})
+
+
+def _structural_value(text: str) -> Any:
     if text in ("true", "false"):
         return text == "true"
     try:

@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.arguments import assignment, structural_value
+from lagrangia.arguments import assignment, part_structural
 from lagrangia.diagnostics import fail
 from lagrangia.exports import TARGETS
 
@@ -27,15 +27,12 @@ def export_command(options: Namespace) -> int:
         return export_fmu_command(options)
     from lagrangia.exports import export, exported_text
     from lagrangia.model import Model
-    from lagrangia.pipeline import flatten_file
 
-    structural = dict(assignment(text, "-p") for text in options.parameter)
-    if structural:
-        known = flatten_file(options.file, options.model)[1].structural
-        others = [name for name in structural if name not in known]
-        if others:
-            fail("L0702", f"'{others[0]}' is no structural parameter", None, "other parameters stay open in what is exported")
-    model = Model(options.file, options.model, {name: structural_value(text) for name, text in structural.items()})
+    structural, others = part_structural(options, [assignment(text, "-p") for text in options.parameter])
+    if others:
+        fail("L0702", f"'{next(iter(others))}' is no structural parameter", None,
+             "other parameters stay open in what is exported")
+    model = Model(options.file, options.model, structural)
     names = dict(assignment(text, "--names") for text in (options.names or "").split(",") if text.strip())
     if options.output == "-":
         sys.stdout.write(exported_text(model, options.to, names, options.force))

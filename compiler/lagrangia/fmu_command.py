@@ -5,7 +5,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lagrangia.arguments import assignment, load_model, split_names, values_with_units
+from lagrangia.arguments import assignment, load_model, split_names, tell_warnings, values_with_units
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.native import CompilerError
 from lagrangia.pipeline import ALL_REACTIONS
@@ -24,6 +24,7 @@ def export_fmu_command(options: Namespace) -> int:
     model = load_model(options, given, split_names(options.outputs))
     if is_static(model.scene):
         model = load_model(options, given, (*split_names(options.outputs), ALL_REACTIONS))
+    tell_warnings(model)
     units = {p.name: p.unit for p in model.scene.parameters}
     others = [(name, text) for name, text in given if name.partition("[")[0] not in model.scene.structural]
     info = dict(assignment(text, "--info") for text in options.info)

@@ -25,7 +25,7 @@ from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.simulate import Experiment, Progress, check_values, is_lost, plan
 from lagrangia.statics import is_static
 from lagrangia.summary import summarise, tell_assembly, tell_reactions
-from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines
+from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names
 
 _BAR_AFTER = 2.0  # seconds
 
@@ -142,9 +142,9 @@ class _writer:
         if self.file is not None:
             self.file.__enter__()
             return self.file.write if self.file.temporary is None else self._write_whole
-        shown = columns(self.scene)
-        print(",".join(c.name for c in shown))
-        return lambda rows: print("\n".join(csv_lines(rows, len(shown), self.empty)))
+        shown = len(columns(self.scene))
+        print(csv_names(self.scene))
+        return lambda rows: print("\n".join(csv_lines(rows, shown, self.empty)))
 
     def _write_whole(self, rows: Sequence[float]) -> None:
         """To a file; a pipe may keep its writer waiting for ever."""

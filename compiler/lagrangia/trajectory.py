@@ -130,7 +130,7 @@ class CsvWriter(Target):
         self.shown = len(columns(scene))
         super().__init__(path)
         self.empty = EmptyCells(scene)
-        self.put(",".join(quoted(column.name) for column in columns(scene)) + "\n")
+        self.put(csv_names(scene) + "\n")
 
     def write(self, values: Sequence[float]) -> None:
         self.put("\n".join(csv_lines(values, self.shown, self.empty)) + "\n")
@@ -152,6 +152,11 @@ class EmptyCells:
     def describe(self) -> list[str]:
         return [f"'{name}' has no finite value in {count} row{'s' if count != 1 else ''}, first at t = {self.first[name]:.6g}: "
                 "these cells are empty" for name, count in self.rows.items()]
+
+
+def csv_names(scene: Scene) -> str:
+    """The line of names; those with a comma, as x[1,2] has, between quotes."""
+    return ",".join(quoted(column.name) for column in columns(scene))
 
 
 def csv_lines(values: Sequence[float], shown: int, empty: EmptyCells) -> list[str]:
