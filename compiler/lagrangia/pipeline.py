@@ -208,13 +208,17 @@ def _choose(syntax: "Syntax", name: str | None) -> Any:
 
 @contextmanager
 def _without_collections() -> Iterator[None]:
-    """What is made here is kept or freed at once: looking for cycles, over and over, takes a tenth of compiling a large scene."""
+    """What is made here is kept or freed at once: looking for cycles, over and over, takes a tenth of compiling a large scene,
+    and once at the end as much again, were it not among the old objects then, where freeze and unfreeze leave it."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
         if was_enabled:
+            if gc.get_freeze_count() == 0:
+                gc.freeze()
+                gc.unfreeze()
             gc.enable()
 
 

@@ -1,23 +1,23 @@
 """Walking flat expressions: what an expression mentions, directly or through the variables it names."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
 
 from lagrangia.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Ref, Time, Unary
 
 
+_CHILDREN: Mapping[type, Callable[[Any], tuple[Flat, ...]]] = {
+    Unary: lambda node: (node.operand,),
+    Binary: lambda node: (node.left, node.right),
+    IfExpression: lambda node: (node.condition, node.then, node.otherwise),
+    Call: lambda node: node.arguments,
+    Array: lambda node: node.items,
+}
+
+
 def children(node: Flat) -> tuple[Flat, ...]:
-    match node:
-        case Unary(_, operand, _):
-            return (operand,)
-        case Binary(_, left, right, _):
-            return (left, right)
-        case IfExpression(condition, then, otherwise, _):
-            return (condition, then, otherwise)
-        case Call(_, arguments, _, _):
-            return arguments
-        case Array(items, _):
-            return items
-    return ()
+    inside = _CHILDREN.get(node.__class__)
+    return inside(node) if inside is not None else ()
 
 
 def nodes(*roots: Flat) -> Iterator[Flat]:
