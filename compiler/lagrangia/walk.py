@@ -5,7 +5,6 @@ from typing import Any
 
 from lagrangia.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Ref, Time, Unary
 
-
 _CHILDREN: Mapping[type, Callable[[Any], tuple[Flat, ...]]] = {
     Unary: lambda node: (node.operand,),
     Binary: lambda node: (node.left, node.right),
