@@ -402,3 +402,19 @@ def test_a_parameter_that_changes_in_time_is_no_bug(tmp_path: Path, capsys) -> N
     (tmp_path / "scene.lag").write_text(f"model Scene\n  {text}\nend Scene;\n", encoding="utf-8")
     assert main(["equations", str(tmp_path / "scene.lag")]) == 2
     assert "L0604" in capsys.readouterr().err
+
+
+def test_letters_that_the_scene_has_are_left_to_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A length L, a torque T, a voltage V and a damping D: the energies stand in script beside them."""
+    scene = tmp_path / "letters.lag"
+    scene.write_text("""model Letters
+  parameter Length L = 1; parameter Mass T = 2; parameter Stiffness V = 10; parameter Damping D = 0.3;
+  Prismatic x(a = world, along = {1, 0}); PointMass cart(m = T, center = x.b);
+  Revolute phi(a = x.b); Bar bar(m = 1, L = L, a = phi.b);
+  Spring s(k = V, stretch = x.s); Damper d(c = D, rate = der(x.s));
+end Letters;""")
+    for form, shown in (("lagrangian", "ℒ = 𝒯 − 𝒱 ="), ("energies", "𝒱_e = ½ V s²"), ("worked", "∂𝒯/∂s' =")):
+        assert main(["equations", str(scene), "--form", form]) == 0
+        assert shown in capsys.readouterr().out
+    assert main(["equations", str(scene), "--form", "lagrange", "--format", "latex"]) == 0
+    assert r"\frac{\partial \mathcal{T}}{\partial \dot{q}_{k}}" in capsys.readouterr().out

@@ -24,7 +24,7 @@ from lagrangia.layout import (
     product,
     total,
 )
-from lagrangia.notation import is_own
+from lagrangia.notation import is_own, own_name
 from lagrangia.presentation import Presentation
 from lagrangia.sympy_algebra import Expr, exact_throughout
 from lagrangia.typeset import line, text
@@ -51,6 +51,13 @@ class Book:
     def rate(self, k: int, marks: int = 1) -> Name:
         return replace(self.q[k], marks=marks)
 
+    def own(self, letter: str, sub: str = "") -> Name:
+        """T, V, L and the like, of the forms' own."""
+        return own_name(letter, sub, self.names.values())
+
+    def partial(self, top: str, bottom: Node, sub: str = "") -> Slope:
+        return Slope(self.own(top, sub), bottom)
+
     def sum(self, expression: Expr) -> Node:
         return self.presentation.sum(expression)
 
@@ -69,10 +76,6 @@ def bold(base: str, marks: int = 0, argument: str = "") -> Name:
 
 
 TRANSPOSED_J = Power(bold("J"), Words("T"))
-
-
-def partial(top: str, bottom: Node, sub: str = "") -> Slope:
-    return Slope(Name(top, sub), bottom)
 
 
 def time_derivative(inner: Node) -> Node:
@@ -146,7 +149,7 @@ def kicks_block(book: Book) -> list[Block]:
     """What holds where rates of supports jump."""
     if not book.has_kicks:
         return []
-    momentum = partial("T", Name("q", "k", 1))
+    momentum = book.partial("T", Name("q", "k", 1))
     return [paragraph("The rate of a support jumps at times: there ", momentum, " stays as it is, but for what holds the scene, "
                       "and the equations hold in between.")]
 
@@ -167,9 +170,9 @@ def generic(book: Book) -> Node:
     """d/dt dT/dv - dT/dq + dV/dq + dD/dv + J^T lambda = f, without what is not there."""
     e = book.equations
     k, rate = Name("q", "k"), Name("q", "k", 1)
-    items: list[tuple[int, Node]] = [(1, time_derivative(partial("T", rate))), (-1, partial("T", k))]
-    items += [(1, partial("V", k))] if e.V_elastic != 0 or e.V_field != 0 else []
-    items += [(1, partial("D", rate))] if e.D != 0 else []
+    items: list[tuple[int, Node]] = [(1, time_derivative(book.partial("T", rate))), (-1, book.partial("T", k))]
+    items += [(1, book.partial("V", k))] if e.V_elastic != 0 or e.V_field != 0 else []
+    items += [(1, book.partial("D", rate))] if e.D != 0 else []
     items += multiplier_term(book)
     return equal(total(items), Name("f", "k") if any(f != 0 for f in e.f) else book.sum(sp.S.Zero))
 
@@ -212,7 +215,7 @@ def constants_block(book: Book, level: int = 2) -> list[Block]:
             q = book.q[c.coordinate]
             left = Name("p", " ".join(filter(None, (q.base, q.sub))))
             blocks += [paragraph(q, " is cyclic: its momentum is constant."),
-                       *display([equal(left, equal(partial("T", book.rate(c.coordinate)), book.sum(c.value)))])]
+                       *display([equal(left, equal(book.partial("T", book.rate(c.coordinate)), book.sum(c.value)))])]
         else:
             blocks += _energy_constant(book, c)
     return blocks
@@ -223,11 +226,11 @@ def _energy_constant(book: Book, c: Constant) -> list[Block]:
     V = e.V_elastic + e.V_field
     if c.name == "Jacobi":
         return [paragraph("Nothing depends on time and nothing is lost: Jacobi's integral is constant."),
-                *display([equal(Name("H"), book.sum(c.value))])]
+                *display([equal(book.own("H"), book.sum(c.value))])]
     work = [negative(product([book.sum(f), q])) for f, q in zip(e.f, book.q, strict=True) if f != 0]
-    left: Node = added(Name("T"), *([Name("V")] if V != 0 else []), *work)
+    left: Node = added(book.own("T"), *([book.own("V")] if V != 0 else []), *work)
     why = "The loads are constant and nothing is lost" if work else "Nothing depends on time and nothing is lost"
-    return [paragraph(f"{why}: the energy is constant."), *display([equal(Name("E"), Relation(left, book.sum(c.value)))])]
+    return [paragraph(f"{why}: the energy is constant."), *display([equal(book.own("E"), Relation(left, book.sum(c.value)))])]
 
 
 def matrix(name: Node, rows: Sequence[Sequence[Node]], entry: str) -> list[Node]:

@@ -19,7 +19,6 @@ from lagrangia.book import (
     matrix,
     multiplier_term,
     names_block,
-    partial,
     time_derivative,
     where,
 )
@@ -60,7 +59,7 @@ def energy_blocks(book: Book) -> list[Block]:
     if e.V_elastic != 0 or e.V_field != 0:
         blocks += [Heading("Potential energy", 2)]
     if e.V_elastic != 0 and e.V_field != 0:
-        blocks += display([equal(Name("V"), total([(1, Name("V", "e")), (1, Name("V", "f"))]))])
+        blocks += display([equal(book.own("V"), total([(1, book.own("V", "e")), (1, book.own("V", "f"))]))])
     both = e.V_elastic != 0 and e.V_field != 0
     if e.V_elastic != 0:
         blocks += [paragraph("Elastic:"), *_energy(book, "V", elastic, e.V_elastic, "e" if both else "")]
@@ -80,14 +79,14 @@ def _energy(book: Book, base: str, terms: tuple[Term, ...], whole: Expr, sub: st
     lines: list[Node] = []
     names: list[Node] = []
     for component, mine in several.items():
-        name = Name(base, component_sub(component))
+        name = book.own(base, component_sub(component))
         names.append(name)
         lines.append(equal(name, added(*(book.gentle(term.value) for term in mine))))
     if len(lines) == 1:
         right = lines[0].right if isinstance(lines[0], Relation) else lines[0]
         summed = book.sum(whole)
-        return display([equal(Name(base, sub), right if right == summed else Relation(right, summed))])
-    return [*display(lines), *display([equal(Name(base, sub), Relation(added(*names), book.sum(whole)))])]
+        return display([equal(book.own(base, sub), right if right == summed else Relation(right, summed))])
+    return [*display(lines), *display([equal(book.own(base, sub), Relation(added(*names), book.sum(whole)))])]
 
 
 def component_sub(component: str) -> str:
@@ -131,13 +130,13 @@ def lagrangian_form(book: Book) -> Document:
     """L = T - V."""
     e, rate, k = book.equations, Name("q", "k", 1), Name("q", "k")
     L = e.ring.tidy(e.T - e.V_elastic - e.V_field)
-    items = [(1, time_derivative(partial("L", rate))), (-1, partial("L", k))]
-    items += [(1, partial("D", rate))] if e.D != 0 else []
+    items = [(1, time_derivative(book.partial("L", rate))), (-1, book.partial("L", k))]
+    items += [(1, book.partial("D", rate))] if e.D != 0 else []
     items += multiplier_term(book)
     right: Node = Name("f", "k") if any(f != 0 for f in e.f) else book.sum(sp.S.Zero)
-    V: list[tuple[int, Node]] = [(-1, Name("V"))] if e.V_elastic != 0 or e.V_field != 0 else []
-    head = equal(Name("L"), Relation(total([(1, Name("T")), *V]), book.sum(L)))
-    D = [equal(Name("D"), book.gentle_sum(e.scene.energies.dissipation, e.D))] if e.D != 0 else []
+    V: list[tuple[int, Node]] = [(-1, book.own("V"))] if e.V_elastic != 0 or e.V_field != 0 else []
+    head = equal(book.own("L"), Relation(total([(1, book.own("T")), *V]), book.sum(L)))
+    D = [equal(book.own("D"), book.gentle_sum(e.scene.energies.dissipation, e.D))] if e.D != 0 else []
     forces = [equal(force_name(book, i), book.sum(f)) for i, f in enumerate(e.f) if f != 0]
     return page(book, [paragraph("Lagrange's function is"), Display((head, *D, *forces)), paragraph("and its equations"),
                        Display((equal(total(items), right),)), paragraph("give"), Display(tuple(equations_of(book))),
@@ -148,10 +147,10 @@ def elastic_form(book: Book) -> Document:
     """L_e = T - V_e on the left, all that is a source on the right."""
     e, rate, k = book.equations, Name("q", "k", 1), Name("q", "k")
     L = e.ring.tidy(e.T - e.V_elastic)
-    left = total([(1, time_derivative(partial("L", rate, "e"))), (-1, partial("L", k, "e"))])
+    left = total([(1, time_derivative(book.partial("L", rate, "e"))), (-1, book.partial("L", k, "e"))])
     sources: list[tuple[int, Node]] = [(1, Name("f", "k"))] if any(f != 0 for f in e.f) else []
-    sources += [(-1, partial("V", k, "f"))] if e.V_field != 0 else []
-    sources += [(-1, partial("D", rate))] if e.D != 0 else []
+    sources += [(-1, book.partial("V", k, "f"))] if e.V_field != 0 else []
+    sources += [(-1, book.partial("D", rate))] if e.D != 0 else []
     sources += [(-sign, node) for sign, node in multiplier_term(book)]
     lines = []
     for i in range(e.n):
@@ -160,7 +159,8 @@ def elastic_form(book: Book) -> Document:
         right = e.ring.tidy(e.f[i] - field - e.dD_dv[i] - e.reactions[i])
         lines.append(book.presentation.kept(own, right, i))
     has_elastic = e.V_elastic != 0
-    head = equal(Name("L", "e"), Relation(total([(1, Name("T")), *([(-1, Name("V", "e"))] if has_elastic else [])]), book.sum(L)))
+    energies: list[tuple[int, Node]] = [(1, book.own("T")), *([(-1, book.own("V", "e"))] if has_elastic else [])]
+    head = equal(book.own("L", "e"), Relation(total(energies), book.sum(L)))
     return page(book, [Display((head,)), Display((equal(left, Relation(Name("Q", "k"), total(sources))),)), paragraph("give"),
                        Display(tuple(lines)), *constraints_block(book), *where(book)])
 

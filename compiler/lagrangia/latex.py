@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from lagrangia.layout import (
-    GREEK,
+    LETTERS,
     Apply,
     Bracket,
     Cases,
@@ -32,7 +32,7 @@ _DOTS = {0: "%s", 1: r"\dot{%s}", 2: r"\ddot{%s}", 3: r"\dddot{%s}"}
 def latex(node: Node) -> str:
     match node:
         case Name(base, sub, marks, argument, is_bold, prefix):
-            word = rf"\boldsymbol{{{_latex_word(base)}}}" if base in GREEK else rf"\mathbf{{{base}}}"
+            word = rf"\boldsymbol{{{_latex_word(base)}}}" if base in LETTERS else rf"\mathbf{{{base}}}"
             shown = _DOTS[marks] % (word if is_bold else _latex_word(base))
             shown = prefix.replace("Δ", r"\Delta ") + shown + (f"_{{{_latex_sub(sub)}}}" if sub else "")
             return shown + (f"({argument})" if argument else "")
@@ -94,7 +94,9 @@ def _latex_signs(signs: str) -> str:
 
 
 def _latex_word(base: str) -> str:
-    if base in GREEK:
+    if base in LETTERS:
+        if base.startswith("script "):
+            return rf"\mathcal{{{base[-1]}}}"
         return _LATEX_GREEK.get(base, f"\\{base}")
     return base if len(base) == 1 else rf"\mathrm{{{latex_escape(base)}}}"
 

@@ -11,9 +11,10 @@ from typing import TypeAlias
 _DEEPEST = 3  # brackets in brackets that are opened to break a line
 _LOWER = ("alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho sigmaf sigma tau upsilon phi "
           "chi psi omega").split()
-GREEK = {name: chr(code) for name, code in zip(_LOWER, range(0x3B1, 0x3CA), strict=True)} | {
+_SCRIPT = {"D": "𝒟", "E": "ℰ", "H": "ℋ", "L": "ℒ", "T": "𝒯", "V": "𝒱"}
+LETTERS = {name: chr(code) for name, code in zip(_LOWER, range(0x3B1, 0x3CA), strict=True)} | {
     "ell": "ℓ", "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ", "Phi": "Φ",
-    "Psi": "Ψ", "Omega": "Ω"}
+    "Psi": "Ψ", "Omega": "Ω"} | {f"script {letter}": shown for letter, shown in _SCRIPT.items()}
 
 
 @dataclass(frozen=True)

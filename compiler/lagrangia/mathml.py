@@ -4,7 +4,7 @@ from fractions import Fraction
 from html import escape
 
 from lagrangia.layout import (
-    GREEK,
+    LETTERS,
     Apply,
     Bracket,
     Cases,
@@ -102,7 +102,7 @@ def _fenced(inside: str, left: str = "(", right: str = ")") -> str:
 
 
 def _mathml_word(base: str) -> str:
-    shown = GREEK.get(base, base)
+    shown = LETTERS.get(base, base)
     return f"<mi>{escape(shown)}</mi>"  # of several letters: upright by itself
 
 

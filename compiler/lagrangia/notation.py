@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import chain, count
 
 from lagrangia.diagnostics import fail, suggest
-from lagrangia.layout import GREEK, Name
+from lagrangia.layout import LETTERS, Name
 
 _ATTRIBUTES = {"force": ("F", ""), "torque": ("M", ""), "s_rel0": ("s", "0"), "phi_rel0": ("phi", "0"), "gravity": ("g", ""),
                "omega": ("omega", "")}
@@ -57,6 +57,12 @@ def _own_names(sources: list[str], taken: set[tuple[str, str]]) -> dict[str, tup
         found[source] = next(x for x in choices if x not in taken)
         taken = taken | {found[source]}
     return found
+
+
+def own_name(letter: str, sub: str, others: Iterable[Name]) -> Name:
+    """A name that the pages bring along: in script where one of the others, which are of the scene, has the letter."""
+    is_taken = any(name.base == letter for name in others)
+    return Name(f"script {letter}" if is_taken else letter, sub)
 
 
 def is_own(source: str, name: Name) -> bool:
@@ -127,7 +133,7 @@ def _split(text: str) -> tuple[str, str]:
     match = re.fullmatch(r"([A-Za-z]|[A-Za-z]*[a-z]{2,})(\d+)", base)
     if match:
         base, sub = match[1], _joined(match[2], sub)
-    if re.fullmatch(r"[A-Za-z][a-z]", base) and base not in GREEK:
+    if re.fullmatch(r"[A-Za-z][a-z]", base) and base not in LETTERS:
         base, sub = base[0], _joined(base[1], sub)  # ks is k_s
     element = re.fullmatch(r"(\w+)\[([\d,]+)\]", base)
     return (element[1], _joined(element[2].replace(",", " "), sub)) if element else (base, sub.replace("_", " "))

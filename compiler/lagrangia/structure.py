@@ -7,6 +7,7 @@ import sympy as sp
 from lagrangia.document import Block, Display, Document, Heading, Inline, Table, display, paragraph
 from lagrangia.energies import Term
 from lagrangia.layout import Grid, Name, Node, Relation, Words, added
+from lagrangia.notation import own_name
 from lagrangia.presentation import Presentation, Symbols
 from lagrangia.series import TooLarge
 from lagrangia.symbolic import SymbolicScene
@@ -51,7 +52,7 @@ def _terms(scene: SymbolicScene, names: Mapping[Expr, Name], base: str, terms: t
             components.setdefault(term.component, []).append(term)
     lines: list[Node] = []
     for component, mine in list(components.items())[:_MOST_SHOWN]:
-        name = Name(base, component.replace(".", " ").replace("[", " ").replace("]", ""))
+        name = own_name(base, component.replace(".", " ").replace("[", " ").replace("]", ""), names.values())
         lines.append(Relation(name, _stated(scene, names, mine)))
     left = len(components) - _MOST_SHOWN
     return [*lines, *([Words(f"... and {left} more")] if left > 0 else [])]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from lagrangia.layout import (
-    GREEK,
+    LETTERS,
     Apply,
     Bracket,
     Cases,
@@ -134,16 +134,16 @@ def _text_applied(node: Apply) -> str:
 
 
 def _text_name(name: Name) -> str:
-    base = bold_letter(name.base) if name.is_bold else GREEK.get(name.base, name.base)
-    sub = ",".join(GREEK.get(part, part) for part in name.sub.split())
+    base = bold_letter(name.base) if name.is_bold else LETTERS.get(name.base, name.base)
+    sub = ",".join(LETTERS.get(part, part) for part in name.sub.split())
     shown = sub.translate(_SUBSCRIPT) if sub.isdigit() else f"_{sub}" if sub else ""
     return name.prefix + base + shown + "'" * name.marks + (f"({name.argument})" if name.argument else "")
 
 
 def bold_letter(base: str) -> str:
     """A letter in the bold of Unicode's mathematical alphabets."""
-    if base in GREEK:
-        return {"lambda": "𝛌", "Phi": "𝚽"}.get(base, GREEK[base])
+    if base in LETTERS:
+        return {"lambda": "𝛌", "Phi": "𝚽"}.get(base, LETTERS[base])
     return "".join(chr(0x1D400 + ord(c) - 65) if c.isupper() else chr(0x1D41A + ord(c) - 97) for c in base)
 
 

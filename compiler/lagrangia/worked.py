@@ -13,13 +13,12 @@ from lagrangia.book import (
     kicks_block,
     lengths,
     parameters_table,
-    partial,
     time_derivative,
 )
 from lagrangia.document import Block, Display, Document, Heading, display, paragraph
 from lagrangia.flat import Energy, Work
 from lagrangia.forms import component_sub, energy_blocks, force_blocks, force_name, matrix_blocks, opening, title
-from lagrangia.layout import Name, Node
+from lagrangia.layout import Name, Node, Slope
 from lagrangia.sympy_algebra import Expr, exact_throughout
 from lagrangia.tree import FrameRef
 from lagrangia.walk import leaves
@@ -110,14 +109,14 @@ def _frames(book: Book, statements: "list[Energy | Work]") -> list[str]:
 def _coordinate(book: Book, k: int) -> list[Block]:
     """Every partial derivative of one coordinate's equation, and the equation."""
     e, q, rate = book.equations, book.q[k], book.rate(k)
-    step = time_derivative(partial("T", rate))
-    lines: list[Node] = [equal(partial("T", rate), book.presentation.momentum(e.momenta[k])),
+    step = time_derivative(book.partial("T", rate))
+    lines: list[Node] = [equal(book.partial("T", rate), book.presentation.momentum(e.momenta[k])),
                          equal(step, book.presentation.kept(e.momentum_rates[k], sp.S.Zero, k).left),
-                         equal(partial("T", q), book.sum(e.dT_dq[k]))]
+                         equal(book.partial("T", q), book.sum(e.dT_dq[k]))]
     if e.V_elastic != 0 or e.V_field != 0:
-        lines.append(equal(partial("V", q), book.sum(e.dV_dq[k])))
+        lines.append(equal(book.partial("V", q), book.sum(e.dV_dq[k])))
     if e.D != 0:
-        lines.append(equal(partial("D", rate), book.sum(e.dD_dv[k])))
+        lines.append(equal(book.partial("D", rate), book.sum(e.dD_dv[k])))
     if any(f != 0 for f in e.f):
         lines.append(equal(force_name(book, k), book.sum(e.f[k])))
     lines += _reaction(book, k)
@@ -130,9 +129,9 @@ def _reaction(book: Book, k: int) -> list[Node]:
     for i, row in enumerate(e.J):
         name = Name("Phi", str(i + 1) if len(e.rows) > 1 else "")
         if row[k] != 0 and i < e.scene.holonomic:
-            found.append(equal(partial(name.base, book.q[k], name.sub), book.sum(row[k])))
+            found.append(equal(Slope(name, book.q[k]), book.sum(row[k])))
         elif row[k] != 0:
-            found.append(equal(partial(name.base, book.rate(k), name.sub), book.sum(row[k])))
+            found.append(equal(Slope(name, book.rate(k)), book.sum(row[k])))
     return found
 
 
