@@ -3,6 +3,7 @@
 
 #include "attempts.h"
 #include "extremes.h"
+#include "onset.h"
 #include "rough.h"
 #include "rounding.h"
 #include "step.h"
@@ -67,8 +68,10 @@ LagStatus lag_step_adaptive(LagRun *run)
         }
         ++run->statistics.rejected;
         ++attempts.rejected;
-        if (error * run->scale.tolerance < FORESEEN || (attempts.rejected > PATIENCE && lag_scale_at_rest(&run->scale)))
+        if (error * run->scale.tolerance < FORESEEN)
             lag_scale_note(&run->scale, motion->other);
+        else if (attempts.rejected > PATIENCE && lag_scale_at_rest(&run->scale))
+            lag_onset_foresee(motion, &run->scale, t_new);
         run->step = lag_attempts_next(run, &attempts, h, error, shrunk(run, h, error <= attempts.allowed ? INFINITY : error));
         if (run->step < lag_step_smallest(t))
             return lag_step_give_up(run, worst);

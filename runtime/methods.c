@@ -6,7 +6,7 @@
 int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
 {
     const int32_t asked = settings->solver != LAG_SOLVER_AUTO ? settings->solver : model->solver;
-    if (asked != LAG_SOLVER_AUTO)
+    if (asked != LAG_SOLVER_AUTO && asked != LAG_SOLVER_STEPWISE)
         return asked;
     if (lag_taylor_pays(model, settings->tolerance))
         return LAG_SOLVER_TAYLOR;
@@ -29,6 +29,11 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
 
 static int is_explicit(int32_t solver) { return solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_ERK5; }
 
+int lag_methods_turn(const LagSettings *settings)
+{
+    return settings->solver == LAG_SOLVER_AUTO || settings->solver == LAG_SOLVER_STEPWISE;
+}
+
 int lag_methods_alternate(const LagModel *model, int32_t solver)
 {
     const int is_one = is_explicit(solver) || solver == LAG_SOLVER_TAYLOR || solver == LAG_SOLVER_IMPLICIT;
@@ -41,7 +46,7 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
     const int32_t solver = lag_methods_first(settings, model);
     if (!lag_methods_permit(model, solver))
         return;
-    const int may_turn = settings->solver == LAG_SOLVER_AUTO && lag_methods_alternate(model, solver);
+    const int may_turn = lag_methods_turn(settings) && lag_methods_alternate(model, solver);
     if (solver == LAG_SOLVER_LINEAR)
         lag_parts.linear->layout(&methods->linear, motion, arena);
     if (solver == LAG_SOLVER_ISLANDS)

@@ -32,6 +32,9 @@ int32_t lag_methods_first(const LagSettings *settings, const LagModel *model);
 /* Whether the model can be run by it. */
 int lag_methods_permit(const LagModel *model, int32_t solver);
 
+/* Whether a run with these settings goes over to another solver where that is cheaper. */
+int lag_methods_turn(const LagSettings *settings);
+
 /* Whether a run that begins with this solver may go on with explicit or implicit steps, whichever serve. */
 int lag_methods_alternate(const LagModel *model, int32_t solver);
 

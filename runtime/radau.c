@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "attempts.h"
+#include "onset.h"
 #include "step.h"
 
 static const double SAFETY = 0.9, LEAST_FACTOR = 1.0 / 8, MOST_FACTOR = 5, NOT_FINITE_SHRINK = 0.25, DIVERGED_SHRINK = 0.5;
@@ -179,9 +180,10 @@ static LagStatus step(LagRun *run)
         }
         ++attempts.rejected;
         has_failed |= convergence != LAG_STAGES_CONVERGED;
-        if (convergence == LAG_STAGES_CONVERGED
-            && (error * run->scale.tolerance < FORESEEN || (attempts.rejected > PATIENCE && lag_scale_at_rest(&run->scale))))
+        if (convergence == LAG_STAGES_CONVERGED && error * run->scale.tolerance < FORESEEN)
             lag_scale_note(&run->scale, m->other);
+        else if (convergence == LAG_STAGES_CONVERGED && attempts.rejected > PATIENCE && lag_scale_at_rest(&run->scale))
+            lag_onset_foresee(m, &run->scale, t_new);
         run->step = lag_attempts_next(run, &attempts, h, error, h * shorter(s, convergence, asked, error));
         if (run->careful && attempts.rejected > HOPELESS && lag_stiffness_pass(run)) {
             run->step = fmax(attempts.planned, run->calm_step);

@@ -42,7 +42,7 @@ static void look(LagMotion *m, const LagScale *scale)
     memset(largest, 0, (size_t)scale->kinds * sizeof *largest);
     for (int i = 0; i < n; ++i) {
         double *noise = &scale->noise[i], *most = &largest[scale->kind[i]];
-        *noise = UNIT * fabs(slope[n + i] - m->slope[n + i]);
+        *noise = lag_max(UNIT * fabs(slope[n + i] - m->slope[n + i]), scale->onset[i]);
         *most = lag_max(*noise, *most);
     }
     for (int i = 0; i < n; ++i)

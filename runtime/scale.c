@@ -53,6 +53,7 @@ void lag_scale_layout(LagScale *scale, LagArena *arena)
     scale->size = lag_take(arena, size);
     scale->group = lag_take(arena, 2 * kinds);
     scale->noise = lag_take(arena, (size_t)scale->n);
+    scale->onset = lag_take(arena, (size_t)scale->n);
     scale->motion = lag_take(arena, kinds);
     scale->change = lag_take(arena, kinds);
 }
@@ -64,9 +65,10 @@ void lag_scale_reset(LagScale *scale)
     memset(scale->largest, 0, size);
     memset(scale->floor, 0, size);
     memset(scale->noise, 0, size / 2);
+    memset(scale->onset, 0, size / 2);
     memset(scale->size, 0, size);
     memset(scale->group, 0, 2 * (size_t)scale->kinds * sizeof(double));
-    scale->rate_rounding = scale->step = 0;
+    scale->rate_rounding = scale->step = scale->reach = 0;
     scale->is_resting = 1;
     for (int i = 0; i < n; ++i) {
         scale->cap[i] = scale->kind[i] == LAG_KIND_ANGLE ? ANGLE_CAP : INFINITY;
@@ -148,9 +150,10 @@ void lag_scale_note(LagScale *scale, const double *y)
         note_each(scale, y, 0, size);
         floor_each(scale, 0, size);
     }
-    scale->is_resting = 0;
-    for (int k = scale->kinds; k < 2 * scale->kinds; ++k)
-        scale->is_resting |= scale->group[k] == 0;
+    int is_resting = 0;
+    for (int i = n; i < size && scale->is_resting && !is_resting; ++i)
+        is_resting = *group_of(scale, i) == 0;
+    scale->is_resting = is_resting;
 }
 
 void lag_scale_foresee(const LagScale *scale, const double *y_new)
@@ -176,6 +179,7 @@ static inline void magnitudes(const LagScale *scale, int i, const double *y_old,
     old = LAG_LANES_ABS(old);
     new = LAG_LANES_ABS(new);
     old = LAG_LANES_MAX(old, new);
+    old = LAG_LANES_SELECT(old < LAG_LANES_OF(LAG_SCALE_NOTHING), LAG_LANES_OF(0), old);
     *result = LAG_LANES_MIN(old, cap);
 }
 
@@ -191,17 +195,21 @@ void lag_scale_units(const LagScale *scale, const double *y_old, const double *y
 {
     const int n = scale->n;
     const LagLanes step = LAG_LANES_OF(scale->step), rate_rounding = LAG_LANES_OF(scale->rate_rounding);
+    const LagLanes reach = LAG_LANES_OF(scale->reach * scale->reach);
     int i = 0;
     for (; i + LAG_LANES <= n; i += LAG_LANES) {
-        LagLanes places, rates, rounding, noise, size;
+        LagLanes places, rates, rounding, noise, size, unseen;
         magnitudes(scale, i, y_old, y_new, &places);
         magnitudes(scale, n + i, y_old, y_new, &rates);
         memcpy(&noise, scale->noise + i, sizeof noise);
         memcpy(&size, scale->size + i, sizeof size);
+        memcpy(&unseen, scale->onset + i, sizeof unseen);
         rounding = rate_rounding * LAG_LANES_MAX(places, size);
         noise *= step;
         noise = LAG_LANES_MAX(rounding, noise);
         raise_and_scale(scale, i, &places);
+        unseen *= reach;
+        places = LAG_LANES_MAX(places, unseen);
         raise_and_scale(scale, n + i, &rates);
         rates = LAG_LANES_MAX(rates, noise);
         memcpy(unit + i, &places, sizeof places);
@@ -221,8 +229,9 @@ int lag_scale_at_rest(const LagScale *scale)
     return 1;
 }
 
-void lag_scale_set_step(LagScale *scale, double h)
+void lag_scale_set_step(LagScale *scale, double h, int is_implicit)
 {
     scale->rate_rounding = DBL_EPSILON / h;
     scale->step = h;
+    scale->reach = is_implicit ? 0 : h;
 }

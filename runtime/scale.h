@@ -20,6 +20,8 @@ typedef struct {
     double *size;         /* 2 n: natural sizes: positions are known to rounding of these at best; 0 where nothing tells */
     double *group;        /* 2 kinds: largest magnitude of a kind, positions then rates */
     double *noise;        /* n: uncertainty of the accelerations by rounding */
+    double *onset;        /* n: that of the loads to come, where nothing moves yet; noise is at least as large */
+    double reach;         /* length of the latest step, where stability bounds it; 0: implicit steps */
     double *motion, *change; /* kinds: scratch of lag_first_step */
 } LagScale;
 
@@ -43,12 +45,17 @@ void lag_scale_foresee(const LagScale *scale, const double *y_new);
 /* Whether nothing has moved yet, so that no motion has a size. */
 int lag_scale_at_rest(const LagScale *scale);
 
-/* Takes notice of how long steps are now. */
-void lag_scale_set_step(LagScale *scale, double h);
+/* Takes notice of how long steps are now; implicit ones are bound by no stability. */
+void lag_scale_set_step(LagScale *scale, double h, int is_implicit);
+
+/* What is smaller counts as 0: numbers end soon below, and with them their digits. */
+#define LAG_SCALE_NOTHING 1e-290
 
 static inline double lag_scale_magnitude(const LagScale *scale, int i, double y_old, double y_new)
 {
     const double a = fabs(y_old), b = fabs(y_new), magnitude = a > b ? a : b;
+    if (magnitude < LAG_SCALE_NOTHING)
+        return 0;
     return magnitude < scale->cap[i] ? magnitude : scale->cap[i];
 }
 
@@ -57,8 +64,10 @@ static inline double lag_scale_unit(const LagScale *scale, int i, const double *
 {
     const double magnitude = lag_scale_magnitude(scale, i, y_old[i], y_new[i]);
     const double unit = scale->tolerance * (magnitude > scale->floor[i] ? magnitude : scale->floor[i]);
-    if (i < scale->n)
-        return unit;
+    if (i < scale->n) {
+        const double unseen = scale->reach * scale->reach * scale->onset[i];
+        return unit > unseen ? unit : unseen;
+    }
     const int position = i - scale->n;
     const double place = lag_scale_magnitude(scale, position, y_old[position], y_new[position]), size = scale->size[position];
     const double rounding = scale->rate_rounding * (place > size ? place : size);

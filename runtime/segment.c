@@ -6,6 +6,7 @@
 #include "evaluate.h"
 #include "first_step.h"
 #include "function.h"
+#include "onset.h"
 #include "schedule.h"
 
 static const double FIRST_PART = 0.1; /* of what is left: no first step is longer */
@@ -54,10 +55,11 @@ LagStatus lag_segment_evaluate(LagRun *run)
         run->segment_over = 1;
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
     }
+    lag_onset_look(motion, &run->scale, fmin(run->segment_end, run->settings.t_stop));
     run->step = first_step(run);
     run->is_starting = 1;
     run->methods.table->restart(run->methods.self, motion);
-    lag_scale_set_step(&run->scale, run->step);
+    lag_scale_set_step(&run->scale, run->step, run->methods.solver == LAG_SOLVER_IMPLICIT);
     return LAG_OK;
 }
 

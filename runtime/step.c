@@ -37,7 +37,7 @@ void lag_step_record(LagRun *run, double h)
     ++s->steps;
     run->segment_over = run->motion.t == run->segment_end;
     lag_scale_note(&run->scale, run->motion.y);
-    lag_scale_set_step(&run->scale, h);
+    lag_scale_set_step(&run->scale, h, run->methods.solver == LAG_SOLVER_IMPLICIT);
     double entries[LAG_ACCOUNT_SIZE];
     if (run->settings.energy_every_step) {
         lag_energies(run, run->motion.t, run->motion.y, entries);

@@ -139,7 +139,7 @@ void lag_stiffness_reset(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
     const int solver = run->methods.solver, is_explicit = solver == run->methods.explicit_solver || solver == LAG_SOLVER_TAYLOR;
-    s->is_watching = run->settings.solver == LAG_SOLVER_AUTO && is_explicit && lag_methods_alternate(run->model, solver);
+    s->is_watching = lag_methods_turn(&run->settings) && is_explicit && lag_methods_alternate(run->model, solver);
     s->next = LAG_SOLVER_AUTO;
     s->explicit_solver = is_explicit ? solver : run->methods.explicit_solver;
     s->passes = 0;

@@ -52,6 +52,7 @@ class Solver(IntEnum):
     CONSERVATIVE = 5
     TAYLOR = 6
     ERK5 = 7
+    STEPWISE = 8
 
 
 @dataclass(frozen=True)

@@ -132,7 +132,7 @@ def _solver(scene: Scene, name: str, reduced: Sequence[Reduction], request: Requ
         fail("L0704", "the solver 'linear' makes steps of any length: it does not show what a motion does between them", None,
              "say with --interval how closely it is to be looked at, or choose --solver erk")
     unsuitable = {"islands"} if request.interval is not None else {"linear", "islands"}
-    return Solver.ERK if number is Solver.AUTO and unsuitable & {*applicable(scene)} else number
+    return Solver.STEPWISE if number is Solver.AUTO and unsuitable & {*applicable(scene)} else number
 
 
 # -------------------------------------------------------------------- names and factors

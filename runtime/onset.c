@@ -1,0 +1,61 @@
+/* A load that rises smoothly from nothing is less than its own rounding at first: 1 - cos(20 t) is 0 until 1e-16 can be told from 1,
+ * and goes up in steps of that. No step is short enough to resolve them. What the loads will be tells how much they are: at rest
+ * nothing else acts.
+ *
+ * A stiff explicit step away from rest ends anywhere, and its end says nothing about the motion: the loads at its end do.
+ */
+#include "onset.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "extremes.h"
+
+/* Loads are sums and products of several rounded numbers. */
+static const double ROUNDINGS = 8, FAINT = 1e-100; /* accelerations below this one are none, in any units */
+enum { LOOKS = 16 };
+
+/* scale->motion: what moves each kind now. Returns whether nothing moves one of them. */
+static int find_still(const LagMotion *m, const LagScale *scale)
+{
+    int is_still = 0;
+    memcpy(scale->motion, scale->group + scale->kinds, (size_t)scale->kinds * sizeof *scale->motion);
+    for (int i = 0; i < m->n; ++i) {
+        double *moving = &scale->motion[scale->kind[i]];
+        *moving = lag_max(fabs(m->slope[m->n + i]), *moving);
+    }
+    for (int i = 0; i < m->n; ++i)
+        is_still |= scale->motion[scale->kind[i]] < FAINT;
+    return is_still;
+}
+
+void lag_onset_look(LagMotion *m, LagScale *scale, double end)
+{
+    const int n = m->n;
+    const double t = m->t, whole = isfinite(end) ? end - t : fmax(1, fabs(t));
+    if (!scale->is_resting || !find_still(m, scale))
+        return;
+    for (int look = 1; look <= LOOKS; ++look) {
+        if (!lag_motion_slope(m, t + look * (whole / (LOOKS + 1)), m->y, m->y + n, m->sum))
+            continue;
+        for (int i = 0; i < n; ++i)
+            if (scale->motion[scale->kind[i]] < FAINT)
+                scale->onset[i] = lag_max(ROUNDINGS * DBL_EPSILON * fabs(m->sum[n + i]), scale->onset[i]);
+    }
+    for (int i = 0; i < n; ++i)
+        scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
+}
+
+void lag_onset_foresee(LagMotion *m, LagScale *scale, double t_new)
+{
+    const int n = m->n;
+    const double h = t_new - m->t;
+    if (!lag_motion_slope(m, t_new, m->y, m->y + n, m->sum))
+        return;
+    for (int i = 0; i < n; ++i) {
+        m->point[i] = m->y[i] + h / 2 * h * m->sum[n + i];
+        m->point[n + i] = m->y[n + i] + h * m->sum[n + i];
+    }
+    lag_scale_note(scale, m->point);
+}
