@@ -22,6 +22,7 @@ void lag_metric_layout(LagMetric *s, LagArena *arena)
     s->column = lag_take(arena, n);
     s->rates = lag_take(arena, n);
     s->order = (int *)lag_take(arena, n);
+    s->first = (int *)lag_take(arena, n);
 }
 
 static void choose_order(LagMetric *s, const int *fixed, const double *unit, int way)
@@ -66,21 +67,28 @@ static double dot(const double *a, const double *b, int n)
     return sum;
 }
 
-/* Row by row; a pivot is compared with what the value had before. */
+static int max_int(int a, int b) { return a > b ? a : b; }
+
+/* Row by row; a pivot is compared with what the value had before. A row of L begins where that of M does. */
 static void factorise(LagMetric *s, double largest)
 {
     const int n = lag_start_size(s->model);
     for (int i = 0; i < s->count; ++i) {
         double *row = s->factor + i * n;
-        for (int k = 0; k < i; ++k) {
+        int first = 0;
+        while (first < i && row[first] == 0)
+            ++first;
+        s->first[i] = first;
+        for (int k = first; k < i; ++k) {
             const double *other = s->factor + k * n;
-            row[k] = (row[k] / largest - dot(row, other, k)) / other[k];
+            const int begin = max_int(first, s->first[k]);
+            row[k] = (row[k] / largest - dot(row + begin, other + begin, max_int(k - begin, 0))) / other[k];
         }
         const double own = row[i] / largest, floor = LEAST_PIVOT * (own > NO_MASS ? own : 1);
-        row[i] = sqrt(fmax(own - dot(row, row, i), floor));
+        row[i] = sqrt(fmax(own - dot(row + first, row + first, i - first), floor));
     }
     for (int i = 0; i < s->count; ++i)
-        for (int k = 0; k <= i && k < s->n_free; ++k)
+        for (int k = s->first[i]; k <= i && k < s->n_free; ++k)
             s->factor[i * n + k] /= FREE;
 }
 
@@ -107,7 +115,8 @@ void lag_metric_of_gradient(const LagMetric *s, const double *g, double *z)
         z[first++] = 0;
     for (int i = first; i < s->count; ++i) {
         const double *row = s->factor + i * n;
-        z[i] = (g[s->order[i]] * s->unit[s->order[i]] - dot(row + first, z + first, i - first)) / row[i];
+        const int begin = max_int(first, s->first[i]);
+        z[i] = (g[s->order[i]] * s->unit[s->order[i]] - dot(row + begin, z + begin, i - begin)) / row[i];
     }
 }
 
@@ -121,7 +130,7 @@ void lag_metric_to_step(const LagMetric *s, const double *z, double *dx)
     for (int i = s->count - 1; i >= 0; --i) {
         const double *row = s->factor + i * n, x = rest[i] / row[i];
         dx[s->order[i]] = x * s->unit[s->order[i]];
-        for (int k = 0; k < i; ++k)
+        for (int k = s->first[i]; k < i; ++k)
             rest[k] -= row[k] * x;
     }
 }
@@ -133,7 +142,7 @@ void lag_metric_from_step(const LagMetric *s, const double *dx, double *z)
     memset(z, 0, (size_t)s->count * sizeof *z);
     for (int i = 0; i < s->count; ++i) {
         const double *row = s->factor + i * n, x = dx[s->order[i]] / s->unit[s->order[i]];
-        for (int k = 0; k <= i; ++k)
+        for (int k = s->first[i]; k <= i; ++k)
             z[k] += row[k] * x;
     }
 }

@@ -15,6 +15,7 @@ typedef struct {
     double *column; /* n */
     double *rates;  /* n */
     int *order;     /* n: the values that may move, those nobody guessed first */
+    int *first;     /* n: before it a row of L is 0 */
     int count, n_free;
 } LagMetric;
 
