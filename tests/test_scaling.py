@@ -1,5 +1,7 @@
 """Work grows with the number of bodies, not faster."""
 
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -29,3 +31,32 @@ def test_a_matrix_that_would_be_too_large_is_not_made(monkeypatch: pytest.Monkey
     assert many.simulate(stop=0.01)["hinge[1].phi"][-1] == pytest.approx(few.simulate(stop=0.01)["hinge[1].phi"][-1], rel=1e-2)
     with pytest.raises(LagError, match="L0704"):
         many.simulate(stop=0.01, solver="implicit")
+
+
+def table(n: int) -> str:
+    xs, ys = (", ".join(f"{x:.3f}" for x in row) for row in ([k / n for k in range(n)], [k % 3 for k in range(n)]))
+    return f"Block block(m = 1, base = world); AppliedForce push(at = block.center, force = {{table(time, {{{xs}}}, {{{ys}}}), 0}});"
+
+
+def calls(text: str, path: Path) -> int:
+    """How many functions of CasADi a compilation calls."""
+    path.write_text(f"model Scene\n{text}\nend Scene;", encoding="utf-8")
+    count = 0
+
+    def look(frame: object, event: str, argument: object) -> None:
+        nonlocal count
+        count += event == "c_call" and getattr(argument, "__module__", "") == "casadi._casadi"
+
+    sys.setprofile(look)
+    try:
+        compile_file(path)
+    finally:
+        sys.setprofile(None)
+    return count
+
+
+@pytest.mark.parametrize("scene_of", [table])
+def test_each_more_costs_as_much_as_those_before(scene_of: Callable[[int], str], tmp_path: Path) -> None:
+    compile_file(CHAIN)  # reads the library
+    few, some, many = (calls(scene_of(n), tmp_path / "scene.lag") for n in (20, 60, 100))
+    assert many - some < 1.1 * (some - few)

@@ -7,7 +7,7 @@ operators cannot say (functions, conditions) goes through the methods of an Alge
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Protocol
 
 import casadi as ca
@@ -18,6 +18,7 @@ from lagrangia.scalars import symbol as make_symbol
 Scalar = Any  # float | ca.SX | Dual
 
 _NUMBERS = (float, int)
+_COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
 # Keeps the square root in distances differentiable where two points coincide: the direction is then zero, not NaN.
 TINY = 1e-300
 
@@ -54,6 +55,31 @@ class Mode:
 
 
 @dataclass
+class ModeIndex:
+    """Finds the mode that says the same, however its expression was built: what is the same has one number."""
+
+    numbers: dict[tuple[float, ...], int] = field(default_factory=dict)  # of all parts of arguments
+    symbols: dict[tuple[str, int], ca.SX] = field(default_factory=dict)  # by operator and argument
+    hashes: set[int] = field(default_factory=set)  # of these symbols
+
+    def number(self, function: ca.Function, symbols: list[ca.SX]) -> int:
+        """Of the value of a scalar function of these symbols."""
+        held = [0] * max(1, function.sz_w())
+        made = 0
+        for k in range(function.n_instructions()):
+            op, inputs = function.instruction_id(k), function.instruction_input(k)
+            if op == ca.OP_INPUT:
+                key: tuple[float, ...] = (op, symbols[inputs[0]].__hash__())
+            elif op == ca.OP_CONST:
+                key = (op, function.instruction_constant(k))
+            else:
+                operands = [held[place] for place in inputs]
+                key = (op, *(sorted(operands) if op in _COMMUTATIVE else operands))
+            made = held[function.instruction_output(k)[0]] = self.numbers.setdefault(key, len(self.numbers))
+        return made
+
+
+@dataclass
 class CasadiAlgebra:
     """Scalars are ca.SX or float. Conditions on time and parameters alone become modes, so that the right-hand side is smooth
     between time events and the integrator can stop exactly at them."""
@@ -61,16 +87,19 @@ class CasadiAlgebra:
     time: ca.SX
     state: ca.SX  # all symbols that change continuously besides time: q, v, u
     modes: list[Mode] = field(default_factory=list)
+    index: ModeIndex = field(default_factory=ModeIndex)  # of these modes
     tiny: float = TINY
 
     def number(self, value: float) -> Scalar:
         return value
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
-        if function in ("floor", "ceil") and self._is_timed(arguments[0]):
+        if function in ("floor", "ceil"):
             inner = arguments[0] if function == "floor" else -arguments[0]
-            mode = self._mode(ca.floor(inner), inner, 1)
-            return mode if function == "floor" else -mode
+            number = self._timed(inner)
+            if number is not None:
+                mode = self._mode(("floor", number), ca.floor(inner), inner, 1)
+                return mode if function == "floor" else -mode
         if function == "mod":
             a, b = arguments
             return a - b * self.call("floor", a / b)
@@ -82,8 +111,9 @@ class CasadiAlgebra:
         if isinstance(a, float | int) and isinstance(b, float | int):
             return float(_COMPARE[operator](a, b))
         difference = a - b
-        if operator not in ("==", "<>") and self._is_timed(difference):
-            return self._mode(_COMPARE[operator](difference, 0), difference, 0)
+        number = self._timed(difference) if operator not in ("==", "<>") else None
+        if number is not None:
+            return self._mode((operator, number), _COMPARE[operator](difference, 0), difference, 0)
         return as_expression(_COMPARE[operator](a, b))
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
@@ -98,24 +128,33 @@ class CasadiAlgebra:
         a, b = conditions
         return a * b if operator == "and" else a + b - a * b
 
-    def _is_timed(self, value: Scalar) -> bool:
-        """Depends on time, and on nothing else that changes, in such a way that its crossings can be computed: a + b t.
+    def _timed(self, value: Scalar) -> int | None:
+        """The number of what depends on time, and on nothing else that changes, in such a way that its crossings can be computed:
+        a + b t. None for all else.
 
         What depends on a mode crosses at other times in each segment: it stays a plain condition.
         """
-        if not isinstance(value, ca.SX) or not ca.depends_on(value, self.time):
-            return False
-        if ca.depends_on(value, ca.vertcat(self.state, *[mode.symbol for mode in self.modes])) or _has_steps(value):
-            return False
-        return not ca.depends_on(ca.jacobian(value, self.time), self.time)
+        if not isinstance(value, ca.SX):
+            return None
+        symbols = ca.symvar(value)
+        hashes = {x.__hash__() for x in symbols}
+        if self.time.__hash__() not in hashes or not hashes.isdisjoint(self._moving) or not hashes.isdisjoint(self.index.hashes):
+            return None
+        function = ca.Function("value", symbols, [value])
+        if uses(function, STEPS) or ca.depends_on(ca.jacobian(value, self.time), self.time):  # a slope does not tell of jumps
+            return None
+        return self.index.number(function, symbols)
 
-    def _mode(self, value: ca.SX, argument: ca.SX, kind: int) -> ca.SX:
-        for mode in self.modes:
-            if ca.is_equal(mode.value, value, 50):
-                return mode.symbol
-        symbol = make_symbol(f"d_{len(self.modes)}")
-        self.modes.append(Mode(symbol, value, argument, kind))
-        return symbol
+    @cached_property
+    def _moving(self) -> frozenset[int]:
+        return frozenset(x.__hash__() for x in self.state.elements())
+
+    def _mode(self, key: tuple[str, int], value: ca.SX, argument: ca.SX, kind: int) -> ca.SX:
+        if key not in self.index.symbols:
+            made = self.index.symbols[key] = make_symbol(f"d_{len(self.modes)}")
+            self.index.hashes.add(made.__hash__())
+            self.modes.append(Mode(made, value, argument, kind))
+        return self.index.symbols[key]
 
 
 STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN", "FMOD", "COPYSIGN", "LT", "LE", "EQ", "NE",
@@ -125,11 +164,6 @@ STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN"
 def uses(function: ca.Function, operations: frozenset[int]) -> bool:
     """Whether one of CasADi's operations is among a function's instructions."""
     return not operations.isdisjoint(function.instruction_id(k) for k in range(function.n_instructions()))
-
-
-def _has_steps(value: ca.SX) -> bool:
-    """A slope does not tell of jumps."""
-    return uses(ca.Function("value", ca.symvar(value), [value]), STEPS)
 
 
 _SX_FUNCTIONS: Mapping[str, Callable[..., Any]] = {

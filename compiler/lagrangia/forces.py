@@ -90,7 +90,7 @@ class _Apart:
 def find_forces(kinematics: Kinematics, energies: Energies) -> Forces:
     """Not for scenes with cut joints, whose coordinates are read off frames."""
     known = kinematics.algebra
-    algebra = _StepsAtRest(known.time, known.state, known.modes, known.tiny)
+    algebra = _StepsAtRest(known.time, known.state, known.modes, known.index, known.tiny)
     apart = _Apart(kinematics, algebra, _movable(kinematics))
     value = Evaluator(kinematics.graph.model, algebra, apart).value
     potential, dissipation = (energies.total(tuple(replace(term, value=value(term.statement.value)) for term in terms))
