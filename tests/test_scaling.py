@@ -35,7 +35,13 @@ def test_a_matrix_that_would_be_too_large_is_not_made(monkeypatch: pytest.Monkey
 
 def table(n: int) -> str:
     xs, ys = (", ".join(f"{x:.3f}" for x in row) for row in ([k / n for k in range(n)], [k % 3 for k in range(n)]))
-    return f"Block block(m = 1, base = world); AppliedForce push(at = block.center, force = {{table(time, {{{xs}}}, {{{ys}}}), 0}});"
+    push = f"AppliedForce push(at = block.center, force = {{table(time, {{{xs}}}, {{{ys}}}), 0}});"
+    return f"Block block(m = 1, base = world); {push}"
+
+
+def followers(n: int) -> str:
+    blocks = "".join(f"Block block{k}(m = 1, base = world);" for k in range(n + 1))
+    return f"{blocks} equation " + "".join(f"block{k}.s = {k}*block0.s;" for k in range(1, n + 1))
 
 
 def calls(text: str, path: Path) -> int:
@@ -55,7 +61,7 @@ def calls(text: str, path: Path) -> int:
     return count
 
 
-@pytest.mark.parametrize("scene_of", [table])
+@pytest.mark.parametrize("scene_of", [table, followers])
 def test_each_more_costs_as_much_as_those_before(scene_of: Callable[[int], str], tmp_path: Path) -> None:
     compile_file(CHAIN)  # reads the library
     few, some, many = (calls(scene_of(n), tmp_path / "scene.lag") for n in (20, 60, 100))

@@ -5,7 +5,8 @@ constant coefficients (rolling, a gear, a prescribed coordinate, the angle of a 
 the others and of time: that coordinate disappears, and the row with it.
 """
 
-from collections.abc import Callable, Mapping
+from collections import ChainMap
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -84,8 +85,12 @@ def moved_in_time(kinematics: Kinematics, constraints: Constraints) -> list[tupl
 
 
 def _is_timed(kinematics: Kinematics, value: Scalar) -> bool:
-    modes = [mode.symbol for mode in kinematics.algebra.modes]
-    return bool(ca.depends_on(ca.SX(value), ca.vertcat(kinematics.symbols.time, *modes)))
+    hashes = _hashes(ca.symvar(ca.SX(value)))
+    return kinematics.symbols.time.__hash__() in hashes or not hashes.isdisjoint(kinematics.algebra.index.hashes)
+
+
+def _hashes(symbols: Iterable[ca.SX]) -> frozenset[int]:
+    return frozenset(x.__hash__() for x in symbols)
 
 
 # -------------------------------------------------------------------- rows
@@ -133,12 +138,19 @@ class _Reduction:
     """Gaussian elimination of the linear rows, the coefficients kept as expressions of the parameters."""
 
     def __init__(self, kinematics: Kinematics) -> None:
+        symbols, model = kinematics.symbols, kinematics.graph.model
         self.kinematics = kinematics
         self.report = Report()
-        self.names = list(kinematics.symbols.positions)
-        self.q = ca.vertcat(*kinematics.symbols.positions.values())
-        self.p, self.defaults = default_parameters(kinematics)
+        self.names, self.q = list(symbols.positions), list(symbols.positions.values())
+        self.place = {x.__hash__(): k for k, x in enumerate(self.q)}
+        p, defaults = default_parameters(kinematics)
+        self.defaults = {x.__hash__(): value for x, value in zip(p.elements(), defaults.full().ravel(), strict=True)}
+        self.moving = _hashes([*kinematics.algebra.state.elements(), symbols.time])
+        self.accelerations = _hashes(symbols.accelerations.values())
+        self.inputs = _hashes(x for n, v in model.variables.items() if v.kind == "input" for x in scalars_of(symbols.values[n]))
+        self.started = {c.name for c in kinematics.graph.coordinates if c.has_start}
         self.solved: dict[str, ca.SX] = {}
+        self.users: dict[int, dict[str, None]] = {}  # the solutions in which a coordinate stands, by its place
         self.last: dict[str, ca.SX] = {}
         self.givers: dict[str, Row] = {}  # of each coordinate that was given up
         self.repeated: list[Row] = []
@@ -147,62 +159,75 @@ class _Reduction:
     def absorb(self, row: Row) -> bool:
         """Takes a linear row in: it gives a coordinate, or says nothing new. False for a row that must be kept."""
         gap = ca.SX(row.value(self.kinematics, 0))
-        if self._is_refused(gap, row):
+        mentioned = _hashes(ca.symvar(gap))
+        if self._is_refused(mentioned, row):
             return True
         if not row.is_holonomic:
             return False
-        mentioned = {x.__hash__() for x in ca.symvar(gap)}
-        named = [name for name, x in self.kinematics.symbols.positions.items() if x.__hash__() in mentioned]
-        known = self.solved | self.last
-        if known:
-            gap = ca.substitute([gap], [self.kinematics.symbols.positions[n] for n in known], list(known.values()))[0]
-        slopes = ca.densify(ca.jacobian(gap, self.q))
-        moving = ca.vertcat(self.kinematics.algebra.state, self.kinematics.symbols.time)
-        if ca.depends_on(slopes, moving):
+        named = [self.names[k] for k in self._places(mentioned)]
+        known = ChainMap(self.last, self.solved)
+        gone = [name for name in named if name in known]
+        if gone:
+            gap = ca.substitute([gap], [self.kinematics.symbols.positions[n] for n in gone], [known[n] for n in gone])[0]
+        places = self._places(_hashes(ca.symvar(gap)))
+        q = self._coordinates(places)
+        slopes = ca.densify(ca.jacobian(gap, q))
+        if not self.moving.isdisjoint(_hashes(ca.symvar(slopes))):
             return False
-        constant = ca.substitute(gap, self.q, ca.SX.zeros(self.q.numel()))
+        constant = ca.substitute(gap, q, ca.SX.zeros(len(places)))
         sizes = [abs(float(x)) for x in self._numbers(slopes).full().ravel()]
         if max(sizes, default=0.0) <= _NEGLIGIBLE:
             self._repeat(row, constant, named)
             return True
-        pivot = self._choose(sizes, slopes)
+        pivot = self._choose(sizes, slopes, places)
         others = slopes[:]
         others[pivot] = 0
-        solution = -(constant + ca.dot(others, self.q.T)) / slopes[pivot]
-        name, symbol = self.names[pivot], self.q[pivot]
+        solution = -(constant + ca.dot(others, q.T)) / slopes[pivot]
+        return self._give(places.pop(pivot), solution, places, row)
+
+    def _give(self, place: int, solution: ca.SX, others: list[int], row: Row) -> bool:
+        """The coordinate at this place is given up for others, in earlier solutions as well. False for the last one."""
+        name = self.names[place]
+        self.givers[name] = row
         if len(self.solved) == len(self.names) - 1:  # this coordinate stays with its row: something to integrate
-            self.last, self.givers[name] = {name: solution}, row
+            self.last = {name: solution}
             return False
         self.absorbed.append(row)
-        self.givers[name] = row
-        self.solved = {n: ca.substitute(x, symbol, solution) for n, x in self.solved.items()} | {name: solution}
+        users = self.users.pop(place, {})
+        earlier = ca.substitute([self.solved[n] for n in users], [self.q[place]], [solution]) if users else []
+        self.solved |= dict(zip(users, earlier, strict=True)) | {name: solution}
+        for k in others:
+            self.users.setdefault(k, {}).update(users | {name: None})
         return True
 
-    def _is_refused(self, gap: ca.SX, row: Row) -> bool:
-        symbols, model = self.kinematics.symbols, self.kinematics.graph.model
-        accelerations = ca.vertcat(*symbols.accelerations.values())
-        if ca.depends_on(gap, accelerations):
+    def _places(self, mentioned: frozenset[int]) -> list[int]:
+        return sorted(self.place[key] for key in mentioned & self.place.keys())
+
+    def _coordinates(self, places: list[int]) -> ca.SX:
+        return ca.vertcat(ca.SX(0, 1), *[self.q[k] for k in places])
+
+    def _is_refused(self, mentioned: frozenset[int], row: Row) -> bool:
+        if not mentioned.isdisjoint(self.accelerations):
             self.report.error("L0412", "a constraint cannot depend on accelerations", row.span,
                               "constrain positions or velocities, or let a force act")
-            return True
-        inputs = ca.vertcat(*[x for n, v in model.variables.items() if v.kind == "input" for x in scalars_of(symbols.values[n])])
-        if inputs.numel() and ca.depends_on(gap, inputs):
+        elif not mentioned.isdisjoint(self.inputs):
             self.report.error("L0904", "not supported yet: an input in a constraint", row.span, "let it act as a force")
-            return True
-        return False
+        else:
+            return False
+        return True
 
     def _numbers(self, expression: ca.SX) -> ca.DM:
-        return ca.evalf(ca.substitute(expression, self.p, self.defaults)) if self.p.numel() else ca.evalf(expression)
+        symbols = ca.symvar(expression)
+        values = [self.defaults[x.__hash__()] for x in symbols]
+        return ca.evalf(ca.substitute(expression, ca.vertcat(*symbols), ca.DM(values)) if symbols else expression)
 
-    def _choose(self, sizes: list[float], slopes: ca.SX) -> int:
+    def _choose(self, sizes: list[float], slopes: ca.SX, places: list[int]) -> int:
         """The coordinate to give up: one with a coefficient of 1 and no start of its own, the last declared among equals."""
-        coordinates = self.kinematics.graph.coordinates
-        starts = {c.name: c.has_start for c in coordinates}
         largest = max(sizes)
 
         def preference(k: int) -> tuple[bool, bool, int]:
             is_unit = slopes[k].is_constant() and abs(float(slopes[k])) == 1.0
-            return (not starts.get(self.names[k], False), is_unit, k)
+            return (self.names[places[k]] not in self.started, is_unit, k)
 
         return max((k for k, size in enumerate(sizes) if size > 1e-6 * largest), key=preference)
 
@@ -233,10 +258,12 @@ class _Reduction:
         kinematics, t = self.kinematics, self.kinematics.symbols.time
         dependents = {}
         for name, solution in self.solved.items():
-            constant = ca.substitute(solution, self.q, ca.SX.zeros(self.q.numel()))
+            places = self._places(_hashes(ca.symvar(solution)))
+            q = self._coordinates(places)
+            constant = ca.substitute(solution, q, ca.SX.zeros(len(places)))
             first = ca.jacobian(constant, t)
-            slopes = ca.jacobian(solution, self.q)
-            terms = {self.names[k]: slopes[0, k] for k in range(self.q.numel()) if slopes.sparsity().has_nz(0, k)}
+            slopes = ca.jacobian(solution, q)
+            terms = {self.names[place]: slopes[0, k] for k, place in enumerate(places) if slopes.sparsity().has_nz(0, k)}
             dependents[name] = Dependent((constant, _plain(first), _plain(ca.jacobian(first, t))), terms)
         graph = kinematics.graph
         kept = tuple(c for c in graph.coordinates if c.name not in dependents)
