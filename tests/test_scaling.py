@@ -39,6 +39,11 @@ def table(n: int) -> str:
     return f"Block block(m = 1, base = world); {push}"
 
 
+def supports(n: int) -> str:
+    pair = "Prismatic p{k}(a = world, s(fixed = true)); Motion m{k}(of = p{k}.s, to = 0.1*sin({k}*time));"
+    return "Block block(m = 1, base = world);" + "".join(pair.format(k=k) for k in range(n))
+
+
 def followers(n: int) -> str:
     blocks = "".join(f"Block block{k}(m = 1, base = world);" for k in range(n + 1))
     return f"{blocks} equation " + "".join(f"block{k}.s = {k}*block0.s;" for k in range(1, n + 1))
@@ -61,7 +66,7 @@ def calls(text: str, path: Path) -> int:
     return count
 
 
-@pytest.mark.parametrize("scene_of", [table, followers])
+@pytest.mark.parametrize("scene_of", [table, supports, followers])
 def test_each_more_costs_as_much_as_those_before(scene_of: Callable[[int], str], tmp_path: Path) -> None:
     compile_file(CHAIN)  # reads the library
     few, some, many = (calls(scene_of(n), tmp_path / "scene.lag") for n in (20, 60, 100))

@@ -8,6 +8,7 @@ rate: s, with the residuals s - s(q) and der(s) - ds/dt.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 
@@ -129,16 +130,20 @@ class _Starts:
     def _require_agreement(self, coordinate: Coordinate) -> None:
         """A prescribed coordinate starts where it is prescribed, whatever it was guessed; its rate as well."""
         here = self.kinematics.coordinate(coordinate.name, 1)
-        p, defaults = default_parameters(self.kinematics)
         for start, is_fixed, value in ((coordinate.start, coordinate.is_fixed, value_of(here)),
                                        (coordinate.rate_start, coordinate.is_rate_fixed, rate_of_dual(here))):
             if start is None or not is_fixed:
                 continue
+            p, defaults = self._defaults
             gap = self._at_start(ca.SX(value - self.kinematics.evaluator.value(start)))
             miss = abs(float(ca.evalf(ca.substitute(gap, p, ca.SX(defaults)))))
             if miss > _AGREES:
                 self.report.error("L0601", f"'{coordinate.name}' is given two initial values", start.span,
                                   f"an equation prescribes it, and differs by {miss:.3g} at the start", "leave `fixed` out")
+
+    @cached_property
+    def _defaults(self) -> tuple[ca.SX, ca.DM]:
+        return default_parameters(self.kinematics)
 
     def _start(self, slot: int, start: Flat) -> None:
         value = self.kinematics.evaluator.value(start)
