@@ -185,6 +185,18 @@ def test_what_a_loop_costs_does_not_grow_with_their_number(span: int, scene: Wri
     assert third - second == pytest.approx(2 * (second - first), rel=0.1)
 
 
+def test_what_a_rope_costs_does_not_grow_with_its_pulleys(scene: Write) -> None:
+    """Equal masses are even, wherever they hang: one pulley on the line between its neighbours has a slope of zero."""
+    def cost(n: int) -> int:
+        weights = "".join(f"PointMass w{k}(m = 1, center(x(start = {k}), y(start = -1)), center = rope.pulley[{k}]);"
+                          for k in range(1, n + 1))
+        rope = f"Rope rope(n = {n}, L = {2 * 2**0.5 + n - 1}, a = world, b = shift(world, {{{n + 1}, 0}}));"
+        return int(scene(f"model Hung {rope} {weights} end Hung;").scene.notes["acceleration_nodes"])
+
+    first, second, third = map(cost, (8, 16, 32))
+    assert third - second == pytest.approx(2 * (second - first), rel=0.1)
+
+
 def test_a_massless_bar_in_a_loop_is_a_link(scene: Write) -> None:
     """M is singular with the bar's coordinate, which the loop alone gives."""
     bar = "Revolute A(a = crank.b), B(a = coupler.b, b = rocker.b); Bar coupler(m = 0, L = 1, a = A.b);"
