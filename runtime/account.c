@@ -25,6 +25,10 @@ void lag_account_note(LagRun *run, const double *y, double *entries)
     statistics->energy_residual = lag_max(fabs(residual), statistics->energy_residual);
     for (int i = 0; i < LAG_ACCOUNT_SIZE; ++i)
         statistics->energy_scale = lag_max(fabs(entries[i]), statistics->energy_scale);
+    for (int i = KINETIC; i <= TOTAL; ++i)
+        statistics->energy_stored = lag_max(fabs(entries[i]), statistics->energy_stored);
+    statistics->energy_risen = lag_max(entries[TOTAL] - run->start_energy, statistics->energy_risen);
+    statistics->energy_given = lag_max(entries[WORK] - entries[DISSIPATED], statistics->energy_given);
 }
 
 void lag_account_open(LagRun *run) { run->energy_before = total(run, run->motion.t, run->motion.y); }

@@ -47,6 +47,9 @@ typedef struct {
     double smallest_step, largest_step; /* of the accepted steps */
     double energy_residual; /* largest |H - H(0) + dissipated - work| seen */
     double energy_scale;    /* largest of |T|, |V|, |H|, |dissipated|, |work| seen */
+    double energy_stored;   /* largest of |T|, |V|, |H| seen */
+    double energy_risen;    /* largest H - H(0) seen */
+    double energy_given;    /* largest work - dissipated seen: what H could rise by */
     double constraint_residual;      /* largest |Phi| in rows */
     double constraint_rate_residual; /* largest |J v + dPhi/dt| in rows */
     int32_t worst;          /* component that last limited the step: q is 0 .. n-1, v is n .. 2n-1 */

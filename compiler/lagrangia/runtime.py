@@ -93,6 +93,9 @@ class Statistics:
     implicit_steps: int = 0
     jacobians: int = 0
     factorisations: int = 0
+    energy_stored: float = 0.0
+    energy_risen: float = 0.0
+    energy_given: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -207,6 +210,9 @@ class _Statistics(c.Structure):
         ("largest_step", c.c_double),
         ("energy_residual", c.c_double),
         ("energy_scale", c.c_double),
+        ("energy_stored", c.c_double),
+        ("energy_risen", c.c_double),
+        ("energy_given", c.c_double),
         ("constraint_residual", c.c_double),
         ("constraint_rate_residual", c.c_double),
         ("worst", c.c_int32),

@@ -20,7 +20,9 @@ from lagrangia.solvers import AUTO, is_casadi, number_of
 _PORTION = 4096  # rows
 _PAUSE = 0.1  # seconds between two looks at the clock and the keyboard
 _MOST_ROWS = 100_000_000
-_MANY_STEPS, _MUCH, _ALL = 100, 100.0, 0.1
+_MANY_STEPS, _MUCH = 100, 100.0
+DOUBTFUL = 0.1  # of all energy: an account that misses by more
+_LITTLE = 1e-9  # J: less may be rounding of energies that cancel
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,7 @@ class Progress:
     statistics: Statistics | None = None
     parameters: list[float] = field(default_factory=list)
     has_power: bool = False  # the account holds integrals of powers, which have errors of their own
+    is_driven: bool = False  # something is moved in time, and may bring energy whatever the steps
     interrupted: bool = False
 
 
@@ -241,7 +244,8 @@ def simulate(
     rows computed so far. KeyboardInterrupt ends the rows and marks the progress.
     """
     run = start_run(scene, engine, experiment, values)
-    progress = Progress(experiment, parameters=run.parameters, has_power=scene.sizes["n_power"] > 0)
+    progress = Progress(experiment, parameters=run.parameters, has_power=scene.sizes["n_power"] > 0,
+                        is_driven=bool(scene.notes["is_driven"]))
     return progress, _rows(scene, engine, run, progress, watch)
 
 
@@ -324,7 +328,7 @@ def shortcomings(progress: Progress) -> list[str]:
 
     Beside what the run time counted: an energy account that closes MUCH worse than the tolerance shows that errors have added up,
     in runs of many steps (in a few, the rounding of the first state can be all that moves). Where powers are integrated, whose
-    errors do not limit steps, they may be those of the account alone.
+    errors do not limit steps, they may be those of the account alone; where that is DOUBTFUL as a whole, so is the motion.
     """
     statistics, tolerance = progress.statistics, progress.experiment.tolerance
     if statistics is None:
@@ -338,25 +342,40 @@ def shortcomings(progress: Progress) -> list[str]:
     missed = _missed_energy(progress)
     if missed > _MUCH * tolerance:
         what = f"errors have added up until the energy account misses by {missed:.1e} of its size"
-        found.append(f"{what}, perhaps in its integrals of powers alone" if progress.has_power else
-                     f"the tolerance {tolerance:g} was not kept to the end: {what}")
+        if not progress.has_power:
+            found.append(f"the tolerance {tolerance:g} was not kept to the end: {what}")
+        else:
+            doubt = "; more likely the motion itself is wrong: compare with a smaller tolerance, or another solver"
+            found.append(f"{what}, perhaps in its integrals of powers alone{doubt if missed > DOUBTFUL else ''}")
     return found
 
 
 def is_lost(progress: Progress) -> bool:
     """Whether the motion computed has nothing to do with that of the scene: a singularity was jumped over, for example."""
-    return not progress.has_power and _missed_energy(progress) > max(_ALL, _MUCH * progress.experiment.tolerance)
+    if _missed_energy(progress) <= max(DOUBTFUL, _MUCH * progress.experiment.tolerance):
+        return False
+    return not progress.has_power or _rises_from_nothing(progress)
+
+
+def _rises_from_nothing(progress: Progress) -> bool:
+    """Whether H rose by MUCH more than powers ever gave it: however badly they are integrated, they would have shown. What is
+    moved in time may have energy whether steps saw it move or not."""
+    s = progress.statistics
+    return s is not None and not progress.is_driven and s.energy_risen > max(DOUBTFUL * s.energy_stored, _MUCH * s.energy_given)
 
 
 def _missed_energy(progress: Progress) -> float:
-    """By how much the energy account misses, relative; 0 for short runs. CasADi's integrators do not tell their steps."""
+    """By how much the energy account misses, relative; 0 for short runs, unless that is DOUBTFUL and no rounding. CasADi's
+    integrators do not tell their steps."""
     statistics = progress.statistics
-    if statistics is None or (statistics.steps or progress.rows) <= _MANY_STEPS or not 0 < statistics.energy_scale < math.inf:
+    if statistics is None or not 0 < statistics.energy_scale < math.inf:
         return 0.0
-    return statistics.energy_residual / statistics.energy_scale
+    missed = statistics.energy_residual / statistics.energy_scale
+    is_long = (statistics.steps or progress.rows) > _MANY_STEPS
+    return missed if is_long or (missed > DOUBTFUL and statistics.energy_residual > _LITTLE) else 0.0
 
 
 __all__ = [
-    "Engine", "Experiment", "Progress", "Values", "check_values", "explain", "is_lost", "plan", "shortcomings",
+    "DOUBTFUL", "Engine", "Experiment", "Progress", "Values", "check_values", "explain", "is_lost", "plan", "shortcomings",
     "simulate", "start_run",
 ]

@@ -127,7 +127,7 @@ def _raise_failure(failure: RunError | None, progress: Progress, target: str) ->
         raise RunError(f"{failure}\n{progress.rows} rows before it are kept in {target}")
     if is_lost(progress):
         raise RunError(f"the energy account does not close at all: the rows in {target} are not the motion of this scene, which "
-                       "has a singularity (a collision, a division by zero) or needs a far smaller tolerance")
+                       "has a singularity (a collision, a division by zero) or needs a far smaller tolerance, or another solver")
 
 
 class _writer:

@@ -9,7 +9,7 @@ from typing import Any
 from lagrangia.arguments import assignment, input_tables, load_model, read_inputs, tell_warnings
 from lagrangia.diagnostics import fail
 from lagrangia.model import Model
-from lagrangia.simulate import plan
+from lagrangia.simulate import DOUBTFUL, plan
 from lagrangia.sweep import require_place, run_job
 from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_measures import Measure, quantities, read_measures, usual_measures
@@ -125,6 +125,9 @@ def _summarise(sweep: Sweep, target: str, now: int) -> None:
     steps = sweep.ledger.outcomes["steps"].sum()
     energy = float(sweep.ledger.outcomes["energy"][sweep.ok].max(initial=0.0))
     say(f"  {steps} steps; the energy accounts close to {energy:.1e} of the largest energy")
+    if wrong := int((sweep.ledger.outcomes["energy"][sweep.ok] > DOUBTFUL).sum()):
+        say(f"  they miss by more than a tenth in {wrong} of {sweep.runs} runs: unless at rest, the motion is probably wrong; "
+            "compare with a smaller tolerance, or another solver")
     say(f"  {sweep.runs} rows in {target}")
 
 

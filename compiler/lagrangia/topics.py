@@ -124,7 +124,8 @@ A scene that cannot move is statics: its reactions are told without being asked 
 Every run keeps the energy account: T + V + dissipated - work of sources - what it began with is zero, but for errors; the
 largest residual is printed. Where it exceeds a hundred tolerances, errors have added up, which the summary says (`warnings` of a
 trajectory): those of the motion, or of the account itself where powers of dampers and loads are integrated, whose errors limit no
-steps. Where it is a tenth of all energy and there are no powers, what was computed is another motion, and the exit code is 1.
+steps. Where it is a tenth of all energy, the motion itself is in doubt; and where there are no powers, or energy rose a
+hundredfold what they gave in all, what was computed is another motion, and the exit code is 1.
 Supports may move with rates that jump (ramps, tables): momentum then stays as it is, but for what holds the scene; a support
 whose place jumps (step) takes along what is told in its frame. A tolerance below 1e-14 is raised to it, and steps that missed
 theirs are counted. A result file holds finite numbers alone: where an output has none (the square root of what became negative),
