@@ -133,6 +133,12 @@ def test_start_time(lag: Lag) -> None:
     assert rows["twist"][1] != 0, "the motor runs from 0.5 s on"
 
 
+@pytest.mark.parametrize("arguments", [("--start", "-1e0", "--interval", "0.5"), ("--start", "-1.", "--at", "-1,-5e-1,0")])
+def test_negative_numbers_are_values_however_written(arguments: tuple[str, ...], lag: Lag) -> None:
+    simulate(lag, "torsion_rotor", *arguments, "--stop", "0")
+    assert table("torsion_rotor.csv")["time"].tolist() == [-1, -0.5, 0]
+
+
 def test_rows_on_standard_output(lag: Lag) -> None:
     outcome = simulate(lag, "pendulum", "-o", "-", "--at", "0,1")
     assert [len(line.split(",")) for line in outcome.out.splitlines()] == [3, 3, 3]

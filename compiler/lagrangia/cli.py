@@ -5,10 +5,11 @@ import atexit
 import contextlib
 import gc
 import os
+import re
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from lagrangia.diagnostics import LagError, RunError, render_all
 from lagrangia.interruptions import ended_as_by_control_c
@@ -150,7 +151,12 @@ def _help(options: argparse.Namespace) -> int:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Errors in the form of all other diagnostics."""
+    """Errors in the form of all other diagnostics; -1e6 and -1,2 are values as -1 is, and no options (Python takes -1 and -1.5
+    alone for numbers)."""
+
+    def __init__(self, *arguments: Any, **settings: Any) -> None:
+        super().__init__(*arguments, **settings)
+        self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
         print(f"error[L0700]: {message}\n   = {self.format_usage().strip()}", file=sys.stderr)
