@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+import lagrangia as lag
 from lagrangia.bodies import find_bodies
 from lagrangia.collected import split_weights
 from lagrangia.constraints import reduce_kinematics
@@ -16,6 +17,7 @@ from lagrangia.kinematics import build_kinematics
 from lagrangia.motion import mass_matrix
 from lagrangia.pipeline import Compilation, compile_file, flatten_file
 from random_trees import random_tree
+from reference import pendulum_angle
 
 EXAMPLES = Path(__file__).parents[1] / "models" / "examples"
 X, Y, K = ca.SX.sym("x"), ca.SX.sym("y"), ca.SX.sym("k")
@@ -118,3 +120,23 @@ def test_springs_are_not_multiplied_out() -> None:
     assert {term.component for term in springs} == {"s1", "s2"}
     assert {term.component for term in weights} == {"bar"}
     assert find_bodies(kinematics, energies).inertias
+
+
+def test_differences_of_parameters_are_not_multiplied_out() -> None:
+    L = ca.SX.sym("L")
+    harmonics = Harmonics(fixed={x.__hash__() for x in (K, L)})
+    square, other, kept = harmonics.sums(ca.vertcat((L - K) ** 2 * X, (K - L) * (X - K / L * X), (K + L) ** 2 * X))
+    assert [len(total) for total in (square, other, kept)] == [1, 1, 3]
+
+
+@pytest.mark.parametrize("r", [0.9, 0.9999, 0.999999])
+def test_a_disc_nearly_as_large_as_its_trough(r: float, tmp_path: Path) -> None:
+    """It swings as a pendulum of the length 1.5 (R - r); I (1 - R/r)^2 multiplied out was 4e-4 off at the last."""
+    scene = tmp_path / "trough.lag"
+    scene.write_text("""model Trough
+  parameter Length r = 0.1;
+  RollingInTrough j(r = r, R = 1, base = world, alpha(start = 1.5, fixed = true)); Disc d(m = 1, r = r, center = j.center);
+end Trough;""")
+    at = np.linspace(0, 20 * np.sqrt(1 - r), 41)
+    run = lag.load(scene).simulate(at=at, tolerance=1e-12, parameters={"r": r})
+    assert np.abs(run["j.alpha"] - pendulum_angle(at, L=1.5 * (1 - r), phi0=1.5)).max() < 1e-12 + 1e-15 / (1 - r)

@@ -68,7 +68,7 @@ def collect(kinematics: Kinematics, M: ca.SX, force: ca.SX) -> Collected | None:
     moved = [as_expression(x) for x in (ca.SX(basis) @ ca.vertcat(*rates)).elements()]
     inverse = ca.inv(basis).full().tolist()
     try:
-        harmonics = Harmonics()
+        harmonics = Harmonics(fixed=_parameters(kinematics))
         own = combined(inverse, [harmonics.quantity(x) for x in moved])
         harmonics.given = {rate.__hash__(): total for rate, total in zip(rates, own, strict=True)}
         sums = harmonics.sums(ca.densify(ca.vertcat(*entries, force)))

@@ -6,7 +6,7 @@ w*w. Sums in a denominator, roots and other functions are left as they are, quan
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -29,11 +29,16 @@ class TooLarge(Exception):
 
 @dataclass
 class Harmonics:
-    """The quantities met so far, by number. `given` are sums that stand for symbols, by their hashes."""
+    """The quantities met so far, by number. `given` are sums that stand for symbols, by their hashes; `fixed` are the hashes of
+    symbols whose differences are quantities of their own in products: (R - r)^2 multiplied out loses its digits where r is
+    nearly R."""
 
     given: Mapping[int, Sum] = field(default_factory=dict)
+    fixed: Set[int] = frozenset()
     quantities: list[Expression] = field(default_factory=list)
+    is_fixed: list[bool] = field(default_factory=list)
     numbers: dict[int, int] = field(default_factory=dict)  # by the hash of the expression
+    differences: dict[tuple[tuple[Powers, float], ...], Expression] = field(default_factory=dict)
     left: int = _MOST_PRODUCTS
 
     def quantity(self, x: Expression) -> Sum:
@@ -41,6 +46,7 @@ class Harmonics:
         number = self.numbers.setdefault(x.__hash__(), len(self.quantities))
         if number == len(self.quantities):
             self.quantities.append(x)
+            self.is_fixed.append({s.__hash__() for s in ca.symvar(x)} <= self.fixed)
         return {(((number, 1),), (), False): 1.0}
 
     def sums(self, column: ca.SX) -> list[Sum]:
@@ -76,6 +82,7 @@ class Harmonics:
     # ------------------------------------------------------------ rules; None where the result is a quantity of its own
 
     def product(self, a: Sum, b: Sum) -> Sum:
+        a, b = self._drawn(a), self._drawn(b)
         self.left -= len(a) * len(b)
         if self.left < 0:
             raise TooLarge
@@ -86,6 +93,38 @@ class Harmonics:
                 for angle, is_sine, weight in _waves(angle_a, sine_a, angle_b, sine_b):
                     _add(total, (powers, angle, is_sine), x * y * weight)
         return total
+
+    def _drawn(self, a: Sum) -> Sum:
+        """The same sum, with differences of what is fixed drawn together: L v - R/r L v is (1 - R/r) L v."""
+        if len(a) < 2 or not self.fixed:
+            return a
+        groups: dict[Key, dict[Powers, float]] = {}
+        for (powers, angle, is_sine), x in a.items():
+            own, other = (tuple(factor for factor in powers if self.is_fixed[factor[0]] == kind) for kind in (True, False))
+            groups.setdefault((other, angle, is_sine), {})[own] = x
+        total: Sum = {}
+        for (other, angle, is_sine), parts in groups.items():
+            is_difference = min(parts.values()) < 0 < max(parts.values())
+            drawn = self._difference(parts) if is_difference else parts
+            total |= {(_merged(own, other), angle, is_sine): x for own, x in drawn.items()}
+        return total
+
+    def _difference(self, parts: Mapping[Powers, float]) -> dict[Powers, float]:
+        """One term: what all have in common, times a quantity that begins with 1."""
+        named = {n for powers in parts for n, _ in powers}
+        common = tuple(sorted((n, min(dict(powers).get(n, 0) for powers in parts)) for n in named))
+        common = tuple((n, k) for n, k in common if k)
+        rest = sorted((_merged(powers, tuple((n, -k) for n, k in common)), x) for powers, x in parts.items())
+        first = rest[0][1]
+        total = as_expression(0.0)
+        for powers, x in rest:
+            product = as_expression(x / first)
+            for n, k in powers:
+                product = as_expression(product * self.quantities[n] ** k)
+            total = as_expression(total + product)
+        key = tuple((powers, x / first) for powers, x in rest)
+        (((own, _, _), _),) = self.quantity(self.differences.setdefault(key, total)).items()
+        return {_merged(common, own): first}
 
     def quotient(self, a: Sum, b: Sum) -> Sum | None:
         """By a single term without an angle."""
