@@ -12,6 +12,7 @@ from matplotlib.image import imread
 from scipy.linalg import null_space
 
 import lagrangia as lag
+from lagrangia.diagnostics import RunError
 from lagrangia.simulate import Experiment
 
 EXAMPLES = sorted((Path(__file__).resolve().parent.parent / "models" / "examples").glob("*.lag"))
@@ -350,3 +351,10 @@ def test_a_quantity_is_asked_for_by_its_name() -> None:
 def test_a_structural_parameter_needs_a_value() -> None:
     with pytest.raises(lag.LagError, match="value given for n must be a number"):
         load("chain", n=None)
+
+
+def test_a_mechanism_without_any_mass_is_told() -> None:
+    """Nothing determines its motion; it was said to be at rest."""
+    massless = {"crank.m": 0.0, "coupler.m": 0.0, "rocker.m": 0.0}
+    with pytest.raises(RunError, match="a coordinate that moves no mass"):
+        lag.load(EXAMPLES[0].with_name("four_bar.lag")).simulate(stop=1, parameters=massless)

@@ -81,11 +81,13 @@ def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False) -> K
 
 
 def _masses(M: ca.SX, J: ca.SX) -> ca.SX:
-    """The mass of the coordinates in each row; of all where these have none (bars of a truss, integrals), 1 where nothing has."""
+    """The mass of the coordinates in each row; of all where these have none (bars of a truss, integrals), 1 where nothing has.
+    None where nothing has any and the rows are too few to hold it: no pivot is to hide that nothing determines the motion."""
     own = ca.vertcat(*[M[k, k] for k in range(M.size1())])
     of_rows = ca.vertsplit(ca.densify(ca.DM(J.sparsity(), 1) @ own))
     total = ca.sum1(own)
-    others = ca.if_else(total > 0, total, 1)
+    anything = ca.SX(1) if J.size1() >= J.size2() else ca.if_else(ca.sum1(own) > 0, 1, 0)
+    others = ca.if_else(total > 0, total, anything)
     return ca.vertcat(ca.SX(0, 1), *[ca.if_else(x > 0, x, others) for x in of_rows])
 
 
