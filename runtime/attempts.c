@@ -17,10 +17,11 @@ static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, 
  * at this place, its error is not far off, or the step is much longer than the last good ones; and above FAINT_NOISE steps may be
  * rejected in a row, unless they have been getting ever shorter. */
 static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1, MUCH_LONGER = 1.5, MENDABLE = 50;
+static const double FALL = 0.01; /* by which the shortest of the lengths has a smaller error, where it is none of rounding */
 
 LagAttempts lag_attempts_begin(LagRun *run)
 {
-    const LagAttempts attempts = {.planned = run->step, .allowed = 1, .last = INFINITY, .way = -1};
+    const LagAttempts attempts = {.planned = run->step, .allowed = 1, .last = INFINITY, .early = INFINITY, .way = -1};
     run->careful = 0;
     return attempts;
 }
@@ -35,9 +36,21 @@ static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h,
     return is_calm && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
 }
 
+/* Whether the errors tried so far are of rounding. Shorter steps would lead to where it is magnified more. (Those of implicit steps
+ * over something quick, and of the explicit ones that stand in for these, are long and do not fall either.) */
+static int is_noise(const LagRun *run, const LagAttempts *attempts)
+{
+    const double shortest = attempts->errors[LAG_WAYS - 1];
+    const int is_explicit = run->methods.solver != LAG_SOLVER_IMPLICIT && run->stiffness.passes == 0;
+    const int falls = shortest < FALL * attempts->errors[0] || attempts->early < FALL * shortest;
+    return is_explicit && shortest * run->scale.tolerance < NOISE && !falls;
+}
+
 /* Whether still shorter steps are worth trying. What is near is asked once a step. */
 static int may_plunge(LagRun *run, LagAttempts *attempts)
 {
+    if (attempts->depth == 0 && is_noise(run, attempts))
+        return 0;
     if (attempts->depth == 0 && !(lag_singularity(run, attempts->planned) < SINGULAR))
         attempts->depth = IN_VAIN;
     return attempts->depth < DEPTHS;
@@ -75,6 +88,7 @@ double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double er
         run->careful = 1;
         attempts->rejected = 1;
         attempts->planned = fmax(attempts->planned, run->calm_step);
+        attempts->early = h < WAY[LAG_WAYS - 1] * attempts->planned ? error : INFINITY;
     }
     if (attempts->way >= 0)
         attempts->errors[attempts->way] = attempts->tries[attempts->way] < MOST_TRIES ? error : INFINITY;

@@ -11,6 +11,7 @@ typedef struct {
     double planned;          /* length first tried */
     double allowed;          /* error, in units */
     double last;             /* error of the attempt before */
+    double early;            /* error of a still shorter attempt before the lengths below; infinity: there was none */
     double errors[LAG_WAYS]; /* of the lengths tried near a singular position; infinity: in vain */
     int tries[LAG_WAYS];     /* how often each was tried */
     int way;                 /* the one being tried; -1: another length */
