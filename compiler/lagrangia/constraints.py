@@ -172,7 +172,12 @@ class _Reduction:
         places = self._places(_hashes(ca.symvar(gap)))
         q = self._coordinates(places)
         slopes = ca.densify(ca.jacobian(gap, q))
-        if not self.moving.isdisjoint(_hashes(ca.symvar(slopes))):
+        in_slopes = _hashes(ca.symvar(slopes))
+        if not in_slopes.isdisjoint(self.kinematics.algebra.index.hashes):
+            self.report.error("L0909", "not supported yet: a constraint whose coefficients jump at times", row.span,
+                              "let them go over quickly, as with 1/(1 + exp(-(time - t0)/0.01[s]))")
+            return True
+        if not in_slopes.isdisjoint(self.moving):
             return False
         constant = ca.substitute(gap, q, ca.SX.zeros(len(places)))
         sizes = [abs(float(x)) for x in self._numbers(slopes).full().ravel()]
