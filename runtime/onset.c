@@ -2,7 +2,8 @@
  * and goes up in steps of that. No step is short enough to resolve them. What the loads will be tells how much they are: at rest
  * nothing else acts.
  *
- * A stiff explicit step away from rest ends anywhere, and its end says nothing about the motion: the loads at its end do.
+ * The end of a step tried from rest tells how large the motion will be, unless the step was explicit and stiff and ended anywhere,
+ * faster than the loads at its end could have made anything: then these tell.
  */
 #include "onset.h"
 
@@ -13,7 +14,7 @@
 #include "extremes.h"
 
 /* Loads are sums and products of several rounded numbers. */
-static const double ROUNDINGS = 8, FAINT = 1e-100; /* accelerations below this one are none, in any units */
+static const double ROUNDINGS = 8, SANE = 2, FAINT = 1e-100; /* accelerations below this one are none, in any units */
 enum { LOOKS = 16 };
 
 /* scale->motion: what moves each kind now. Returns whether nothing moves one of them. */
@@ -47,6 +48,24 @@ void lag_onset_look(LagMotion *m, LagScale *scale, double end)
         scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
 }
 
+/* Whether each kind that the loads move ended with rates that they can account for. scale->motion: what they do; ->change: the end. */
+static int is_sane(const LagMotion *m, const LagScale *scale)
+{
+    const int n = m->n;
+    const size_t size = (size_t)scale->kinds * sizeof(double);
+    memset(scale->motion, 0, size);
+    memset(scale->change, 0, size);
+    for (int i = 0; i < n; ++i) {
+        double *by_loads = &scale->motion[scale->kind[i]], *at_end = &scale->change[scale->kind[i]];
+        *by_loads = lag_max(fabs(m->point[n + i] - m->y[n + i]), *by_loads);
+        *at_end = lag_max(fabs(m->other[n + i] - m->y[n + i]), *at_end);
+    }
+    for (int k = 0; k < scale->kinds; ++k)
+        if (scale->motion[k] > 0 && !(scale->change[k] <= SANE * scale->motion[k]))
+            return 0;
+    return 1;
+}
+
 void lag_onset_foresee(LagMotion *m, LagScale *scale, double t_new)
 {
     const int n = m->n;
@@ -57,5 +76,5 @@ void lag_onset_foresee(LagMotion *m, LagScale *scale, double t_new)
         m->point[i] = m->y[i] + h / 2 * h * m->sum[n + i];
         m->point[n + i] = m->y[n + i] + h * m->sum[n + i];
     }
-    lag_scale_note(scale, m->point);
+    lag_scale_note(scale, is_sane(m, scale) ? m->other : m->point);
 }

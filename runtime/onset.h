@@ -9,7 +9,7 @@
  * m->slope is that of the present state. */
 void lag_onset_look(LagMotion *m, LagScale *scale, double end);
 
-/* Takes notice of the motion that the loads of t_new would bring about until then. */
+/* Takes notice of the motion that the step just tried to t_new has brought about, or that the loads there would. */
 void lag_onset_foresee(LagMotion *m, LagScale *scale, double t_new);
 
 #endif

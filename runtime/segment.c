@@ -55,7 +55,8 @@ LagStatus lag_segment_evaluate(LagRun *run)
         run->segment_over = 1;
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
     }
-    lag_onset_look(motion, &run->scale, fmin(run->segment_end, run->settings.t_stop));
+    if (run->methods.solver != LAG_SOLVER_LINEAR && run->methods.solver != LAG_SOLVER_ISLANDS) /* these have no units of error */
+        lag_onset_look(motion, &run->scale, fmin(run->segment_end, run->settings.t_stop));
     run->step = first_step(run);
     run->is_starting = 1;
     run->methods.table->restart(run->methods.self, motion);
