@@ -10,14 +10,15 @@
 
 #include "singular.h"
 
-enum { PATIENT = 2, MOST_TRIES = 3, DEPTHS = 30, IN_VAIN, PLUNGED = 100 };
+enum { PATIENT = 2, MOST_TRIES = 3, DEPTHS = 30, IN_VAIN, PLUNGED = 100, LATELY = 8, MOST_PLUNGES = 4 };
 static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5, SINGULAR = 100;
 /* An ordinary rejection is one that a shorter step mends. Errors (relative to the state) above NOISE cannot be rounding: there
  * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is the first
  * at this place, its error is not far off, or the step is much longer than the last good ones; and above FAINT_NOISE steps may be
  * rejected in a row, unless they have been getting ever shorter. */
 static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1, MUCH_LONGER = 1.5, MENDABLE = 50;
-static const double FALL = 0.01; /* by which the shortest of the lengths has a smaller error, where it is none of rounding */
+/* By which the shortest of the lengths has a smaller error, and a still shorter attempt again, where these are none of rounding. */
+static const double FALL = 0.01, FALL_AGAIN = 0.2;
 
 LagAttempts lag_attempts_begin(LagRun *run)
 {
@@ -36,14 +37,15 @@ static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h,
     return is_calm && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
 }
 
-/* Whether the errors tried so far are of rounding. Shorter steps would lead to where it is magnified more. (Those of implicit steps
- * over something quick, and of the explicit ones that stand in for these, are long and do not fall either.) */
+/* Whether the errors tried so far are of rounding: shorter steps would lead to where it is magnified more, as they have done again
+ * and again. One plunge resolves a force that jumps or bends, whose errors do not fall either; nor do those of implicit steps over
+ * something quick, and of the explicit ones that stand in for these. */
 static int is_noise(const LagRun *run, const LagAttempts *attempts)
 {
     const double shortest = attempts->errors[LAG_WAYS - 1];
+    const int falls = shortest < FALL * attempts->errors[0] || attempts->early < FALL_AGAIN * shortest;
     const int is_explicit = run->methods.solver != LAG_SOLVER_IMPLICIT && run->stiffness.passes == 0;
-    const int falls = shortest < FALL * attempts->errors[0] || attempts->early < FALL * shortest;
-    return is_explicit && shortest * run->scale.tolerance < NOISE && !falls;
+    return is_explicit && run->plunges >= MOST_PLUNGES && shortest * run->scale.tolerance < NOISE && !falls;
 }
 
 /* Whether still shorter steps are worth trying. What is near is asked once a step. */
@@ -102,7 +104,9 @@ void lag_attempts_end(LagRun *run, const LagAttempts *attempts, double h, double
     run->statistics.tolerance_missed += error > 1;
     run->troubled = was_rejected ? run->troubled + 1 : 0;
     /* after a plunge the calm step stays for a while: should a singular position be near after all, it leads across */
-    run->plunged = attempts->depth > 0 && attempts->depth < IN_VAIN ? PLUNGED : run->plunged - (run->plunged > 0);
+    const int has_plunged = attempts->depth > 0 && attempts->depth < IN_VAIN;
+    run->plunges = run->plunged < PLUNGED - LATELY ? has_plunged : run->plunges + has_plunged;
+    run->plunged = has_plunged ? PLUNGED : run->plunged - (run->plunged > 0);
     if (!was_rejected)
         run->calm_step = fmax(h, run->plunged > 0 ? run->calm_step : run->calm_step / 2);
 }

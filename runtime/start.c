@@ -41,7 +41,7 @@ static void clear(LagRun *run)
     memset(run->motion.y, 0, size);
     memset(run->motion.carry, 0, size);
     lag_scale_reset(&run->scale);
-    run->troubled = run->careful = run->doubtful = run->plunged = 0; /* a run does not depend on what this memory was used for before */
+    run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0; /* a run does not depend on what this memory was used for before */
     run->calm_step = 0;
 }
 
