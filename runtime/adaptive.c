@@ -15,9 +15,6 @@ static const double SMALLEST_ERROR = 1e-10, CUT = 0.9;
 /* The end of a rejected step, wrong by less than this, still tells how large the motion will be. Without it, a motion that
  * sets in smoothly from rest (a road that begins to rise) is resolved against its own first picometres, below rounding. */
 static const double FORESEEN = 1e-3;
-/* Where a jump that nobody announced sets a scene in motion, the first motion has no size to compare errors with, however
- * short the step. After so many rejections the motion of the step just tried is taken for its size. */
-enum { PATIENCE = 3 };
 
 /* Factor for a step whose error was `error` units. */
 static double factor(const LagRun *run, double error)
@@ -68,10 +65,7 @@ LagStatus lag_step_adaptive(LagRun *run)
         }
         ++run->statistics.rejected;
         ++attempts.rejected;
-        if (error * run->scale.tolerance < FORESEEN)
-            lag_scale_note(&run->scale, motion->other);
-        else if (attempts.rejected > PATIENCE && lag_scale_at_rest(&run->scale))
-            lag_onset_foresee(motion, &run->scale, t_new);
+        lag_onset_learn(motion, &run->scale, t_new, error * run->scale.tolerance, FORESEEN, attempts.rejected);
         run->step = lag_attempts_next(run, &attempts, h, error, shrunk(run, h, error <= attempts.allowed ? INFINITY : error));
         if (run->step < lag_step_smallest(t))
             return lag_step_give_up(run, worst);

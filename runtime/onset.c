@@ -16,6 +16,9 @@
 /* Loads are sums and products of several rounded numbers. */
 static const double ROUNDINGS = 8, SANE = 2, FAINT = 1e-100; /* accelerations below this one are none, in any units */
 enum { LOOKS = 16 };
+/* Where a jump that nobody announced sets a scene in motion, the first motion has no size to compare errors with, however short the
+ * step. After so many rejections the motion of the step just tried, or what loads make of it, is taken for its size. */
+enum { PATIENCE = 3 };
 
 /* scale->motion: what moves each kind now. Returns whether nothing moves one of them. */
 static int find_still(const LagMotion *m, const LagScale *scale)
@@ -66,7 +69,8 @@ static int is_sane(const LagMotion *m, const LagScale *scale)
     return 1;
 }
 
-void lag_onset_foresee(LagMotion *m, LagScale *scale, double t_new)
+/* Takes notice of the motion that the step just tried has brought about, or that the loads at its end would. */
+static void foresee(LagMotion *m, LagScale *scale, double t_new)
 {
     const int n = m->n;
     const double h = t_new - m->t;
@@ -77,4 +81,12 @@ void lag_onset_foresee(LagMotion *m, LagScale *scale, double t_new)
         m->point[n + i] = m->y[n + i] + h * m->sum[n + i];
     }
     lag_scale_note(scale, is_sane(m, scale) ? m->other : m->point);
+}
+
+void lag_onset_learn(LagMotion *m, LagScale *scale, double t_new, double error, double foreseen, int rejected)
+{
+    if (error < foreseen)
+        lag_scale_note(scale, m->other);
+    else if (rejected > PATIENCE && lag_scale_at_rest(scale))
+        foresee(m, scale, t_new);
 }

@@ -16,7 +16,7 @@ static const double SAFETY = 0.9, LEAST_FACTOR = 1.0 / 8, MOST_FACTOR = 5, NOT_F
  * above which fewer do. */
 static const double KEPT = 1.2, STILL_GOOD = 1e-3, MORE_STAGES = 0.02, FEWER_STAGES = 0.8;
 static const double SMALLEST_ERROR = 1e-10, CUT = 0.9, FORESEEN = 0.5, LEAST_KNOWN_ERROR = 1e-2;
-enum { PATIENCE = 3, STEPS_BEFORE_CHANGE = 10, HOPELESS = 2 };
+enum { STEPS_BEFORE_CHANGE = 10, HOPELESS = 2 };
 
 static void layout(void *self, const LagMotion *m, LagArena *arena)
 {
@@ -180,10 +180,8 @@ static LagStatus step(LagRun *run)
         }
         ++attempts.rejected;
         has_failed |= convergence != LAG_STAGES_CONVERGED;
-        if (convergence == LAG_STAGES_CONVERGED && error * run->scale.tolerance < FORESEEN)
-            lag_scale_note(&run->scale, m->other);
-        else if (convergence == LAG_STAGES_CONVERGED && attempts.rejected > PATIENCE && lag_scale_at_rest(&run->scale))
-            lag_onset_foresee(m, &run->scale, t_new);
+        if (convergence == LAG_STAGES_CONVERGED)
+            lag_onset_learn(m, &run->scale, t_new, error * run->scale.tolerance, FORESEEN, attempts.rejected);
         run->step = lag_attempts_next(run, &attempts, h, error, h * shorter(s, convergence, asked, error));
         if (run->careful && attempts.rejected > HOPELESS && lag_stiffness_pass(run)) {
             run->step = fmax(attempts.planned, run->calm_step);

@@ -18,7 +18,7 @@ from lagrangia.energies import Term
 from lagrangia.evaluation import scalars_of
 from lagrangia.harmonics import Angle, Harmonics, Key, Powers, Sum, TooLarge, combined
 from lagrangia.kinematics import Kinematics
-from lagrangia.scalars import Expression, apply_to_one, as_expression
+from lagrangia.scalars import Expression, apply_to_one, as_expression, symbols_in
 
 MOST_COORDINATES = 6
 
@@ -79,7 +79,7 @@ def collect(kinematics: Kinematics, M: ca.SX, force: ca.SX) -> Collected | None:
     left = [combined(turned, column) for column in half]  # S^-T M, by columns
     mass = [combined(turned, [column[i] for column in left]) for i in range(n)]  # S^-T M S^-1, by rows
     upper = [mass[i][j] for j in range(n) for i in range(j + 1)]
-    written = _Writer(harmonics.quantities, _parameters(kinematics)).written([*upper, *combined(turned, sums[-n:])])
+    written = _Writer(harmonics).written([*upper, *combined(turned, sums[-n:])])
     return Collected(basis, _symmetric(written, n), ca.densify(ca.vertcat(*written[-n:])))
 
 
@@ -107,7 +107,7 @@ def split_weights(kinematics: Kinematics, terms: Sequence[Term]) -> tuple[tuple[
             others.append(term)
             continue
         coordinates = {n for n, x in enumerate(harmonics.quantities) if x.__hash__() in positions}
-        is_known = all(n in coordinates or _names(x) <= fixed for n, x in enumerate(harmonics.quantities))
+        is_known = all(n in coordinates or symbols_in(x) <= fixed for n, x in enumerate(harmonics.quantities))
         is_weight = is_known and all(_is_linear(key, coordinates) for key in total)
         (weights if is_weight else others).append(term)
     return tuple(weights), tuple(others)
@@ -118,10 +118,6 @@ def _is_linear(key: Key, coordinates: set[int]) -> bool:
     powers, angle, _ = key
     turning = (x for parts, x in angle if any(n in coordinates for n, _ in parts))
     return all(k == 1 for n, k in powers if n in coordinates) and all(abs(x) == 1 for x in turning)
-
-
-def _names(x: ca.SX) -> set[int]:
-    return {s.__hash__() for s in ca.symvar(x)}
 
 
 def _parameters(kinematics: Kinematics) -> set[int]:
@@ -177,19 +173,15 @@ _ALONE: _Amount = (((), 1.0),)
 
 @dataclass
 class _Writer:
-    """`fixed`: hashes of the parameters' symbols."""
-
-    quantities: Sequence[Expression]
-    fixed: set[int]
+    harmonics: Harmonics
     known: dict[Angle, tuple[Angle, Angle, float] | None] = field(default_factory=dict)  # each a sum of two others, or not
     values: dict[_Wave, Expression] = field(default_factory=dict)
 
     def written(self, sums: Sequence[Sum]) -> list[Expression]:
-        constant = [{s.__hash__() for s in ca.symvar(x)} <= self.fixed for x in self.quantities]
         angles = {angle for terms in sums for _, angle, _ in terms if angle}
         for angle in sorted(angles, key=lambda a: (len(a), a)):
             self.known[angle] = self._parts(angle)
-        return [self._sum(self._terms(terms, constant)) for terms in sums]
+        return [self._sum(self._terms(terms, self.harmonics.is_fixed)) for terms in sums]
 
     def _parts(self, angle: Angle) -> tuple[Angle, Angle, float] | None:
         for one in self.known:
@@ -253,7 +245,7 @@ class _Writer:
 
     def _value(self, factor: _Factor) -> Expression:
         if isinstance(factor, _Quantity):
-            quantity = self.quantities[factor.number]
+            quantity = self.harmonics.quantities[factor.number]
             return as_expression(1.0 / quantity) if factor.is_inverse else quantity
         if factor not in self.values:
             size = self._amount(factor.amount)
@@ -267,7 +259,8 @@ class _Writer:
             product = as_expression(x)
             for n, k in powers:
                 for _ in range(abs(k)):
-                    product = as_expression(product * self.quantities[n] if k > 0 else product / self.quantities[n])
+                    factor = self.harmonics.quantities[n]
+                    product = as_expression(product * factor if k > 0 else product / factor)
             total = product if total is None else as_expression(total + product)
         assert total is not None
         return total

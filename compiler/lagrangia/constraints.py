@@ -20,6 +20,7 @@ from lagrangia.evaluation import scalars_of
 from lagrangia.flat import Equation
 from lagrangia.kinematics import Dependent, Kinematics
 from lagrangia.parameters import default_parameters
+from lagrangia.scalars import symbols_in
 
 _NEGLIGIBLE = 1e-12
 
@@ -85,7 +86,7 @@ def moved_in_time(kinematics: Kinematics, constraints: Constraints) -> list[tupl
 
 
 def _is_timed(kinematics: Kinematics, value: Scalar) -> bool:
-    hashes = _hashes(ca.symvar(ca.SX(value)))
+    hashes = symbols_in(ca.SX(value))
     return kinematics.symbols.time.__hash__() in hashes or not hashes.isdisjoint(kinematics.algebra.index.hashes)
 
 
@@ -159,7 +160,7 @@ class _Reduction:
     def absorb(self, row: Row) -> bool:
         """Takes a linear row in: it gives a coordinate, or says nothing new. False for a row that must be kept."""
         gap = ca.SX(row.value(self.kinematics, 0))
-        mentioned = _hashes(ca.symvar(gap))
+        mentioned = symbols_in(gap)
         if self._is_refused(mentioned, row):
             return True
         if not row.is_holonomic:
@@ -169,10 +170,10 @@ class _Reduction:
         gone = [name for name in named if name in known]
         if gone:
             gap = ca.substitute([gap], [self.kinematics.symbols.positions[n] for n in gone], [known[n] for n in gone])[0]
-        places = self._places(_hashes(ca.symvar(gap)))
+        places = self._places(symbols_in(gap))
         q = self._coordinates(places)
         slopes = ca.densify(ca.jacobian(gap, q))
-        in_slopes = _hashes(ca.symvar(slopes))
+        in_slopes = symbols_in(slopes)
         if not in_slopes.isdisjoint(self.kinematics.algebra.index.hashes):
             self.report.error("L0909", "not supported yet: a constraint whose coefficients jump at times", row.span,
                               "let them go over quickly, as with 1/(1 + exp(-(time - t0)/0.01[s]))")
@@ -263,7 +264,7 @@ class _Reduction:
         kinematics, t = self.kinematics, self.kinematics.symbols.time
         dependents = {}
         for name, solution in self.solved.items():
-            places = self._places(_hashes(ca.symvar(solution)))
+            places = self._places(symbols_in(solution))
             q = self._coordinates(places)
             constant = ca.substitute(solution, q, ca.SX.zeros(len(places)))
             first = ca.jacobian(constant, t)

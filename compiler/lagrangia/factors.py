@@ -12,7 +12,7 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, symbol
+from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, symbol, symbols_in
 
 _MOST_OPERATIONS = 6_000  # 25 us each, and saves 5 % of a chain: large scenes are better compiled sooner
 _MOVES = (ca.OP_INPUT, ca.OP_CONST)
@@ -36,7 +36,7 @@ def _merged(expressions: list[ca.SX], symbols: ca.SX, values: ca.SX) -> tuple[li
     first: dict[int, ca.SX] = {}
     chosen = [first.setdefault(value.__hash__(), symbol) for value, symbol in zip(made, own, strict=True)]
     expressions = ca.substitute(expressions, [symbols], [ca.vertcat(*chosen)])
-    used = {s.__hash__() for s in ca.symvar(ca.veccat(*expressions))}
+    used = symbols_in(ca.veccat(*expressions))
     kept = [k for k, symbol in enumerate(own) if symbol.__hash__() in used]
     return expressions, ca.vertcat(ca.SX(0, 1), *[own[k] for k in kept]), ca.vertcat(ca.SX(0, 1), *[made[k] for k in kept])
 

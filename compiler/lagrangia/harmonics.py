@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from lagrangia.scalars import Expression, apply, apply_to_one, as_expression
+from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, symbols_in
 
 _MOST_PRODUCTS = 2_500  # of two terms, some 2 us each: a chain of six takes 1 500
 _ROUNDING = 1e-14
@@ -46,7 +46,7 @@ class Harmonics:
         number = self.numbers.setdefault(x.__hash__(), len(self.quantities))
         if number == len(self.quantities):
             self.quantities.append(x)
-            self.is_fixed.append({s.__hash__() for s in ca.symvar(x)} <= self.fixed)
+            self.is_fixed.append(symbols_in(x) <= self.fixed)
         return {(((number, 1),), (), False): 1.0}
 
     def sums(self, column: ca.SX) -> list[Sum]:

@@ -23,6 +23,7 @@ from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
+from lagrangia.scalars import symbols_in
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
@@ -274,7 +275,7 @@ def count_nodes(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:
     """Operations that depend on the arguments, common subexpressions counted once."""
     rest = ca.symvar(ca.veccat(*expressions, *arguments))
     moving = ca.SX(ca.vertcat(*arguments))
-    movers = {s.__hash__() for s in ca.symvar(moving)}
+    movers = symbols_in(moving)
     fixed = [s for s in rest if s.__hash__() not in movers]
     shared = ca.cse(ca.veccat(*expressions))
     reduced = ca.extract_parametric(shared, ca.vertcat(*fixed), {"extract_trivial": True})[0] if fixed else shared

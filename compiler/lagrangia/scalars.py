@@ -59,6 +59,11 @@ def scalars_in(column: ca.SX) -> list[Any]:
     return [0.0 if x.is_zero() else as_expression(x) for x in column.elements()]
 
 
+def symbols_in(x: ca.SX) -> frozenset[int]:
+    """The hashes of the symbols that an expression mentions."""
+    return frozenset(s.__hash__() for s in ca.symvar(x))
+
+
 def apply(operation: int, a: Any, b: Any) -> Any:
     """One of CasADi's OP_... of two operands."""
     if a.__class__ is not Expression:

@@ -21,6 +21,7 @@ from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
 from lagrangia.observables import observe
 from lagrangia.runtime import Solver
+from lagrangia.scalars import symbols_in
 from lagrangia.scene import Column, Parameter, Scene
 from lagrangia.tapes import Tape
 
@@ -91,7 +92,7 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
     held = motion.constrained
     rows = [held.rows.phi, held.rows.rate, held.rows.bias] if held else []
     everything = ca.vertcat(motion.h, motion.momentum, motion.acceleration, motion.dissipated_power, motion.source_power, *rows)
-    used = {symbol.__hash__() for symbol in ca.symvar(everything)}
+    used = symbols_in(everything)
     algebra = replace(kinematics.algebra, modes=[mode for mode in kinematics.algebra.modes if mode.symbol.__hash__() in used])
     functions = build_island_functions(replace(kinematics, algebra=algebra), motion)
     tapes = {name: tape_of(function) for name, function in functions.table.items()}
