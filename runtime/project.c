@@ -16,6 +16,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "correction.h"
 #include "evaluate.h"
 #include "extremes.h"
 #include "function.h"
@@ -43,6 +44,7 @@ void lag_projection_layout(LagProjection *s, const LagModel *model, LagArena *ar
     s->before = lag_take(arena, n);
     s->before_carry = lag_take(arena, n);
     s->correction = lag_take(arena, 2 * n);
+    s->unit = lag_take(arena, 2 * n);
     s->phi = lag_take(arena, (size_t)model->n_holonomic);
     s->rate = lag_take(arena, (size_t)model->n_multipliers);
 }
@@ -60,29 +62,6 @@ static int evaluate(LagRun *run, Level level, double t, const double *y)
     return lag_call(level == POSITIONS ? &model->place : &model->steer, level == POSITIONS ? place : steer, out, run->work) == 0;
 }
 
-/* What a position or rate is measured by: the largest seen so far; angles have a natural unit. */
-static double size_of(const LagRun *run, int i)
-{
-    const double seen = lag_max(fabs(run->projection.state[i]), run->scale.largest[i]);
-    const int is_angle = i < run->model->n && run->model->coordinate_kind[i] == LAG_KIND_ANGLE;
-    return is_angle ? lag_max(seen, 1) : seen;
-}
-
-/* The largest correction, each compared with its coordinate; infinity when they are not finite. */
-static double relative_correction(const LagRun *run, Level level)
-{
-    const int first = first_of(run, level);
-    double largest = 0;
-    for (int i = first; i < first + run->model->n; ++i) {
-        const double length = fabs(run->projection.correction[i]), size = size_of(run, i);
-        if (!(length < INFINITY))
-            return INFINITY;
-        if (length > largest * size) /* divisions take longer than all the rest */
-            largest = size > 0 ? length / size : lag_max(1, largest);
-    }
-    return largest;
-}
-
 /* The largest distance between two states in units of error. */
 static double distance(const LagRun *run, const double *from, const double *to, int *worst)
 {
@@ -98,16 +77,6 @@ static double distance(const LagRun *run, const double *from, const double *to, 
     return largest;
 }
 
-/* Adds the correction as the integrator adds its steps, compensated. */
-static void apply(int n, const double *correction, double *state, double *carry)
-{
-    for (int i = 0; i < n; ++i) {
-        const double y = state[i], step = correction[i] + carry[i], sum = y + step, taken = sum - y;
-        state[i] = sum;
-        carry[i] = (y - (sum - taken)) + (step - taken);
-    }
-}
-
 static void remember(LagProjection *s, int n, const double *state, const double *carry)
 {
     memcpy(s->before, state, (size_t)n * sizeof *state);
@@ -120,19 +89,8 @@ static void take_back(const LagProjection *s, int n, double *state, double *carr
     memcpy(carry, s->before_carry, (size_t)n * sizeof *carry);
 }
 
-/* Whether the correction just made needs no second look: what is left is rounding, and it is too short to harm were it
- * noise. Velocities are corrected by linear equations: nothing is left of them. */
-static int is_last(const LagRun *run, Level level, double size, double left)
-{
-    const LagProjection *s = &run->projection;
-    const int first = first_of(run, level);
-    if (level == POSITIONS && size > SQUARE_IS_ROUNDING && size * size > left)
-        return 0;
-    for (int i = first; i < first + run->model->n; ++i)
-        if (fabs(s->correction[i]) > lag_scale_unit(&run->scale, i, run->motion.y, s->state))
-            return 0;
-    return 1;
-}
+/* Whether a correction of positions leaves nothing but rounding, or `left`; of rates, corrected by linear equations, nothing is left. */
+static int is_settled(double size, double left) { return size <= SQUARE_IS_ROUNDING || size * size <= left; }
 
 /* Corrects the projection's state until what is left, relative to the coordinates, is below `left` or rounding. Returns 1 when
  * it is where it should be. */
@@ -143,7 +101,7 @@ static int correct(LagRun *run, Level level, double t, double left)
     double *state = s->state + first, *carry = s->carry + first;
     double last = INFINITY;
     for (int i = 0; i < most; ++i) {
-        const double size = evaluate(run, level, t, s->state) ? relative_correction(run, level) : INFINITY;
+        const double size = evaluate(run, level, t, s->state) ? lag_correction_size(run, first) : INFINITY;
         if (size <= ROUNDING)
             return 1;
         if (!(size < FALL * last)) {
@@ -152,11 +110,11 @@ static int correct(LagRun *run, Level level, double t, double left)
             break;
         }
         remember(s, n, state, carry);
-        apply(n, s->correction + first, state, carry);
+        lag_correction_apply(run, first);
         ++run->statistics.projections;
         last = size;
-        if (is_last(run, level, size, left))
-            return 1;
+        if ((level == RATES || is_settled(size, left)) && lag_correction_is_fine(run, first, n))
+            return 1; /* it is too short to harm were it noise */
     }
     return level == RATES ? last < INFINITY : last < NOISE;
 }
@@ -172,13 +130,13 @@ static int correct_both(LagRun *run, double t, double left)
     for (int i = 0; i < BOTH_ITERATIONS; ++i) {
         if (lag_call(&run->model->nearest, in, out, run->work) != 0 || doubt != 0)
             return 0;
-        const double size = relative_correction(run, POSITIONS), pace = relative_correction(run, RATES);
+        const double size = lag_correction_size(run, 0), pace = lag_correction_size(run, n);
         if (size > ROUNDING)
-            apply(n, s->correction, s->state, s->carry);
+            lag_correction_apply(run, 0);
         if (pace > ROUNDING)
-            apply(n, s->correction + n, s->state + n, s->carry + n);
+            lag_correction_apply(run, n);
         run->statistics.projections += (size > ROUNDING) + (pace > ROUNDING);
-        if (size * pace <= lag_max(left, ROUNDING) && is_last(run, POSITIONS, size, left) && is_last(run, RATES, pace, left))
+        if (size * pace <= lag_max(left, ROUNDING) && is_settled(size, left) && lag_correction_is_fine(run, 0, 2 * n))
             return 1;
         if (!(lag_max(size, pace) < FALL * last))
             return 0;

@@ -9,7 +9,7 @@
 typedef struct {
     double *state, *carry;         /* 2 n: the state being corrected, and what rounding took from it */
     double *before, *before_carry; /* n: positions or rates before the latest correction */
-    double *correction;            /* 2 n */
+    double *correction, *unit;     /* 2 n: the latest, and units of error to compare it with */
     double *phi, *rate;            /* n_holonomic, n_multipliers: residuals */
     double energies[3];            /* T, V, H: with the residuals, of the state corrected latest */
     int is_complete;               /* these are known */

@@ -74,6 +74,11 @@ def prepare_ours(solver: str, problem: Problem, tolerance: float) -> Prepared:
         raise Unsuitable("no C compiler was found")
     experiment = replace(problem.experiment, tolerance=tolerance, solver=solver)
     values = check_values(scene, problem.parameters)
+    one = start_run(scene, engine, experiment, values)
+
+    def begin() -> Run:
+        one.start(values.q, values.v)
+        return one
 
     def advance(run: Run) -> Any:
         rows = run.advance(times)
@@ -84,7 +89,7 @@ def prepare_ours(solver: str, problem: Problem, tolerance: float) -> Prepared:
     def read(rows: Any) -> "NDArray[Any]":
         return np.asarray(rows).reshape(len(times), -1)[:, 1 : 1 + problem.n]
 
-    return Prepared(advance, read, lambda: start_run(scene, engine, experiment, values))
+    return Prepared(advance, read, begin)
 
 
 # -------------------------------------------------------------------- CasADi
