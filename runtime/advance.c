@@ -123,6 +123,7 @@ LagStatus lag_run_cut(LagRun *run, double t)
     memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);
     motion->t = motion->t_old = t;
     run->segment_over = 1;
+    lag_project_forget(run);
     return LAG_OK;
 }
 

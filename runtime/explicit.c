@@ -276,20 +276,36 @@ static void prepare_dense(LagExplicit *s, LagMotion *m)
     ++m->dense_outputs;
 }
 
+/* Horner's scheme in x and 1 - x alternately, of as many components as there are LAG_LANES. Returns how far it came. */
+static int interpolate_many(const LagExplicit *s, const LagMotion *m, double x, double *y)
+{
+    const LagLanes factor[] = {LAG_LANES_OF(x), LAG_LANES_OF(1 - x)};
+    int i = 0;
+    for (; i + LAG_LANES <= m->size; i += LAG_LANES) {
+        LagLanes sum = LAG_LANES_OF(0), term;
+        for (int j = LAG_HERMITE_ROWS + s->tableau->dense_rows - 1; j >= 0; --j) {
+            memcpy(&term, s->dense[j] + i, sizeof term);
+            sum = (sum + term) * factor[j % 2];
+        }
+        memcpy(&term, m->other + i, sizeof term);
+        sum = term + sum;
+        memcpy(y + i, &sum, sizeof sum);
+    }
+    return i;
+}
+
 static void interpolate(void *self, LagMotion *m, double t, double *y)
 {
     LagExplicit *s = self;
     if (!s->dense_ready)
         prepare_dense(s, m);
-    const double x = (t - m->t_old) / (m->t - m->t_old), rest = 1 - x;
-    memset(y, 0, (size_t)m->size * sizeof *y);
-    for (int j = LAG_HERMITE_ROWS + s->tableau->dense_rows - 1; j >= 0; --j) {
-        const double factor = j % 2 == 0 ? x : rest, *coefficient = s->dense[j];
-        for (int i = 0; i < m->size; ++i)
-            y[i] = (y[i] + coefficient[i]) * factor;
+    const double x = (t - m->t_old) / (m->t - m->t_old), factor[] = {x, 1 - x};
+    for (int i = interpolate_many(s, m, x, y); i < m->size; ++i) {
+        double sum = 0;
+        for (int j = LAG_HERMITE_ROWS + s->tableau->dense_rows - 1; j >= 0; --j)
+            sum = (sum + s->dense[j][i]) * factor[j % 2];
+        y[i] = m->other[i] + sum;
     }
-    for (int i = 0; i < m->size; ++i)
-        y[i] = m->other[i] + y[i];
 }
 
 const LagMethod lag_dop853 = {"erk", 8, layout_dop853, restart, lag_step_adaptive, attempt, accept, interpolate};

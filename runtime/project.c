@@ -125,7 +125,7 @@ static int correct_both(LagRun *run, double t, double left)
     LagProjection *s = &run->projection;
     const int n = run->model->n;
     const double *in[] = {&t, s->state, s->state + n, run->u, run->d, run->c};
-    double doubt = 0, last = INFINITY, *out[] = {s->correction, s->correction + n, s->phi, s->rate, s->energies, &doubt};
+    double doubt = 0, last = INFINITY, *out[] = {s->correction, s->correction + n, s->phi, s->rate, s->latest.energies, &doubt};
     lag_inputs_at(&run->inputs, t, run->u);
     for (int i = 0; i < BOTH_ITERATIONS; ++i) {
         if (lag_call(&run->model->nearest, in, out, run->work) != 0 || doubt != 0)
@@ -136,6 +136,7 @@ static int correct_both(LagRun *run, double t, double left)
         if (pace > ROUNDING)
             lag_correction_apply(run, n);
         run->statistics.projections += (size > ROUNDING) + (pace > ROUNDING);
+        s->is_exact = size * pace <= ROUNDING && is_settled(size, 0);
         if (size * pace <= lag_max(left, ROUNDING) && is_settled(size, left) && lag_correction_is_fine(run, 0, 2 * n))
             return 1;
         if (!(lag_max(size, pace) < FALL * last))
@@ -168,6 +169,13 @@ static double project(LagRun *run, double t, double most, double left, double *y
     return units;
 }
 
+static void note_residuals(LagRun *run)
+{
+    LagProjection *s = &run->projection;
+    s->latest.gap = lag_largest(s->phi, (size_t)run->model->n_holonomic);
+    s->latest.rate = lag_largest(s->rate, (size_t)run->model->n_multipliers);
+}
+
 int lag_project_waits(LagRun *run, double t)
 {
     const int waits = run->projection.waits && !run->careful && t < run->settings.t_stop;
@@ -178,12 +186,18 @@ int lag_project_waits(LagRun *run, double t)
 double lag_project_step(LagRun *run, double t, double allowed, int *worst)
 {
     LagProjection *s = &run->projection;
+    lag_project_forget(run);
     if (run->model->n_multipliers == 0)
         return 0;
     const double good = run->careful ? lag_max(NEAR_SINGULAR / run->scale.tolerance, MOST_UNITS) : MOST_UNITS;
     const double most = lag_max(allowed, good), left = LEFT_BY_STEPS * run->scale.tolerance;
     const double units = project(run, t, most, left, run->motion.other, run->motion.other_carry, worst);
     s->waits = units < DRIFT;
+    if (s->is_complete && s->is_exact) {
+        note_residuals(run);
+        s->end = s->latest;
+        s->end_time = t;
+    }
     return units <= good ? 0 : run->careful ? units : INFINITY;
 }
 
@@ -193,7 +207,10 @@ void lag_project_present(LagRun *run)
     if (run->model->n_multipliers > 0)
         project(run, run->motion.t, INFINITY, 0, run->motion.y, run->motion.carry, &worst);
     run->projection.waits = 0;
+    lag_project_forget(run);
 }
+
+void lag_project_forget(LagRun *run) { run->projection.end_time = NAN; }
 
 void lag_project_inside(LagRun *run, double t, double *y)
 {
@@ -204,23 +221,31 @@ void lag_project_inside(LagRun *run, double t, double *y)
     project(run, t, INFINITY, 0, y, run->inside_carry, &worst);
 }
 
-void lag_project_row(LagRun *run, double t, double *y, double *energies)
+/* Projects the state of a row. Returns 0 where its residuals are not known. */
+static int close_row(LagRun *run, double t, double *y)
 {
-    const LagModel *model = run->model;
-    const double *in[] = {&t, y, y + model->n, run->u, run->d, run->c};
     LagProjection *s = &run->projection;
-    LagStatistics *statistics = &run->statistics;
+    const double *in[] = {&t, y, y + run->model->n, run->u, run->d, run->c};
     double *out[] = {s->phi, s->rate};
     lag_project_inside(run, t, y);
-    if (s->is_complete) {
-        memcpy(energies, s->energies, sizeof s->energies);
-    } else {
-        lag_energies(run, t, y, energies);
-        if (model->n_multipliers == 0 || lag_call(&model->residual, in, out, run->work) != 0)
-            return;
+    if (!s->is_complete) {
+        lag_energies(run, t, y, s->latest.energies);
+        if (run->model->n_multipliers == 0 || lag_call(&run->model->residual, in, out, run->work) != 0)
+            return 0;
     }
-    const double gap = lag_largest(s->phi, (size_t)model->n_holonomic);
-    const double rate = lag_largest(s->rate, (size_t)model->n_multipliers);
-    statistics->constraint_residual = lag_max(gap, statistics->constraint_residual);
-    statistics->constraint_rate_residual = lag_max(rate, statistics->constraint_rate_residual);
+    note_residuals(run);
+    return 1;
+}
+
+void lag_project_row(LagRun *run, double t, double *y, double *energies)
+{
+    LagProjection *s = &run->projection;
+    LagStatistics *statistics = &run->statistics;
+    const int is_end = t == run->motion.t && t == s->end_time, is_known = is_end || close_row(run, t, y);
+    const LagClosure *row = is_end ? &s->end : &s->latest;
+    memcpy(energies, row->energies, sizeof row->energies);
+    if (is_known) {
+        statistics->constraint_residual = lag_max(row->gap, statistics->constraint_residual);
+        statistics->constraint_rate_residual = lag_max(row->rate, statistics->constraint_rate_residual);
+    }
 }

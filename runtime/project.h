@@ -6,13 +6,21 @@
 #include "model.h"
 #include "run.h"
 
+/* Of a projected state. */
+typedef struct {
+    double energies[3]; /* T, V, H */
+    double gap, rate;   /* largest residuals of positions and of rates */
+} LagClosure;
+
 typedef struct {
     double *state, *carry;         /* 2 n: the state being corrected, and what rounding took from it */
     double *before, *before_carry; /* n: positions or rates before the latest correction */
     double *correction, *unit;     /* 2 n: the latest, and units of error to compare it with */
     double *phi, *rate;            /* n_holonomic, n_multipliers: residuals */
-    double energies[3];            /* T, V, H: with the residuals, of the state corrected latest */
-    int is_complete;               /* these are known */
+    LagClosure latest, end;        /* of the state corrected latest, and of the end of the latest step */
+    int is_complete;               /* the energies and residuals of the latest are known */
+    int is_exact;                  /* what was left of it is rounding */
+    double end_time;               /* where the end is as exact as rows are; NaN where it is not */
     int waits;                     /* the latest step hardly drifted */
 } LagProjection;
 
@@ -30,6 +38,9 @@ int lag_project_waits(LagRun *run, double t);
 
 /* The present state, however far it is from the constraints: at the start, and when parameters or modes have changed. */
 void lag_project_present(LagRun *run);
+
+/* Energies at the present time are no longer what they were: parameters, inputs or the state have changed. */
+void lag_project_forget(LagRun *run);
 
 /* A state (q, v, ...) at t, inside the latest step. */
 void lag_project_inside(LagRun *run, double t, double *y);

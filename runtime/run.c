@@ -138,6 +138,7 @@ LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double 
     if (run->started) {
         lag_account_close(run);
         run->segment_over = 1;
+        lag_project_forget(run);
     }
     return LAG_OK;
 }
@@ -155,6 +156,7 @@ LagStatus lag_run_set_inputs(LagRun *run, const double *times, const double *val
         lag_inputs_enter(&run->inputs, run->motion.t);
         lag_account_close(run);
         run->segment_over = 1;
+        lag_project_forget(run);
     }
     return LAG_OK;
 }
