@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.elimination import accelerate
+from lagrangia.elimination import articulate
 from lagrangia.motion import solve_dense
 from lagrangia.numpy_module import statements
 
@@ -48,8 +48,9 @@ def test_they_do_what_generalised_forces_do(scene: Scene) -> None:
     compilation = model.compilation
     motion, kinematics = compilation.motion, compilation.kinematics
     modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
-    found = accelerate(kinematics, motion.bodies, compilation.energies)
-    assert found is not None
+    tree = articulate(kinematics, motion.bodies)
+    assert tree is not None
+    found = tree.accelerate(compilation.energies)
     assert len(kinematics.algebra.modes) == modes.numel() > 2
     wanted = solve_dense(motion.momentum, -motion.h, motion.v)
     arguments = [motion.t, motion.q, motion.v, motion.u, motion.p, kinematics.symbols.tau, modes]

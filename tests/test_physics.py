@@ -16,7 +16,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.bodies import find_bodies
-from lagrangia.elimination import eliminate
+from lagrangia.elimination import articulate
 from lagrangia.motion import solve_dense
 from random_trees import FX, FY, TORQUE, Body, RandomTree, random_tree
 
@@ -128,10 +128,11 @@ def test_both_ways_of_solving_agree(scene: Tree) -> None:
     """Elimination along the tree, M factored as a whole, and the accelerations the model gives."""
     compilation = scene.model.compilation
     motion = compilation.motion
-    tree = eliminate(compilation.kinematics, find_bodies(compilation.kinematics, compilation.energies), -motion.h)
+    tree = articulate(compilation.kinematics, find_bodies(compilation.kinematics, compilation.energies))
     assert tree is not None
+    along = tree.solve(-motion.h)
     dense = solve_dense(motion.momentum, -motion.h, motion.v)
-    both = ca.Function("both", [motion.t, motion.q, motion.v, motion.p], [tree, dense, motion.acceleration])
+    both = ca.Function("both", [motion.t, motion.q, motion.v, motion.p], [along, dense, motion.acceleration])
     for k in range(5):
         found = [np.array(x) for x in both(*scene.random_state(k), scene.model.parameter_values())]
         assert_equal(found[0], found[1], 1e-11)

@@ -4,10 +4,10 @@ A rigid body is a cluster of frames joined by rigid edges; its inertia in its ow
 first moment m c and the second moment J, taken from the Hessian of its kinetic terms in the twist (vx, vy, w). Towards the
 root, for every coordinate with motion direction s:
 
-    U = I s,   D = s . U,   I -= U U^T / D,   p += U (r - s . p) / D,
+    U = I s,   D = s . U,   I -= U U^T / D,   p += U u / D,   u = r - s . p,
 
-then I and p move to the parent's reference frame. p begins with the forces on the body (forces.py). Back from the root:
-a = (u - U . A) / D, A += s a.
+then I and p move to the parent's reference frame. What I becomes is the same for every r. p begins with the forces on the body
+(forces.py). Back from the root: a = (u - U . A) / D, A += s a.
 Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
 """
 
@@ -38,46 +38,85 @@ class Cluster:
     turn: Pose  # of the reference frame; only the angle is used
     joint: tuple[Scalar, Scalar] = (0.0, 0.0)
     inertia: list[Vector] = field(default_factory=lambda: [[0.0] * 3 for _ in range(3)])  # upper triangle, world axes
-    load: Vector = field(default_factory=lambda: [0.0] * 3)
-    solved: list[tuple[int, Vector, Vector, Scalar, Scalar]] = field(default_factory=list)
 
     @property
     def is_ground(self) -> bool:
         return self.parent is None and not self.directions
 
 
-def eliminate(kinematics: Kinematics, bodies: Bodies, r: ca.SX) -> ca.SX | None:
-    """The solution a of M a = r, or None when the scene is no tree of rigid bodies: a coordinate that moves several joints,
-    or a kinetic term that couples several bodies or is no body's."""
+@dataclass(frozen=True)
+class _Joint:
+    """A coordinate, eliminated."""
+
+    index: int
+    direction: Vector  # s
+    momentum: Vector  # U
+    inverse: Scalar  # 1 / D
+    share: Vector  # U / D
+
+
+class ArticulatedBodies:
+    """M, factored along the tree of bodies."""
+
+    def __init__(self, kinematics: Kinematics, bodies: Bodies, clusters: dict[str, Cluster]) -> None:
+        self.kinematics, self.bodies, self.clusters = kinematics, bodies, clusters
+        self.joints: dict[str, list[_Joint]] = {}  # by the cluster they move, leaf to root
+        reduced = {name: [row[:] for row in cluster.inertia] for name, cluster in clusters.items()}
+        for name, cluster in reversed(clusters.items()):
+            self.joints[name] = [_reduce(reduced[name], index, s) for index, s in reversed(cluster.directions)]
+            if cluster.parent is not None and not cluster.parent.is_ground:
+                _add_moved(reduced[cluster.parent.frame], reduced[name], cluster.joint)
+
+    @property
+    def pivots(self) -> ca.SX:
+        """D of each coordinate, (n,)."""
+        inverse = {joint.index: joint.inverse for joints in self.joints.values() for joint in joints}
+        return ca.vertcat(*[1 / inverse[k] for k in range(len(inverse))])
+
+    def solve(self, r: ca.SX) -> ca.SX:
+        """The solution a (n,) of M a = r."""
+        return self._solve(scalars_in(ca.densify(r)), {})
+
+    def accelerate(self, energies: Energies) -> ca.SX:
+        """The accelerations, as solve(-h) would give them, but with every force on the body it acts on. Not for scenes with cut
+        joints, whose coordinates are read off frames."""
+        still = self.kinematics.without_accelerations()
+        loads = {name: _inertial_force(cluster, still) for name, cluster in self.clusters.items()}
+        forces = find_forces(self.kinematics, energies)
+        for frame, force in forces.on_frames.items():
+            home, local = self.bodies.home[frame], self.bodies.local[frame]
+            turn = self.clusters[home].turn
+            x, y = rotated(turn.cos, turn.sin, 0.0, local.x, local.y)
+            loads[home] = _sum(loads[home], _about(force, x, y))
+        return self._solve([minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in self.kinematics.graph.coordinates], loads)
+
+    def _solve(self, r: Vector, loads: dict[str, Vector]) -> ca.SX:
+        p = {name: loads.get(name, [0.0] * 3) for name in self.clusters}
+        left: dict[int, Scalar] = {}  # u
+        for name, cluster in reversed(self.clusters.items()):
+            for joint in self.joints[name]:
+                left[joint.index] = r[joint.index] - _dot(joint.direction, p[name])
+                p[name] = _passed_on(joint, p[name], r[joint.index], left[joint.index])
+            parent = cluster.parent
+            if parent is not None and not parent.is_ground:
+                p[parent.frame] = _sum(p[parent.frame], _about(p[name], *cluster.joint))
+        acceleration: list[Scalar] = [0.0] * len(r)
+        twists: dict[str, Vector] = {}
+        for name, cluster in self.clusters.items():
+            twist = _moved(twists[cluster.parent.frame], cluster.joint) if cluster.parent else [0.0] * 3
+            for joint in reversed(self.joints[name]):
+                a = times(minus(left[joint.index], _dot(joint.momentum, twist)), joint.inverse)
+                acceleration[joint.index] = a
+                twist = _sum(twist, [times(x, a) for x in joint.direction])
+            twists[name] = twist
+        return ca.vertcat(*acceleration)
+
+
+def articulate(kinematics: Kinematics, bodies: Bodies) -> ArticulatedBodies | None:
+    """None when the scene is no tree of rigid bodies: a coordinate that moves several joints, or a kinetic term that couples
+    several bodies or is no body's."""
     clusters = _clusters(kinematics, bodies)
-    return _solve(clusters, scalars_in(ca.densify(r))) if clusters else None
-
-
-def accelerate(kinematics: Kinematics, bodies: Bodies, energies: Energies) -> ca.SX | None:
-    """The accelerations, as eliminate(kinematics, bodies, -h) would give them, but with every force on the body it acts on. Not
-    for scenes with cut joints, whose coordinates are read off frames."""
-    clusters = _clusters(kinematics, bodies)
-    if clusters is None:
-        return None
-    for cluster in clusters.values():
-        _add_inertial_force(cluster, kinematics.without_accelerations())
-    forces = find_forces(kinematics, energies)
-    for frame, force in forces.on_frames.items():
-        cluster, local = clusters[bodies.home[frame]], bodies.local[frame]
-        x, y = rotated(cluster.turn.cos, cluster.turn.sin, 0.0, local.x, local.y)
-        cluster.load = _sum(cluster.load, _about(force, x, y))
-    return _solve(clusters, [minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in kinematics.graph.coordinates])
-
-
-def _solve(clusters: dict[str, Cluster], r: Vector) -> ca.SX:
-    acceleration: list[Scalar] = [0.0] * len(r)
-    for cluster in reversed(clusters.values()):
-        _towards_root(cluster, r)
-    twists: dict[str, Vector] = {}
-    for cluster in clusters.values():
-        start = _moved(twists[cluster.parent.frame], cluster.joint) if cluster.parent else [0.0] * 3
-        twists[cluster.frame] = _from_root(cluster, start, acceleration)
-    return ca.vertcat(*acceleration)
+    return ArticulatedBodies(kinematics, bodies, clusters) if clusters is not None else None
 
 
 # -------------------------------------------------------------------- bodies
@@ -128,15 +167,15 @@ def _add_inertia(cluster: Cluster, inertia: Inertia, local: Pose) -> None:
         cluster.inertia[i][j] = plus(cluster.inertia[i][j], value)
 
 
-def _add_inertial_force(cluster: Cluster, still: Kinematics) -> None:
+def _inertial_force(cluster: Cluster, still: Kinematics) -> Vector:
     """What the body's inertia asks for when dv/dt = 0: F = m a - w^2 b + alpha x b, tau = J alpha + b x a."""
     if cluster.is_ground:
-        return
+        return [0.0] * 3
     I, pose = cluster.inertia, still.pose(cluster.frame, 2)
     w, twist = value_of(rate_of(pose.phi)), [rate_of(rate_of(x)) for x in (pose.x, pose.y, pose.phi)]
     square = times(w, w)
     x, y, torque = _momentum(I, twist)
-    cluster.load = [minus(x, times(square, I[1][2])), plus(y, times(square, I[0][2])), torque]
+    return [minus(x, times(square, I[1][2])), plus(y, times(square, I[0][2])), torque]
 
 
 class _OneMoves:
@@ -165,29 +204,24 @@ def _direction(kinematics: Kinematics, edge: Edge, mover: str) -> Vector:
     return [rate_of(pose.x), rate_of(pose.y), rate_of(pose.phi)]
 
 
-# -------------------------------------------------------------------- the two sweeps
+# -------------------------------------------------------------------- elimination
 
 
-def _towards_root(cluster: Cluster, r: Vector) -> None:
-    I, p = cluster.inertia, cluster.load
-    for index, s in reversed(cluster.directions):
-        U = _momentum(I, s)
-        inverse = 1.0 / _dot(s, U)
-        u = r[index] - _dot(s, p)
-        cluster.solved.append((index, s, U, inverse, u))
-        axis = _axis(s)
-        if axis is not None:
-            p[axis] = r[index]  # along an axis the load is exactly what r says, and the reduced inertia zero
-        for i in (k for k in range(3) if k != axis):
-            scaled = times(U[i], inverse)
-            p[i] = plus(p[i], times(scaled, u))
-            for j in range(i, 3):
-                I[i][j] = minus(I[i][j], times(scaled, U[j]))
-        for k in range(3):
-            if axis is not None:
-                I[min(k, axis)][max(k, axis)] = 0.0
-    if cluster.parent is not None and not cluster.parent.is_ground:
-        _hand_over(cluster, cluster.parent)
+def _reduce(I: list[Vector], index: int, s: Vector) -> _Joint:
+    """Takes from the inertia what the coordinate gives way to; along an axis nothing is left."""
+    U = _momentum(I, s)
+    inverse, axis = 1.0 / _dot(s, U), _axis(s)
+    share = [times(U[k], inverse) if k != axis else 0.0 for k in range(3)]
+    for i in range(3):
+        for j in range(i, 3):
+            I[i][j] = minus(I[i][j], times(share[i], U[j])) if axis not in (i, j) else 0.0
+    return _Joint(index, s, U, inverse, share)
+
+
+def _passed_on(joint: _Joint, p: Vector, r: Scalar, u: Scalar) -> Vector:
+    """The load that is left for what carries the joint; along an axis it is exactly what r says."""
+    axis = _axis(joint.direction)
+    return [r if k == axis else plus(x, times(part, u)) for k, (x, part) in enumerate(zip(p, joint.share, strict=True))]
 
 
 def _axis(s: Vector) -> int | None:
@@ -196,25 +230,15 @@ def _axis(s: Vector) -> int | None:
     return nonzero[0] if len(nonzero) == 1 and isinstance(s[nonzero[0]], float) and s[nonzero[0]] == 1.0 else None
 
 
-def _hand_over(cluster: Cluster, parent: Cluster) -> None:
-    """Adds the inertia and load of a body to its parent's, moved to the parent's reference frame."""
-    dx, dy = cluster.joint
-    I = cluster.inertia
+def _add_moved(parent: list[Vector], I: list[Vector], joint: tuple[Scalar, Scalar]) -> None:
+    """Adds the inertia of a body to its parent's, moved to the parent's reference frame."""
+    dx, dy = joint
     # X^T I X with X = [[1, 0, -dy], [0, 1, dx], [0, 0, 1]]
     xz = plus(minus(I[0][2], times(I[0][0], dy)), times(I[0][1], dx))
     yz = plus(minus(I[1][2], times(I[0][1], dy)), times(I[1][1], dx))
     zz = minus(plus(minus(plus(I[2][2], times(I[1][2], dx)), times(I[0][2], dy)), times(yz, dx)), times(xz, dy))
     for (i, j), value in {(0, 0): I[0][0], (0, 1): I[0][1], (1, 1): I[1][1], (0, 2): xz, (1, 2): yz, (2, 2): zz}.items():
-        parent.inertia[i][j] = plus(parent.inertia[i][j], value)
-    parent.load = _sum(parent.load, _about(cluster.load, dx, dy))
-
-
-def _from_root(cluster: Cluster, twist: Vector, acceleration: list[Scalar]) -> Vector:
-    for index, s, U, inverse, u in reversed(cluster.solved):
-        a = times(minus(u, _dot(U, twist)), inverse)
-        acceleration[index] = a
-        twist = _sum(twist, [times(x, a) for x in s])
-    return twist
+        parent[i][j] = plus(parent[i][j], value)
 
 
 def _moved(twist: Vector, joint: tuple[Scalar, Scalar]) -> Vector:

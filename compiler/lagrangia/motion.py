@@ -18,7 +18,7 @@ from lagrangia.collected import MOST_COORDINATES, Collected, collect, split_weig
 from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, constrain, constraint_rows
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
-from lagrangia.elimination import accelerate, eliminate
+from lagrangia.elimination import articulate
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
 from lagrangia.joints import all_reactions
@@ -226,9 +226,10 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
     """The accelerations by the way that counts fewest nodes, and what each way that is open counts."""
     tau = kinematics.symbols.tau
     ways: dict[str, ca.SX] = {}
-    tree = eliminate(kinematics, bodies, -h) if kinematics.graph.cut_coordinates else accelerate(kinematics, bodies, energies)
+    tree = articulate(kinematics, bodies)
     if tree is not None:
-        ways["tree"] = ca.substitute([tree], [tau], [ca.SX(1)])[0]
+        along = tree.solve(-h) if kinematics.graph.cut_coordinates else tree.accelerate(energies)
+        ways["tree"] = ca.substitute([along], [tau], [ca.SX(1)])[0]
     if tree is None or coupled_pairs(kinematics) <= _DENSEST * v.numel():
         ways["dense"] = solve_dense(momentum, -h, v)
     if short is not None:
@@ -265,10 +266,10 @@ def solve_mass(kinematics: Kinematics, motion: Motion, r: ca.SX) -> ca.SX:
     """The solution (n,) of M x = r, the way the accelerations are solved for. Only for scenes without constraints."""
     if motion.collected is not None:
         return motion.collected.solve(r)
-    tree = eliminate(kinematics, motion.bodies, r) if motion.way == "tree" else None
+    tree = articulate(kinematics, motion.bodies) if motion.way == "tree" else None
     if tree is None:
         return solve_dense(motion.momentum, r, motion.v)
-    return ca.substitute([tree], [kinematics.symbols.tau], [ca.SX(1)])[0]
+    return ca.substitute([tree.solve(r)], [kinematics.symbols.tau], [ca.SX(1)])[0]
 
 
 def count_nodes(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:

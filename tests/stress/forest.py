@@ -13,7 +13,7 @@ import numpy as np
 
 import lagrangia as lag
 from lagrangia.bodies import find_bodies
-from lagrangia.elimination import eliminate
+from lagrangia.elimination import articulate
 from lagrangia.motion import mass_matrix, solve_dense
 from lagrangia.solvers import applicable
 from random_trees import random_tree
@@ -80,8 +80,9 @@ def _look_at_equations(model: lag.Model, tree: Tree) -> None:
     """M itself, and the accelerations by elimination, by M factored as a whole, and those the model took."""
     compilation = model.compilation
     motion, random = compilation.motion, np.random.default_rng(tree.seed)
-    along = eliminate(compilation.kinematics, find_bodies(compilation.kinematics, compilation.energies), -motion.h)
-    assert along is not None
+    articulated = articulate(compilation.kinematics, find_bodies(compilation.kinematics, compilation.energies))
+    assert articulated is not None
+    along = articulated.solve(-motion.h)
     dense = solve_dense(motion.momentum, -motion.h, motion.v)
     function = ca.Function("all", [motion.t, motion.q, motion.v, motion.p],
                            [ca.densify(mass_matrix(motion)), along, dense, motion.acceleration])
