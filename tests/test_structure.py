@@ -60,6 +60,7 @@ ORDER = """
     forces
     elimination
     kkt
+    schur
     evenness
     constrained_motion
     motion

@@ -5,9 +5,13 @@ from dataclasses import dataclass
 import casadi as ca
 
 from lagrangia.constraints import Constraints
-from lagrangia.evenness import find_evenness, is_even
+from lagrangia.elimination import ArticulatedBodies
+from lagrangia.evenness import diagonal_of, find_evenness, is_even, relative_pivots
 from lagrangia.kinematics import Kinematics
 from lagrangia.kkt import KKT, factor
+from lagrangia.schur import SchurComplement, form
+
+System = KKT | SchurComplement
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,8 @@ class FreeMotion:
     momentum: ca.SX  # M v
     h: ca.SX
     load_power: ca.SX  # put in by loads
+    tree: ArticulatedBodies | None = None  # along which M is solved; None: by its factors
+    acceleration: ca.SX | None = None  # -M^-1 h, where there is a tree
 
 
 @dataclass(frozen=True)
@@ -73,38 +79,61 @@ def constrain(
 
     `for_any_mass`: formulas that hold where parameters make M singular or uneven, too.
     """
-    q, v, phi, rate = free.q, free.v, rows.phi, rows.rate
-    J, M = ca.jacobian(rate, v), ca.jacobian(free.momentum, v)
-    m, k, zero = J.size1(), phi.numel(), ca.SX.zeros(q.numel())
-    evenness = find_evenness(kinematics, M, J)
+    J, mass = ca.jacobian(rows.rate, free.v), _mass(free)
+    evenness = find_evenness(kinematics, *mass, J)
     is_robust = for_any_mass or not is_even(kinematics, evenness)
-    kkt = factor(M, J, is_robust)
-    acceleration, multipliers = kkt.solve(-free.h, -rows.bias)
-    steer, _ = kkt.solve(zero, -rate, refine=False)
-    holonomic = kkt if k == m or is_robust else factor(M, J[:k, :], False)  # massless coordinates may be in other rows alone
-    gap = -phi if holonomic is not kkt else ca.vertcat(-phi, ca.SX.zeros(m - k))
-    place = holonomic.solve(zero, gap, refine=False)[0] if k else zero
-    lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(m)])
-    regular = None if is_robust else _regular(rows, free, M, J)
+    if free.tree is not None and not is_robust:
+        system: System = form(free.tree, J)
+    else:
+        system = factor(ca.jacobian(free.momentum, free.v), J, is_robust)
+    acceleration, multipliers = _accelerate(system, rows, free, refine=True)
+    steer, _ = system.solve(ca.SX.zeros(free.q.numel()), -rows.rate, refine=False)
+    place = _place(system, rows, free.q, is_robust)
+    lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(J.size1())])
+    regular = None if is_robust else _regular(rows, free, system.without_small())
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
                              regular)
-    return acceleration, free.load_power + _power(rate, v, multipliers), held
+    return acceleration, free.load_power + _power(rows.rate, free.v, multipliers), held
 
 
-def _regular(rows: ConstraintRows, free: FreeMotion, M: ca.SX, J: ca.SX) -> RegularMotion:
-    kkt = factor(M, J, False, is_regular=True)
-    acceleration, multipliers = kkt.solve(-free.h, -rows.bias, refine=False)
+def _mass(free: FreeMotion) -> tuple[ca.SX, ca.SX]:
+    """The diagonal of M, and the pivots of its factors relative to that."""
+    if free.tree is not None:
+        diagonal = free.tree.diagonal
+        return diagonal, free.tree.pivots / diagonal
+    M = ca.jacobian(free.momentum, free.v)
+    return diagonal_of(M), relative_pivots(M)
+
+
+def _accelerate(system: System, rows: ConstraintRows, free: FreeMotion, refine: bool) -> tuple[ca.SX, ca.SX]:
+    if isinstance(system, SchurComplement) and free.acceleration is not None:
+        return system.solve_from(free.acceleration, -rows.bias, refine)
+    return system.solve(-free.h, -rows.bias, refine)
+
+
+def _place(system: System, rows: ConstraintRows, q: ca.SX, is_robust: bool) -> ca.SX:
+    """One Newton correction onto Phi = 0."""
+    m, k, zero = rows.rate.numel(), rows.phi.numel(), ca.SX.zeros(q.numel())
+    if k == 0:
+        return zero
+    if k == m or is_robust:  # massless coordinates may be in other rows alone
+        return system.solve(zero, ca.vertcat(-rows.phi, ca.SX.zeros(m - k)), refine=False)[0]
+    return system.first(k).solve(zero, -rows.phi, refine=False)[0]
+
+
+def _regular(rows: ConstraintRows, free: FreeMotion, system: System) -> RegularMotion:
+    acceleration, multipliers = _accelerate(system, rows, free, refine=False)
     source = free.load_power + _power(rows.rate, free.v, multipliers)
     none = ca.SX(0, 1)
-    dq, dv = _correct(kkt, rows.phi, rows.rate, free.q) if rows.phi.numel() == J.size1() else (none, none)
-    return RegularMotion(acceleration, multipliers, kkt.doubt, source, dq, dv)
+    dq, dv = _correct(system, rows.phi, rows.rate, free.q) if rows.phi.numel() == rows.rate.numel() else (none, none)
+    return RegularMotion(acceleration, multipliers, system.doubt, source, dq, dv)
 
 
-def _correct(kkt: KKT, phi: ca.SX, rate: ca.SX, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+def _correct(system: System, phi: ca.SX, rate: ca.SX, q: ca.SX) -> tuple[ca.SX, ca.SX]:
     """dq, then dv at q + dq, of least kinetic energy: the matrix is factored once."""
     zero = ca.SX.zeros(q.numel())
-    dq, _ = kkt.solve(zero, -phi, refine=False)
-    dv, _ = kkt.solve(zero, -ca.substitute(rate, q, q + dq), refine=False)
+    dq, _ = system.solve(zero, -phi, refine=False)
+    dv, _ = system.solve(zero, -ca.substitute(rate, q, q + dq), refine=False)
     return dq, dv
 
 

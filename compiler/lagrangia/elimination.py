@@ -61,17 +61,31 @@ class ArticulatedBodies:
     def __init__(self, kinematics: Kinematics, bodies: Bodies, clusters: dict[str, Cluster]) -> None:
         self.kinematics, self.bodies, self.clusters = kinematics, bodies, clusters
         self.joints: dict[str, list[_Joint]] = {}  # by the cluster they move, leaf to root
-        reduced = {name: [row[:] for row in cluster.inertia] for name, cluster in clusters.items()}
+        reduced = self._inertias()
         for name, cluster in reversed(clusters.items()):
             self.joints[name] = [_reduce(reduced[name], index, s) for index, s in reversed(cluster.directions)]
             if cluster.parent is not None and not cluster.parent.is_ground:
                 _add_moved(reduced[cluster.parent.frame], reduced[name], cluster.joint)
+
+    def _inertias(self) -> dict[str, list[Vector]]:
+        return {name: [row[:] for row in cluster.inertia] for name, cluster in self.clusters.items()}
 
     @property
     def pivots(self) -> ca.SX:
         """D of each coordinate, (n,)."""
         inverse = {joint.index: joint.inverse for joints in self.joints.values() for joint in joints}
         return ca.vertcat(*[1 / inverse[k] for k in range(len(inverse))])
+
+    @property
+    def diagonal(self) -> ca.SX:
+        """Of M, (n,): s . I s with the inertia of all that the coordinate moves."""
+        whole = self._inertias()
+        found: dict[int, Scalar] = {}
+        for name, cluster in reversed(self.clusters.items()):
+            found |= {index: _dot(s, _momentum(whole[name], s)) for index, s in cluster.directions}
+            if cluster.parent is not None:
+                _add_moved(whole[cluster.parent.frame], whole[name], cluster.joint)
+        return ca.vertcat(*[found[k] for k in range(len(found))])
 
     def solve(self, r: ca.SX) -> ca.SX:
         """The solution a (n,) of M a = r."""

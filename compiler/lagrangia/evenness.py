@@ -16,38 +16,44 @@ _HUGE = 1e300
 _STEPS = 5**0.5 / 2, 2**0.5
 
 
-def find_evenness(kinematics: Kinematics, M: ca.SX, J: ca.SX) -> ca.SX:
+def find_evenness(kinematics: Kinematics, mass: ca.SX, pivots: ca.SX, J: ca.SX) -> ca.SX:
     """At general positions, as a function of the parameters: above 1 all over, unless some coordinates that a constraint ties
     together move next to no mass, or none: M loses rank there, or J M^-1 J^T its digits.
 
     Masses do that at every position. What happens at one of two only is a matter of the place: a link across its path, say.
+
+    mass (n,): the diagonal of M; pivots (n,): those of its factors, relative to it in any order of the coordinates.
     """
     p, _ = default_parameters(kinematics)
     known = {x.__hash__() for x in ca.symvar(p)} if p.numel() else set()
-    free = [s for s in ca.symvar(ca.veccat(M, J)) if s.__hash__() not in known]
-    looks = [_look(*_placed(M, J, free, step)) for step in _STEPS[: 2 if free else 1]]
-    pivots, shares = (reduce(ca.fmax, found) for found in zip(*looks, strict=True))
+    free = [s for s in ca.symvar(ca.veccat(mass, pivots, J)) if s.__hash__() not in known]
+    looks = [_placed([pivots, ca.vertcat(ca.SX(0, 1), *((J * J) @ ca.diag(1 / mass)).nonzeros())], free, step)
+             for step in _STEPS[: 2 if free else 1]]
+    relative, shares = (reduce(ca.fmax, found) for found in zip(*looks, strict=True))
     rows: list[list[ca.SX]] = [[] for _ in range(J.size1())]
     for entry, row in enumerate(J.sparsity().row()):
         rows[row].append(shares[entry])
     tied = [row for row in rows if row]
     least = [reduce(ca.fmin, [ca.if_else(x > 0, x, _HUGE) for x in row]) for row in tied]
     spreads = [_UNEVEN * smallest / reduce(ca.fmax, row) for smallest, row in zip(least, tied, strict=True)]
-    return ca.vertcat(pivots / _SINGULAR, *spreads)
+    return ca.vertcat(relative / _SINGULAR, *spreads)
 
 
-def _placed(M: ca.SX, J: ca.SX, free: list[ca.SX], step: float) -> tuple[ca.SX, ca.SX]:
+def _placed(expressions: list[ca.SX], free: list[ca.SX], step: float) -> list[ca.SX]:
     values = [ca.SX(0.3 + 2.5 * (step * k * k % 1)) for k in range(1, len(free) + 1)]
-    mass, slopes = ca.substitute([M, J], free, values) if free else (M, J)
-    return mass, slopes
+    found: list[ca.SX] = ca.substitute(expressions, free, values) if free else expressions
+    return found
 
 
-def _look(mass: ca.SX, slopes: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """The pivots of the scaled mass matrix, and J_rk^2/M_kk for each entry of J."""
-    diagonal = ca.vertcat(*[mass[k, k] for k in range(mass.size1())])
-    scale = ca.diag(1 / ca.sqrt(diagonal))
-    shares = (slopes * slopes) @ ca.diag(1 / diagonal)
-    return ca.ldl(scale @ mass @ scale, True)[0], ca.vertcat(ca.SX(0, 1), *shares.nonzeros())
+def diagonal_of(M: ca.SX) -> ca.SX:
+    """(n,), with its zeros."""
+    return ca.vertcat(ca.SX(0, 1), *[M[k, k] for k in range(M.size1())])
+
+
+def relative_pivots(M: ca.SX) -> ca.SX:
+    """Of the factors of M, scaled to a diagonal of 1."""
+    scale = ca.diag(1 / ca.sqrt(diagonal_of(M)))
+    return ca.ldl(scale @ M @ scale, True)[0]
 
 
 def is_even(kinematics: Kinematics, evenness: ca.SX) -> bool:

@@ -19,8 +19,8 @@ from itertools import pairwise
 
 import casadi as ca
 
-_SMALL = 1e-10  # of E, relative to the diagonal of J M^-1 J^T
-_DOUBTFUL = 1e-6  # pivots without E below this, relative to the same: with E and a refinement they keep more digits
+SMALL = 1e-10  # of E, relative to the diagonal of J M^-1 J^T
+DOUBTFUL = 1e-6  # pivots without E below this, relative to the same: with E and a refinement they keep more digits
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class KKT:
             if row < n or all(self.order[i] < n for i in above):
                 continue
             before = sum((self.upper[i, k] ** 2 * self.diagonal[i] for i in above if self.order[i] < n), ca.SX(0))
-            total += -self.diagonal[k] < _DOUBTFUL * before
+            total += -self.diagonal[k] < DOUBTFUL * before
         return total
 
     def solve(self, a: ca.SX, b: ca.SX, refine: bool = True) -> tuple[ca.SX, ca.SX]:
@@ -57,6 +57,14 @@ class KKT:
             rest = ca.vertcat(top - self.M @ x - self.J.T @ multipliers, b - self.J @ x)
             found = found + self._backsolve(rest)
         return found[:n], found[n:]
+
+    def first(self, k: int) -> "KKT":
+        """The system of the first k constraints alone; M must be regular."""
+        return factor(self.M, self.J[:k, :], False)
+
+    def without_small(self) -> "KKT":
+        """The system without E; M must be regular."""
+        return factor(self.M, self.J, False, is_regular=True)
 
     def _backsolve(self, right: ca.SX) -> ca.SX:
         inverse = sorted(range(len(self.order)), key=lambda k: self.order[k])
@@ -73,11 +81,22 @@ def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False) -> K
         weight = _masses(M, J) / squares
         M = M + J.T @ (ca.diag(weight) @ J)
     diagonal = ca.vertcat(*[M[k, k] for k in range(n)])
-    small = ca.SX.zeros(J.size1()) if is_regular else _SMALL * ((J * J) @ (1 / diagonal))
+    small = ca.SX.zeros(J.size1()) if is_regular else SMALL * ((J * J) @ (1 / diagonal))
     K = ca.blockcat([[M, J.T], [J, -ca.diag(small)]])
     order = (_front if is_singular else _levels)(M.sparsity(), J.sparsity())
     D, upper, _ = ca.ldl(K[list(order), list(order)], False)
     return KKT(M, J, weight, order, D, upper)
+
+
+def count_operations(M: ca.Sparsity, J: ca.Sparsity) -> int:
+    """Multiplications and additions of the factors, where M is regular."""
+    rows, order = ca.DM(J, 1), list(_levels(M, J))
+    K = ca.blockcat([[ca.DM(M, 1), rows.T], [rows, ca.DM.eye(J.size1())]])
+    upper, _ = K[order, order].sparsity().ldl(False)
+    below = [0] * len(order)
+    for row in upper.row():
+        below[row] += 1
+    return sum(count * (count + 1) for count in below)
 
 
 def _masses(M: ca.SX, J: ca.SX) -> ca.SX:

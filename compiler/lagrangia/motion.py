@@ -18,12 +18,13 @@ from lagrangia.collected import MOST_COORDINATES, Collected, collect, split_weig
 from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, constrain, constraint_rows
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
-from lagrangia.elimination import articulate
+from lagrangia.elimination import ArticulatedBodies, articulate
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.scalars import symbols_in
+from lagrangia.schur import pays
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
@@ -89,8 +90,9 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     if constraints.rows:
         if short is not None and short.is_shorter(kinematics, momentum, h):
             momentum, h = short.momentum, short.h
-        free, way = FreeMotion(q, v, momentum, h, source), "constrained"
-        acceleration, source, constrained = constrain(kinematics, constraint_rows(kinematics, constraints), free, for_any_mass)
+        rows, way = constraint_rows(kinematics, constraints), "constrained"
+        free = FreeMotion(q, v, momentum, h, source, *_along_tree(kinematics, bodies, energies, rows.rate, momentum, h))
+        acceleration, source, constrained = constrain(kinematics, rows, free, for_any_mass)
     else:
         _require_mass(kinematics, momentum, v)
         acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, h, v, short)
@@ -242,6 +244,17 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
     if short is not None and nodes["collected"] <= _NEARLY * nodes[best] and short.is_shorter(kinematics, momentum, h):
         best = "collected"
     return ways[best], best, nodes
+
+
+def _along_tree(kinematics: Kinematics, bodies: Bodies, energies: Energies, rate: ca.SX, momentum: ca.SX, h: ca.SX
+                ) -> tuple[ArticulatedBodies | None, ca.SX | None]:
+    """The tree and what it would do without constraints, where these are cheaper to find along it."""
+    v = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.rates.values())
+    tree = articulate(kinematics, bodies) if pays(*(ca.jacobian_sparsity(x, v) for x in (momentum, rate))) else None
+    if tree is None:
+        return None, None
+    free = tree.solve(-h) if kinematics.graph.cut_coordinates else tree.accelerate(energies)
+    return tree, ca.substitute([free], [kinematics.symbols.tau], [ca.SX(1)])[0]
 
 
 def coupled_pairs(kinematics: Kinematics) -> int:

@@ -1,0 +1,89 @@
+"""The linear system of constrained motion by its multipliers, where M is solved along the tree of bodies:
+
+    J M^-1 J^T lambda = J M^-1 a - b,    x = M^-1 (a - J^T lambda)
+
+In joint coordinates the M of a long loop is full: to write out its factors takes n^3/3 operations (kkt.py), this so many a
+body, and a third of it again for each constraint. As there, a small E on the diagonal of J M^-1 J^T keeps every pivot from 0
+where constraints repeat each other or a mechanism passes a singular position, a step of refinement takes its effect out, and
+`doubt` tells where they are needed.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import casadi as ca
+
+from lagrangia.elimination import ArticulatedBodies
+from lagrangia.kkt import DOUBTFUL, SMALL, count_operations
+
+# Operations along the tree, of a body and of a body for each constraint; and of an entry of M. Measured on ropes hung at both ends.
+_BODY, _PASS, _ENTRY = 75, 30, 16
+# By which the tree must be cheaper: what it gives is not collected as M and h are.
+_GAIN = 1.5
+
+
+@dataclass(frozen=True)
+class SchurComplement:
+    """The system, with M (n, n) and J (m, n)."""
+
+    tree: ArticulatedBodies
+    J: ca.SX
+    reach: ca.SX  # M^-1 J^T, (n, m)
+    S: ca.SX  # J M^-1 J^T, (m, m)
+    is_regular: bool  # without E
+
+    @cached_property
+    def _factors(self) -> tuple[ca.SX, ca.SX]:
+        small = 0.0 if self.is_regular else SMALL
+        diagonal, upper, _ = ca.ldl(self.S + ca.diag(small * ca.diag(self.S)), False)
+        return diagonal, upper
+
+    @property
+    def doubt(self) -> ca.SX:
+        """Above 0 where S loses digits: a pivot is much less than what it was before others were eliminated."""
+        diagonal, upper = self._factors
+        starts = upper.sparsity().colind()
+        later = [k for k in range(self.J.size1()) if starts[k + 1] > starts[k]]
+        return sum((diagonal[k] < DOUBTFUL * self.S[k, k] for k in later), ca.SX(0))
+
+    def solve(self, a: ca.SX, b: ca.SX, refine: bool = True) -> tuple[ca.SX, ca.SX]:
+        """x and lambda."""
+        return self.solve_from(a if a.is_zero() else self.tree.solve(a), b, refine)
+
+    def solve_from(self, free: ca.SX, b: ca.SX, refine: bool = True) -> tuple[ca.SX, ca.SX]:
+        """The same; free (n,) is M^-1 a."""
+        right = self.J @ free - b
+        multipliers = self._backsolve(right)
+        if refine:
+            multipliers = multipliers + self._backsolve(right - self.S @ multipliers)
+        return free - self.reach @ multipliers, multipliers
+
+    def first(self, k: int) -> "SchurComplement":
+        """The system of the first k constraints alone."""
+        return replace(self, J=self.J[:k, :], reach=self.reach[:, :k], S=self.S[:k, :k])
+
+    def without_small(self) -> "SchurComplement":
+        """The system without E."""
+        return replace(self, is_regular=True)
+
+    def _backsolve(self, right: ca.SX) -> ca.SX:
+        diagonal, upper = self._factors
+        return ca.ldl_solve(ca.densify(right), diagonal, upper, list(range(self.J.size1())))
+
+
+def form(tree: ArticulatedBodies, J: ca.SX) -> SchurComplement:
+    m = J.size1()
+    reach = ca.horzcat(*[ca.sparsify(tree.solve(J[k, :].T)) for k in range(m)])
+    product = J @ reach
+    above = ca.triu(product, False)
+    return SchurComplement(tree, J, reach, above + above.T + ca.diag(ca.diag(product)), False)
+
+
+def pays(M: ca.Sparsity, J: ca.Sparsity) -> bool:
+    """Whether this takes less than forming M and factoring it with J."""
+    m, n = J.shape
+    along = (_BODY + m * (_PASS + m)) * n + m**3 / 3
+    return bool(_GAIN * along < count_operations(M, J) + _ENTRY * M.nnz())
+
+
+__all__ = ["SchurComplement", "form", "pays"]
