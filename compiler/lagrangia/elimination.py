@@ -21,7 +21,7 @@ from lagrangia.bodies import Bodies, Inertia
 from lagrangia.edges import Edge
 from lagrangia.energies import Energies
 from lagrangia.evaluation import Evaluator, Value
-from lagrangia.forces import find_forces
+from lagrangia.forces import Forces, find_forces
 from lagrangia.kinematics import Kinematics, Pose, rotated
 from lagrangia.scalars import scalars_in
 
@@ -91,17 +91,23 @@ class ArticulatedBodies:
         """The solution a (n,) of M a = r."""
         return self._solve(scalars_in(ca.densify(r)), {})
 
-    def accelerate(self, energies: Energies) -> ca.SX:
-        """The accelerations, as solve(-h) would give them, but with every force on the body it acts on. Not for scenes with cut
-        joints, whose coordinates are read off frames."""
+    def yield_to(self, forces: Forces) -> ca.SX:
+        """The solution a (n,) of M a = -h, where h is what the forces take from the motion."""
+        return self._yield_to(forces, {})
+
+    def accelerate(self, energies: Energies) -> ca.SX | None:
+        """The accelerations, as solve(-h) would give them, but with every force on the body it acts on. None where that is not
+        known."""
         still = self.kinematics.without_accelerations()
-        loads = {name: _inertial_force(cluster, still) for name, cluster in self.clusters.items()}
         forces = find_forces(self.kinematics, energies)
+        return self._yield_to(forces, {name: _inertial_force(x, still) for name, x in self.clusters.items()}) if forces else None
+
+    def _yield_to(self, forces: Forces, loads: dict[str, Vector]) -> ca.SX:
         for frame, force in forces.on_frames.items():
             home, local = self.bodies.home[frame], self.bodies.local[frame]
             turn = self.clusters[home].turn
             x, y = rotated(turn.cos, turn.sin, 0.0, local.x, local.y)
-            loads[home] = _sum(loads[home], _about(force, x, y))
+            loads[home] = _sum(loads.get(home, [0.0] * 3), _about(force, x, y))
         return self._solve([minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in self.kinematics.graph.coordinates], loads)
 
     def _solve(self, r: Vector, loads: dict[str, Vector]) -> ca.SX:
@@ -109,7 +115,7 @@ class ArticulatedBodies:
         left: dict[int, Scalar] = {}  # u
         for name, cluster in reversed(self.clusters.items()):
             for joint in self.joints[name]:
-                left[joint.index] = r[joint.index] - _dot(joint.direction, p[name])
+                left[joint.index] = minus(r[joint.index], _dot(joint.direction, p[name]))
                 p[name] = _passed_on(joint, p[name], r[joint.index], left[joint.index])
             parent = cluster.parent
             if parent is not None and not parent.is_ground:

@@ -1,4 +1,4 @@
-"""Potentials, dissipation and loads -> forces and moments on frames, and on what is left, forces on coordinates.
+"""Potentials, dissipation, loads and closed loops -> forces and moments on frames, and on what is left, forces on coordinates.
 
 A generalised force sums up all that acts behind a joint. Solving along the tree takes these sums apart again, and what is left
 of their rounding is divided by the inertia of one body: of a chain of 20 links three digits went that way. So each force stays
@@ -6,12 +6,13 @@ on the body it acts on, found by virtual displacements of every frame and every 
 others.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
 from lagrangia.algebra import CasadiAlgebra, Scalar
+from lagrangia.constraints import Row
 from lagrangia.energies import Energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of
 from lagrangia.kinematics import Kinematics, displacement
@@ -23,7 +24,7 @@ _VELOCITIES = {"v": (0, 1), "w": (2,)}
 
 @dataclass(frozen=True)
 class Forces:
-    """What potentials, dissipation and loads take from the motion, as h does."""
+    """What they take from the motion, as h does."""
 
     on_frames: Mapping[str, list[Scalar]]  # along x and y of the world, N; moment about the frame's origin, N.m
     on_coordinates: Mapping[str, Scalar]
@@ -61,9 +62,11 @@ class _Apart:
     movable: frozenset[str]
     frames: dict[str, tuple[list[Scalar], list[Scalar]]] = field(default_factory=dict)
     coordinates: dict[str, tuple[Scalar, Scalar]] = field(default_factory=dict)
+    is_whole: bool = True  # no coordinate of a cut joint was read, which is read off frames itself
 
     def symbol(self, name: str, level: int) -> Value | None:
         value = self.kinematics.symbol(name, level)
+        self.is_whole &= name not in self.kinematics.graph.cut_coordinates
         if name not in self.kinematics.symbols.positions:
             return value
         if name not in self.coordinates:
@@ -87,8 +90,8 @@ class _Apart:
         return tuple(a + b for a, b in zip(value, moved, strict=True)) if isinstance(value, tuple) else value + moved[0]
 
 
-def find_forces(kinematics: Kinematics, energies: Energies) -> Forces:
-    """Not for scenes with cut joints, whose coordinates are read off frames."""
+def find_forces(kinematics: Kinematics, energies: Energies) -> Forces | None:
+    """None where one of them reads the coordinate of a cut joint."""
     known = kinematics.algebra
     algebra = _StepsAtRest(known.time, known.state, known.modes, known.index, known.tiny)
     apart = _Apart(kinematics, algebra, _movable(kinematics))
@@ -99,12 +102,33 @@ def find_forces(kinematics: Kinematics, energies: Energies) -> Forces:
     for load in energies.loads:
         positions += scalars_of(value(load.statement.position))
         forces += [-force for force in load.force]
+    if not apart.is_whole:
+        return None
     places = [*apart.frames.values(), *(([shift], [rate]) for shift, rate in apart.coordinates.values())]
     shifts, rates = (ca.vertcat(ca.SX(0, 1), *[x for place in places for x in place[k]]) for k in range(2))
     total = ca.jtimes(ca.vertcat(*positions), shifts, ca.vertcat(*forces), True) + ca.gradient(dissipation, rates)
     found = scalars_in(ca.densify(ca.substitute([total], [shifts, rates], [ca.SX.zeros(shifts.numel())] * 2)[0]))
     on_frames = {name: found[3 * k : 3 * k + 3] for k, name in enumerate(apart.frames)}
     return Forces(on_frames, dict(zip(apart.coordinates, found[3 * len(on_frames) :], strict=True)))
+
+
+def forces_of_loops(kinematics: Kinematics, rows: Sequence[Row]) -> list[Forces | None]:
+    """What each row asks for at a multiplier of 1: the forces on the frames that a closure joins. None for other rows."""
+    names = dict.fromkeys(name for row in rows if row.loop for name in (row.loop.a, row.loop.b))
+    shifts, rates = ({name: ca.SX.sym(f"{kind}_{name}", 3) for name in names} for kind in ("shift", "rate"))
+    apart = kinematics.displaced({}, {name: (shifts[name], rates[name]) for name in names})
+    moving = ca.vertcat(ca.SX(0, 1), *rates.values())
+    still = [ca.vertcat(ca.SX(0, 1), *shifts.values()), moving, kinematics.symbols.tau]
+    found: list[Forces | None] = []
+    for row in rows:
+        if row.loop is None:
+            found.append(None)
+            continue
+        force = ca.gradient(ca.SX(row.rate(apart)), moving)
+        force = ca.substitute([force], still, [ca.SX.zeros(moving.numel()), ca.SX.zeros(moving.numel()), ca.SX(1)])[0]
+        parts = zip(names, ca.vertsplit(ca.densify(force), 3), strict=True)
+        found.append(Forces({name: scalars_in(x) for name, x in parts if name in (row.loop.a, row.loop.b)}, {}))
+    return found
 
 
 def _movable(kinematics: Kinematics) -> frozenset[str]:

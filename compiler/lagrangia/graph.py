@@ -15,6 +15,8 @@ from lagrangia.instances import REACTIONS
 from lagrangia.tree import Call, Flat, FrameRef, Number, Ref, Time
 from lagrangia.walk import leaves, nodes
 
+_MOST_NAMES, _ENDS = 12, 4  # of the components along a loop that are told
+
 
 @dataclass(frozen=True, slots=True)
 class Coordinate:
@@ -221,7 +223,7 @@ class _Building:
             if not edge.steps:
                 same.join(edge.parent, edge.child)
         news = [e for e in outside if e.parent not in unused and (e.steps or same.find(e.parent) != same.find(e.child))]
-        return tuple(close(edge, self.uses, " - ".join(self._loop(edge))) for edge in news)
+        return tuple(close(edge, self.uses, " - ".join(_shortened(self._loop(edge)))) for edge in news)
 
     def _loop(self, edge: Edge) -> list[str]:
         """Components along the loop that an edge closes."""
@@ -370,6 +372,10 @@ class _Same:
 
     def join(self, a: str, b: str) -> None:
         self.leader[self.find(a)] = self.find(b)
+
+
+def _shortened(names: list[str]) -> list[str]:
+    return names if len(names) <= _MOST_NAMES else [*names[:_ENDS], f"{len(names) - 2 * _ENDS} more", *names[-_ENDS:]]
 
 
 def _index(k: int, span: Span) -> Flat:

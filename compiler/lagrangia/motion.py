@@ -15,12 +15,13 @@ import casadi as ca
 from lagrangia.algebra import Scalar, rate_of, value_of
 from lagrangia.bodies import Bodies, Inertia, find_bodies
 from lagrangia.collected import MOST_COORDINATES, Collected, collect, split_weights
-from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, constrain, constraint_rows
+from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, FreeTree, constrain, constraint_rows
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
 from lagrangia.elimination import ArticulatedBodies, articulate
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
+from lagrangia.forces import forces_of_loops
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.scalars import symbols_in
@@ -53,7 +54,7 @@ class Motion:
     constrained: ConstrainedMotion | None
     dissipated_power: ca.SX  # taken out by dampers
     source_power: ca.SX  # put in by loads and moving supports
-    way: str  # "dense", "tree", "collected" or "constrained"
+    way: str  # "dense", "tree", "collected", "constrained" or "constrained along the tree"
     counted: dict[str, int]  # nodes of each way, where there was a choice
     collected: Collected | None = None  # where that is the way
 
@@ -90,9 +91,11 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     if constraints.rows:
         if short is not None and short.is_shorter(kinematics, momentum, h):
             momentum, h = short.momentum, short.h
-        rows, way = constraint_rows(kinematics, constraints), "constrained"
-        free = FreeMotion(q, v, momentum, h, source, *_along_tree(kinematics, bodies, energies, rows.rate, momentum, h))
+        rows = constraint_rows(kinematics, constraints)
+        tree = _free_tree(kinematics, bodies, energies, constraints, rows.rate, momentum, h)
+        free = FreeMotion(q, v, momentum, h, source, tree)
         acceleration, source, constrained = constrain(kinematics, rows, free, for_any_mass)
+        way = "constrained along the tree" if constrained.is_along_tree else "constrained"
     else:
         _require_mass(kinematics, momentum, v)
         acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, h, v, short)
@@ -226,12 +229,10 @@ def _work(expressions: list[ca.SX], kinematics: Kinematics) -> int:
 def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: ca.SX, h: ca.SX, v: ca.SX,
            short: _Short | None) -> tuple[ca.SX, str, dict[str, int]]:
     """The accelerations by the way that counts fewest nodes, and what each way that is open counts."""
-    tau = kinematics.symbols.tau
     ways: dict[str, ca.SX] = {}
     tree = articulate(kinematics, bodies)
     if tree is not None:
-        along = tree.solve(-h) if kinematics.graph.cut_coordinates else tree.accelerate(energies)
-        ways["tree"] = ca.substitute([along], [tau], [ca.SX(1)])[0]
+        ways["tree"] = _along(tree, energies, h)
     if tree is None or coupled_pairs(kinematics) <= _DENSEST * v.numel():
         ways["dense"] = solve_dense(momentum, -h, v)
     if short is not None:
@@ -246,15 +247,23 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
     return ways[best], best, nodes
 
 
-def _along_tree(kinematics: Kinematics, bodies: Bodies, energies: Energies, rate: ca.SX, momentum: ca.SX, h: ca.SX
-                ) -> tuple[ArticulatedBodies | None, ca.SX | None]:
-    """The tree and what it would do without constraints, where these are cheaper to find along it."""
+def _free_tree(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraints: Constraints, rate: ca.SX,
+               momentum: ca.SX, h: ca.SX) -> FreeTree | None:
+    """The tree of a scene with constraints, where they are cheaper to satisfy along it."""
     v = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.rates.values())
     tree = articulate(kinematics, bodies) if pays(*(ca.jacobian_sparsity(x, v) for x in (momentum, rate))) else None
     if tree is None:
-        return None, None
-    free = tree.solve(-h) if kinematics.graph.cut_coordinates else tree.accelerate(energies)
-    return tree, ca.substitute([free], [kinematics.symbols.tau], [ca.SX(1)])[0]
+        return None
+    return FreeTree(tree, _along(tree, energies, h), forces_of_loops(kinematics, constraints.rows))
+
+
+def _along(tree: ArticulatedBodies, energies: Energies, h: ca.SX) -> ca.SX:
+    """The accelerations of the tree itself."""
+    found = tree.accelerate(energies)
+    if found is None:
+        found = tree.solve(-h)
+    along: ca.SX = ca.substitute([found], [tree.kinematics.symbols.tau], [ca.SX(1)])[0]
+    return along
 
 
 def coupled_pairs(kinematics: Kinematics) -> int:

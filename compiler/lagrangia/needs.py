@@ -158,7 +158,7 @@ def _mass(parts: _Parts) -> Iterable[Need]:
     shown = _few([c.name for c in parts.turning]) if len(names) <= _MOST_COUNTED else "position"
     why = f"M depends on {shown}" if parts.turning else "M depends on time" if timed else "M is constant"
     yield Need("refactorising M", bool(parts.turning) or timed, why, place, saving="a factorisation in every evaluation")
-    yield Need("M as a matrix", motion.way in ("dense", "collected"), f"operations by each way: {ways}")
+    yield Need("M as a matrix", motion.way in ("dense", "collected", "constrained"), f"operations by each way: {ways}")
     floating = [(root.frame, parts.kinematics.graph.model.frames[root.frame].span)
                 for root in parts.kinematics.graph.roots if not root.is_ground]
     yield _listed("floating coordinates", floating, "every body is joined to the ground", "", "three coordinates a body")

@@ -8,15 +8,17 @@ where constraints repeat each other or a mechanism passes a singular position, a
 `doubt` tells where they are needed.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
 
 from lagrangia.elimination import ArticulatedBodies
+from lagrangia.forces import Forces
 from lagrangia.kkt import DOUBTFUL, SMALL, count_operations
 
-# Operations along the tree, of a body and of a body for each constraint; and of an entry of M. Measured on ropes hung at both ends.
+# Operations along the tree: of a body, and of a body for each constraint; of an entry of M. Measured on ropes hung at both ends.
 _BODY, _PASS, _ENTRY = 75, 30, 16
 # By which the tree must be cheaper: what it gives is not collected as M and h are.
 _GAIN = 1.5
@@ -71,9 +73,10 @@ class SchurComplement:
         return ca.ldl_solve(ca.densify(right), diagonal, upper, list(range(self.J.size1())))
 
 
-def form(tree: ArticulatedBodies, J: ca.SX) -> SchurComplement:
-    m = J.size1()
-    reach = ca.horzcat(*[ca.sparsify(tree.solve(J[k, :].T)) for k in range(m)])
+def form(tree: ArticulatedBodies, J: ca.SX, forces: Sequence[Forces | None]) -> SchurComplement:
+    """`forces`: those of the rows of J, where it is known what bodies they act on."""
+    columns = [tree.solve(J[k, :].T) if force is None else -tree.yield_to(force) for k, force in enumerate(forces)]
+    reach = ca.horzcat(*[ca.sparsify(column) for column in columns])
     product = J @ reach
     above = ca.triu(product, False)
     return SchurComplement(tree, J, reach, above + above.T + ca.diag(ca.diag(product)), False)
