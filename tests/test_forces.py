@@ -10,7 +10,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.elimination import articulate
 from lagrangia.motion import solve_dense
-from lagrangia.numpy_module import statements
+from rounding import needs_longer_numbers, noise
 
 Scene = Callable[[str], lag.Model]
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
@@ -61,22 +61,9 @@ def test_they_do_what_generalised_forces_do(scene: Scene) -> None:
         assert mine == pytest.approx(other, rel=1e-11, abs=1e-11 * np.abs(other).max())
 
 
-@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="no numbers longer than double here")
+@needs_longer_numbers
 @pytest.mark.parametrize("n", [20, 60])
 def test_rounding_stays_that_of_one_body(n: int) -> None:
-    """The same formulas in numbers of 64 bits beside them: sums over all links behind a hinge lose three digits here."""
+    """Sums over all links behind a hinge lose three digits here."""
     model = lag.load(EXAMPLES / "chain.lag", n=n)
-    lines, (entries,) = statements(model.functions()["rhs"], ["t[{}]", "q[{}]", "v[{}]", "u[{}]", "p[{}]"])
-    program = compile("\n".join([*lines, f"out = [{', '.join(entries)}]"]), "rhs", "exec")
-
-    def evaluate(values: list[np.ndarray], number: type) -> np.ndarray:
-        names = {name: list(map(number, value)) for name, value in zip("tqvup", values, strict=True)}
-        exec(program, {"np": np}, names)
-        return np.array(names["out"], dtype=np.longdouble)
-
-    noise = []
-    for seed in range(10):
-        values = [*state(n, 0, seed, 0.5), model.parameter_values()]
-        exact = evaluate(values, np.longdouble)
-        noise.append(float(np.abs(evaluate(values, np.float64) - exact).max() / np.abs(exact).max()))
-    assert max(noise) < 1e-14
+    assert noise(model, [state(n, 0, seed, 0.5) for seed in range(10)]) < 1e-14

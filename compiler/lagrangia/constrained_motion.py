@@ -70,6 +70,10 @@ class ConstrainedMotion:
     regular: RegularMotion | None
     is_along_tree: bool = False  # M was not formed
 
+    @property
+    def way(self) -> str:
+        return "constrained along the tree" if self.is_along_tree else "constrained"
+
 
 def constraint_rows(kinematics: Kinematics, constraints: Constraints) -> ConstraintRows:
     remaining = kinematics.without_accelerations()

@@ -133,10 +133,13 @@ class ArticulatedBodies:
 
 
 def articulate(kinematics: Kinematics, bodies: Bodies) -> ArticulatedBodies | None:
-    """None when the scene is no tree of rigid bodies: a coordinate that moves several joints, or a kinetic term that couples
-    several bodies or is no body's."""
+    """None when the scene is no tree of rigid bodies: a coordinate that moves several joints or no mass of its own, or a kinetic
+    term that couples several bodies or is no body's."""
     clusters = _clusters(kinematics, bodies)
-    return ArticulatedBodies(kinematics, bodies, clusters) if clusters is not None else None
+    try:
+        return ArticulatedBodies(kinematics, bodies, clusters) if clusters is not None else None
+    except ZeroDivisionError:  # D is the number 0
+        return None
 
 
 # -------------------------------------------------------------------- bodies

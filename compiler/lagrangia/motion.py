@@ -25,12 +25,13 @@ from lagrangia.forces import forces_of_loops
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.scalars import symbols_in
-from lagrangia.schur import pays
+from lagrangia.schur import prefers
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
 # Collected accelerations may be so much longer than the shortest where M and h, of which implicit steps are made, are shorter.
 _NEARLY = 1.1
+Held = tuple[ca.SX, ca.SX, ConstrainedMotion]  # what `constrain` finds
 
 
 @dataclass(frozen=True)
@@ -91,11 +92,8 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     if constraints.rows:
         if short is not None and short.is_shorter(kinematics, momentum, h):
             momentum, h = short.momentum, short.h
-        rows = constraint_rows(kinematics, constraints)
-        tree = _free_tree(kinematics, bodies, energies, constraints, rows.rate, momentum, h)
-        free = FreeMotion(q, v, momentum, h, source, tree)
-        acceleration, source, constrained = constrain(kinematics, rows, free, for_any_mass)
-        way = "constrained along the tree" if constrained.is_along_tree else "constrained"
+        free = FreeMotion(q, v, momentum, h, source)
+        (acceleration, source, constrained), way, counted = _hold(kinematics, bodies, energies, constraints, free, for_any_mass)
     else:
         _require_mass(kinematics, momentum, v)
         acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, h, v, short)
@@ -247,14 +245,25 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
     return ways[best], best, nodes
 
 
-def _free_tree(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraints: Constraints, rate: ca.SX,
-               momentum: ca.SX, h: ca.SX) -> FreeTree | None:
-    """The tree of a scene with constraints, where they are cheaper to satisfy along it."""
-    v = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.rates.values())
-    tree = articulate(kinematics, bodies) if pays(*(ca.jacobian_sparsity(x, v) for x in (momentum, rate))) else None
-    if tree is None:
-        return None
-    return FreeTree(tree, _along(tree, energies, h), forces_of_loops(kinematics, constraints.rows))
+def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraints: Constraints, free: FreeMotion,
+          for_any_mass: bool) -> tuple[Held, str, dict[str, int]]:
+    """The constrained motion by the way that counts fewer nodes, and what each way that was tried counts."""
+    rows = constraint_rows(kinematics, constraints)
+    is_preferred = prefers(*(ca.jacobian_sparsity(x, free.v) for x in (free.momentum, rows.rate)))
+    tree = articulate(kinematics, bodies) if is_preferred is not False and not for_any_mass else None
+    found: list[Held] = []
+    if tree is not None:
+        own = FreeTree(tree, _along(tree, energies, free.h), forces_of_loops(kinematics, constraints.rows))
+        found = [constrain(kinematics, rows, replace(free, tree=own), for_any_mass)]
+    if not found or (is_preferred is None and found[0][2].is_along_tree):
+        found.append(constrain(kinematics, rows, free, for_any_mass))
+    ways = {held[2].way: held for held in found}
+    if len(ways) == 1:
+        return found[-1], found[-1][2].way, {}
+    nodes = {way: _work([held.regular.acceleration if held.regular else acceleration], kinematics)
+             for way, (acceleration, _, held) in ways.items()}
+    best = min(nodes, key=lambda way: nodes[way])
+    return ways[best], best, nodes
 
 
 def _along(tree: ArticulatedBodies, energies: Energies, h: ca.SX) -> ca.SX:

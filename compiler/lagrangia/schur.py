@@ -18,10 +18,10 @@ from lagrangia.elimination import ArticulatedBodies
 from lagrangia.forces import Forces
 from lagrangia.kkt import DOUBTFUL, SMALL, count_operations
 
-# Operations along the tree: of a body, and of a body for each constraint; of an entry of M. Measured on ropes hung at both ends.
+# Operations along the tree, of a body and of a body for each constraint that moves all; and of an entry of M. Measured on ropes.
 _BODY, _PASS, _ENTRY = 75, 30, 16
-# By which the tree must be cheaper: what it gives is not collected as M and h are.
-_GAIN = 1.5
+# Ratios of these estimates that leave no doubt. What is short of them by so many operations is written out both ways and counted.
+_LONGER, _SHORTER, _MANY = 20, 3, 50_000
 
 
 @dataclass(frozen=True)
@@ -82,11 +82,14 @@ def form(tree: ArticulatedBodies, J: ca.SX, forces: Sequence[Forces | None]) -> 
     return SchurComplement(tree, J, reach, above + above.T + ca.diag(ca.diag(product)), False)
 
 
-def pays(M: ca.Sparsity, J: ca.Sparsity) -> bool:
-    """Whether this takes less than forming M and factoring it with J."""
+def prefers(M: ca.Sparsity, J: ca.Sparsity) -> bool | None:
+    """Whether this takes less than forming M and factoring it with J; None where that is to be counted."""
     m, n = J.shape
-    along = (_BODY + m * (_PASS + m)) * n + m**3 / 3
-    return bool(_GAIN * along < count_operations(M, J) + _ENTRY * M.nnz())
+    most = (_BODY + m * (_PASS + m)) * n + m**3 / 3
+    whole = count_operations(M, J) + _ENTRY * M.nnz()
+    if most < whole / _SHORTER or (most < whole and whole > _MANY):
+        return True
+    return False if most > _LONGER * whole or most > _MANY else None
 
 
-__all__ = ["SchurComplement", "form", "pays"]
+__all__ = ["SchurComplement", "form", "prefers"]
