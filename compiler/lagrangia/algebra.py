@@ -5,14 +5,15 @@ operators cannot say (functions, conditions) goes through the methods of an Alge
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
+from itertools import pairwise
 from typing import Any, Protocol
 
 import casadi as ca
 
-from lagrangia.scalars import apply, apply_to_one, as_expression
+from lagrangia.scalars import apply, apply_to_one, as_expression, symbols_in
 from lagrangia.scalars import symbol as make_symbol
 
 Scalar = Any  # float | ca.SX | Dual
@@ -35,6 +36,8 @@ class Algebra(Protocol):
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar: ...
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar: ...
     def logic(self, operator: str, *conditions: Scalar) -> Scalar: ...
+    def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
+        """Straight lines between points (xs, ys), held beyond their ends: the value at x and, when asked for, the slope."""
 
 
 # -------------------------------------------------------------------- CasADi
@@ -42,15 +45,15 @@ class Algebra(Protocol):
 
 @dataclass
 class Mode:
-    """A quantity that is constant between two time events: a relation, a floor, or the segment of a table in time.
+    """A quantity that is constant between two time events: a relation, a floor, or what a table in time says of a line.
 
-    `value` gives it as a function of t (the middle of the segment) and p; the events are where `argument` crosses zero
-    (kind 0) or an integer (kind 1).
+    `value` gives it as a function of t (the middle of the segment) and p; the events are where one of the arguments crosses
+    zero (kind 0) or an integer (kind 1).
     """
 
     symbol: ca.SX
     value: ca.SX
-    argument: ca.SX
+    arguments: Sequence[ca.SX]
     kind: int
 
 
@@ -59,7 +62,7 @@ class ModeIndex:
     """Finds the mode that says the same, however its expression was built: what is the same has one number."""
 
     numbers: dict[tuple[float, ...], int] = field(default_factory=dict)  # of all parts of arguments
-    symbols: dict[tuple[str, int], ca.SX] = field(default_factory=dict)  # by operator and argument
+    symbols: dict[Hashable, ca.SX] = field(default_factory=dict)  # by operator and argument
     hashes: set[int] = field(default_factory=set)  # of these symbols
 
     def number(self, function: ca.Function, symbols: list[ca.SX]) -> int:
@@ -98,7 +101,7 @@ class CasadiAlgebra:
             inner = arguments[0] if function == "floor" else -arguments[0]
             number = self._timed(inner)
             if number is not None:
-                mode = self._mode(("floor", number), ca.floor(inner), inner, 1)
+                mode = self._mode(("floor", number), ca.floor(inner), [inner], 1)
                 return mode if function == "floor" else -mode
         if function == "mod":
             a, b = arguments
@@ -113,7 +116,7 @@ class CasadiAlgebra:
         difference = a - b
         number = self._timed(difference) if operator not in ("==", "<>") else None
         if number is not None:
-            return self._mode((operator, number), _COMPARE[operator](difference, 0), difference, 0)
+            return self._mode((operator, number), _COMPARE[operator](difference, 0), [difference], 0)
         return as_expression(_COMPARE[operator](a, b))
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
@@ -127,6 +130,35 @@ class CasadiAlgebra:
             return 1.0 - conditions[0]
         a, b = conditions
         return a * b if operator == "and" else a + b - a * b
+
+    def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
+        if not isinstance(x, ca.SX):
+            return nested_lines(self, x, xs, ys)
+        columns = [[xs[0], *xs], [ys[0], *ys], [0.0, *_slopes(xs, ys), 0.0]]
+        rest = self._at_rest(x)
+        less, number = [apply(ca.OP_LT, rest, at) for at in xs], self._timed(rest - xs[0])
+        found = [_in_force(less, column) for column in columns]
+        if number is not None and self._are_fixed([*xs, *ys]):
+            key, arguments = tuple(self._key(entry) for entry in (*xs, *ys)), [rest - at for at in xs]
+            found = [self._mode(("lines", number, k, key), value, arguments, 0) for k, value in enumerate(found)]
+        place, value, slope = found
+        return value + (x - place) * slope, lambda: slope
+
+    def _at_rest(self, x: Scalar) -> Scalar:
+        """What decides about conditions."""
+        return x
+
+    def _are_fixed(self, values: list[Scalar]) -> bool:
+        """Whether they depend on parameters alone."""
+        moving = self._moving | self.index.hashes | {self.time.__hash__()}
+        return moving.isdisjoint(symbols_in(ca.vertcat(ca.SX(0, 1), *values)))
+
+    def _key(self, value: Scalar) -> Hashable:
+        """The same for what says the same, of numbers and of expressions of parameters."""
+        if not isinstance(value, ca.SX):
+            return float(value)
+        symbols = ca.symvar(value)
+        return "expression", self.index.number(ca.Function("value", symbols, [value]), symbols)
 
     def _timed(self, value: Scalar) -> int | None:
         """The number of what depends on time, and on nothing else that changes, in such a way that its crossings can be computed:
@@ -149,12 +181,37 @@ class CasadiAlgebra:
     def _moving(self) -> frozenset[int]:
         return frozenset(x.__hash__() for x in self.state.elements())
 
-    def _mode(self, key: tuple[str, int], value: ca.SX, argument: ca.SX, kind: int) -> ca.SX:
+    def _mode(self, key: Hashable, value: ca.SX, arguments: Sequence[ca.SX], kind: int) -> ca.SX:
         if key not in self.index.symbols:
             made = self.index.symbols[key] = make_symbol(f"d_{len(self.modes)}")
             self.index.hashes.add(made.__hash__())
-            self.modes.append(Mode(made, value, argument, kind))
+            self.modes.append(Mode(made, value, arguments, kind))
         return self.index.symbols[key]
+
+
+def _slopes(xs: Sequence[Scalar], ys: Sequence[Scalar]) -> list[Scalar]:
+    return [(d - c) / (b - a) for a, b, c, d in zip(xs, xs[1:], ys, ys[1:], strict=False)]
+
+
+def nested_lines(algebra: Algebra, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
+    """Algebra.lines, one choice in the other."""
+    slopes = _slopes(xs, ys)
+
+    def choose(pieces: Sequence[Scalar], before: Scalar, after: Scalar) -> Scalar:
+        for at, piece in zip(reversed(xs[1:]), reversed(pieces), strict=True):
+            after = algebra.choose(algebra.compare("<", x, at), piece, after)
+        return algebra.choose(algebra.compare("<", x, xs[0]), before, after)
+
+    lines = [y + (x - at) * slope for at, y, slope in zip(xs, ys, slopes, strict=False)]
+    return choose(lines, ys[0], ys[-1]), lambda: choose(slopes, 0.0, 0.0)
+
+
+def _in_force(less: list[Scalar], column: list[Scalar]) -> Scalar:
+    """What stands in the column where x is first less than a point; the last where it is not. No choice is in another one: what
+    is made of them grows with the column, not with its square."""
+    where = [less[0], *(b - a for a, b in pairwise(less)), apply_to_one(ca.OP_NOT, less[-1])]
+    pieces = [apply(ca.OP_IF_ELSE_ZERO, here, x) for here, x in zip(where, column, strict=True) if not is_zero(x)]
+    return reduce(lambda a, b: a + b, pieces, as_expression(0.0))
 
 
 STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN", "FMOD", "COPYSIGN", "LT", "LE", "EQ", "NE",
@@ -306,6 +363,10 @@ class DualAlgebra:
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
         return self.base.logic(operator, *(value_of(c) for c in conditions))
+
+    def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
+        value, slope = self.base.lines(value_of(x), xs, ys)
+        return Dual(value, times(slope(), rate_of(x)) if not is_zero(rate_of(x)) else 0.0), slope
 
 
 # Partial derivatives of f = function(x, ...): one closure for each argument, called only when that argument moves.

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
 
-from lagrangia.algebra import Algebra, DualAlgebra, Scalar, minus, plus, rate_of, times
+from lagrangia.algebra import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
 from lagrangia.algorithms import FlatFunction
 from lagrangia.diagnostics import Span, fail
 from lagrangia.flat import FlatModel
@@ -333,11 +333,8 @@ def _table(evaluator: Evaluator, arguments: list[Value], level: int, span: Span)
     if all(isinstance(v, float | int) for v in xs) and any(b <= a for a, b in pairwise(xs)):
         fail("L0303", "the x of a table must rise", span)
     algebra = evaluator.algebras[level]
-    value: Scalar = ys[-1]
-    for k in range(len(xs) - 1, 0, -1):
-        line = ys[k - 1] + (x - xs[k - 1]) * ((ys[k] - ys[k - 1]) / (xs[k] - xs[k - 1]))
-        value = algebra.choose(algebra.compare("<", x, xs[k]), line, value)
-    return algebra.choose(algebra.compare("<", x, xs[0]), ys[0], value)
+    moves = any(isinstance(v, Dual) for v in (*xs, *ys))
+    return (nested_lines(algebra, x, xs, ys) if moves else algebra.lines(x, xs, ys))[0]
 
 
 def _item(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:

@@ -82,7 +82,7 @@ def build_functions(
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     if not jacobian.values:
         refused["implicit"] = "not supported yet: implicit steps of so many coordinates that all act on each other"
-    return Functions(table, names, tuple(mode.kind for mode in modes), power.numel(), needs,
+    return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs,
                      patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
 
 
@@ -105,7 +105,7 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     } | _functions_of_constraints(motion, found, d, c) | _mode_functions(motion, modes)
     table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    return Functions(table, (), tuple(mode.kind for mode in modes), power.numel(), False,
+    return Functions(table, (), tuple(kind for _, kind in _events(modes)), power.numel(), False,
                      patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
 
 
@@ -319,14 +319,20 @@ def _kick_function(state: list[ca.SX], found: list[ca.SX], before: ca.SX) -> dic
     return {"kick": ca.Function("kick", [*state, before], found, ["t", "q", "v", "u", "d", "c", "before"], ["dv"])}
 
 
+def _events(modes: list[Mode]) -> list[tuple[ca.SX, int]]:
+    """The arguments of the modes with their kinds; what modes of one table share stands there once."""
+    shared = {id(mode.arguments): mode for mode in modes}
+    return [(argument, mode.kind) for mode in shared.values() for argument in mode.arguments]
+
+
 def _mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:
     """Modes at a time, and the arguments a + b t whose crossings are events."""
     if not modes:
         return {}
     t, p = motion.t, motion.p
-    slopes = [ca.jacobian(mode.argument, t) for mode in modes]
-    offsets = [ca.substitute(mode.argument, t, ca.SX(0)) for mode in modes]
+    arguments = ca.vertcat(*[argument for argument, _ in _events(modes)])
+    slopes, offsets = ca.densify(ca.jtimes(arguments, t, ca.SX(1))), ca.substitute(arguments, t, ca.SX(0))
     return {
-        "events": ca.Function("events", [p], [ca.vertcat(*offsets), ca.densify(ca.vertcat(*slopes))], ["p"], ["a", "b"]),
+        "events": ca.Function("events", [p], [offsets, slopes], ["p"], ["a", "b"]),
         "modes": ca.Function("modes", [t, p], [ca.vertcat(*[mode.value for mode in modes])], ["t", "p"], ["d"]),
     }

@@ -46,7 +46,7 @@ def build_scene(
     inputs = _parameters(model, "input")
     sizes = {
         "n": len(coordinates), "n_parameters": len(parameters), "n_hoisted": functions.table["hoist"].numel_out(0),
-        "n_inputs": len(inputs), "n_modes": len(functions.event_kinds),
+        "n_inputs": len(inputs), "n_modes": len(kinematics.algebra.modes),
         "n_events": len(functions.event_kinds), "n_outputs": len(outputs),
         "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions, "n_power": functions.n_power,
         **_of_constraints(motion.constrained), "n_lost": len(initial.lost),
@@ -99,7 +99,7 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
     count = len(functions.event_kinds)
     sizes = {
         "n": len(group), "n_parameters": scene.sizes["n_parameters"], "n_hoisted": functions.table["hoist"].numel_out(0),
-        "n_inputs": scene.sizes["n_inputs"], "n_modes": count, "n_events": count, "n_power": functions.n_power,
+        "n_inputs": scene.sizes["n_inputs"], "n_modes": len(algebra.modes), "n_events": count, "n_power": functions.n_power,
         **_of_constraints(held), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
     }
     sizes["jacobian_cost"] = _jacobian_cost(tapes, sizes["n_colours"])

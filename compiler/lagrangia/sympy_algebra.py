@@ -4,14 +4,14 @@ Imported only when equations are asked for.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
 from typing import Any
 
 import sympy as sp
 
-from lagrangia.algebra import Scalar
+from lagrangia.algebra import Scalar, nested_lines
 
 Expr = Any  # sp.Expr, whose type hints are not complete
 _STEPS = (sp.sign, sp.floor, sp.ceiling)
@@ -37,6 +37,9 @@ class SympyAlgebra:
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
         return _LOGIC[operator](*(_truth(c) for c in conditions))
+
+    def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
+        return nested_lines(self, x, xs, ys)
 
 
 def _truth(condition: Scalar) -> Any:

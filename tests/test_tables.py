@@ -1,0 +1,109 @@
+"""table(x, xs, ys): in time two or three numbers a segment, elsewhere a sum that grows with its points."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.native import find_compiler
+from lagrangia.pipeline import compile_file
+
+Scene = Callable[[str], lag.Model]
+XS, YS = [-1.0, 0.2, 0.5, 2.0, 2.25], [3.0, -1.0, -2.0, 4.0, 4.0]
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+
+
+def listed(values: object) -> str:
+    return "{" + ", ".join(repr(float(x)) for x in np.ravel(values)) + "}"
+
+
+def test_along_a_coordinate(scene: Scene) -> None:
+    """Value, rate and force of a potential, beside NumPy's, at points, between them and beyond their ends."""
+    text = f"""model Track
+      parameter Real xs[5] = {listed(XS)}; parameter Real high = 4;
+      Block block(m = 1, base = world);
+      output Real height = table(block.s/1[m], xs, {{3, -1, -2, high, 4}});
+      output Real climb = der(height);
+      energy potential 2[J]*table(block.s/1[m], xs, {{3, -1, -2, high, 4}});
+    end Track;"""
+    model = scene(text)
+    motion, functions = model.compilation.motion, model.functions()
+    outputs = functions["outputs"]
+    slopes = np.diff(YS) / np.diff(XS)
+    for s in (-3, -1, -0.4, 0.2, 0.3, 0.5, 1.9999, 2.0, 2.1, 2.25, 7):
+        k = np.searchsorted(XS, s, side="right") - 1
+        slope = slopes[k] if 0 <= k < len(slopes) else 0.0
+        values = {"q": [s], "v": [1.5], "p": model.parameter_values(), "a": [0.7]}
+        found = outputs.call({name: values[name] for name in values if name in outputs.name_in()})
+        assert np.array(found["y"]).ravel() == pytest.approx([np.interp(s, XS, YS), 1.5 * slope], abs=1e-14)
+        force = ca.Function("force", [motion.q, motion.v, motion.t, motion.p], [motion.acceleration])
+        assert float(force(s, 0, 0, values["p"])) == pytest.approx(-2 * slope, abs=1e-14)
+
+
+TIMED = """model Timed
+  parameter Real amplitude = 2; parameter Real xs[4] = {0, 1, 1.5, 3}; parameter Real ys[4] = {0, 2, -1, 0.5};
+  Block a(m = 1, base = world), b(m = 1, base = world), c(m = 1, base = world), d(m = 1, base = world);
+  AppliedForce fa(at = a.center, force = {table(2*time - 0.5, xs, ys), 0});
+  AppliedForce fb(at = b.center, force = {table(2*time - 0.5, xs, {0, amplitude, -1, 0.5}), 0});
+  AppliedForce fc(at = c.center, force = {table(2*time - 0.5, xs, {0, 2, -2, 0.5}), 0});
+  AppliedForce fd(at = d.center, force = {table(2*time - 0.5, xs, {0, 2, -1, b.s*1[N/m]}), 0});
+  output Real v[4] = {a.v, b.v, c.v, d.v};
+end Timed;"""
+
+
+@needs_compiler
+@pytest.mark.parametrize("amplitude", [2.0, 5.0])
+def test_in_time(amplitude: float, scene: Scene) -> None:
+    """Each from its own numbers, also where two differ by one of them; of the last one an entry moves."""
+    model = scene(TIMED)
+    assert model.scene.sizes["n_modes"] < model.scene.sizes["n_events"] + 12
+    end = 1.5
+    result = model.simulate(at=[end], tolerance=1e-11, parameters={"amplitude": amplitude})
+    t = np.linspace(0, end, 300_001)
+    for name, ys in {"a": [0, 2, -1, 0.5], "b": [0, amplitude, -1, 0.5], "c": [0, 2, -2, 0.5]}.items():
+        force = np.interp(2 * t - 0.5, [0, 1, 1.5, 3], ys)
+        assert result[f"{name}.v"][-1] == pytest.approx(np.trapezoid(force, t), abs=1e-9)
+    assert abs(result["d.v"][-1] - result["a.v"][-1]) > 1e-3
+
+
+@needs_compiler
+def test_a_road_of_many_points(scene: Scene) -> None:
+    """A profile in time moves a support; every corner of it is an event."""
+    xs = np.linspace(0, 2, 501)
+    ys = 0.01 * np.sin(xs * xs * 5)
+    text = f"""model Road
+      parameter Real xs[501] = {listed(xs)}; parameter Real ys[501] = {listed(ys)};
+      Block car(m = 3, base = world);
+      Frame road = shift(world, {{1[m]*table(time/1[s], xs, ys), 0}});
+      AxialSpring spring(k = 300, a = road, b = car.center);
+      annotation(experiment(StopTime = 2));
+    end Road;"""
+    model = scene(text)
+    result = model.simulate(at=[2.0], tolerance=1e-12)
+    assert result.statistics.events == 499  # its ends are none
+    q, v, w = 0.0, 0.0, 10.0
+    for x, step, y, slope in zip(xs, np.diff(xs), ys, np.diff(ys) / np.diff(xs), strict=False):
+        assert x >= 0
+        e, f = q - y, v - slope  # about the line, the motion is that of a free oscillator
+        c, s = np.cos(w * step), np.sin(w * step)
+        q, v = y + slope * step + e * c + f / w * s, slope - e * w * s + f * c
+    assert result["car.s"][-1] == pytest.approx(q, abs=1e-12)
+
+
+@pytest.mark.parametrize(("x", "growth"), [("block.s/1[m]", 4.2), ("time/1[s]", 1.05)])
+def test_operations_grow_no_faster_than_points(x: str, growth: float, tmp_path: Path) -> None:
+    counts = []
+    for n in (50, 200):
+        points = np.arange(n)
+        text = f"""model Track
+          parameter Real xs[{n}] = {listed(points)}; parameter Real ys[{n}] = {listed(np.sin(points))};
+          Block block(m = 1, base = world), car(m = 2, base = world);
+          Frame road = shift(world, {{block.s, 1[m]*table({x}, xs, ys)}});
+          Spring spring(k = 5, a = road, b = car.center);
+        end Track;"""
+        (tmp_path / "scene.lag").write_text(text, encoding="utf-8")
+        counts.append(compile_file(tmp_path / "scene.lag").scene.notes["rhs_operations"])
+    assert counts[1] < growth * counts[0]
