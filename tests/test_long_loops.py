@@ -127,7 +127,7 @@ def test_constraints_that_repeat_each_other(tmp_path: Path, monkeypatch: pytest.
     for more in ("", "Link third(L = 0.5, a = shift(world, {0.3, 0}), b = shift(coupler.a, {0.3, 0}));"):
         compilation = compiled(PARALLELOGRAM + more, tmp_path / "scene.lag")
         held = compilation.motion.constrained
-        assert held is not None and held.is_along_tree
+        assert held is not None and held.tree is not None
         sizes.append(held.J.size1())
         result = lag.load(tmp_path / "scene.lag").simulate(stop=2, tolerance=1e-11)
         assert result.statistics.constraint_residual < 1e-13
@@ -157,3 +157,17 @@ def test_rounding_stays_small(n: int, most: float, tmp_path: Path) -> None:
     states = [[np.array([0.0]), *(np.array([result[c.name][k] for c in x]) for x in (model.scene.coordinates, model.scene.rates)),
                np.zeros(0)] for k in range(3)]
     assert noise(model, states) < most
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_islands_of_ropes(tmp_path: Path) -> None:
+    """Apart and together, with a free pendulum beside them."""
+    one = f"model One {rope(14)} end One;\n"
+    arm = "Revolute pin(a = world, phi(start = 1)); Bar bar(m = 1, L = 2, a = pin.b);"
+    text = one + f"model Scene One a, b(n = 13); {arm} end Scene;"
+    (tmp_path / "scene.lag").write_text(text, encoding="utf-8")
+    model = lag.load(tmp_path / "scene.lag")
+    assert model.compilation.motion.way == "constrained along the tree"
+    ends = [model.simulate(stop=0.3, tolerance=1e-10, solver=solver) for solver in ("islands", "erk")]
+    for name in model.coordinate_names:
+        assert ends[0][name][-1] == pytest.approx(ends[1][name][-1], abs=1e-7), name

@@ -5,12 +5,10 @@ from dataclasses import dataclass
 import casadi as ca
 
 from lagrangia.constraints import Constraints
-from lagrangia.elimination import ArticulatedBodies
 from lagrangia.evenness import diagonal_of, find_evenness, is_even, relative_pivots
-from lagrangia.forces import Forces
 from lagrangia.kinematics import Kinematics
 from lagrangia.kkt import KKT, factor
-from lagrangia.schur import SchurComplement, form
+from lagrangia.schur import FreeTree, SchurComplement, form
 
 System = KKT | SchurComplement
 
@@ -33,14 +31,7 @@ class FreeMotion:
     momentum: ca.SX  # M v
     h: ca.SX
     load_power: ca.SX  # put in by loads
-    tree: "FreeTree | None" = None  # along which M is solved; None: by its factors
-
-
-@dataclass(frozen=True)
-class FreeTree:
-    bodies: ArticulatedBodies
-    acceleration: ca.SX  # -M^-1 h
-    forces: list[Forces | None]  # of the constraints, where it is known what bodies they act on
+    tree: FreeTree | None = None  # along which M is solved; None: by its factors
 
 
 @dataclass(frozen=True)
@@ -68,11 +59,11 @@ class ConstrainedMotion:
     steer: ca.SX  # dv, the correction of the rates
     evenness: ca.SX  # of p, above 1 all over where these formulas hold; empty where they hold for all masses
     regular: RegularMotion | None
-    is_along_tree: bool = False  # M was not formed
+    tree: FreeTree | None = None  # along which M was solved; None: it was factored
 
     @property
     def way(self) -> str:
-        return "constrained along the tree" if self.is_along_tree else "constrained"
+        return "constrained along the tree" if self.tree is not None else "constrained"
 
 
 def constraint_rows(kinematics: Kinematics, constraints: Constraints) -> ConstraintRows:
@@ -95,7 +86,7 @@ def constrain(
     evenness = find_evenness(kinematics, *mass, J)
     is_robust = for_any_mass or not is_even(kinematics, evenness)
     if free.tree is not None and not is_robust:
-        system: System = form(free.tree.bodies, J, free.tree.forces)
+        system: System = form(free.tree, J)
     else:
         system = factor(ca.jacobian(free.momentum, free.v), J, is_robust)
     acceleration, multipliers = _accelerate(system, rows, free, refine=True)
@@ -104,22 +95,21 @@ def constrain(
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(J.size1())])
     regular = None if is_robust else _regular(rows, free, system.without_small())
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
-                             regular, isinstance(system, SchurComplement))
+                             regular, system.tree if isinstance(system, SchurComplement) else None)
     return acceleration, free.load_power + _power(rows.rate, free.v, multipliers), held
 
 
 def _mass(free: FreeMotion) -> tuple[ca.SX, ca.SX]:
     """The diagonal of M, and the pivots of its factors relative to that."""
     if free.tree is not None:
-        diagonal = free.tree.bodies.diagonal
-        return diagonal, free.tree.bodies.pivots / diagonal
+        return free.tree.mass, free.tree.pivots
     M = ca.jacobian(free.momentum, free.v)
     return diagonal_of(M), relative_pivots(M)
 
 
 def _accelerate(system: System, rows: ConstraintRows, free: FreeMotion, refine: bool) -> tuple[ca.SX, ca.SX]:
-    if isinstance(system, SchurComplement) and free.tree is not None:
-        return system.solve_from(free.tree.acceleration, -rows.bias, refine)
+    if isinstance(system, SchurComplement):
+        return system.solve_from(system.tree.acceleration, -rows.bias, refine)
     return system.solve(-free.h, -rows.bias, refine)
 
 

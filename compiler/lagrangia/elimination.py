@@ -67,6 +67,11 @@ class ArticulatedBodies:
             if cluster.parent is not None and not cluster.parent.is_ground:
                 _add_moved(reduced[cluster.parent.frame], reduced[name], cluster.joint)
 
+    @property
+    def size(self) -> int:
+        """How many coordinates there are."""
+        return len(self.kinematics.graph.coordinates)
+
     def _inertias(self) -> dict[str, list[Vector]]:
         return {name: [row[:] for row in cluster.inertia] for name, cluster in self.clusters.items()}
 

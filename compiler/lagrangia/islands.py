@@ -60,15 +60,18 @@ def island_motion(kinematics: Kinematics, motion: Motion, groups: Sequence[tuple
                   h=motion.h[chosen], acceleration=motion.acceleration[chosen], dissipated_power=part(motion.dissipated_power),
                   source_power=part(held.load_power if held else motion.source_power), constrained=None,
                   way="dense", collected=None)
-    return _held(kinematics, own, _own_rows(motion, held, chosen), held.regular is None) if held else own
+    return _held(kinematics, own, held, _own_rows(motion, held, chosen), chosen) if held else own
 
 
-def _held(kinematics: Kinematics, motion: Motion, rows: ConstraintRows, for_any_mass: bool) -> Motion:
-    """An island under its own constraints."""
-    if not rows.rate.numel():
-        return replace(motion, acceleration=solve_dense(motion.momentum, -motion.h, motion.v))
-    free = FreeMotion(motion.q, motion.v, motion.momentum, motion.h, motion.source_power)
-    acceleration, source, held = constrain(kinematics, rows, free, for_any_mass)
+def _held(kinematics: Kinematics, motion: Motion, whole: ConstrainedMotion, own: list[int], chosen: list[int]) -> Motion:
+    """An island under its own constraints, of the whole scene's."""
+    tree = whole.tree.part(chosen, own) if whole.tree is not None else None
+    if not own:
+        return replace(motion, acceleration=tree.acceleration if tree else solve_dense(motion.momentum, -motion.h, motion.v))
+    holonomic = [i for i in own if i < whole.rows.phi.numel()]
+    rows = ConstraintRows(whole.rows.phi[holonomic], whole.rows.rate[own], whole.rows.bias[own])
+    free = FreeMotion(motion.q, motion.v, motion.momentum, motion.h, motion.source_power, tree)
+    acceleration, source, held = constrain(kinematics, rows, free, whole.regular is None)
     return replace(motion, acceleration=acceleration, source_power=source, constrained=held)
 
 
@@ -82,10 +85,9 @@ def _constrained(rows: ConstraintRows, motion: Motion) -> list[list[int]]:
     return [sorted(among) for among in found]
 
 
-def _own_rows(motion: Motion, held: ConstrainedMotion, chosen: list[int]) -> ConstraintRows:
+def _own_rows(motion: Motion, held: ConstrainedMotion, chosen: list[int]) -> list[int]:
     """The constraints of some coordinates."""
-    own = [i for i, among in enumerate(_constrained(held.rows, motion)) if among and among[0] in chosen]
-    return ConstraintRows(held.rows.phi[[i for i in own if i < held.rows.phi.numel()]], held.rows.rate[own], held.rows.bias[own])
+    return [i for i, among in enumerate(_constrained(held.rows, motion)) if among and among[0] in chosen]
 
 
 def islands_pay(

@@ -15,7 +15,7 @@ import casadi as ca
 from lagrangia.algebra import Scalar, rate_of, value_of
 from lagrangia.bodies import Bodies, Inertia, find_bodies
 from lagrangia.collected import MOST_COORDINATES, Collected, collect, split_weights
-from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, FreeTree, constrain, constraint_rows
+from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, constrain, constraint_rows
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
 from lagrangia.elimination import ArticulatedBodies, articulate
@@ -25,7 +25,7 @@ from lagrangia.forces import forces_of_loops
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.scalars import symbols_in
-from lagrangia.schur import prefers
+from lagrangia.schur import FreeTree, prefers
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
@@ -253,9 +253,10 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
     tree = articulate(kinematics, bodies) if is_preferred is not False and not for_any_mass else None
     found: list[Held] = []
     if tree is not None:
-        own = FreeTree(tree, _along(tree, energies, free.h), forces_of_loops(kinematics, constraints.rows))
+        forces = forces_of_loops(kinematics, constraints.rows)
+        own = FreeTree(tree, _along(tree, energies, free.h), forces, range(tree.size))
         found = [constrain(kinematics, rows, replace(free, tree=own), for_any_mass)]
-    if not found or (is_preferred is None and found[0][2].is_along_tree):
+    if not found or (is_preferred is None and found[0][2].tree is not None):
         found.append(constrain(kinematics, rows, free, for_any_mass))
     ways = {held[2].way: held for held in found}
     if len(ways) == 1:

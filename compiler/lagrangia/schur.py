@@ -25,10 +25,47 @@ _LONGER, _SHORTER, _MANY = 20, 3, 50_000
 
 
 @dataclass(frozen=True)
+class FreeTree:
+    """The tree, of which some coordinates, that act on no others, are looked at."""
+
+    bodies: ArticulatedBodies
+    acceleration: ca.SX  # -M^-1 h of these coordinates, (n,)
+    forces: Sequence[Forces | None]  # of their constraints, where it is known what bodies they act on, (m,)
+    chosen: Sequence[int]  # their places among all
+
+    @property
+    def mass(self) -> ca.SX:
+        """The diagonal of M, (n,)."""
+        return self.bodies.diagonal[list(self.chosen)]
+
+    @property
+    def pivots(self) -> ca.SX:
+        """Of the factors of M, relative to its diagonal, (n,)."""
+        return self.bodies.pivots[list(self.chosen)] / self.mass
+
+    def part(self, among: Sequence[int], rows: Sequence[int]) -> "FreeTree":
+        """Some of these coordinates, with their constraints."""
+        return FreeTree(self.bodies, self.acceleration[list(among)], [self.forces[k] for k in rows],
+                        [self.chosen[k] for k in among])
+
+    def solve(self, r: ca.SX) -> ca.SX:
+        """M^-1 r, (n,)."""
+        whole = ca.SX(self.bodies.size, 1)
+        whole[list(self.chosen)] = r
+        return self.bodies.solve(whole)[list(self.chosen)]
+
+    def reach(self, J: ca.SX) -> ca.SX:
+        """M^-1 J^T, (n, m)."""
+        columns = [self.solve(J[k, :].T) if force is None else -self.bodies.yield_to(force)[list(self.chosen)]
+                   for k, force in enumerate(self.forces)]
+        return ca.horzcat(*[ca.sparsify(column) for column in columns])
+
+
+@dataclass(frozen=True)
 class SchurComplement:
     """The system, with M (n, n) and J (m, n)."""
 
-    tree: ArticulatedBodies
+    tree: FreeTree
     J: ca.SX
     reach: ca.SX  # M^-1 J^T, (n, m)
     S: ca.SX  # J M^-1 J^T, (m, m)
@@ -73,10 +110,8 @@ class SchurComplement:
         return ca.ldl_solve(ca.densify(right), diagonal, upper, list(range(self.J.size1())))
 
 
-def form(tree: ArticulatedBodies, J: ca.SX, forces: Sequence[Forces | None]) -> SchurComplement:
-    """`forces`: those of the rows of J, where it is known what bodies they act on."""
-    columns = [tree.solve(J[k, :].T) if force is None else -tree.yield_to(force) for k, force in enumerate(forces)]
-    reach = ca.horzcat(*[ca.sparsify(column) for column in columns])
+def form(tree: FreeTree, J: ca.SX) -> SchurComplement:
+    reach = tree.reach(J)
     product = J @ reach
     above = ca.triu(product, False)
     return SchurComplement(tree, J, reach, above + above.T + ca.diag(ca.diag(product)), False)
@@ -92,4 +127,4 @@ def prefers(M: ca.Sparsity, J: ca.Sparsity) -> bool | None:
     return False if most > _LONGER * whole or most > _MANY else None
 
 
-__all__ = ["SchurComplement", "form", "prefers"]
+__all__ = ["FreeTree", "SchurComplement", "form", "prefers"]
