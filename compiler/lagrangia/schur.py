@@ -20,8 +20,9 @@ from lagrangia.kkt import DOUBTFUL, SMALL, count_operations
 
 # Operations along the tree, of a body and of a body for each constraint that moves all; and of an entry of M. Measured on ropes.
 _BODY, _PASS, _ENTRY = 75, 30, 16
-# Ratios of these estimates that leave no doubt. What is short of them by so many operations is written out both ways and counted.
-_LONGER, _SHORTER, _MANY = 20, 3, 50_000
+# Ratios of these estimates that leave no doubt; between them both ways are written out and counted, unless that is too much. Many
+# constraints move no more than half of the bodies each.
+_LONGER, _SHORTER, _MANY, _HALF = 20, 3, 50_000, 2
 
 
 @dataclass(frozen=True)
@@ -122,9 +123,9 @@ def prefers(M: ca.Sparsity, J: ca.Sparsity) -> bool | None:
     m, n = J.shape
     most = (_BODY + m * (_PASS + m)) * n + m**3 / 3
     whole = count_operations(M, J) + _ENTRY * M.nnz()
-    if most < whole / _SHORTER or (most < whole and whole > _MANY):
-        return True
-    return False if most > _LONGER * whole or most > _MANY else None
+    if max(most, whole) > _MANY:
+        return bool(most < _HALF * whole)
+    return True if _SHORTER * most < whole else False if most > _LONGER * whole else None
 
 
 __all__ = ["FreeTree", "SchurComplement", "form", "prefers"]
