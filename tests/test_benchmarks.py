@@ -24,6 +24,7 @@ TINY = ["--tolerances", "1e-4,1e-6", "--repeat", "1", "--share", "0.02"]
 COMMANDS = [
     ["chain_size.py", "--largest", "5"],
     ["rhs_size.py", "--largest", "5"],
+    ["rhs_size.py", "--rope", "--largest", "10"],
     ["hand_written.py"],
     ["four_bars.py", "--largest", "2"],
     ["many_runs.py", "--runs", "50", "--repeats", "1"],
@@ -32,7 +33,7 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: " ".join(command[:2]))
 def test_benchmark_runs(command: list[str]) -> None:
     script, *options = command
     done = subprocess.run([sys.executable, str(FOLDER / script), *options], capture_output=True, text=True, check=False)
