@@ -1,6 +1,7 @@
 """Constraints, M and h -> accelerations and multipliers from the index-1 system, and the corrections onto the constraints."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 
@@ -32,6 +33,10 @@ class FreeMotion:
     h: ca.SX
     load_power: ca.SX  # put in by loads
     tree: FreeTree | None = None  # along which M is solved; None: by its factors
+
+    @cached_property
+    def M(self) -> ca.SX:
+        return ca.jacobian(self.momentum, self.v)
 
 
 @dataclass(frozen=True)
@@ -82,61 +87,47 @@ def constrain(
 
     `for_any_mass`: formulas that hold where parameters make M singular or uneven, too.
     """
-    J, mass = ca.jacobian(rows.rate, free.v), _mass(free)
-    evenness = find_evenness(kinematics, *mass, J)
+    J = ca.jacobian(rows.rate, free.v)
+    mass, pivots = (free.tree.mass, free.tree.pivots) if free.tree else (diagonal_of(free.M), relative_pivots(free.M))
+    evenness = find_evenness(kinematics, mass, pivots, J)
     is_robust = for_any_mass or not is_even(kinematics, evenness)
     if free.tree is not None and not is_robust:
         system: System = form(free.tree, J)
     else:
-        system = factor(ca.jacobian(free.momentum, free.v), J, is_robust)
+        system = factor(free.M, J, is_robust)
     acceleration, multipliers = _accelerate(system, rows, free, refine=True)
-    steer, _ = system.solve(ca.SX.zeros(free.q.numel()), -rows.rate, refine=False)
-    place = _place(system, rows, free.q, is_robust)
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(J.size1())])
     regular = None if is_robust else _regular(rows, free, system.without_small())
+    place, steer = _place(system, rows, is_robust), system.least(-rows.rate)
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
                              regular, system.tree if isinstance(system, SchurComplement) else None)
     return acceleration, free.load_power + _power(rows.rate, free.v, multipliers), held
 
 
-def _mass(free: FreeMotion) -> tuple[ca.SX, ca.SX]:
-    """The diagonal of M, and the pivots of its factors relative to that."""
-    if free.tree is not None:
-        return free.tree.mass, free.tree.pivots
-    M = ca.jacobian(free.momentum, free.v)
-    return diagonal_of(M), relative_pivots(M)
-
-
 def _accelerate(system: System, rows: ConstraintRows, free: FreeMotion, refine: bool) -> tuple[ca.SX, ca.SX]:
     if isinstance(system, SchurComplement):
-        return system.solve_from(system.tree.acceleration, -rows.bias, refine)
+        return system.solve(system.tree.acceleration, -rows.bias, refine)
     return system.solve(-free.h, -rows.bias, refine)
 
 
-def _place(system: System, rows: ConstraintRows, q: ca.SX, is_robust: bool) -> ca.SX:
+def _place(system: System, rows: ConstraintRows, is_robust: bool) -> ca.SX:
     """One Newton correction onto Phi = 0."""
-    m, k, zero = rows.rate.numel(), rows.phi.numel(), ca.SX.zeros(q.numel())
+    m, k = rows.rate.numel(), rows.phi.numel()
     if k == 0:
-        return zero
+        return ca.SX.zeros(system.J.size2())
     if k == m or is_robust:  # massless coordinates may be in other rows alone
-        return system.solve(zero, ca.vertcat(-rows.phi, ca.SX.zeros(m - k)), refine=False)[0]
-    return system.first(k).solve(zero, -rows.phi, refine=False)[0]
+        return system.least(ca.vertcat(-rows.phi, ca.SX.zeros(m - k)))
+    return system.first(k).least(-rows.phi)
 
 
 def _regular(rows: ConstraintRows, free: FreeMotion, system: System) -> RegularMotion:
     acceleration, multipliers = _accelerate(system, rows, free, refine=False)
     source = free.load_power + _power(rows.rate, free.v, multipliers)
-    none = ca.SX(0, 1)
-    dq, dv = _correct(system, rows.phi, rows.rate, free.q) if rows.phi.numel() == rows.rate.numel() else (none, none)
+    dq = dv = ca.SX(0, 1)
+    if rows.phi.numel() == rows.rate.numel():
+        dq = system.least(-rows.phi)
+        dv = system.least(-ca.substitute(rows.rate, free.q, free.q + dq))
     return RegularMotion(acceleration, multipliers, system.doubt, source, dq, dv)
-
-
-def _correct(system: System, phi: ca.SX, rate: ca.SX, q: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """dq, then dv at q + dq, of least kinetic energy: the matrix is factored once."""
-    zero = ca.SX.zeros(q.numel())
-    dq, _ = system.solve(zero, -phi, refine=False)
-    dv, _ = system.solve(zero, -ca.substitute(rate, q, q + dq), refine=False)
-    return dq, dv
 
 
 def _power(rate: ca.SX, v: ca.SX, multipliers: ca.SX) -> ca.SX:

@@ -138,8 +138,8 @@ class ArticulatedBodies:
 
 
 def articulate(kinematics: Kinematics, bodies: Bodies) -> ArticulatedBodies | None:
-    """None when the scene is no tree of rigid bodies: a coordinate that moves several joints or no mass of its own, or a kinetic
-    term that couples several bodies or is no body's."""
+    """None when the scene is no tree of rigid bodies: a coordinate that moves several joints, none, or no mass of its own, or a
+    kinetic term that couples several bodies or is no body's."""
     clusters = _clusters(kinematics, bodies)
     try:
         return ArticulatedBodies(kinematics, bodies, clusters) if clusters is not None else None
@@ -157,6 +157,8 @@ def _clusters(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster] | No
     if bodies.rest or tied or any(count > 1 for count in uses.values()):
         return None
     clusters = _joined(kinematics, bodies)
+    if sum(len(cluster.directions) for cluster in clusters.values()) < len(kinematics.graph.coordinates):
+        return None
     for inertia in bodies.inertias:
         _add_inertia(clusters[bodies.home[inertia.frame]], inertia, bodies.local[inertia.frame])
     return clusters

@@ -58,6 +58,10 @@ class KKT:
             found = found + self._backsolve(rest)
         return found[:n], found[n:]
 
+    def least(self, b: ca.SX) -> ca.SX:
+        """The x of least x^T M x with J x = b."""
+        return self.solve(ca.SX.zeros(self.M.size1()), b, refine=False)[0]
+
     def first(self, k: int) -> "KKT":
         """The system of the first k constraints alone; M must be regular."""
         return factor(self.M, self.J[:k, :], False)

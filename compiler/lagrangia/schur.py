@@ -86,17 +86,17 @@ class SchurComplement:
         later = [k for k in range(self.J.size1()) if starts[k + 1] > starts[k]]
         return sum((diagonal[k] < DOUBTFUL * self.S[k, k] for k in later), ca.SX(0))
 
-    def solve(self, a: ca.SX, b: ca.SX, refine: bool = True) -> tuple[ca.SX, ca.SX]:
-        """x and lambda."""
-        return self.solve_from(a if a.is_zero() else self.tree.solve(a), b, refine)
-
-    def solve_from(self, free: ca.SX, b: ca.SX, refine: bool = True) -> tuple[ca.SX, ca.SX]:
-        """The same; free (n,) is M^-1 a."""
+    def solve(self, free: ca.SX, b: ca.SX, refine: bool = True) -> tuple[ca.SX, ca.SX]:
+        """x and lambda; free (n,) is M^-1 a."""
         right = self.J @ free - b
         multipliers = self._backsolve(right)
         if refine:
             multipliers = multipliers + self._backsolve(right - self.S @ multipliers)
         return free - self.reach @ multipliers, multipliers
+
+    def least(self, b: ca.SX) -> ca.SX:
+        """The x of least x^T M x with J x = b."""
+        return self.reach @ self._backsolve(b)
 
     def first(self, k: int) -> "SchurComplement":
         """The system of the first k constraints alone."""
