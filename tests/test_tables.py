@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.cli import main
 from lagrangia.native import find_compiler
 from lagrangia.pipeline import compile_file
 
@@ -107,3 +108,12 @@ def test_operations_grow_no_faster_than_points(x: str, growth: float, tmp_path: 
         (tmp_path / "scene.lag").write_text(text, encoding="utf-8")
         counts.append(compile_file(tmp_path / "scene.lag").scene.notes["rhs_operations"])
     assert counts[1] < growth * counts[0]
+
+
+def test_a_long_table_is_not_written_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for n, code in ((5, 0), (101, 2)):
+        table = f"table(block.s/1[m], {listed(range(n))}, {listed(range(n))})"
+        text = f"model Track Block block(m = 1, base = world); energy potential 2[J]*{table}; end Track;"
+        (tmp_path / "scene.lag").write_text(text, encoding="utf-8")
+        assert main(["equations", str(tmp_path / "scene.lag")]) == code
+        assert ("L0712" in capsys.readouterr().err) == bool(code)

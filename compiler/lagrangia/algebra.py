@@ -29,6 +29,10 @@ class Algebra(Protocol):
     def tiny(self) -> float:
         """Added under the square root of a distance; see TINY."""
 
+    @property
+    def most_points(self) -> float:
+        """Of a table that it can write out."""
+
     def number(self, value: float) -> Scalar:
         """A number of the source as a scalar of the algebra."""
 
@@ -92,6 +96,7 @@ class CasadiAlgebra:
     modes: list[Mode] = field(default_factory=list)
     index: ModeIndex = field(default_factory=ModeIndex)  # of these modes
     tiny: float = TINY
+    most_points: float = math.inf
 
     def number(self, value: float) -> Scalar:
         return value
@@ -333,6 +338,10 @@ class DualAlgebra:
     @property
     def tiny(self) -> float:
         return self.base.tiny
+
+    @property
+    def most_points(self) -> float:
+        return self.base.most_points
 
     def number(self, value: float) -> Scalar:
         return self.base.number(value)

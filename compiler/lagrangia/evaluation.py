@@ -333,6 +333,9 @@ def _table(evaluator: Evaluator, arguments: list[Value], level: int, span: Span)
     if all(isinstance(v, float | int) for v in xs) and any(b <= a for a, b in pairwise(xs)):
         fail("L0303", "the x of a table must rise", span)
     algebra = evaluator.algebras[level]
+    if len(xs) > algebra.most_points:
+        fail("L0712", f"a table of {len(xs)} points is too long to be written out", span, f"at most {algebra.most_points}",
+             "model.functions() of the Python interface has M, h and the accelerations of any scene")
     moves = any(isinstance(v, Dual) for v in (*xs, *ys))
     return (nested_lines(algebra, x, xs, ys) if moves else algebra.lines(x, xs, ys))[0]
 

@@ -22,6 +22,7 @@ class SympyAlgebra:
     """Scalars are SymPy expressions; a distance needs no guard against its zero."""
 
     tiny = 0
+    most_points = 100  # nobody reads so many cases, and they take seconds
 
     def number(self, value: float) -> Scalar:
         return exact(value)
