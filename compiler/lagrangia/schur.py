@@ -22,7 +22,7 @@ from lagrangia.kkt import DOUBTFUL, SMALL, count_operations
 _BODY, _PASS, _ENTRY = 75, 30, 16
 # Ratios of these estimates that leave no doubt; between them both ways are written out and counted, unless that is too much. Many
 # constraints move no more than half of the bodies each.
-_LONGER, _SHORTER, _MANY, _HALF = 20, 3, 50_000, 2
+_LONGER, _SHORTER, _MANY, _HALF = 8, 3, 50_000, 2
 
 
 @dataclass(frozen=True)
