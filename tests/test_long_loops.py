@@ -160,6 +160,22 @@ def test_rounding_stays_small(n: int, most: float, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_a_light_body_at_the_root(tmp_path: Path) -> None:
+    """Next to nothing would move the tree alone: constraints take nearly all of that back, and nine digits with it."""
+    ring = RING + "connect(hold.b, link[1].a);"
+    ring = "Spring hold(k = 15, s_rel0 = 0.1, a = shift(world, {0, 2}));" + ring
+    compiled(ring, tmp_path / "ring.lag")
+    compilation = compiled(ring.replace("{1, 2, 1", "{1e-9, 2, 1"), tmp_path / "light.lag")
+    assert compilation.motion.way == "constrained"
+    results = [lag.load(tmp_path / f"{name}.lag").simulate(stop=0.5, tolerance=1e-10, parameters=changed)
+               for name, changed in (("ring", {"link[1].m": 1e-9}), ("light", {}))]
+    for result in results:
+        assert result.statistics.steps < 400 and result.statistics.energy_residual < 1e-8
+    for name in ("link[2].center.x", "hinge[3].phi"):
+        assert results[0][name][-1] == pytest.approx(results[1][name][-1], abs=1e-7)
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_islands_of_ropes(tmp_path: Path) -> None:
     """Apart and together, with a free pendulum beside them."""
     one = f"model One {rope(14)} end One;\n"

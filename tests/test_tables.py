@@ -110,6 +110,41 @@ def test_operations_grow_no_faster_than_points(x: str, growth: float, tmp_path: 
     assert counts[1] < growth * counts[0]
 
 
+@needs_compiler
+def test_points_in_time_are_events_though_a_value_moves(scene: Scene) -> None:
+    text = """model Moving
+      Block a(m = 1, base = world);
+      AppliedForce f(at = a.center, force = {table(time, {0.2, 0.5, 0.9}, {0, 1[N] + sin(1[rad/s]*time)*1[N], a.s*1[N/m]}), 0});
+    end Moving;"""
+    model = scene(text)
+    result = model.simulate(stop=1.2, tolerance=1e-10, initial={"der(a.s)": 1})
+    assert result.statistics.events == 3
+    assert result.statistics.energy_residual < 1e-9
+
+
+def test_points_that_parameters_make_fall(scene: Scene) -> None:
+    """Each of the lines is one of the table: of the points, the first that x is less than counts."""
+    text = """model Falling
+      parameter Real middle = 0.4;
+      Block a(m = 1, base = world);
+      output Real y = table(a.s/1[m], {0.2, middle, 0.5}, {1, 2, -1});
+    end Falling;"""
+    model = scene(text)
+    outputs = model.functions()["outputs"]
+    for s in np.linspace(0, 1, 101):
+        found = outputs.call({"q": [s], "p": model.parameter_values({"middle": 0.7})})["y"]
+        assert -1 <= float(found) <= 2
+
+
+@pytest.mark.parametrize("points", ["{0.5 + p, 1, 1}", "{0.5 + p, 1, 0.7}"])
+def test_points_that_do_not_rise(points: str, scene: Scene) -> None:
+    with pytest.raises(lag.LagError, match="L0303"):
+        scene(f"""model Equal
+          parameter Real p = 0; Block a(m = 1, base = world);
+          AppliedForce f(at = a.center, force = {{table(time/1[s], {points}, {{0, 1, 1}})*1[N], 0}});
+        end Equal;""")
+
+
 def test_a_long_table_is_not_written_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for n, code in ((5, 0), (101, 2)):
         table = f"table(block.s/1[m], {listed(range(n))}, {listed(range(n))})"

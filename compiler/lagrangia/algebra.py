@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial, reduce
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any, Protocol
 
 import casadi as ca
@@ -141,9 +141,11 @@ class CasadiAlgebra:
             return nested_lines(self, x, xs, ys)
         columns = [[xs[0], *xs], [ys[0], *ys], [0.0, *_slopes(xs, ys), 0.0]]
         rest = self._at_rest(x)
-        less, number = [apply(ca.OP_LT, rest, at) for at in xs], self._timed(rest - xs[0])
-        found = [_in_force(less, column) for column in columns]
-        if number is not None and self._are_fixed([*xs, *ys]):
+        number = self._timed(rest - xs[0])
+        is_mode = number is not None and self._are_fixed([*xs, *ys])
+        where = _cases([apply(ca.OP_LT, rest, at) if is_mode else self.compare("<", rest, at) for at in xs], xs)
+        found = [_in_force(where, column) for column in columns]
+        if is_mode:
             key, arguments = tuple(self._key(entry) for entry in (*xs, *ys)), [rest - at for at in xs]
             found = [self._mode(("lines", number, k, key), value, arguments, 0) for k, value in enumerate(found)]
         place, value, slope = found
@@ -211,10 +213,16 @@ def nested_lines(algebra: Algebra, x: Scalar, xs: Sequence[Scalar], ys: Sequence
     return choose(lines, ys[0], ys[-1]), lambda: choose(slopes, 0.0, 0.0)
 
 
-def _in_force(less: list[Scalar], column: list[Scalar]) -> Scalar:
-    """What stands in the column where x is first less than a point; the last where it is not. No choice is in another one: what
-    is made of them grows with the column, not with its square."""
-    where = [less[0], *(b - a for a, b in pairwise(less)), apply_to_one(ca.OP_NOT, less[-1])]
+def _cases(less: list[Scalar], xs: Sequence[Scalar]) -> list[Scalar]:
+    """Which point x is first less than: one condition each, the last where there is none. Parameters may make points fall."""
+    if not all(isinstance(at, _NUMBERS) for at in xs):
+        less = list(accumulate(less, lambda a, b: apply(ca.OP_OR, a, b)))
+    return [less[0], *(b - a for a, b in pairwise(less)), apply_to_one(ca.OP_NOT, less[-1])]
+
+
+def _in_force(where: list[Scalar], column: list[Scalar]) -> Scalar:
+    """What stands in the column where a condition holds. No choice is in another one: what is made of them grows with the column,
+    not with its square."""
     pieces = [apply(ca.OP_IF_ELSE_ZERO, here, x) for here, x in zip(where, column, strict=True) if not is_zero(x)]
     return reduce(lambda a, b: a + b, pieces, as_expression(0.0))
 

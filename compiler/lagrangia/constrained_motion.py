@@ -89,7 +89,7 @@ def constrain(
     """
     J = ca.jacobian(rows.rate, free.v)
     mass, pivots = (free.tree.mass, free.tree.pivots) if free.tree else (diagonal_of(free.M), relative_pivots(free.M))
-    evenness = find_evenness(kinematics, mass, pivots, J)
+    evenness = ca.vertcat(find_evenness(kinematics, mass, pivots, J), free.tree.balance if free.tree else ca.SX(0, 1))
     is_robust = for_any_mass or not is_even(kinematics, evenness)
     if free.tree is not None and not is_robust:
         system: System = form(free.tree, J)

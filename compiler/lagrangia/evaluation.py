@@ -330,7 +330,7 @@ def _table(evaluator: Evaluator, arguments: list[Value], level: int, span: Span)
     x, (xs, ys) = _number(arguments[0], span), arguments[1:]
     if not isinstance(xs, tuple) or not isinstance(ys, tuple) or len(xs) != len(ys) or len(xs) < 2:
         fail("L0303", "table(x, {x1, x2, ...}, {y1, y2, ...}) needs two arrays of equal size, at least 2", span)
-    if all(isinstance(v, float | int) for v in xs) and any(b <= a for a, b in pairwise(xs)):
+    if any(isinstance(a, float | int) and isinstance(b, float | int) and b <= a for a, b in pairwise(xs)):
         fail("L0303", "the x of a table must rise", span)
     algebra = evaluator.algebras[level]
     if len(xs) > algebra.most_points:

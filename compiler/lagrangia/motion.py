@@ -21,6 +21,7 @@ from lagrangia.diagnostics import Span, fail
 from lagrangia.elimination import ArticulatedBodies, articulate
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
+from lagrangia.evenness import is_even
 from lagrangia.forces import forces_of_loops
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
@@ -255,7 +256,8 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
     if tree is not None:
         forces = forces_of_loops(kinematics, constraints.rows)
         own = FreeTree(tree, _along(tree, energies, free.h), forces, range(tree.size))
-        found = [constrain(kinematics, rows, replace(free, tree=own), for_any_mass)]
+        if is_even(kinematics, own.balance):
+            found = [constrain(kinematics, rows, replace(free, tree=own), for_any_mass)]
     if not found or (is_preferred is None and found[0][2].tree is not None):
         found.append(constrain(kinematics, rows, free, for_any_mass))
     ways = {held[2].way: held for held in found}

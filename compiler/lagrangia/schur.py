@@ -10,10 +10,11 @@ where constraints repeat each other or a mechanism passes a singular position, a
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 
 import casadi as ca
 
+from lagrangia.algebra import is_zero
 from lagrangia.elimination import ArticulatedBodies
 from lagrangia.forces import Forces
 from lagrangia.kkt import DOUBTFUL, SMALL, count_operations
@@ -23,6 +24,8 @@ _BODY, _PASS, _ENTRY = 75, 30, 16
 # Ratios of these estimates that leave no doubt; between them both ways are written out and counted, unless that is too much. Many
 # constraints move no more than half of the bodies each.
 _LONGER, _SHORTER, _MANY, _HALF = 8, 3, 50_000, 2
+# The mass of a body beside that of another one.
+_HEAVIER = 1e3
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,13 @@ class FreeTree:
     def pivots(self) -> ca.SX:
         """Of the factors of M, relative to its diagonal, (n,)."""
         return self.bodies.pivots[list(self.chosen)] / self.mass
+
+    @property
+    def balance(self) -> ca.SX:
+        """Above 1 where no body is so much lighter than another one that what the tree would do alone is nearly all taken back by
+        the constraints, and its digits with it."""
+        masses = [ca.SX(x.inertia[0][0]) for x in self.bodies.clusters.values() if not is_zero(x.inertia[0][0])]
+        return _HEAVIER * reduce(ca.fmin, masses) / reduce(ca.fmax, masses) if masses else ca.SX(0)
 
     def part(self, among: Sequence[int], rows: Sequence[int]) -> "FreeTree":
         """Some of these coordinates, with their constraints."""
