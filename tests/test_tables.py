@@ -70,6 +70,36 @@ def test_in_time(amplitude: float, scene: Scene) -> None:
     assert abs(result["d.v"][-1] - result["a.v"][-1]) > 1e-3
 
 
+T = 0.7
+PERIODIC = {
+    "if mod(time/1[s], T) < 0.3*T then 2[N] else -1[N]": ([0, 0.3 * T, 0.3 * T, T], [2, 2, -1, -1]),
+    "if mod(time/1[s] - 0.1, T) >= 0.2 then 2[N] else -1[N]": ([0, 0.1, 0.1, 0.3, 0.3, T], [2, 2, -1, -1, 2, 2]),
+    "1[N]*table(mod(time/1[s], T), {0, 0.2, 0.35, 0.7}, {1, 3, -1, 0})": ([0, 0.2, 0.35, T], [1, 3, -1, 0]),
+    "1[N]*table(time/1[s] - T*floor(time/T/1[s]), {0.1, 0.2, 0.5}, {1, 3, -1})": ([0, 0.1, 0.2, 0.5, T], [1, 1, 3, -1, -1]),
+    "1[N]*table(mod(-2*time/1[s], 2*T), {0, 0.4, 0.9, 1.4}, {1, 3, -1, 1})": ([0, 0.25, 0.5, T], [1, -1, 3, 1]),
+}
+
+
+@needs_compiler
+@pytest.mark.parametrize("solver", ["auto", "erk", "implicit"])
+@pytest.mark.parametrize("force", PERIODIC)
+def test_what_comes_again_meets_its_corners(force: str, solver: str, scene: Scene) -> None:
+    """Of a pattern of period T: its area is the velocity, to rounding. Beside it, a pendulum that is no part of it."""
+    model = scene(f"""model Again
+      parameter Real T = {T};
+      Block a(m = 1, base = world); AppliedForce f(at = a.center, force = {{{force}, 0}});
+      Revolute pin(a = world); Bar bar(m = 1, L = 1, a = pin.b);
+    end Again;""")
+    end, (corners, values) = 5.03, PERIODIC[force]
+    t = np.concatenate([T * k + np.array(corners) for k in range(8)])
+    forces = np.tile(values, 8).astype(float)
+    last = np.searchsorted(t, end)
+    there = forces[last - 1] + (forces[last] - forces[last - 1]) * (end - t[last - 1]) / (t[last] - t[last - 1])
+    area = np.trapezoid([*forces[:last], there], [*t[:last], end])
+    result = model.simulate(at=[end], tolerance=1e-6, solver=solver)
+    assert result["der(a.s)"][-1] == pytest.approx(area, abs=1e-12)
+
+
 @needs_compiler
 def test_a_road_of_many_points(scene: Scene) -> None:
     """A profile in time moves a support; every corner of it is an event."""

@@ -86,6 +86,27 @@ class ModeIndex:
         return made
 
 
+@dataclass(frozen=True)
+class _Crossing:
+    """Where a + b t, or a + b t + s floor(c + d t), crosses levels."""
+
+    number: int  # of all that says the same
+    value: ca.SX  # in time and parameters alone
+    straight: ca.SX  # a + b t
+    step: ca.SX | None = None  # s
+    jumps: Sequence[ca.SX] = ()  # c + d t
+
+    @property
+    def kind(self) -> int:
+        return 0 if self.step is None else 1
+
+    def arguments(self, levels: Sequence[Scalar]) -> list[ca.SX]:
+        """Of events. With a step, straight + s n is the level for some integer n: at each crossing, and at other times."""
+        if self.step is None:
+            return [minus(self.straight, level) for level in levels]
+        return [*self.jumps, *((level - self.straight) / self.step for level in levels)]
+
+
 @dataclass
 class CasadiAlgebra:
     """Scalars are ca.SX or float. Conditions on time and parameters alone become modes, so that the right-hand side is smooth
@@ -104,9 +125,9 @@ class CasadiAlgebra:
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         if function in ("floor", "ceil"):
             inner = arguments[0] if function == "floor" else -arguments[0]
-            number = self._timed(inner)
-            if number is not None:
-                mode = self._mode(("floor", number), ca.floor(inner), [inner], 1)
+            crossing = self._crossing(inner)
+            if crossing is not None and crossing.step is None:
+                mode = self._mode(("floor", crossing.number), ca.floor(inner), [inner], 1)
                 return mode if function == "floor" else -mode
         if function == "mod":
             a, b = arguments
@@ -119,9 +140,10 @@ class CasadiAlgebra:
         if isinstance(a, float | int) and isinstance(b, float | int):
             return float(_COMPARE[operator](a, b))
         difference = a - b
-        number = self._timed(difference) if operator not in ("==", "<>") else None
-        if number is not None:
-            return self._mode((operator, number), _COMPARE[operator](difference, 0), [difference], 0)
+        crossing = self._crossing(difference) if operator not in ("==", "<>") else None
+        if crossing is not None:
+            key, value = (operator, crossing.number), _COMPARE[operator](crossing.value, 0)
+            return self._mode(key, value, crossing.arguments([0.0]), crossing.kind)
         return as_expression(_COMPARE[operator](a, b))
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
@@ -141,13 +163,12 @@ class CasadiAlgebra:
             return nested_lines(self, x, xs, ys)
         columns = [[xs[0], *xs], [ys[0], *ys], [0.0, *_slopes(xs, ys), 0.0]]
         rest = self._at_rest(x)
-        number = self._timed(rest - xs[0])
-        is_mode = number is not None and self._are_fixed([*xs, *ys])
-        where = _cases([apply(ca.OP_LT, rest, at) if is_mode else self.compare("<", rest, at) for at in xs], xs)
+        crossing = self._crossing(rest) if self._are_fixed([*xs, *ys]) else None
+        where = _cases([apply(ca.OP_LT, crossing.value, at) if crossing else self.compare("<", rest, at) for at in xs], xs)
         found = [_in_force(where, column) for column in columns]
-        if is_mode:
-            key, arguments = tuple(self._key(entry) for entry in (*xs, *ys)), [rest - at for at in xs]
-            found = [self._mode(("lines", number, k, key), value, arguments, 0) for k, value in enumerate(found)]
+        if crossing:
+            key, arguments = (crossing.number, *(self._key(entry) for entry in (*xs, *ys))), crossing.arguments(xs)
+            found = [self._mode(("lines", k, key), value, arguments, crossing.kind) for k, value in enumerate(found)]
         place, value, slope = found
         return value + (x - place) * slope, lambda: slope
 
@@ -162,27 +183,36 @@ class CasadiAlgebra:
 
     def _key(self, value: Scalar) -> Hashable:
         """The same for what says the same, of numbers and of expressions of parameters."""
-        if not isinstance(value, ca.SX):
-            return float(value)
-        symbols = ca.symvar(value)
-        return "expression", self.index.number(ca.Function("value", symbols, [value]), symbols)
+        return ("expression", self._number(value)) if isinstance(value, ca.SX) else float(value)
 
-    def _timed(self, value: Scalar) -> int | None:
-        """The number of what depends on time, and on nothing else that changes, in such a way that its crossings can be computed:
-        a + b t. None for all else.
-
-        What depends on a mode crosses at other times in each segment: it stays a plain condition.
-        """
+    def _crossing(self, value: Scalar) -> "_Crossing | None":
+        """Of what depends on time, and on nothing else that changes, in such a way that its crossings can be computed. None for
+        all else: what depends on other modes crosses at other times in each segment and stays a plain condition."""
         if not isinstance(value, ca.SX):
             return None
         symbols = ca.symvar(value)
         hashes = {x.__hash__() for x in symbols}
-        if self.time.__hash__() not in hashes or not hashes.isdisjoint(self._moving) or not hashes.isdisjoint(self.index.hashes):
+        if not hashes.isdisjoint(self._moving):
             return None
-        function = ca.Function("value", symbols, [value])
-        if uses(function, STEPS) or ca.depends_on(ca.jacobian(value, self.time), self.time):  # a slope does not tell of jumps
+        if hashes.isdisjoint(self.index.hashes):
+            is_timed = self.time.__hash__() in hashes and self._is_straight(value)
+            return _Crossing(self._number(value), value, value) if is_timed else None
+        floor, *others = [mode for mode in self.modes if mode.symbol.__hash__() in hashes]
+        straight, step = ca.substitute(value, floor.symbol, ca.SX(0)), ca.jacobian(value, floor.symbol)
+        if others or floor.value.op() != ca.OP_FLOOR or ca.depends_on(step, ca.vertcat(self.time, floor.symbol)):
             return None
-        return self.index.number(function, symbols)
+        if not self._is_straight(straight):
+            return None
+        return _Crossing(self._number(value), ca.substitute(value, floor.symbol, floor.value), straight, step, floor.arguments)
+
+    def _is_straight(self, value: ca.SX) -> bool:
+        """a + b t; a slope does not tell of jumps."""
+        steps = uses(ca.Function("value", ca.symvar(value), [value]), STEPS)
+        return not steps and not ca.depends_on(ca.jacobian(value, self.time), self.time)
+
+    def _number(self, value: ca.SX) -> int:
+        symbols = ca.symvar(value)
+        return self.index.number(ca.Function("value", symbols, [value]), symbols)
 
     @cached_property
     def _moving(self) -> frozenset[int]:

@@ -84,7 +84,8 @@ Adding metres to seconds is an error. The radian counts as 1.
 _SOLVER = """\
 erk     explicit Runge-Kutta of order 8(5,3) by Dormand and Prince with dense output of order 7 (Hairer, Norsett, Wanner, Solving
         Ordinary Differential Equations I, II.10), in C. The error of each step is held below the tolerance times the size of each
-        coordinate and of each rate; angles count as at most pi. Steps, pulses and corners of tables in time are met exactly.
+        coordinate and of each rate; angles count as at most pi. Steps, pulses and corners of tables in time are met exactly,
+        also where a pattern comes again by mod(time, T).
 erk5    explicit Runge-Kutta of order 5(4) by Tsitouras with dense output of order 4 (Computers & Mathematics with Applications,
         2011): half as many evaluations a step. auto takes it instead of erk at loose tolerances: above 5e-6 where there are
         constraints, above 5e-5 where equations are long (over 40 operations a coordinate), above 5e-3 elsewhere.
