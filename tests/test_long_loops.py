@@ -160,6 +160,18 @@ def test_rounding_stays_small(n: int, most: float, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_what_rests_at_its_origin_takes_few_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the tree would do and constraints take back leaves rounding: no motion for series, which auto would take here."""
+    monkeypatch.setattr(motion_module, "prefers", lambda M, J: True)
+    beam = "Bar beam(m = 20, L = 4); PointOnLine r(line = world, point = beam.a), s(line = world, point = beam.b);"
+    assert compiled(beam, tmp_path / "scene.lag").motion.way == "constrained along the tree"
+    model = lag.load(tmp_path / "scene.lag")
+    assert "taylor" not in model.scene.refused
+    for tolerance in (1e-6, 1e-12):
+        assert model.simulate(stop=10, tolerance=tolerance).statistics.steps < 200
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_a_light_body_at_the_root(tmp_path: Path) -> None:
     """Next to nothing would move the tree alone: constraints take nearly all of that back, and nine digits with it."""
     ring = RING + "connect(hold.b, link[1].a);"

@@ -32,6 +32,8 @@ from lagrangia.schur import FreeTree, prefers
 _DENSEST = 24
 # Collected accelerations may be so much longer than the shortest where M and h, of which implicit steps are made, are shorter.
 _NEARLY = 1.1
+# Below this ratio fewer operations are worth differences of what the tree would do and what constraints take back.
+_CLEARLY = 0.9
 Held = tuple[ca.SX, ca.SX, ConstrainedMotion]  # what `constrain` finds
 
 
@@ -265,7 +267,8 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
         return found[-1], found[-1][2].way, {}
     nodes = {way: _work([held.regular.acceleration if held.regular else acceleration], kinematics)
              for way, (acceleration, _, held) in ways.items()}
-    best = min(nodes, key=lambda way: nodes[way])
+    along, whole = (nodes[held[2].way] for held in found)
+    best = found[0 if along < _CLEARLY * whole else 1][2].way
     return ways[best], best, nodes
 
 
