@@ -306,14 +306,14 @@ static int is_good(LagRun *run, LagTaylor *s, double t_new, double length, doubl
 }
 
 /* What rests at its origin on constraints is moved by rounding alone, of which a series makes a motion in units of its own. */
-static int is_noise(const LagRun *run) { return run->model->n_holonomic > 0 && lag_scale_at_rest(&run->scale); }
+static int rests_at_origin(const LagRun *run) { return run->model->n_holonomic > 0 && lag_scale_at_rest(&run->scale); }
 
 static LagStatus step(LagRun *run)
 {
     LagTaylor *s = &run->methods.taylor;
     LagMotion *m = &run->motion;
     double wrong = INFINITY;
-    if (is_noise(run) && lag_stiffness_leave_series(run))
+    if (rests_at_origin(run) && lag_stiffness_leave_series(run))
         return run->methods.table->step(run);
     if (!build(run, s, s->order))
         return lag_stiffness_leave_series(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);

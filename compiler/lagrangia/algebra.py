@@ -190,8 +190,7 @@ class CasadiAlgebra:
         all else: what depends on other modes crosses at other times in each segment and stays a plain condition."""
         if not isinstance(value, ca.SX):
             return None
-        symbols = ca.symvar(value)
-        hashes = {x.__hash__() for x in symbols}
+        hashes = symbols_in(value)
         if not hashes.isdisjoint(self._moving):
             return None
         if hashes.isdisjoint(self.index.hashes):

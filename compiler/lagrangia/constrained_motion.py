@@ -6,9 +6,9 @@ from functools import cached_property
 import casadi as ca
 
 from lagrangia.constraints import Constraints
-from lagrangia.evenness import diagonal_of, find_evenness, is_even, relative_pivots
+from lagrangia.evenness import find_evenness, is_even, relative_pivots
 from lagrangia.kinematics import Kinematics
-from lagrangia.kkt import KKT, factor
+from lagrangia.kkt import KKT, diagonal_of, factor
 from lagrangia.schur import FreeTree, SchurComplement, form
 
 System = KKT | SchurComplement

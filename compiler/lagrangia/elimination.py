@@ -13,6 +13,7 @@ Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
 
 from collections import Counter
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 
@@ -81,7 +82,7 @@ class ArticulatedBodies:
         inverse = {joint.index: joint.inverse for joints in self.joints.values() for joint in joints}
         return ca.vertcat(*[1 / inverse[k] for k in range(len(inverse))])
 
-    @property
+    @cached_property
     def diagonal(self) -> ca.SX:
         """Of M, (n,): s . I s with the inertia of all that the coordinate moves."""
         whole = self._inertias()

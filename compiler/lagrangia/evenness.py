@@ -5,7 +5,9 @@ from functools import reduce
 import casadi as ca
 
 from lagrangia.kinematics import Kinematics
+from lagrangia.kkt import diagonal_of
 from lagrangia.parameters import default_parameters
+from lagrangia.scalars import symbols_in
 
 # Smallest pivot of the scaled mass matrix that still counts as mass, and the largest ratio of the masses that one constraint
 # ties together that J M^-1 J^T bears.
@@ -25,7 +27,7 @@ def find_evenness(kinematics: Kinematics, mass: ca.SX, pivots: ca.SX, J: ca.SX) 
     mass (n,): the diagonal of M; pivots (n,): those of its factors, relative to it in any order of the coordinates.
     """
     p, _ = default_parameters(kinematics)
-    known = {x.__hash__() for x in ca.symvar(p)} if p.numel() else set()
+    known = symbols_in(p) if p.numel() else frozenset()
     free = [s for s in ca.symvar(ca.veccat(mass, pivots, J)) if s.__hash__() not in known]
     looks = [_placed([pivots, ca.vertcat(ca.SX(0, 1), *((J * J) @ ca.diag(1 / mass)).nonzeros())], free, step)
              for step in _STEPS[: 2 if free else 1]]
@@ -43,11 +45,6 @@ def _placed(expressions: list[ca.SX], free: list[ca.SX], step: float) -> list[ca
     values = [ca.SX(0.3 + 2.5 * (step * k * k % 1)) for k in range(1, len(free) + 1)]
     found: list[ca.SX] = ca.substitute(expressions, free, values) if free else expressions
     return found
-
-
-def diagonal_of(M: ca.SX) -> ca.SX:
-    """(n,), with its zeros."""
-    return ca.vertcat(ca.SX(0, 1), *[M[k, k] for k in range(M.size1())])
 
 
 def relative_pivots(M: ca.SX) -> ca.SX:

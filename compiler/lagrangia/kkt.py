@@ -84,12 +84,16 @@ def factor(M: ca.SX, J: ca.SX, is_singular: bool, is_regular: bool = False) -> K
         squares = ca.densify((J * J) @ ca.SX.ones(n))
         weight = _masses(M, J) / squares
         M = M + J.T @ (ca.diag(weight) @ J)
-    diagonal = ca.vertcat(*[M[k, k] for k in range(n)])
-    small = ca.SX.zeros(J.size1()) if is_regular else SMALL * ((J * J) @ (1 / diagonal))
+    small = ca.SX.zeros(J.size1()) if is_regular else SMALL * ((J * J) @ (1 / diagonal_of(M)))
     K = ca.blockcat([[M, J.T], [J, -ca.diag(small)]])
     order = (_front if is_singular else _levels)(M.sparsity(), J.sparsity())
     D, upper, _ = ca.ldl(K[list(order), list(order)], False)
     return KKT(M, J, weight, order, D, upper)
+
+
+def diagonal_of(M: ca.SX) -> ca.SX:
+    """(n,), with its zeros."""
+    return ca.vertcat(ca.SX(0, 1), *[M[k, k] for k in range(M.size1())])
 
 
 def count_operations(M: ca.Sparsity, J: ca.Sparsity) -> int:
@@ -106,7 +110,7 @@ def count_operations(M: ca.Sparsity, J: ca.Sparsity) -> int:
 def _masses(M: ca.SX, J: ca.SX) -> ca.SX:
     """The mass of the coordinates in each row; of all where these have none (bars of a truss, integrals), 1 where nothing has.
     None where nothing has any and the rows are too few to hold it: no pivot is to hide that nothing determines the motion."""
-    own = ca.vertcat(*[M[k, k] for k in range(M.size1())])
+    own = diagonal_of(M)
     of_rows = ca.vertsplit(ca.densify(ca.DM(J.sparsity(), 1) @ own))
     total = ca.sum1(own)
     anything = ca.SX(1) if J.size1() >= J.size2() else ca.if_else(ca.sum1(own) > 0, 1, 0)

@@ -96,7 +96,8 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
         if short is not None and short.is_shorter(kinematics, momentum, h):
             momentum, h = short.momentum, short.h
         free = FreeMotion(q, v, momentum, h, source)
-        (acceleration, source, constrained), way, counted = _hold(kinematics, bodies, energies, constraints, free, for_any_mass)
+        (acceleration, source, constrained), counted = _hold(kinematics, bodies, energies, constraints, free, for_any_mass)
+        way = constrained.way
     else:
         _require_mass(kinematics, momentum, v)
         acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, h, v, short)
@@ -249,7 +250,7 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
 
 
 def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraints: Constraints, free: FreeMotion,
-          for_any_mass: bool) -> tuple[Held, str, dict[str, int]]:
+          for_any_mass: bool) -> tuple[Held, dict[str, int]]:
     """The constrained motion by the way that counts fewer nodes, and what each way that was tried counts."""
     rows = constraint_rows(kinematics, constraints)
     is_preferred = prefers(*(ca.jacobian_sparsity(x, free.v) for x in (free.momentum, rows.rate)))
@@ -262,14 +263,12 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
             found = [constrain(kinematics, rows, replace(free, tree=own), for_any_mass)]
     if not found or (is_preferred is None and found[0][2].tree is not None):
         found.append(constrain(kinematics, rows, free, for_any_mass))
-    ways = {held[2].way: held for held in found}
-    if len(ways) == 1:
-        return found[-1], found[-1][2].way, {}
-    nodes = {way: _work([held.regular.acceleration if held.regular else acceleration], kinematics)
-             for way, (acceleration, _, held) in ways.items()}
-    along, whole = (nodes[held[2].way] for held in found)
-    best = found[0 if along < _CLEARLY * whole else 1][2].way
-    return ways[best], best, nodes
+    if len(found) == 1:
+        return found[0], {}
+    nodes = {held.way: _work([held.regular.acceleration if held.regular else acceleration], kinematics)
+             for acceleration, _, held in found}
+    along, whole = nodes.values()
+    return found[0 if along < _CLEARLY * whole else 1], nodes
 
 
 def _along(tree: ArticulatedBodies, energies: Energies, h: ca.SX) -> ca.SX:

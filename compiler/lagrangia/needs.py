@@ -221,8 +221,8 @@ def _time(parts: _Parts) -> Iterable[Need]:
     yield Need("explicit time", timed, "t stands in the accelerations" if timed else "t does not stand in the accelerations",
                _line(place_of_time(parts.kinematics)) if timed else "")
     modes = parts.kinematics.algebra.modes
-    conditions = sum(len(arguments) for arguments in {id(mode.arguments): mode.arguments for mode in modes}.values())
-    yield Need("time events", bool(modes), f"{_counted(conditions, 'condition')} on time" if modes else "nothing switches",
+    conditions = _counted(parts.scene.sizes["n_events"], "condition")
+    yield Need("time events", bool(modes), f"{conditions} on time" if modes else "nothing switches",
                _line(place_of_time(parts.kinematics, is_event=True)) if modes else "",
                saving="restarts, and the search for switching times")
     yield _islands(parts)

@@ -114,8 +114,8 @@ conservative  symplectic steps of equal length: the energy error of a scene that
 casadi:cvodes, casadi:idas    integrators of SUNDIALS through CasADi: an independent check, and the way without a C compiler.
 
 Closed loops and constraints: accelerations and multipliers from one sparse linear system, written out and factored without
-pivoting (kkt.py), or from J M^-1 J^T of the multipliers with M along the tree of bodies (schur.py), whichever counts fewer
-operations: a bar of a long rope hung at both ends costs as much as a link of a chain and three quarters of it more. At rows,
+pivoting (kkt.py), or from J M^-1 J^T of the multipliers with M along the tree of bodies (schur.py) where that counts clearly
+fewer: a bar of a long rope hung at both ends costs as much as a link of a chain and three quarters of it more. At rows,
 and after steps as they drift, the positions, then the velocities are projected back, so that the residual stays at rounding
 level. Redundant constraints, massless links and singular positions are part of the game. `lag check` tells degrees of freedom,
 loops and what is redundant. --reactions reports the force and torque of every joint and tie, by Lagrange's equations of
