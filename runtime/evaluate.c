@@ -29,12 +29,20 @@ static int all_finite(const double *x, int n)
     return probe == 0;
 }
 
-static int evaluate(LagRun *run, const LagFunction *function, const double *const *in, double *a, double *power, double *doubt)
+static int evaluate(LagRun *run, const LagFunction *function, const double *const *in, double *const *out)
 {
-    double *out[] = {a, power, run->multipliers, doubt};
     if (lag_call(function, in, out, run->work) != 0)
         return 0;
-    return all_finite(a, run->model->n) && all_finite(power, run->model->n_power);
+    return all_finite(out[0], run->model->n) && all_finite(out[1], run->model->n_power);
+}
+
+/* With the multipliers. */
+static int whole(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
+{
+    const double *in[] = {&t, q, v, run->u, run->d, run->c};
+    double *out[] = {a, power, run->multipliers};
+    lag_inputs_at(&run->inputs, t, run->u);
+    return evaluate(run, &run->model->rhs, in, out);
 }
 
 /* Where the cheap way failed it is left alone for a while: constraints that repeat each other do so for good. */
@@ -42,14 +50,14 @@ static int accelerations(LagRun *run, double t, const double *q, const double *v
 {
     const LagModel *model = run->model;
     const double *in[] = {&t, q, v, run->u, run->d, run->c};
-    double doubt = 0;
-    lag_inputs_at(&run->inputs, t, run->u);
+    double doubt = 0, *out[] = {a, power, &doubt};
     if (lag_present(&model->regular)) {
-        if (run->doubtful == 0 && evaluate(run, &model->regular, in, a, power, &doubt) && doubt == 0)
+        lag_inputs_at(&run->inputs, t, run->u);
+        if (run->doubtful == 0 && evaluate(run, &model->regular, in, out) && doubt == 0)
             return 1;
         run->doubtful = run->doubtful == 0 ? DOUBTFUL_FOR : run->doubtful - 1;
     }
-    return evaluate(run, &model->rhs, in, a, power, &doubt);
+    return whole(run, t, q, v, a, power);
 }
 
 int lag_accelerations(void *context, double t, const double *q, double *v, double *a, double *power)
@@ -58,12 +66,12 @@ int lag_accelerations(void *context, double t, const double *q, double *v, doubl
     return accelerations(run, t, run->careful ? bring_back(run, t, q, v) : q, v, a, power);
 }
 
-/* Accelerations and multipliers are evaluated anew: the latest may be those of another state. */
+/* Accelerations and multipliers are evaluated anew: the latest may be those of another state, or no multipliers. */
 int lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matrix)
 {
     const double *q = y, *v = y + run->model->n;
     const double *in[] = {&t, q, v, run->acceleration, run->multipliers, run->u, run->d, run->c};
-    accelerations(run, t, q, v, run->acceleration, run->power);
+    whole(run, t, q, v, run->acceleration, run->power);
     ++run->motion.evaluations;
     ++run->statistics.jacobians;
     lag_implicit_matrix_evaluate(matrix, run->model, in, run->work);
@@ -89,7 +97,7 @@ void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
         return;
     lag_inputs_at(&run->inputs, t, run->u);
     if (model->outputs_need_acceleration) {
-        accelerations(run, t, q, v, run->acceleration, run->power);
+        whole(run, t, q, v, run->acceleration, run->power);
         ++run->motion.evaluations;
     }
     lag_call(&model->outputs, in, &outputs, run->work);

@@ -98,7 +98,8 @@ struct LagModel {
     LagFunction velocity;   /* q, p, c              -> v = M^-1 p      these two only where energy is kept */
     LagFunction force;      /* q, v, c              -> dp/dt = dT/dq - dV/dq */
     LagFunction residual;   /* t, q, v, u, d, c     -> Phi(q, t), J v + dPhi/dt */
-    LagFunction regular;    /* as rhs, and doubt    where constraints are independent: cheaper than rhs, and as good if doubt is 0 */
+    /* t, q, v, u, d, c -> a, power, doubt: where constraints are independent; cheaper than rhs, and as good if doubt is 0. */
+    LagFunction regular;
     /* t, q, v, u, d, c -> dq, dv, Phi, J v + dPhi/dt, {T, V, H}, doubt: place and steer in one, both in the metric of q, where
      * constraints are independent; dv, the residuals and the energies belong to the state that has its corrections. */
     LagFunction nearest;

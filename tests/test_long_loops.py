@@ -86,7 +86,7 @@ def results(motion: Motion) -> list[ca.SX]:
     assert held is not None and held.regular is not None
     regular = held.regular
     return [motion.acceleration, held.multipliers, held.place, held.steer, motion.source_power, regular.acceleration,
-            regular.multipliers, regular.place, regular.steer, regular.source_power, regular.doubt]
+            regular.place, regular.steer, regular.source_power, regular.doubt]
 
 
 @pytest.mark.parametrize("text", SCENES.values(), ids=SCENES)

@@ -57,17 +57,20 @@ ORDER = """
     collected
     parameters
     constraints
+    initial
+    positions
+    partition
     forces
     elimination
     kkt
     schur
     evenness
+    null_space
     constrained_motion
     motion
     jacobians
     released
     reactions
-    initial
     linearity
     waves
     loads

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.assembly import Assembly, Vector, independent_columns
-from lagrangia.functions import at_declared_values
 from lagrangia.graph import Coordinate
 from lagrangia.initial import FIXED, FREE, InitialConditions
 from lagrangia.kinematics import Kinematics
+from lagrangia.parameters import at_declared_values
 
 _STARTS, _ITERATIONS, _LONGEST = 16, 40, 1.0
 _LARGEST_BLOCK, _MOST_WORK, _FEWEST_BLOCKS, _MOST_BLOCKS = 8, 120, 2, 12

@@ -9,6 +9,8 @@ from lagrangia.constraints import Constraints
 from lagrangia.evenness import find_evenness, is_even, relative_pivots
 from lagrangia.kinematics import Kinematics
 from lagrangia.kkt import KKT, diagonal_of, factor
+from lagrangia.null_space import NullSpace
+from lagrangia.partition import Partition
 from lagrangia.schur import FreeTree, SchurComplement, form
 
 System = KKT | SchurComplement
@@ -33,6 +35,7 @@ class FreeMotion:
     h: ca.SX
     load_power: ca.SX  # put in by loads
     tree: FreeTree | None = None  # along which M is solved; None: by its factors
+    partition: Partition | None = None  # independent coordinates, to which regular motions are brought down
 
     @cached_property
     def M(self) -> ca.SX:
@@ -41,10 +44,9 @@ class FreeMotion:
 
 @dataclass(frozen=True)
 class RegularMotion:
-    """The same accelerations and multipliers for less, where no constraint nearly repeats others: `doubt` is 0 there."""
+    """The same accelerations for less, where no constraint nearly repeats others: `doubt` is 0 there."""
 
     acceleration: ca.SX
-    multipliers: ca.SX
     doubt: ca.SX
     source_power: ca.SX
     place: ca.SX  # dq, as above
@@ -65,10 +67,11 @@ class ConstrainedMotion:
     evenness: ca.SX  # of p, above 1 all over where these formulas hold; empty where they hold for all masses
     regular: RegularMotion | None
     tree: FreeTree | None = None  # along which M was solved; None: it was factored
+    partition: Partition | None = None  # to whose independent coordinates the regular motion was brought down
 
     @property
     def way(self) -> str:
-        return "constrained along the tree" if self.tree is not None else "constrained"
+        return "constrained along the tree" if self.tree else "partitioned" if self.partition else "constrained"
 
 
 def constraint_rows(kinematics: Kinematics, constraints: Constraints) -> ConstraintRows:
@@ -97,10 +100,12 @@ def constrain(
         system = factor(free.M, J, is_robust)
     acceleration, multipliers = _accelerate(system, rows, free, refine=True)
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(J.size1())])
-    regular = None if is_robust else _regular(rows, free, system.without_small())
+    partition = None if is_robust else free.partition
+    own = NullSpace(free.M, J, partition) if partition is not None else None
+    regular = None if is_robust else _regular(rows, free, own or system.without_small())
     place, steer = _place(system, rows, is_robust), system.least(-rows.rate)
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
-                             regular, system.tree if isinstance(system, SchurComplement) else None)
+                             regular, system.tree if isinstance(system, SchurComplement) else None, partition)
     return acceleration, free.load_power + _power(rows.rate, free.v, multipliers), held
 
 
@@ -120,14 +125,17 @@ def _place(system: System, rows: ConstraintRows, is_robust: bool) -> ca.SX:
     return system.first(k).least(-rows.phi)
 
 
-def _regular(rows: ConstraintRows, free: FreeMotion, system: System) -> RegularMotion:
-    acceleration, multipliers = _accelerate(system, rows, free, refine=False)
+def _regular(rows: ConstraintRows, free: FreeMotion, system: System | NullSpace) -> RegularMotion:
+    if isinstance(system, NullSpace):
+        acceleration, multipliers = system.solve(-free.h, -rows.bias)
+    else:
+        acceleration, multipliers = _accelerate(system, rows, free, refine=False)
     source = free.load_power + _power(rows.rate, free.v, multipliers)
     dq = dv = ca.SX(0, 1)
     if rows.phi.numel() == rows.rate.numel():
         dq = system.least(-rows.phi)
         dv = system.least(-ca.substitute(rows.rate, free.q, free.q + dq))
-    return RegularMotion(acceleration, multipliers, system.doubt, source, dq, dv)
+    return RegularMotion(acceleration, system.doubt, source, dq, dv)
 
 
 def _power(rate: ca.SX, v: ca.SX, multipliers: ca.SX) -> ca.SX:

@@ -8,23 +8,22 @@ singular position is not known better.
 from dataclasses import dataclass, replace
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from lagrangia.assemblies import Alternatives, find_alternatives
-from lagrangia.assembly import Assembly, Vector, begin, nearest
+from lagrangia.assembly import Assembly, Vector, begin
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints, Row
 from lagrangia.diagnostics import Diagnostic
-from lagrangia.functions import Functions, at_declared_values
+from lagrangia.functions import Functions
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
+from lagrangia.positions import Positions, shortest
 
 _RANK = 1e-7
 _THERE = 1e-13  # of a position that is taken to be on the constraints, relative to the scene's size
-_DEPENDENT, _NOTHING = 1e-9, 1e-300
-_RETURNS = 60
+_NOTHING = 1e-300
 
 
 @dataclass(frozen=True)
@@ -109,42 +108,27 @@ def freedom_notes(freedom: Freedom) -> dict[str, Any]:
 
 
 class _Numbers:
-    """The constraints in numbers: positions near an assembled one, and the slopes of all rows there."""
+    """Positions near an assembled one, and the slopes of all rows there."""
 
     def __init__(self, kinematics: Kinematics, held: ConstrainedMotion) -> None:
-        q = ca.vertcat(*kinematics.symbols.positions.values())
-        phi, J = (ca.densify(x) for x in at_declared_values(kinematics, [held.rows.phi, held.J]))
-        self.n = q.numel()
-        self.positions = ca.Function("positions", [q], [phi, ca.densify(ca.jacobian(phi, q))])
-        self.slopes = ca.Function("slopes", [q], [J])
+        self.positions = Positions(kinematics, held.rows.phi, held.J)
 
     def nearby(self, q: Vector) -> list[Vector]:
         """General positions near an assembled one: a small step along what the constraints allow, and back onto them."""
         random = np.random.default_rng(1)
         size = max(1.0, float(np.abs(q).max(initial=0.0)))
+        J = self.positions.slopes(q)
         found = []
         for length in (0.1, 0.03, 0.01):
-            J = self.slopes(q).full()
-            step, _ = nearest(J, np.zeros(len(J)), random.standard_normal(self.n), _DEPENDENT)
-            x = self._return(q + length * step)
-            if np.abs(self.positions(x)[0].full()).max(initial=0.0) < _THERE * size:
+            wish = random.standard_normal(q.size)
+            x = self.positions.onto(q + length * (wish - shortest(J, J @ wish)))
+            if self.positions.gap(x) < _THERE * size:
                 found.append(x)
         return found
 
-    def _return(self, q: Vector) -> Vector:
-        """Onto the constraints, by the shortest corrections, as long as they help."""
-        g, J = (x.full() for x in self.positions(q))
-        for _ in range(_RETURNS):
-            step, _ = nearest(J, -g.ravel(), np.zeros(self.n), _DEPENDENT)
-            ahead, slope = (x.full() for x in self.positions(q + step))
-            if not np.linalg.norm(ahead) < np.linalg.norm(g):
-                break
-            q, g, J = q + step, ahead, slope
-        return q
-
     def scaled(self, places: list[Vector]) -> list[Vector]:
         """The slopes at each place, columns and rows scaled by what they are at most: what vanishes at one stays small."""
-        slopes = [self.slopes(q).full() for q in places]
+        slopes = [self.positions.slopes(q) for q in places]
         columns = np.max([np.abs(J).max(axis=0, initial=0.0) for J in slopes], axis=0)
         slopes = [J / np.maximum(columns, _NOTHING) for J in slopes]
         rows = np.max([np.linalg.norm(J, axis=1) for J in slopes], axis=0)

@@ -23,11 +23,11 @@ from lagrangia.linear_choice import linear_pays
 from lagrangia.linear_form import LinearForm, find_linear_form
 from lagrangia.motion import Motion, mass_matrix
 from lagrangia.observables import observe
-from lagrangia.parameters import all_parameters, default_parameters, scalars
+from lagrangia.parameters import all_parameters, at_start, scalars
 from lagrangia.reactions import build_reactions
 
 # Functions of the state that only constraints ask for, and their results.
-_OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "regular": ["a", "power", "lambda", "doubt"],
+_OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "regular": ["a", "power", "doubt"],
                    "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}
 
 
@@ -127,7 +127,7 @@ def _constrained(motion: Motion, energy: ca.SX) -> dict[str, list[ca.SX]]:
     found = {"place": [held.place], "steer": [held.steer], "residual": [held.rows.phi, held.rows.rate]}
     if held.regular is not None:
         power = _power(motion, held.regular.source_power)
-        found["regular"] = [held.regular.acceleration, power, held.regular.multipliers, held.regular.doubt]
+        found["regular"] = [held.regular.acceleration, power, held.regular.doubt]
         if held.regular.place.numel():
             found["nearest"] = _nearest(motion, held, held.regular, energy)
     return found
@@ -244,21 +244,6 @@ def with_reactions(y: ca.SX, kinematics: Kinematics, motion: Motion, constraints
     """Outputs with the reactions they ask for worked out."""
     symbols, values = build_reactions(kinematics, motion.bodies, constraints, motion)
     return ca.substitute(y, symbols, values) if symbols.numel() else y
-
-
-def at_declared_values(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
-    """The expressions at the start time, the parameters as declared, inputs zero: functions of q and v alone."""
-    p, values = default_parameters(kinematics)
-    found: list[ca.SX] = ca.substitute(at_start(kinematics, expressions), [p], [ca.SX(values)])
-    return found
-
-
-def at_start(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
-    """The expressions at the start time, inputs zero: functions of q, v and p."""
-    symbols, model = kinematics.symbols, kinematics.graph.model
-    inputs = [x for n, v in model.variables.items() if v.kind == "input" for _, x in scalars(n, symbols.values[n])]
-    found: list[ca.SX] = ca.substitute(kinematics.at_start(expressions), inputs, [ca.SX(0)] * len(inputs))
-    return found
 
 
 def _outputs(kinematics: Kinematics, names: tuple[str, ...]) -> tuple[tuple[str, ...], ca.SX]:

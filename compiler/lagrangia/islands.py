@@ -70,7 +70,8 @@ def _held(kinematics: Kinematics, motion: Motion, whole: ConstrainedMotion, own:
         return replace(motion, acceleration=tree.acceleration if tree else solve_dense(motion.momentum, -motion.h, motion.v))
     holonomic = [i for i in own if i < whole.rows.phi.numel()]
     rows = ConstraintRows(whole.rows.phi[holonomic], whole.rows.rate[own], whole.rows.bias[own])
-    free = FreeMotion(motion.q, motion.v, motion.momentum, motion.h, motion.source_power, tree)
+    partition = whole.partition.part(chosen, own) if whole.partition is not None else None
+    free = FreeMotion(motion.q, motion.v, motion.momentum, motion.h, motion.source_power, tree, partition)
     acceleration, source, held = constrain(kinematics, rows, free, whole.regular is None)
     return replace(motion, acceleration=acceleration, source_power=source, constrained=held)
 

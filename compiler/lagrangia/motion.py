@@ -25,6 +25,7 @@ from lagrangia.evenness import is_even
 from lagrangia.forces import forces_of_loops
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
+from lagrangia.partition import Partition
 from lagrangia.scalars import symbols_in
 from lagrangia.schur import FreeTree, prefers
 
@@ -58,7 +59,7 @@ class Motion:
     constrained: ConstrainedMotion | None
     dissipated_power: ca.SX  # taken out by dampers
     source_power: ca.SX  # put in by loads and moving supports
-    way: str  # "dense", "tree", "collected", "constrained" or "constrained along the tree"
+    way: str  # "dense", "tree", "collected", "constrained", "constrained along the tree" or "partitioned"
     counted: dict[str, int]  # nodes of each way, where there was a choice
     collected: Collected | None = None  # where that is the way
 
@@ -68,8 +69,10 @@ class Motion:
         return self.counted or {self.way: count_nodes([self.acceleration], [self.q, self.v, self.a, self.u])}
 
 
-def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints, for_any_mass: bool = False) -> Motion:
+def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints, for_any_mass: bool = False,
+                 partition: Partition | None = None) -> Motion:
     """`for_any_mass`: formulas that hold where parameters make M singular or uneven, too; they cost half as much again.
+    `partition`: of the coordinates of closed loops, taken where it saves operations.
 
     Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates and joints.
     """
@@ -95,7 +98,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     if constraints.rows:
         if short is not None and short.is_shorter(kinematics, momentum, h):
             momentum, h = short.momentum, short.h
-        free = FreeMotion(q, v, momentum, h, source)
+        free = FreeMotion(q, v, momentum, h, source, None, partition)
         (acceleration, source, constrained), counted = _hold(kinematics, bodies, energies, constraints, free, for_any_mass)
         way = constrained.way
     else:
@@ -251,24 +254,27 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
 
 def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraints: Constraints, free: FreeMotion,
           for_any_mass: bool) -> tuple[Held, dict[str, int]]:
-    """The constrained motion by the way that counts fewer nodes, and what each way that was tried counts."""
+    """The constrained motion by the way that counts fewest nodes, and what each way that was tried counts."""
     rows = constraint_rows(kinematics, constraints)
     is_preferred = prefers(*(ca.jacobian_sparsity(x, free.v) for x in (free.momentum, rows.rate)))
     tree = articulate(kinematics, bodies) if is_preferred is not False and not for_any_mass else None
+    plain = replace(free, partition=None)
     found: list[Held] = []
     if tree is not None:
         forces = forces_of_loops(kinematics, constraints.rows)
         own = FreeTree(tree, _along(tree, energies, free.h), forces, range(tree.size))
         if is_even(kinematics, own.balance):
-            found = [constrain(kinematics, rows, replace(free, tree=own), for_any_mass)]
+            found = [constrain(kinematics, rows, replace(plain, tree=own), for_any_mass)]
     if not found or (is_preferred is None and found[0][2].tree is not None):
-        found.append(constrain(kinematics, rows, free, for_any_mass))
+        found.append(constrain(kinematics, rows, plain, for_any_mass))
+        if free.partition is not None and found[-1][2].regular is not None:
+            found.append(constrain(kinematics, rows, free, for_any_mass))
     if len(found) == 1:
         return found[0], {}
     nodes = {held.way: _work([held.regular.acceleration if held.regular else acceleration], kinematics)
              for acceleration, _, held in found}
-    along, whole = nodes.values()
-    return found[0 if along < _CLEARLY * whole else 1], nodes
+    best = min(found, key=lambda held: nodes[held[2].way] / (1 if held[2].way == "constrained" else _CLEARLY))
+    return best, nodes
 
 
 def _along(tree: ArticulatedBodies, energies: Energies, h: ca.SX) -> ca.SX:

@@ -45,6 +45,21 @@ def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:
     return p, ca.evalf(ca.substitute(values, ca.vertcat(given, mask), ca.DM.zeros(2 * p.numel())))
 
 
+def at_declared_values(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
+    """The expressions at the start time, the parameters as declared, inputs zero: functions of q and v alone."""
+    p, values = default_parameters(kinematics)
+    found: list[ca.SX] = ca.substitute(at_start(kinematics, expressions), [p], [ca.SX(values)])
+    return found
+
+
+def at_start(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
+    """The expressions at the start time, inputs zero: functions of q, v and p."""
+    symbols, model = kinematics.symbols, kinematics.graph.model
+    inputs = [x for n, v in model.variables.items() if v.kind == "input" for _, x in scalars(n, symbols.values[n])]
+    found: list[ca.SX] = ca.substitute(kinematics.at_start(expressions), inputs, [ca.SX(0)] * len(inputs))
+    return found
+
+
 class _ParameterLeaves:
     """Leaves of an evaluator in which every parameter is what was given for it, or else its binding."""
 

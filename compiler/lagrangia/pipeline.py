@@ -65,6 +65,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.initial import build_initial
     from lagrangia.kinematics import build_kinematics
     from lagrangia.motion import build_motion
+    from lagrangia.partition import find_partition
     from lagrangia.scenes import build_scene, divide
 
     seconds: dict[str, float] = {}
@@ -77,10 +78,12 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
         with _timed(seconds, "kinematics, energies"):
             kinematics, constraints = reduce_kinematics(build_kinematics(graph, is_general))
             energies = build_energies(kinematics)
-        with _timed(seconds, "motion"):
-            motion = build_motion(kinematics, energies, constraints, for_any_mass)
-        with _timed(seconds, "functions"):
+        with _timed(seconds, "partition"):
             initial = build_initial(kinematics, constraints)
+            partition = find_partition(kinematics, constraints, initial)
+        with _timed(seconds, "motion"):
+            motion = build_motion(kinematics, energies, constraints, for_any_mass, partition)
+        with _timed(seconds, "functions"):
             flow = energy_flow(kinematics, constraints, energies, motion)
             hamilton = None if flow or is_separable(motion) else build_hamilton(kinematics, motion)
             functions = build_functions(kinematics, motion, constraints, initial, hamilton, _reported(kinematics.graph, outputs))

@@ -1,0 +1,191 @@
+"""Closed loops -> the coordinates to solve for, and in what order the others follow from them.
+
+With as many coordinates given as the loops leave free, the rates of the others are found group by group: a row that brings one
+new coordinate, or two rows that bring two, which are what mechanism theory calls an Assur group of class II (a dyad). Which
+coordinates to solve for is decided at positions along the motion that the loops allow from the start: a crank that turns all
+round holds its dyads well everywhere, where with the rocker given they would pass dead points. Source: Wehage and Haug,
+Generalized coordinate partitioning, J. Mech. Des. 104 (1982).
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from copy import deepcopy
+from dataclasses import dataclass, field
+from itertools import islice
+
+import casadi as ca
+import numpy as np
+
+from lagrangia.constraints import Constraints
+from lagrangia.initial import FIXED, InitialConditions
+from lagrangia.kinematics import Kinematics
+from lagrangia.parameters import default_parameters
+from lagrangia.positions import Positions, Vector
+
+_CLOSED = 1e-9  # of a position on the constraints, relative to the largest slope
+_STEPS, _LENGTH, _TURN = 36, 0.25, 12  # positions that are looked at, how far apart beside the largest slope, in one direction
+_MOST_STEPS = 10_000  # times the square of the number of coordinates
+_POOR, _MOSTLY = 0.1, 0.9  # the sine of a transmission angle that is poor; the share of positions where none is to be
+_MOST_TRIED, _MOST_ENTRIES = 64, 1500  # coordinates that are tried; free ones times all
+_NOTHING = 1e-300
+
+
+@dataclass(frozen=True)
+class Group:
+    """One or two rows, and as many coordinates that follow from them."""
+
+    rows: tuple[int, ...]
+    coordinates: tuple[int, ...]
+    size: float  # of the determinant, where it is good
+
+
+@dataclass(frozen=True)
+class Partition:
+    """Independent coordinates, and the groups of the others, each of which depends on what stands before it."""
+
+    independent: tuple[int, ...]
+    groups: tuple[Group, ...]
+
+    def part(self, among: Sequence[int], rows: Sequence[int]) -> "Partition":
+        """That of some coordinates and of their rows, which are then numbered by their places among these."""
+        place, line = ({k: i for i, k in enumerate(numbers)} for numbers in (among, rows))
+        groups = [Group(tuple(line[r] for r in group.rows), tuple(place[k] for k in group.coordinates), group.size)
+                  for group in self.groups if group.rows[0] in line]
+        return Partition(tuple(place[k] for k in self.independent if k in place), tuple(groups))
+
+
+def find_partition(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> Partition | None:
+    """None where the loops are not chains of such groups, or are too many, or would often be poorly held."""
+    rows = constraints.rows
+    n, m = len(kinematics.symbols.positions), len(rows)
+    if not 0 < m < n or (n - m) * n > _MOST_ENTRIES:
+        return None
+    phi = ca.vertcat(*[row.value(kinematics, 0) for row in rows if row.is_holonomic])
+    rate = ca.substitute(ca.vertcat(*[row.rate(kinematics) for row in rows]), kinematics.symbols.tau, ca.SX(1))
+    J = ca.jacobian(rate, ca.vertcat(*kinematics.symbols.rates.values()))
+    pattern = J.sparsity()
+    if _complete(_Chain.of(pattern), range(n), None) is None:
+        return None
+    slopes = _slopes_along(Positions(kinematics, phi, J), kinematics, initial)
+    return _complete(_Chain.of(pattern), range(n), slopes) if slopes is not None else None
+
+
+def _slopes_along(positions: Positions, kinematics: Kinematics, initial: InitialConditions) -> Vector | None:
+    """J at positions along the motion that the constraints allow, (positions, m, n). None where they cannot be kept."""
+    p, values = default_parameters(kinematics)
+    n = positions.n
+    guess = np.asarray(ca.evalf(ca.substitute(initial.q[:n], p, ca.SX(values)) if p.numel() else initial.q[:n]).full()).ravel()
+    held = np.array([0.0 if kind == FIXED else 1.0 for kind in initial.fixed[:n]])
+    here = positions.onto(guess, held)
+    reach = np.maximum(np.linalg.norm(positions.slopes(here), axis=0), _NOTHING)
+    largest, units = reach.max(), np.minimum(1 / reach, 1 / (_POOR * reach.max()))
+    found = [here]
+    random = np.random.default_rng(1)
+    while len(found) < min(_STEPS, _MOST_STEPS / n**2):
+        way = positions.along(found[-1], random.standard_normal(n), units, _LENGTH * largest)
+        found += islice(way, _TURN)
+    closed = [q for q in found if positions.gap(q) <= _CLOSED * largest]
+    return np.array([positions.slopes(q) for q in closed]) if len(closed) > _MOSTLY * len(found) else None
+
+
+# -------------------------------------------------------------------- chains of groups
+
+
+@dataclass
+class _Chain:
+    """What follows from the coordinates given so far."""
+
+    unknown: list[set[int]]  # coordinates of each row
+    users: list[list[int]]  # rows of each coordinate
+    known: set[int] = field(default_factory=set)
+    solved: set[int] = field(default_factory=set)  # rows
+    given: list[int] = field(default_factory=list)
+    groups: list[tuple[tuple[int, ...], tuple[int, ...]]] = field(default_factory=list)
+    pairs: dict[frozenset[int], int] = field(default_factory=dict)  # rows that bring the same two coordinates
+    repeats: bool = False  # a row says nothing new
+
+    @staticmethod
+    def of(pattern: ca.Sparsity) -> "_Chain":
+        m, n = pattern.shape
+        chain = _Chain([set() for _ in range(m)], [[] for _ in range(n)])
+        for row, k in zip(*pattern.get_triplet(), strict=True):
+            chain.unknown[row].add(k)
+            chain.users[k].append(row)
+        chain._look(range(m))
+        return chain
+
+    def give(self, k: int) -> None:
+        self.given.append(k)
+        self._know([k])
+
+    def _know(self, coordinates: Iterable[int]) -> None:
+        pending = list(coordinates)
+        while pending:
+            k = pending.pop(0)
+            self.known.add(k)
+            for row in self.users[k]:
+                self.unknown[row].discard(k)
+            pending += self._look([row for row in self.users[k] if row not in self.solved])
+
+    def _look(self, rows: Iterable[int]) -> list[int]:
+        """The coordinates that these rows give now."""
+        found: list[int] = []
+        for row in rows:
+            new = self.unknown[row] - set(found)
+            if row in self.solved:
+                continue
+            self.repeats |= not new
+            if len(new) == 1:
+                found += self._solve((row,), tuple(new))
+            elif len(new) == 2 and (other := self.pairs.setdefault(frozenset(new), row)) != row and other not in self.solved:
+                found += self._solve((other, row), tuple(sorted(new)))
+        return found
+
+    def _solve(self, rows: tuple[int, ...], coordinates: tuple[int, ...]) -> tuple[int, ...]:
+        self.groups.append((rows, coordinates))
+        self.solved.update(rows)
+        return coordinates
+
+
+def _complete(chain: _Chain, coordinates: Iterable[int], slopes: Vector | None) -> Partition | None:
+    """Gives coordinates one by one, each time the one from which most follows, until all is known. With `slopes` (positions, m,
+    n): of those whose groups are well held nearly everywhere, else None."""
+    left = [k for k in coordinates if chain.users[k]]
+    m = len(chain.unknown)
+    while len(chain.solved) < m:
+        left = [k for k in left if k not in chain.known]
+        best: tuple[tuple[int, float], _Chain] | None = None
+        for k in left[:: 1 + len(left) // _MOST_TRIED]:
+            trial = deepcopy(chain)
+            trial.give(k)
+            worst, share = _hold(trial, slopes)
+            if not trial.repeats and share >= _MOSTLY and (best is None or (len(trial.solved), worst) > best[0]):
+                best = (len(trial.solved), worst), trial
+        if best is None:
+            return None
+        chain = best[1]
+    n = len(chain.users)
+    if chain.repeats or len(chain.known) - len(chain.given) != m:
+        return None
+    groups = [Group(rows, columns, size) for (rows, columns), size in zip(chain.groups, _sizes(chain, slopes), strict=True)]
+    dependent = {k for group in groups for k in group.coordinates}
+    return Partition(tuple(k for k in range(n) if k not in dependent), tuple(groups))
+
+
+def _hold(chain: _Chain, slopes: Vector | None) -> tuple[float, float]:
+    """The least sine of a transmission angle at any of the positions, and the share of positions where none is poor."""
+    if slopes is None or not chain.groups:
+        return 1.0, 1.0
+    sines = np.min([np.abs(determinants) / size for determinants, size in _determinants(chain, slopes)], axis=0)
+    return float(sines.min()), float((sines >= _POOR).mean())
+
+
+def _sizes(chain: _Chain, slopes: Vector | None) -> list[float]:
+    return [1.0] * len(chain.groups) if slopes is None else [size for _, size in _determinants(chain, slopes)]
+
+
+def _determinants(chain: _Chain, slopes: Vector) -> Iterator[tuple[Vector, float]]:
+    """Of each group: at all positions, and what it is where the group is held best."""
+    for rows, columns in chain.groups:
+        block = slopes[:, list(rows)][:, :, list(columns)]
+        size = float(np.prod(np.linalg.norm(block, axis=1).max(axis=0)))
+        yield np.linalg.det(block), max(size, _NOTHING)

@@ -1,0 +1,59 @@
+"""Holonomic constraints in numbers, with the parameters as declared: onto them, and along what they allow."""
+
+from collections.abc import Iterator
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangia.kinematics import Kinematics
+from lagrangia.parameters import at_declared_values
+
+_DEPENDENT = 1e-9  # singular values below, relative to the largest, are of rows that repeat others
+_RETURNS = 60
+Vector = NDArray[np.float64]
+
+
+class Positions:
+    """Phi(q) and all slopes J(q) at the start time."""
+
+    def __init__(self, kinematics: Kinematics, phi: ca.SX, J: ca.SX) -> None:
+        q = ca.vertcat(*kinematics.symbols.positions.values())
+        phi, J = (ca.densify(x) for x in at_declared_values(kinematics, [phi, J]))
+        self.n = q.numel()
+        self._gaps = ca.Function("gaps", [q], [phi, ca.densify(ca.jacobian(phi, q))])
+        self._slopes = ca.Function("slopes", [q], [J])
+
+    def gap(self, q: Vector) -> float:
+        """The largest |Phi|."""
+        return float(np.abs(self._gaps(q)[0].full()).max(initial=0.0))
+
+    def slopes(self, q: Vector) -> Vector:
+        """J, (m, n)."""
+        return np.asarray(self._slopes(q).full())
+
+    def onto(self, q: Vector, units: Vector | None = None) -> Vector:
+        """Onto the constraints by the shortest corrections, lengths measured in `units` (0: held), as long as they help."""
+        units = np.ones(self.n) if units is None else units
+        g, J = (x.full() for x in self._gaps(q))
+        for _ in range(_RETURNS):
+            step = units * shortest(J * units, -g.ravel())
+            ahead, slopes = (x.full() for x in self._gaps(q + step))
+            if not np.linalg.norm(ahead) < np.linalg.norm(g):
+                break
+            q, g, J = q + step, ahead, slopes
+        return q
+
+    def along(self, q: Vector, wish: Vector, units: Vector, length: float) -> Iterator[Vector]:
+        """One after the other, positions along the way that begins most nearly as wished, lengths measured in `units`."""
+        while True:
+            J = self.slopes(q) * units
+            wish = wish - shortest(J, J @ wish)
+            step = units * wish * (length / max(float(np.linalg.norm(wish)), np.finfo(float).tiny))
+            q = self.onto(q + step, units)
+            yield q
+
+
+def shortest(A: Vector, b: Vector) -> Vector:
+    """The shortest x with A x = b, in the sense of least squares where rows are dependent."""
+    return np.asarray(np.linalg.lstsq(A, b, rcond=_DEPENDENT)[0])
