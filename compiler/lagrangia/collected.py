@@ -11,8 +11,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import reduce
+from itertools import pairwise
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from lagrangia.energies import Term
 from lagrangia.evaluation import scalars_of
@@ -20,7 +23,8 @@ from lagrangia.harmonics import Angle, Harmonics, Key, Powers, Sum, TooLarge, co
 from lagrangia.kinematics import Kinematics
 from lagrangia.scalars import Expression, apply_to_one, as_expression, symbols_in
 
-MOST_COORDINATES = 6
+MOST_COORDINATES = 6  # that act on each other
+_TOGETHER = 4  # so many sines take the time of one (runtime/sines.h)
 
 
 @dataclass(frozen=True)
@@ -50,37 +54,73 @@ class Collected:
 
     @property
     def _inverse(self) -> ca.SX:
-        return ca.SX(ca.sparsify(ca.inv(self.basis)))
+        return ca.SX(ca.sparsify(ca.DM(np.round(np.linalg.inv(self.basis.full())))))
 
     def _solved(self, r: ca.SX) -> ca.SX:
         diagonal, upper, order = ca.ldl(self.mass, True)
         return self._inverse @ ca.ldl_solve(r, diagonal, upper, order)
 
 
-def collect(kinematics: Kinematics, M: ca.SX, force: ca.SX) -> Collected | None:
-    """The same, in the bodies' angles where there are such; None where it is too large."""
+def blocks_of(M: ca.Sparsity) -> list[list[int]]:
+    """Groups of coordinates that M does not couple."""
+    _, members, starts = M.scc()
+    return [sorted(members[i:j]) for i, j in pairwise(starts)]
+
+
+def collect(kinematics: Kinematics, M: ca.SX, force: ca.SX, is_held: bool) -> Collected | None:
+    """The same, in the bodies' angles where there are such; None where it is too large. `is_held`: by closed loops, which ask for
+    sines and cosines of the bodies' angles, too."""
     n = len(kinematics.symbols.rates)
-    if n > MOST_COORDINATES:
-        return None
-    basis = _absolute_angles(kinematics)
-    entries = [M[i, j] for j in range(n) for i in range(j + 1)]
-    rates = [as_expression(x) for x in kinematics.symbols.rates.values()]
-    moved = [as_expression(x) for x in (ca.SX(basis) @ ca.vertcat(*rates)).elements()]
-    inverse = ca.inv(basis).full().tolist()
-    try:
-        harmonics = Harmonics(fixed=_parameters(kinematics))
+    are_given = is_held and n > _TOGETHER
+    basis, known = _absolute_angles(kinematics), _parameters(kinematics)
+    positions, rates = (list(x.values()) for x in (kinematics.symbols.positions, kinematics.symbols.rates))
+    mass, forces = ca.SX(n, n), ca.SX.zeros(n)
+    for block in blocks_of(ca.sparsify(M).sparsity() + basis.sparsity() + basis.sparsity().T):
+        if len(block) > MOST_COORDINATES:
+            return None
+        try:
+            own = [[as_expression(values[k]) for k in block] for values in (positions, rates)]
+            part = _Block(basis.full()[np.ix_(block, block)], *own, known)
+            mass[block, block], forces[block] = part.collected(M[block, block], force[block], are_given)
+        except TooLarge:
+            return None
+    return Collected(basis, ca.sparsify(mass), forces)
+
+
+class _Block:
+    """Coordinates that M does not couple with others: S, they and their rates, the hashes of all parameters."""
+
+    def __init__(self, basis: NDArray[np.float64], positions: Sequence[Expression], rates: Sequence[Expression],
+                 parameters: set[int]) -> None:
+        self.basis, self.positions, self.rates = basis, positions, rates
+        self.harmonics = Harmonics(fixed=parameters)
+
+    def collected(self, M: ca.SX, force: ca.SX, are_given: bool) -> tuple[ca.SX, ca.SX]:
+        """M and the force in the bodies' angles, whose sines and cosines are made of others unless they are given. Raises TooLarge."""
+        n, harmonics = len(self.rates), self.harmonics
+        inverse = np.round(np.linalg.inv(self.basis)).tolist()
+        moved = [as_expression(x) for x in (ca.SX(ca.sparsify(ca.DM(self.basis))) @ ca.vertcat(*self.rates)).elements()]
         own = combined(inverse, [harmonics.quantity(x) for x in moved])
-        harmonics.given = {rate.__hash__(): total for rate, total in zip(rates, own, strict=True)}
+        harmonics.given = {rate.__hash__(): total for rate, total in zip(self.rates, own, strict=True)}
+        entries = [M[i, j] for j in range(n) for i in range(j + 1)]
         sums = harmonics.sums(ca.densify(ca.vertcat(*entries, force)))
-    except TooLarge:
-        return None
-    turned = [list(column) for column in zip(*inverse, strict=True)]  # S^-T
-    half = [[sums[max(i, j) * (max(i, j) + 1) // 2 + min(i, j)] for i in range(n)] for j in range(n)]
-    left = [combined(turned, column) for column in half]  # S^-T M, by columns
-    mass = [combined(turned, [column[i] for column in left]) for i in range(n)]  # S^-T M S^-1, by rows
-    upper = [mass[i][j] for j in range(n) for i in range(j + 1)]
-    written = _Writer(harmonics).written([*upper, *combined(turned, sums[-n:])])
-    return Collected(basis, _symmetric(written, n), ca.densify(ca.vertcat(*written[-n:])))
+        turned = [list(column) for column in zip(*inverse, strict=True)]  # S^-T
+        half = [[sums[max(i, j) * (max(i, j) + 1) // 2 + min(i, j)] for i in range(n)] for j in range(n)]
+        left = [combined(turned, column) for column in half]  # S^-T M, by columns
+        mass = [combined(turned, [column[i] for column in left]) for i in range(n)]  # S^-T M S^-1, by rows
+        upper = [mass[i][j] for j in range(n) for i in range(j + 1)]
+        written = _Writer(harmonics, self._angles() if are_given else []).written([*upper, *combined(turned, sums[-n:])])
+        return _symmetric(written, n), ca.densify(ca.vertcat(*written[-n:]))
+
+    def _angles(self) -> list[Angle]:
+        """Those of the bodies."""
+        numbers = [self.harmonics.numbers.get(x.__hash__()) for x in self.positions]
+        found = []
+        for row in self.basis:
+            parts = [(number, float(x)) for number, x in zip(numbers, row, strict=True) if x]
+            if all(number is not None for number, _ in parts):
+                found.append(tuple(sorted((((number, 1),), x) for number, x in parts)))
+        return found
 
 
 def _symmetric(upper: Sequence[ca.SX], n: int) -> ca.SX:
@@ -132,18 +172,17 @@ def _absolute_angles(kinematics: Kinematics) -> ca.DM:
     inverse, or would not be of whole numbers."""
     graph, positions = kinematics.graph, kinematics.symbols.positions
     number = {name: k for k, name in enumerate(positions)}
-    S = ca.DM.eye(len(number))
-    for edge in graph.edges:
-        for name in edge.coordinates:
-            if name not in number:
-                continue
-            slope = ca.densify(ca.jacobian(ca.SX(kinematics.pose(edge.child, 0).phi), ca.vertcat(*positions.values())))
-            if not slope.is_constant():
-                return ca.DM.eye(len(number))
-            if float(slope[number[name]]) != 0:  # else it shifts
-                S[number[name], :] = ca.DM(slope)
-    is_whole = all(x == round(x) for x in S.full().ravel()) and abs(float(ca.det(S))) == 1
-    return S if is_whole else ca.DM.eye(len(number))
+    turning = [(edge.child, number[name]) for edge in graph.edges for name in edge.coordinates if name in number]
+    S = np.eye(len(number))
+    angles = ca.vertcat(ca.SX(0, 1), *[kinematics.pose(frame, 0).phi for frame, _ in turning])
+    slopes = ca.jacobian(angles, ca.vertcat(*positions.values()))
+    if not slopes.is_constant():
+        return ca.DM.eye(len(number))
+    for (_, k), slope in zip(turning, ca.DM(slopes).full(), strict=True):
+        if slope[k] != 0:  # else it shifts
+            S[k, :] = slope
+    is_whole = bool((np.round(S) == S).all()) and abs(round(np.linalg.det(S))) == 1
+    return ca.sparsify(ca.DM(S)) if is_whole else ca.DM.eye(len(number))
 
 
 # -------------------------------------------------------------------- sums -> expressions
@@ -174,12 +213,14 @@ _ALONE: _Amount = (((), 1.0),)
 @dataclass
 class _Writer:
     harmonics: Harmonics
+    given: Sequence[Angle]  # their sines and cosines are there
     known: dict[Angle, tuple[Angle, Angle, float] | None] = field(default_factory=dict)  # each a sum of two others, or not
     values: dict[_Wave, Expression] = field(default_factory=dict)
 
     def written(self, sums: Sequence[Sum]) -> list[Expression]:
         angles = {angle for terms in sums for _, angle, _ in terms if angle}
-        for angle in sorted(angles, key=lambda a: (len(a), a)):
+        self.known = dict.fromkeys(self.given, None)
+        for angle in sorted(angles - self.known.keys(), key=lambda a: (len(a), a)):
             self.known[angle] = self._parts(angle)
         return [self._sum(self._terms(terms, self.harmonics.is_fixed)) for terms in sums]
 

@@ -14,7 +14,7 @@ import casadi as ca
 
 from lagrangia.algebra import Scalar, rate_of, value_of
 from lagrangia.bodies import Bodies, Inertia, find_bodies
-from lagrangia.collected import MOST_COORDINATES, Collected, collect, split_weights
+from lagrangia.collected import MOST_COORDINATES, Collected, blocks_of, collect, split_weights
 from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, constrain, constraint_rows
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
@@ -33,6 +33,7 @@ from lagrangia.schur import FreeTree, prefers
 _DENSEST = 24
 # Collected accelerations may be so much longer than the shortest where M and h, of which implicit steps are made, are shorter.
 _NEARLY = 1.1
+_MOST_COLLECTED = 300  # coordinates, in blocks that act on each other
 # Below this ratio fewer operations are worth differences of what the tree would do and what constraints take back.
 _CLEARLY = 0.9
 Held = tuple[ca.SX, ca.SX, ConstrainedMotion]  # what `constrain` finds
@@ -92,7 +93,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     dissipated = ca.dot(v, damping) + tau * ca.gradient(D, tau)
     source = ca.dot(force, v) - tau * dL_dt + tau * ca.gradient(D, tau)
     H = ca.dot(v, momentum) - T + V if ca.depends_on(T, tau) else T + V
-    short = _collected(kinematics, energies, bodies, momentum, damping)
+    short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
     T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
     constrained, counted = None, dict[str, int]()
     if constraints.rows:
@@ -212,18 +213,21 @@ class _Short:
         return _work(own, kinematics) < _work(other, kinematics)
 
 
-def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: ca.SX, damping: ca.SX) -> _Short | None:
+def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: ca.SX, damping: ca.SX,
+               is_held: bool) -> _Short | None:
     """None for scenes with too many coordinates."""
     symbols = kinematics.symbols
     q, v = (ca.vertcat(ca.SX(0, 1), *values.values()) for values in (symbols.positions, symbols.rates))
-    if not 0 < v.numel() <= MOST_COORDINATES:
+    pattern = ca.jacobian_sparsity(momentum, v)
+    is_small = max(map(len, blocks_of(pattern)), default=0) <= MOST_COORDINATES
+    if not 0 < v.numel() <= _MOST_COLLECTED or not is_small or (v.numel() > MOST_COORDINATES and not ca.depends_on(momentum, q)):
         return None
     weights, springs = split_weights(kinematics, energies.potential)
     inner = inertial_force(kinematics, replace(energies, potential=weights, loads=()), bodies, q, v)
     outer = inertial_force(kinematics, replace(energies, potential=springs), replace(bodies, inertias=(), rest=()), q, v)
     resting = ca.substitute(momentum, v, ca.SX.zeros(v.numel()))
     inner, rest, resting = ca.substitute([inner, outer + damping, resting], [symbols.tau], [ca.SX(1)])
-    inertia = collect(kinematics, ca.jacobian(momentum, v), inner)
+    inertia = collect(kinematics, ca.jacobian(momentum, v), inner, is_held)
     return _Short(inertia, rest, inertia.momentum(v) + resting) if inertia is not None else None
 
 

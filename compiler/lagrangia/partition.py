@@ -24,7 +24,8 @@ from lagrangia.positions import Positions, Vector
 _CLOSED = 1e-9  # of a position on the constraints, relative to the largest slope
 _STEPS, _LENGTH, _TURN = 36, 0.25, 12  # positions that are looked at, how far apart beside the largest slope, in one direction
 _MOST_STEPS = 10_000  # times the square of the number of coordinates
-_POOR, _MOSTLY = 0.1, 0.9  # the sine of a transmission angle that is poor; the share of positions where none is to be
+_POOR, _GOOD = 0.1, 0.3  # sines of transmission angles
+_MOSTLY = 0.9  # the share of positions where no angle is to be poor
 _MOST_TRIED, _MOST_ENTRIES = 64, 1500  # coordinates that are tried; free ones times all
 _NOTHING = 1e-300
 
@@ -94,9 +95,10 @@ def _slopes_along(positions: Positions, kinematics: Kinematics, initial: Initial
 class _Chain:
     """What follows from the coordinates given so far."""
 
-    unknown: list[set[int]]  # coordinates of each row
+    members: list[set[int]]  # coordinates of each row
+    unknown: list[set[int]]  # those of them that are not known
     users: list[list[int]]  # rows of each coordinate
-    known: set[int] = field(default_factory=set)
+    depth: dict[int, int] = field(default_factory=dict)  # of known coordinates: so many groups stand one behind the other
     solved: set[int] = field(default_factory=set)  # rows
     given: list[int] = field(default_factory=list)
     groups: list[tuple[tuple[int, ...], tuple[int, ...]]] = field(default_factory=list)
@@ -106,22 +108,20 @@ class _Chain:
     @staticmethod
     def of(pattern: ca.Sparsity) -> "_Chain":
         m, n = pattern.shape
-        chain = _Chain([set() for _ in range(m)], [[] for _ in range(n)])
+        members, users = [set[int]() for _ in range(m)], [list[int]() for _ in range(n)]
         for row, k in zip(*pattern.get_triplet(), strict=True):
-            chain.unknown[row].add(k)
-            chain.users[k].append(row)
+            members[row].add(k)
+            users[k].append(row)
+        chain = _Chain(members, [set(row) for row in members], users)
         chain._look(range(m))
         return chain
 
     def give(self, k: int) -> None:
         self.given.append(k)
-        self._know([k])
-
-    def _know(self, coordinates: Iterable[int]) -> None:
-        pending = list(coordinates)
+        self.depth[k] = 0
+        pending = [k]
         while pending:
             k = pending.pop(0)
-            self.known.add(k)
             for row in self.users[k]:
                 self.unknown[row].discard(k)
             pending += self._look([row for row in self.users[k] if row not in self.solved])
@@ -143,6 +143,8 @@ class _Chain:
     def _solve(self, rows: tuple[int, ...], coordinates: tuple[int, ...]) -> tuple[int, ...]:
         self.groups.append((rows, coordinates))
         self.solved.update(rows)
+        behind = 1 + max((self.depth[k] for row in rows for k in self.members[row] if k in self.depth), default=0)
+        self.depth |= dict.fromkeys(coordinates, behind)
         return coordinates
 
 
@@ -152,19 +154,20 @@ def _complete(chain: _Chain, coordinates: Iterable[int], slopes: Vector | None) 
     left = [k for k in coordinates if chain.users[k]]
     m = len(chain.unknown)
     while len(chain.solved) < m:
-        left = [k for k in left if k not in chain.known]
-        best: tuple[tuple[int, float], _Chain] | None = None
+        left = [k for k in left if k not in chain.depth]
+        best: tuple[tuple[float, ...], _Chain] | None = None
         for k in left[:: 1 + len(left) // _MOST_TRIED]:
             trial = deepcopy(chain)
             trial.give(k)
             worst, share = _hold(trial, slopes)
-            if not trial.repeats and share >= _MOSTLY and (best is None or (len(trial.solved), worst) > best[0]):
-                best = (len(trial.solved), worst), trial
+            merit = len(trial.solved), min(worst, _GOOD), -max(trial.depth.values()), worst
+            if not trial.repeats and share >= _MOSTLY and (best is None or merit > best[0]):
+                best = merit, trial
         if best is None:
             return None
         chain = best[1]
     n = len(chain.users)
-    if chain.repeats or len(chain.known) - len(chain.given) != m:
+    if chain.repeats or len(chain.depth) - len(chain.given) != m:
         return None
     groups = [Group(rows, columns, size) for (rows, columns), size in zip(chain.groups, _sizes(chain, slopes), strict=True)]
     dependent = {k for group in groups for k in group.coordinates}
