@@ -13,16 +13,6 @@
 enum { LAG_JET_STRIDE = 20, LAG_JET_ORDER = 18 };
 
 /* Scene code calls these with a constant order, so that all loops are unrolled: three to four times as fast. */
-#if defined(__clang__)
-#define LAG_UNROLLED static inline __attribute__((always_inline))
-#define LAG_UNROLL _Pragma("unroll 2")
-#elif defined(__GNUC__)
-#define LAG_UNROLLED static inline __attribute__((always_inline))
-#define LAG_UNROLL _Pragma("GCC unroll 2")
-#else
-#define LAG_UNROLLED static inline
-#define LAG_UNROLL
-#endif
 
 /* sum of a_j b_(k - j) for j = first .. last, in two chains, long ones in four: as lanes where the compiler has vectors. */
 #ifdef LAG_HAS_VECTORS

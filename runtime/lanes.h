@@ -44,6 +44,21 @@ static inline double LAG_LANES_OF_WORDS(LagLaneWords words)
 }
 #endif
 
+/* Functions copied to their callers, whose constants they then know, and loops that are written out: by two, or wholly. */
+#if defined(__clang__)
+#define LAG_UNROLLED static inline __attribute__((always_inline))
+#define LAG_UNROLL _Pragma("unroll 2")
+#define LAG_UNROLL_ALL _Pragma("unroll")
+#elif defined(__GNUC__)
+#define LAG_UNROLLED static inline __attribute__((always_inline))
+#define LAG_UNROLL _Pragma("GCC unroll 2")
+#define LAG_UNROLL_ALL _Pragma("GCC unroll 16")
+#else
+#define LAG_UNROLLED static inline
+#define LAG_UNROLL
+#define LAG_UNROLL_ALL
+#endif
+
 #define LAG_LANES_SIGN ((uint64_t)1 << 63)
 
 /* As in extremes.h: a NaN in `a` is passed over. */
