@@ -6,6 +6,9 @@
  * more with every value measured by its size, and last with all of them alike: where a guess is far off, moving it little is the
  * long way.
  *
+ * Where no solution is found, what nobody guessed is tried elsewhere: a link that points the wrong way may keep its loop from
+ * closing although all guesses are near.
+ *
  * An assembly may be singular although others are regular: a parallelogram folded flat. Where the guesses leave values open,
  * these are tried elsewhere, and an assembly is preferred in which more of the equations are independent.
  */
@@ -17,8 +20,8 @@
 #include "linear.h"
 
 static const double GOLDEN_RATIO = 0.6180339887498949, CLOSE = 1e-7, SHORTEST_LEAN = 0.1, FALL = 1e-13;
-static const double SINGULAR = 1e-5, SPREAD = 1, MOVED = 1e-9;
-enum { MOST_ITERATIONS = 100, MOST_PUSHES = 3, MOST_LEANS = 30, MOST_RETURNS = 20, MOST_TRIES = 4 };
+static const double SINGULAR = 1e-5, SPREAD = 1, WIDE_SPREAD = 6.283185307179586, MOVED = 1e-9;
+enum { MOST_ITERATIONS = 100, MOST_PUSHES = 3, MOST_LEANS = 30, MOST_RETURNS = 20, MOST_TRIES = 4, MOST_SEARCHES = 12, MANY = 100 };
 
 void lag_assembly_layout(LagAssembly *s, LagArena *arena)
 {
@@ -190,20 +193,40 @@ static int is_open(const LagAssembly *s, const int *fixed, const double *x)
     return moved && open;
 }
 
+/* The positions from the guesses, what nobody guessed elsewhere, by `width` of its size. Returns as solve. */
+static int solve_elsewhere(LagAssembly *s, const double *p, const int *fixed, int turn, double width, double *x, double *work)
+{
+    const int n = lag_start_size(s->model);
+    copy(s, s->guess, x);
+    for (int j = 0; j < n; ++j)
+        x[j] += fixed[j] == LAG_START_FREE ? width * s->reach[j] * spread(j, turn) : 0;
+    return solve(s, p, fixed, s->model->n_initial_positions, 0, n, x, work);
+}
+
 /* From a singular assembly to a regular one, if there is one that the guesses do not speak against. */
 static void prefer_regular(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
-    const int n = lag_start_size(s->model), positions = s->model->n_initial_positions;
-    const int rank = is_open(s, fixed, x) ? rank_at(s, p, x, work) : positions;
+    const int positions = s->model->n_initial_positions, rank = is_open(s, fixed, x) ? rank_at(s, p, x, work) : positions;
     copy(s, x, s->best);
     for (int turn = 1; rank < positions && turn <= MOST_TRIES; ++turn) {
-        copy(s, s->guess, x);
-        for (int j = 0; j < n; ++j)
-            x[j] += fixed[j] == LAG_START_FREE ? SPREAD * s->reach[j] * spread(j, turn) : 0;
-        if (solve(s, p, fixed, positions, 0, n, x, work) < 0 && rank_at(s, p, x, work) > rank)
+        if (solve_elsewhere(s, p, fixed, turn, SPREAD, x, work) < 0 && rank_at(s, p, x, work) > rank)
             return;
         copy(s, s->best, x);
     }
+}
+
+/* Positions from the guesses, in large scenes from these alone. Returns as solve; where nothing is found, x is what is nearest to a
+ * solution from the guesses. */
+static int solve_positions(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+{
+    const int n = lag_start_size(s->model), worst = solve(s, p, fixed, s->model->n_initial_positions, 0, n, x, work);
+    copy(s, x, s->best);
+    for (int turn = 1; worst >= 0 && turn <= MOST_SEARCHES && n < MANY && is_open(s, fixed, x); ++turn) {
+        if (solve_elsewhere(s, p, fixed, turn, WIDE_SPREAD, x, work) < 0)
+            return -1;
+        copy(s, s->best, x);
+    }
+    return worst;
 }
 
 /* Rates where the positions are are a linear matter; all together only when that does not do: an equation that ties rates to
@@ -214,7 +237,7 @@ int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, d
     copy(s, x, s->guess);
     set_reach(s, p, x, work);
     if (positions > 0) {
-        const int worst = solve(s, p, fixed, positions, 0, n, x, work);
+        const int worst = solve_positions(s, p, fixed, x, work);
         if (worst >= 0)
             return worst;
         prefer_regular(s, p, fixed, x, work);

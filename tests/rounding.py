@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -11,9 +12,11 @@ from lagrangia.numpy_module import statements
 needs_longer_numbers = pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="no numbers longer than double here")
 
 
-def noise(model: lag.Model, states: Iterable[Sequence[np.ndarray]]) -> float:
-    """The largest difference, relative to the largest acceleration. A state is t, q, v, u."""
-    lines, (entries, *_) = statements(model.functions()["rhs"], ["t[{}]", "q[{}]", "v[{}]", "u[{}]", "p[{}]"])
+def noise(model: lag.Model, states: Iterable[Sequence[np.ndarray]], function: ca.Function | None = None) -> float:
+    """The largest difference, relative to the largest acceleration. A state is t, q, v, u. The function, of these and p, is the
+    model's own unless given."""
+    rhs = model.functions()["rhs"] if function is None else function
+    lines, (entries, *_) = statements(rhs, ["t[{}]", "q[{}]", "v[{}]", "u[{}]", "p[{}]"])
     program = compile("\n".join([*lines, f"out = [{', '.join(entries)}]"]), "rhs", "exec")
 
     def evaluate(values: list[np.ndarray], number: type) -> np.ndarray:

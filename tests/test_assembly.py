@@ -10,6 +10,7 @@ import lagrangia as lag
 from lagrangia import assembly
 from lagrangia.cli import main
 from lagrangia.pipeline import compile_file, read_files
+from random_linkages import random_linkage
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "models" / "examples"
@@ -46,6 +47,19 @@ def test_the_run_time_and_the_compiler_assemble_alike(file: Path, name: str) -> 
     names = [c.name for c in (*made.graph.coordinates, *made.initial.lost)]
     found = [start[name] for name in (*names, *(f"der({name})" for name in names))]
     np.testing.assert_allclose(found, x, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", [5, 8, 13, 23, 25, 27, 32, 34, 49, 70])
+def test_what_nobody_guessed_is_tried_elsewhere(seed: int, scene: Write) -> None:
+    """Linkages of which only the crank's angle is told; none of these closes by going downhill from zero."""
+    model = scene(random_linkage(seed, 1 + seed % 4, is_guessed=False))
+    made = model.compilation
+    x, worst = assembly.begin(made.kinematics, made.initial, made.functions).assemble()
+    assert worst == -1
+    start = begin(model)
+    assert start["crank_bearing.phi"] == pytest.approx(0.7, abs=1e-14)
+    found = [start[c.name] for c in (*made.graph.coordinates, *made.initial.lost)]
+    np.testing.assert_allclose(found, x[: len(found)], rtol=1e-9, atol=1e-9)
 
 
 # ---------------------------------------------------------------- nearest in the mass metric

@@ -22,6 +22,7 @@ _CLOSED, _MOST_CLOSINGS = 1e-11, 40
 _CRITICAL, _PUSH, _GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
 _EASE, _LEAST_PIVOT, _NO_MASS = 100.0, 1e-10, 1e-30
 _CLOSE, _SHORTEST_LEAN, _FALL, _SINGULAR, _SPREAD, _MOVED = 1e-7, 0.1, 1e-13, 1e-5, 1.0, 1e-9
+_WIDE_SPREAD, _MOST_SEARCHES, _MANY = 2 * np.pi, 12, 100
 _MOST_ITERATIONS, _MOST_PUSHES, _MOST_LEANS, _MOST_RETURNS, _MOST_TRIES = 100, 3, 30, 20, 4
 Vector = NDArray[np.float64]
 
@@ -322,7 +323,7 @@ class Assembly:
         if all_of_them == 0:
             return x, -1
         if positions > 0:
-            x, worst = self._solve(positions, 0, n, x)
+            x, worst = self._solve_positions(x)
             if worst >= 0:
                 return x, worst
             x = self._prefer_regular(x)
@@ -431,16 +432,32 @@ class Assembly:
     def _rank_at(self, x: Vector) -> int:
         return independent_columns(self.slopes(x).T, _SINGULAR).size
 
+    def _is_open(self, x: Vector) -> bool:
+        moved = np.abs(x - self.guess)[: self.n] > _MOVED * self.reach[: self.n]
+        return bool(moved.any() and (self.fixed[: self.n] == FREE).any())
+
+    def _solve_elsewhere(self, turn: int, width: float) -> tuple[Vector, int]:
+        n = self.n
+        push = np.where(self.fixed[:n] == FREE, width * self.reach[:n] * _pattern(n, turn), 0.0)
+        return self._solve(self.equations.n_positions, 0, n, self.guess + np.concatenate([push, np.zeros(n)]))
+
     def _prefer_regular(self, x: Vector) -> Vector:
-        n, positions = self.n, self.equations.n_positions
-        free = self.fixed[:n] == FREE
-        moved = np.abs(x - self.guess)[:n] > _MOVED * self.reach[:n]
-        rank = self._rank_at(x) if moved.any() and free.any() else positions
+        positions = self.equations.n_positions
+        rank = self._rank_at(x) if self._is_open(x) else positions
         for turn in range(1, _MOST_TRIES + 1):
             if rank == positions:
                 break
-            push = np.where(free, _SPREAD * self.reach[:n] * _pattern(n, turn), 0.0)
-            other, worst = self._solve(positions, 0, n, self.guess + np.concatenate([push, np.zeros(n)]))
+            other, worst = self._solve_elsewhere(turn, _SPREAD)
             if worst < 0 and self._rank_at(other) > rank:
                 return other
         return x
+
+    def _solve_positions(self, x: Vector) -> tuple[Vector, int]:
+        x, worst = self._solve(self.equations.n_positions, 0, self.n, x)
+        for turn in range(1, _MOST_SEARCHES + 1):
+            if worst < 0 or self.n >= _MANY or not self._is_open(x):
+                break
+            other, failed = self._solve_elsewhere(turn, _WIDE_SPREAD)
+            if failed < 0:
+                return other, -1
+        return x, worst

@@ -79,8 +79,8 @@ def collect(kinematics: Kinematics, M: ca.SX, force: ca.SX, is_held: bool) -> Co
         if len(block) > MOST_COORDINATES:
             return None
         try:
-            own = [[as_expression(values[k]) for k in block] for values in (positions, rates)]
-            part = _Block(basis.full()[np.ix_(block, block)], *own, known)
+            own, moved = ([as_expression(values[k]) for k in block] for values in (positions, rates))
+            part = _Block(basis.full()[np.ix_(block, block)], own, moved, known)
             mass[block, block], forces[block] = part.collected(M[block, block], force[block], are_given)
         except TooLarge:
             return None
@@ -96,7 +96,7 @@ class _Block:
         self.harmonics = Harmonics(fixed=parameters)
 
     def collected(self, M: ca.SX, force: ca.SX, are_given: bool) -> tuple[ca.SX, ca.SX]:
-        """M and the force in the bodies' angles, whose sines and cosines are made of others unless they are given. Raises TooLarge."""
+        """M and the force in the bodies' angles, whose sines are made of others unless they are given. Raises TooLarge."""
         n, harmonics = len(self.rates), self.harmonics
         inverse = np.round(np.linalg.inv(self.basis)).tolist()
         moved = [as_expression(x) for x in (ca.SX(ca.sparsify(ca.DM(self.basis))) @ ca.vertcat(*self.rates)).elements()]
@@ -114,13 +114,8 @@ class _Block:
 
     def _angles(self) -> list[Angle]:
         """Those of the bodies."""
-        numbers = [self.harmonics.numbers.get(x.__hash__()) for x in self.positions]
-        found = []
-        for row in self.basis:
-            parts = [(number, float(x)) for number, x in zip(numbers, row, strict=True) if x]
-            if all(number is not None for number, _ in parts):
-                found.append(tuple(sorted((((number, 1),), x) for number, x in parts)))
-        return found
+        keys = [next(iter(self.harmonics.quantity(x)))[0] for x in self.positions]
+        return [tuple(sorted((key, float(x)) for key, x in zip(keys, row, strict=True) if x)) for row in self.basis]
 
 
 def _symmetric(upper: Sequence[ca.SX], n: int) -> ca.SX:

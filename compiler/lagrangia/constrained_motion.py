@@ -71,7 +71,8 @@ class ConstrainedMotion:
 
     @property
     def way(self) -> str:
-        return "constrained along the tree" if self.tree else "partitioned" if self.partition else "constrained"
+        """As Motion tells it."""
+        return "constrained along the tree" if self.tree else "independent coordinates" if self.partition else "constrained"
 
 
 def constraint_rows(kinematics: Kinematics, constraints: Constraints) -> ConstraintRows:

@@ -23,6 +23,7 @@ from lagrangia.positions import Positions, shortest
 
 _RANK = 1e-7
 _THERE = 1e-13  # of a position that is taken to be on the constraints, relative to the scene's size
+_SHUT = 1e-6  # what is left of a gap where another start would close it
 _NOTHING = 1e-300
 
 
@@ -71,8 +72,10 @@ def _find(
     x, worst = assembly.assemble()
     if worst >= 0:
         is_rate = worst >= initial.n_positions
-        gaps = assembly.equations(x)[0] if is_rate else assembly.least_gaps(x)
-        return Freedom(n, n, told, _problem(initial, worst, gaps)), assembly, x
+        gaps = assembly.equations(x)[0]
+        least = gaps if is_rate else assembly.least_gaps(x)
+        closes_elsewhere = np.abs(least).max() < _SHUT * np.abs(gaps).max()
+        return Freedom(n, n, told, _problem(initial, worst, gaps if closes_elsewhere else least)), assembly, x
     q, numbers = x[:n], _Numbers(kinematics, held)
     slopes = numbers.scaled([q, *numbers.nearby(q)])
     ranks = [_rank(J) for J in slopes]

@@ -60,7 +60,7 @@ class Motion:
     constrained: ConstrainedMotion | None
     dissipated_power: ca.SX  # taken out by dampers
     source_power: ca.SX  # put in by loads and moving supports
-    way: str  # "dense", "tree", "collected", "constrained", "constrained along the tree" or "partitioned"
+    way: str  # "dense", "tree", "collected", "constrained", "constrained along the tree" or "independent coordinates"
     counted: dict[str, int]  # nodes of each way, where there was a choice
     collected: Collected | None = None  # where that is the way
 
@@ -73,7 +73,7 @@ class Motion:
 def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints, for_any_mass: bool = False,
                  partition: Partition | None = None) -> Motion:
     """`for_any_mass`: formulas that hold where parameters make M singular or uneven, too; they cost half as much again.
-    `partition`: of the coordinates of closed loops, taken where it saves operations.
+    `partition`: of the coordinates of closed loops, used where it saves operations.
 
     Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates and joints.
     """
@@ -85,9 +85,8 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
              "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
     bodies = find_bodies(kinematics, energies)
     T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
-    n = q.numel()
     slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
-    momentum, dL_dt = slopes[:n, 0], slopes[n]
+    momentum, dL_dt = slopes[:-1, 0], slopes[-1]
     force, damping = _generalised_force(energies, q), ca.gradient(D, v)
     h = inertial_force(kinematics, energies, bodies, q, v) + damping
     dissipated = ca.dot(v, damping) + tau * ca.gradient(D, tau)

@@ -158,7 +158,7 @@ def _mass(parts: _Parts) -> Iterable[Need]:
     shown = _few([c.name for c in parts.turning]) if len(names) <= _MOST_COUNTED else "position"
     why = f"M depends on {shown}" if parts.turning else "M depends on time" if timed else "M is constant"
     yield Need("refactorising M", bool(parts.turning) or timed, why, place, saving="a factorisation in every evaluation")
-    yield Need("M as a matrix", motion.way in ("dense", "collected", "constrained"), f"operations by each way: {ways}")
+    yield Need("M as a matrix", motion.way not in ("tree", "constrained along the tree"), f"operations by each way: {ways}")
     floating = [(root.frame, parts.kinematics.graph.model.frames[root.frame].span)
                 for root in parts.kinematics.graph.roots if not root.is_ground]
     yield _listed("floating coordinates", floating, "every body is joined to the ground", "", "three coordinates a body")
@@ -173,6 +173,7 @@ def _constraints(parts: _Parts) -> Iterable[Need]:
     usual = held.regular if held and held.regular and held.regular.place.numel() else held
     nodes = count_nodes([usual.place, usual.steer], [parts.kinematics.algebra.state, parts.motion.t]) if usual else 0
     yield _listed("constraints", spans, "the graph is a tree", _counted(len(rows), "row"), "multipliers in every evaluation")
+    yield _multipliers(parts)
     yield _listed("projection", spans[:1], "nothing can drift off", f"{nodes} operations a correction", "two corrections a step")
     yield _dependence(parts)
     asked = parts.scene.sizes["outputs_need_acceleration"]
@@ -182,6 +183,20 @@ def _constraints(parts: _Parts) -> Iterable[Need]:
     repeated = [(row.loop.around if row.loop else row.span.text, row.span) for row in parts.constraints.repeated]
     yield Need("repeated equations", False, f"left out: {_few([name for name, _ in repeated])}" if repeated
                else "none repeats another", str(repeated[0][1]) if repeated else "")
+
+
+def _multipliers(parts: _Parts) -> Need:
+    """Whether the accelerations are solved for together with multipliers, or in independent coordinates alone."""
+    held, names, what = parts.motion.constrained, parts.kinematics.graph.coordinates, "multipliers in steps"
+    if held is None:
+        return Need(what, False, "there are no constraints")
+    if held.partition is None:
+        return Need(what, True, "the loops are no chains of pairs of links, or bringing them down to independent coordinates "
+                    "would not save operations", cost=_counted(len(parts.constraints.rows), "unknown"))
+    whole, less = (parts.motion.counted[way] for way in ("constrained", parts.motion.way))
+    given = _few([names[k].name for k in held.partition.independent])
+    return Need(what, False, f"solved for {given}; the others follow from there",
+                saving=f"{whole - less} of {whole} operations")
 
 
 def _given_coordinates(parts: _Parts) -> Iterable[Need]:

@@ -8,9 +8,8 @@ Generalized coordinate partitioning, J. Mech. Des. 104 (1982).
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from copy import deepcopy
-from dataclasses import dataclass, field
-from itertools import islice
+from dataclasses import dataclass, field, replace
+from itertools import islice, takewhile
 
 import casadi as ca
 import numpy as np
@@ -22,9 +21,10 @@ from lagrangia.parameters import default_parameters
 from lagrangia.positions import Positions, Vector
 
 _CLOSED = 1e-9  # of a position on the constraints, relative to the largest slope
-_STEPS, _LENGTH, _TURN = 36, 0.25, 12  # positions that are looked at, how far apart beside the largest slope, in one direction
-_MOST_STEPS = 10_000  # times the square of the number of coordinates
-_POOR, _GOOD = 0.1, 0.3  # sines of transmission angles
+_LEGS, _MOST_LEGS = 3, 1000  # ways in random directions; times the square of the number of coordinates
+_LEG, _LENGTH = 12, 0.25  # positions on a way, how far apart beside the largest slope
+_SHORTEST = 0.1  # lever of a coordinate, beside the longest
+_POOR, _GOOD = 0.03, 0.3  # sines of transmission angles
 _MOSTLY = 0.9  # the share of positions where no angle is to be poor
 _MOST_TRIED, _MOST_ENTRIES = 64, 1500  # coordinates that are tried; free ones times all
 _NOTHING = 1e-300
@@ -55,37 +55,37 @@ class Partition:
 
 
 def find_partition(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> Partition | None:
-    """None where the loops are not chains of such groups, or are too many, or would often be poorly held."""
+    """None where the loops are not chains of such groups, leave more free than they give, or would often be poorly held."""
     rows = constraints.rows
     n, m = len(kinematics.symbols.positions), len(rows)
-    if not 0 < m < n or (n - m) * n > _MOST_ENTRIES:
+    if not n - m <= m < n or (n - m) * n > _MOST_ENTRIES:
         return None
     phi = ca.vertcat(*[row.value(kinematics, 0) for row in rows if row.is_holonomic])
     rate = ca.substitute(ca.vertcat(*[row.rate(kinematics) for row in rows]), kinematics.symbols.tau, ca.SX(1))
     J = ca.jacobian(rate, ca.vertcat(*kinematics.symbols.rates.values()))
     pattern = J.sparsity()
-    if _complete(_Chain.of(pattern), range(n), None) is None:
+    if _complete(_Chain.of(pattern), None) is None:
         return None
     slopes = _slopes_along(Positions(kinematics, phi, J), kinematics, initial)
-    return _complete(_Chain.of(pattern), range(n), slopes) if slopes is not None else None
+    return _complete(_Chain.of(pattern), slopes) if slopes is not None else None
 
 
 def _slopes_along(positions: Positions, kinematics: Kinematics, initial: InitialConditions) -> Vector | None:
-    """J at positions along the motion that the constraints allow, (positions, m, n). None where they cannot be kept."""
+    """J at positions along the motion that the constraints allow, (positions, m, n). None where the start does not close."""
     p, values = default_parameters(kinematics)
     n = positions.n
     guess = np.asarray(ca.evalf(ca.substitute(initial.q[:n], p, ca.SX(values)) if p.numel() else initial.q[:n]).full()).ravel()
     held = np.array([0.0 if kind == FIXED else 1.0 for kind in initial.fixed[:n]])
-    here = positions.onto(guess, held)
-    reach = np.maximum(np.linalg.norm(positions.slopes(here), axis=0), _NOTHING)
-    largest, units = reach.max(), np.minimum(1 / reach, 1 / (_POOR * reach.max()))
-    found = [here]
-    random = np.random.default_rng(1)
-    while len(found) < min(_STEPS, _MOST_STEPS / n**2):
+    found = [positions.onto(guess, held)]
+    reach = np.linalg.norm(positions.slopes(found[0]), axis=0)
+    largest = max(float(reach.max()), _NOTHING)
+    if positions.gap(found[0]) > _CLOSED * largest:
+        return None
+    units, random = 1 / np.maximum(reach, _SHORTEST * largest), np.random.default_rng(1)
+    for _ in range(min(_LEGS, _MOST_LEGS // n**2)):
         way = positions.along(found[-1], random.standard_normal(n), units, _LENGTH * largest)
-        found += islice(way, _TURN)
-    closed = [q for q in found if positions.gap(q) <= _CLOSED * largest]
-    return np.array([positions.slopes(q) for q in closed]) if len(closed) > _MOSTLY * len(found) else None
+        found += takewhile(lambda q: positions.gap(q) <= _CLOSED * largest, islice(way, _LEG))
+    return np.array([positions.slopes(q) for q in found])
 
 
 # -------------------------------------------------------------------- chains of groups
@@ -113,13 +113,19 @@ class _Chain:
             members[row].add(k)
             users[k].append(row)
         chain = _Chain(members, [set(row) for row in members], users)
-        chain._look(range(m))
+        chain._follow(chain._look(range(m)))
         return chain
 
-    def give(self, k: int) -> None:
-        self.given.append(k)
-        self.depth[k] = 0
-        pending = [k]
+    def with_given(self, k: int) -> "_Chain":
+        """What follows from one more coordinate."""
+        more = replace(self, unknown=[set(row) for row in self.unknown], depth=dict(self.depth), solved=set(self.solved),
+                       given=[*self.given, k], groups=list(self.groups), pairs=dict(self.pairs))
+        more.depth[k] = 0
+        more._follow([k])
+        return more
+
+    def _follow(self, known: Sequence[int]) -> None:
+        pending = list(known)
         while pending:
             k = pending.pop(0)
             for row in self.users[k]:
@@ -148,25 +154,24 @@ class _Chain:
         return coordinates
 
 
-def _complete(chain: _Chain, coordinates: Iterable[int], slopes: Vector | None) -> Partition | None:
+def _complete(chain: _Chain, slopes: Vector | None) -> Partition | None:
     """Gives coordinates one by one, each time the one from which most follows, until all is known. With `slopes` (positions, m,
     n): of those whose groups are well held nearly everywhere, else None."""
-    left = [k for k in coordinates if chain.users[k]]
-    m = len(chain.unknown)
+    n, m = len(chain.users), len(chain.unknown)
     while len(chain.solved) < m:
-        left = [k for k in left if k not in chain.depth]
+        left = [k for k in range(n) if chain.users[k] and k not in chain.depth]
         best: tuple[tuple[float, ...], _Chain] | None = None
         for k in left[:: 1 + len(left) // _MOST_TRIED]:
-            trial = deepcopy(chain)
-            trial.give(k)
+            trial = chain.with_given(k)
             worst, share = _hold(trial, slopes)
             merit = len(trial.solved), min(worst, _GOOD), -max(trial.depth.values()), worst
             if not trial.repeats and share >= _MOSTLY and (best is None or merit > best[0]):
                 best = merit, trial
+            if best is not None and slopes is None and len(trial.solved) == m:
+                break
         if best is None:
             return None
         chain = best[1]
-    n = len(chain.users)
     if chain.repeats or len(chain.depth) - len(chain.given) != m:
         return None
     groups = [Group(rows, columns, size) for (rows, columns), size in zip(chain.groups, _sizes(chain, slopes), strict=True)]

@@ -73,15 +73,12 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
         with _timed(seconds, "syntax, flat"):
             syntax, flat = flatten_file(path, model, structural)
             check_dimensions(flat)
-        with _timed(seconds, "graph"):
-            graph = build_graph(flat)
-        with _timed(seconds, "kinematics, energies"):
-            kinematics, constraints = reduce_kinematics(build_kinematics(graph, is_general))
+        with _timed(seconds, "graph, kinematics, energies"):
+            kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
             energies = build_energies(kinematics)
-        with _timed(seconds, "partition"):
+        with _timed(seconds, "motion"):
             initial = build_initial(kinematics, constraints)
             partition = find_partition(kinematics, constraints, initial)
-        with _timed(seconds, "motion"):
             motion = build_motion(kinematics, energies, constraints, for_any_mass, partition)
         with _timed(seconds, "functions"):
             flow = energy_flow(kinematics, constraints, energies, motion)
@@ -91,8 +88,8 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             is_still = is_held_still(kinematics, motion, constraints, initial, functions)
         with _timed(seconds, "scene"):
             refused = {"conservative": flow} if flow else {}
-            scene = build_scene(kinematics, motion, initial, functions, is_still, refused)
-            scene = divide(scene, kinematics, motion, initial)
+            whole = build_scene(kinematics, motion, initial, functions, is_still, refused)
+            scene = divide(whole, kinematics, motion, initial)
     return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, initial, functions, scene,
                        seconds)
 
