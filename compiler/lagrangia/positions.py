@@ -33,8 +33,8 @@ class Positions:
         return np.asarray(self._slopes(q).full())
 
     def onto(self, q: Vector, units: Vector | None = None) -> Vector:
-        """Onto the constraints by the shortest corrections, lengths measured in `units` (0: held), as long as they or parts of them
-        help."""
+        """Onto the constraints by the shortest corrections or parts of them, lengths measured in `units` (0: held), as long as
+        they help."""
         units = np.ones(self.n) if units is None else units
         g, J = (x.full() for x in self._gaps(q))
         for _ in range(_RETURNS):
