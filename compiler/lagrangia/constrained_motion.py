@@ -101,9 +101,9 @@ def constrain(
         system = factor(free.M, J, is_robust)
     acceleration, multipliers = _accelerate(system, rows, free, refine=True)
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(J.size1())])
-    partition = None if is_robust else free.partition
-    own = NullSpace(free.M, J, partition) if partition is not None else None
-    regular = None if is_robust else _regular(rows, free, own or system.without_small())
+    partition = free.partition if free.partition and (not is_robust or len(free.partition.independent) == 1) else None
+    short = NullSpace(free.M, J, partition) if partition else None if is_robust else system.without_small()
+    regular = _regular(rows, free, short) if short else None
     place, steer = _place(system, rows, is_robust), system.least(-rows.rate)
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
                              regular, system.tree if isinstance(system, SchurComplement) else None, partition)

@@ -72,7 +72,7 @@ def _held(kinematics: Kinematics, motion: Motion, whole: ConstrainedMotion, own:
     rows = ConstraintRows(whole.rows.phi[holonomic], whole.rows.rate[own], whole.rows.bias[own])
     partition = whole.partition.part(chosen, own) if whole.partition is not None else None
     free = FreeMotion(motion.q, motion.v, motion.momentum, motion.h, motion.source_power, tree, partition)
-    acceleration, source, held = constrain(kinematics, rows, free, whole.regular is None)
+    acceleration, source, held = constrain(kinematics, rows, free, whole.evenness.numel() == 0)
     return replace(motion, acceleration=acceleration, source_power=source, constrained=held)
 
 

@@ -270,7 +270,7 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
             found = [constrain(kinematics, rows, replace(plain, tree=own), for_any_mass)]
     if not found or (is_preferred is None and found[0][2].tree is not None):
         found.append(constrain(kinematics, rows, plain, for_any_mass))
-        if free.partition is not None and found[-1][2].regular is not None:
+        if free.partition is not None:
             found.append(constrain(kinematics, rows, free, for_any_mass))
     if len(found) == 1:
         return found[0], {}

@@ -60,10 +60,8 @@ class NullSpace:
         return tuple(ca.ldl(ca.sparsify(mass), True))
 
     def _least(self, a: ca.SX, x: ca.SX) -> ca.SX:
-        right = ca.densify(self._motions.T @ a - self._momenta.T @ x)
-        diagonal, upper, order = self._factors
-        z = right * (1 / diagonal) if len(order) == 1 else ca.ldl_solve(right, diagonal, upper, order)
-        return x + self._motions @ z
+        right = self._motions.T @ a - self._momenta.T @ x
+        return x + self._motions @ ca.ldl_solve(ca.densify(right), *self._factors)
 
     def _follow(self, b: ca.SX) -> ca.SX:
         """x_b, (n,)."""
