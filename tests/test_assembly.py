@@ -41,7 +41,7 @@ def test_the_run_time_and_the_compiler_assemble_alike(file: Path, name: str) -> 
         pytest.skip("this model is a part of others")
     if "initial" not in made.functions.table:
         pytest.skip("nothing to assemble")
-    x, worst = assembly.begin(made.kinematics, made.initial, made.functions).assemble()
+    x, worst = assembly.begin(made.kinematics, made.initial, made.functions.table).assemble()
     assert worst == -1
     start = begin(lag.Model(file, name))
     names = [c.name for c in (*made.graph.coordinates, *made.initial.lost)]
@@ -54,7 +54,7 @@ def test_what_nobody_guessed_is_tried_elsewhere(seed: int, scene: Write) -> None
     """Linkages of which only the crank's angle is told; none of these closes by going downhill from zero."""
     model = scene(random_linkage(seed, 1 + seed % 4, is_guessed=False))
     made = model.compilation
-    x, worst = assembly.begin(made.kinematics, made.initial, made.functions).assemble()
+    x, worst = assembly.begin(made.kinematics, made.initial, made.functions.table).assemble()
     assert worst == -1
     start = begin(model)
     assert start["crank_bearing.phi"] == pytest.approx(0.7, abs=1e-14)
@@ -138,7 +138,7 @@ def test_positions_and_rates_may_be_far_apart(ratio: float, scene: Write) -> Non
       b.s = {ratio}*a.s; b.v = {ratio}*a.v;
     end M;""")
     start, made = begin(model), model.compilation
-    x, worst = assembly.begin(made.kinematics, made.initial, made.functions).assemble()
+    x, worst = assembly.begin(made.kinematics, made.initial, made.functions.table).assemble()
     assert worst == -1
     for found in ([start[name] for name in ("a.s", "b.s", "der(a.s)", "der(b.s)")], x):
         np.testing.assert_allclose(found, [1, ratio, 2, 2 * ratio], rtol=1e-12)

@@ -132,7 +132,7 @@ def test_fixed_values_that_cannot_hold_point_at_one_of_them(scene: Write) -> Non
 def test_both_implementations_agree(scene: Write) -> None:
     for starts in (ROUGH, ROUGH | {"C": "phi(start = 1.1, fixed = true), w(start = 2)"}, ROUGH | {"B": "w(start = 1)"}):
         made = scene(four_bar(**starts)).compilation
-        x, worst = assembly.begin(made.kinematics, made.initial, made.functions).assemble()
+        x, worst = assembly.begin(made.kinematics, made.initial, made.functions.table).assemble()
         names = [c.name for c in (*made.graph.coordinates, *made.initial.lost)]
         assert worst == -1
         assert made.initial.lost

@@ -58,6 +58,7 @@ ORDER = """
     parameters
     constraints
     initial
+    assembly
     positions
     partition
     forces
@@ -82,7 +83,6 @@ ORDER = """
     factors
     impulses
     functions
-    assembly
     assemblies
     freedom
     equilibrium

@@ -116,7 +116,7 @@ class Study:
         guess = np.where(is_given, given, guess)
         if "initial" not in table:
             return guess[:n], guess[n:]
-        equations = replace(start_equations(self.c.kinematics, initial, self.c.functions), p=self.p)
+        equations = replace(start_equations(self.c.kinematics, initial, self.c.functions.table), p=self.p)
         x, worst = Assembly(equations, np.where(is_given, FIXED, np.array(initial.fixed)), guess).assemble()
         if worst >= 0:
             fail("L0606", initial.complaint(worst), initial.residual_spans[worst],

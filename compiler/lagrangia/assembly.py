@@ -4,7 +4,7 @@ The same algorithm as runtime/assemble.c, newton.c and metric.c, constant for co
 holds the two together.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
@@ -12,7 +12,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.functions import Functions
 from lagrangia.initial import FIXED, FREE, InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import default_parameters
@@ -49,19 +48,18 @@ class Equations:
         return values, jacobian.full().reshape(values.size, 2 * self.n, order="F")
 
 
-def start_equations(kinematics: Kinematics, initial: InitialConditions, functions: Functions) -> Equations:
-    """Those of a scene with its parameters as declared."""
+def start_equations(kinematics: Kinematics, initial: InitialConditions, table: Mapping[str, ca.Function]) -> Equations:
+    """Those of a scene with its parameters as declared. `table`: its functions; without momenta masses do not count."""
     units = [c.unit for c in (*kinematics.graph.coordinates, *initial.lost)]
     kinds = np.array([sorted(set(units)).index(unit) for unit in units])
-    table = functions.table
     p, is_angle = default_parameters(kinematics)[1].full().ravel(), np.array([unit == "rad" for unit in units])
     return Equations(table["initial"], table.get("momentum"), p, is_angle, kinds, initial.n_positions)
 
 
-def begin(kinematics: Kinematics, initial: InitialConditions, functions: Functions) -> "Assembly":
+def begin(kinematics: Kinematics, initial: InitialConditions, table: Mapping[str, ca.Function]) -> "Assembly":
     """The assembly of a scene with its parameters as declared, from its own guesses."""
-    equations = start_equations(kinematics, initial, functions)
-    guess = np.concatenate([x.full().ravel() for x in functions.table["start"](equations.p)])
+    equations = start_equations(kinematics, initial, table)
+    guess = np.concatenate([x.full().ravel() for x in table["start"](equations.p)])
     return Assembly(equations, np.array(initial.fixed), guess)
 
 

@@ -72,7 +72,7 @@ class ConstrainedMotion:
     @property
     def way(self) -> str:
         """As Motion tells it."""
-        return "constrained along the tree" if self.tree else "independent coordinates" if self.partition else "constrained"
+        return "independent coordinates" if self.partition else "constrained along the tree" if self.tree else "constrained"
 
 
 def constraint_rows(kinematics: Kinematics, constraints: Constraints) -> ConstraintRows:

@@ -68,7 +68,7 @@ def _find(
     told = tuple(dict.fromkeys(map(_tell, constraints.repeated)))
     if held is None:
         return Freedom(n, n, told, None), None, np.zeros(0)
-    assembly = begin(kinematics, initial, functions)
+    assembly = begin(kinematics, initial, functions.table)
     x, worst = assembly.assemble()
     if worst >= 0:
         is_rate = worst >= initial.n_positions

@@ -16,7 +16,7 @@ from lagrangia.constraints import Constraints
 from lagrangia.factors import hoist
 from lagrangia.hamilton import Hamilton
 from lagrangia.impulses import find_kick
-from lagrangia.initial import InitialConditions
+from lagrangia.initial import InitialConditions, initial_function, start_function
 from lagrangia.jacobians import Jacobian, build_jacobian
 from lagrangia.kinematics import Kinematics
 from lagrangia.linear_choice import linear_pays
@@ -69,7 +69,7 @@ def build_functions(
     table = _implicit_function(jacobian, found["jacobian"], full, all_labels) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
-        "start": ca.Function("start", [motion.p], [initial.q, initial.v], ["p"], ["q", "v"]),
+        "start": start_function(kinematics, initial),
         "rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"]),
         "outputs": ca.Function("outputs", full, found["outputs"], all_labels, ["y"]),
         "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
@@ -261,13 +261,7 @@ def _outputs(kinematics: Kinematics, names: tuple[str, ...]) -> tuple[tuple[str,
 def _start_functions(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> dict[str, ca.Function]:
     if not initial.residual_spans:
         return {}
-    return {"initial": _initial_function(motion, initial), "momentum": _momentum_function(kinematics, motion, initial)}
-
-
-def _initial_function(motion: Motion, initial: InitialConditions) -> ca.Function:
-    q, v, p = ca.vertcat(motion.q, initial.lost_q), ca.vertcat(motion.v, initial.lost_v), motion.p
-    jacobian = ca.densify(ca.jacobian(initial.residuals, ca.vertcat(q, v)))
-    return ca.Function("initial", [q, v, p], [initial.residuals, ca.vec(jacobian)], ["q", "v", "p"], ["g", "J"])
+    return {"initial": initial_function(kinematics, initial), "momentum": _momentum_function(kinematics, motion, initial)}
 
 
 def _momentum_function(kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> ca.Function:

@@ -57,6 +57,19 @@ def build_initial(kinematics: Kinematics, constraints: Constraints) -> InitialCo
     return _Starts(kinematics).build(constraints)
 
 
+def start_function(kinematics: Kinematics, initial: InitialConditions) -> ca.Function:
+    """p -> q, v, the values of lost coordinates behind them."""
+    return ca.Function("start", [default_parameters(kinematics)[0]], [initial.q, initial.v], ["p"], ["q", "v"])
+
+
+def initial_function(kinematics: Kinematics, initial: InitialConditions) -> ca.Function:
+    """q, v, p -> the residuals and their Jacobian, column by column."""
+    positions, rates = (ca.vertcat(ca.SX(0, 1), *x.values()) for x in (kinematics.symbols.positions, kinematics.symbols.rates))
+    q, v, p = ca.vertcat(positions, initial.lost_q), ca.vertcat(rates, initial.lost_v), default_parameters(kinematics)[0]
+    jacobian = ca.densify(ca.jacobian(initial.residuals, ca.vertcat(q, v)))
+    return ca.Function("initial", [q, v, p], [initial.residuals, ca.vec(jacobian)], ["q", "v", "p"], ["g", "J"])
+
+
 class _Starts:
     def __init__(self, kinematics: Kinematics) -> None:
         self.kinematics = kinematics

@@ -261,17 +261,15 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
     rows = constraint_rows(kinematics, constraints)
     is_preferred = prefers(*(ca.jacobian_sparsity(x, free.v) for x in (free.momentum, rows.rate)))
     tree = articulate(kinematics, bodies) if is_preferred is not False and not for_any_mass else None
-    plain = replace(free, partition=None)
-    found: list[Held] = []
+    along = None
     if tree is not None:
-        forces = forces_of_loops(kinematics, constraints.rows)
-        own = FreeTree(tree, _along(tree, energies, free.h), forces, range(tree.size))
-        if is_even(kinematics, own.balance):
-            found = [constrain(kinematics, rows, replace(plain, tree=own), for_any_mass)]
-    if not found or (is_preferred is None and found[0][2].tree is not None):
-        found.append(constrain(kinematics, rows, plain, for_any_mass))
-        if free.partition is not None:
-            found.append(constrain(kinematics, rows, free, for_any_mass))
+        own = FreeTree(tree, _along(tree, energies, free.h), forces_of_loops(kinematics, constraints.rows), range(tree.size))
+        along = own if is_even(kinematics, own.balance) else None
+    found = [constrain(kinematics, rows, replace(free, tree=along, partition=None), for_any_mass)]
+    if is_preferred is None and found[0][2].tree is not None:
+        found.append(constrain(kinematics, rows, replace(free, partition=None), for_any_mass))
+    if free.partition is not None:
+        found.append(constrain(kinematics, rows, replace(free, tree=found[-1][2].tree), for_any_mass))
     if len(found) == 1:
         return found[0], {}
     nodes = {held.way: _work([held.regular.acceleration if held.regular else acceleration], kinematics)

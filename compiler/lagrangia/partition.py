@@ -14,10 +14,10 @@ from itertools import islice, takewhile
 import casadi as ca
 import numpy as np
 
+from lagrangia.assembly import begin
 from lagrangia.constraints import Constraints
-from lagrangia.initial import FIXED, InitialConditions
+from lagrangia.initial import InitialConditions, initial_function, start_function
 from lagrangia.kinematics import Kinematics
-from lagrangia.parameters import default_parameters
 from lagrangia.positions import Positions, Vector
 
 _CLOSED = 1e-9  # of a position on the constraints, relative to the largest slope
@@ -26,7 +26,7 @@ _LEG, _LENGTH = 12, 0.25  # positions on a way, how far apart beside the largest
 _SHORTEST = 0.1  # lever of a coordinate, beside the longest
 _POOR, _GOOD = 0.03, 0.3  # sines of transmission angles
 _MOSTLY = 0.9  # the share of positions where no angle is to be poor
-_MOST_TRIED, _MOST_ENTRIES = 64, 1500  # coordinates that are tried; free ones times all
+_MOST_TRIED, _MOST_ENTRIES = 64, 500  # coordinates that are tried; free ones times all
 _NOTHING = 1e-300
 
 
@@ -72,15 +72,13 @@ def find_partition(kinematics: Kinematics, constraints: Constraints, initial: In
 
 def _slopes_along(positions: Positions, kinematics: Kinematics, initial: InitialConditions) -> Vector | None:
     """J at positions along the motion that the constraints allow, (positions, m, n). None where the start does not close."""
-    p, values = default_parameters(kinematics)
-    n = positions.n
-    guess = np.asarray(ca.evalf(ca.substitute(initial.q[:n], p, ca.SX(values)) if p.numel() else initial.q[:n]).full()).ravel()
-    held = np.array([0.0 if kind == FIXED else 1.0 for kind in initial.fixed[:n]])
-    found = [positions.onto(guess, held)]
+    table = {"initial": initial_function(kinematics, initial), "start": start_function(kinematics, initial)}
+    start, failed = begin(kinematics, initial, table).assemble()
+    if failed >= 0:
+        return None
+    n, found = positions.n, [start[: positions.n]]
     reach = np.linalg.norm(positions.slopes(found[0]), axis=0)
     largest = max(float(reach.max()), _NOTHING)
-    if positions.gap(found[0]) > _CLOSED * largest:
-        return None
     units, random = 1 / np.maximum(reach, _SHORTEST * largest), np.random.default_rng(1)
     for _ in range(min(_LEGS, _MOST_LEGS // n**2)):
         way = positions.along(found[-1], random.standard_normal(n), units, _LENGTH * largest)

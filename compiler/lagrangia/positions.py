@@ -10,7 +10,7 @@ from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import at_declared_values
 
 _DEPENDENT = 1e-9  # singular values below, relative to the largest, are of rows that repeat others
-_RETURNS, _PARTS = 60, (1.0, 0.5, 0.2, 0.05)
+_RETURNS = 60
 Vector = NDArray[np.float64]
 
 
@@ -33,19 +33,15 @@ class Positions:
         return np.asarray(self._slopes(q).full())
 
     def onto(self, q: Vector, units: Vector | None = None) -> Vector:
-        """Onto the constraints by the shortest corrections or parts of them, lengths measured in `units` (0: held), as long as
-        they help."""
+        """Onto the constraints by the shortest corrections, lengths measured in `units`, as long as they help."""
         units = np.ones(self.n) if units is None else units
         g, J = (x.full() for x in self._gaps(q))
         for _ in range(_RETURNS):
             step = units * shortest(J * units, -g.ravel())
-            for part in _PARTS:
-                ahead, slopes = (x.full() for x in self._gaps(q + part * step))
-                if np.linalg.norm(ahead) < np.linalg.norm(g):
-                    break
-            else:
+            ahead, slopes = (x.full() for x in self._gaps(q + step))
+            if not np.linalg.norm(ahead) < np.linalg.norm(g):
                 break
-            q, g, J = q + part * step, ahead, slopes
+            q, g, J = q + step, ahead, slopes
         return q
 
     def along(self, q: Vector, wish: Vector, units: Vector, length: float) -> Iterator[Vector]:
@@ -59,5 +55,7 @@ class Positions:
 
 
 def shortest(A: Vector, b: Vector) -> Vector:
-    """The shortest x with A x = b, in the sense of least squares where rows are dependent."""
+    """The shortest x with A x = b, in the sense of least squares where rows are dependent; 0 where these are no numbers."""
+    if not (np.isfinite(A).all() and np.isfinite(b).all()):
+        return np.zeros(A.shape[1])
     return np.asarray(np.linalg.lstsq(A, b, rcond=_DEPENDENT)[0])
