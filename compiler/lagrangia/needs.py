@@ -193,7 +193,7 @@ def _multipliers(parts: _Parts) -> Need:
     if held.partition is None:
         return Need(what, True, "the loops are no chains of pairs of links, or bringing them down to independent coordinates "
                     "would not save operations", cost=_counted(len(parts.constraints.rows), "unknown"))
-    whole, less = (parts.motion.counted[way] for way in ("constrained", parts.motion.way))
+    less, whole, *_ = sorted(parts.motion.counted.values())
     given = _few([names[k].name for k in held.partition.independent])
     return Need(what, False, f"solved for {given}; the others follow from there",
                 saving=f"{whole - less} of {whole} operations")
