@@ -96,6 +96,19 @@ def test_what_stands_beside_loops(tmp_path: Path) -> None:
     check_same_motion(compilation)
 
 
+def test_a_prescribed_crank_leaves_nothing_to_solve_for(tmp_path: Path) -> None:
+    """Its accelerations take half the operations; the work of the drive still needs multipliers."""
+    text = ROCKER_FIRST.replace(", fixed = true), w(start = 4)", ")")
+    text = text.replace("end Linkage", "equation O.phi = 0.7 + 5*time; end Linkage")
+    compilation = compiled(text, tmp_path)
+    assert names(compilation, compilation.motion.constrained.partition) == []
+    assert compilation.motion.counted["independent coordinates"] < 0.6 * compilation.motion.counted["constrained"]
+    check_same_motion(compilation)
+    run = lag.load(tmp_path / "scene.lag").simulate(stop=2, tolerance=1e-10)
+    assert run.statistics.constraint_residual < 1e-13
+    assert np.abs(run.energy.residual).max() < 1e-8 * np.abs(run.energy.work).max()
+
+
 def test_the_coordinate_that_turns_all_round_is_chosen(tmp_path: Path) -> None:
     """From the rocker's side a crank rocker has dead points. A chain of loops is begun in its middle."""
     linkage = compiled(ROCKER_FIRST, tmp_path)

@@ -60,6 +60,8 @@ class NullSpace:
         return tuple(ca.ldl(ca.sparsify(mass), True))
 
     def _least(self, a: ca.SX, x: ca.SX) -> ca.SX:
+        if not self.partition.independent:
+            return x
         right = self._motions.T @ a - self._momenta.T @ x
         return x + self._motions @ ca.ldl_solve(ca.densify(right), *self._factors)
 

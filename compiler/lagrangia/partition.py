@@ -58,7 +58,7 @@ def find_partition(kinematics: Kinematics, constraints: Constraints, initial: In
     """None where the loops are not chains of such groups, leave more free than they give, or would often be poorly held."""
     rows = constraints.rows
     n, m = len(kinematics.symbols.positions), len(rows)
-    if not n - m <= m < n or (n - m) * n > _MOST_ENTRIES:
+    if m == 0 or not 0 <= n - m <= m or (n - m) * n > _MOST_ENTRIES:
         return None
     phi = ca.vertcat(*[row.value(kinematics, 0) for row in rows if row.is_holonomic])
     rate = ca.substitute(ca.vertcat(*[row.rate(kinematics) for row in rows]), kinematics.symbols.tau, ca.SX(1))
@@ -170,7 +170,7 @@ def _complete(chain: _Chain, slopes: Vector | None) -> Partition | None:
         if best is None:
             return None
         chain = best[1]
-    if chain.repeats or len(chain.depth) - len(chain.given) != m:
+    if chain.repeats or len(chain.depth) - len(chain.given) != m or _hold(chain, slopes)[1] < _MOSTLY:
         return None
     groups = [Group(rows, columns, size) for (rows, columns), size in zip(chain.groups, _sizes(chain, slopes), strict=True)]
     dependent = {k for group in groups for k in group.coordinates}
