@@ -1,6 +1,7 @@
 /* Recurrences for Taylor coefficients: w(t0 + h) = w_0 + w_1 h + w_2 h^2 + ... is a jet, its coefficients lie one after another.
  *
- * Each function gives the coefficient of order k > 0, or the sum in it, from those of lower order.
+ * Each function gives the coefficient of order k > 0, or the sum in it, from those of lower order. Scene code calls them with a
+ * constant order, so that all loops are unrolled: three to four times as fast.
  * Source: A. Jorba, M. Zou, Experimental Mathematics 14 (2005), section 2.
  */
 #ifndef LAG_JETS_H
@@ -11,8 +12,6 @@
 #include "lanes.h"
 
 enum { LAG_JET_STRIDE = 20, LAG_JET_ORDER = 18 };
-
-/* Scene code calls these with a constant order, so that all loops are unrolled: three to four times as fast. */
 
 /* sum of a_j b_(k - j) for j = first .. last, in two chains, long ones in four: as lanes where the compiler has vectors. */
 #ifdef LAG_HAS_VECTORS

@@ -72,7 +72,7 @@ def collect(kinematics: Kinematics, M: ca.SX, force: ca.SX, is_held: bool) -> Co
     sines and cosines of the bodies' angles, too."""
     n = len(kinematics.symbols.rates)
     are_given = is_held and n > _TOGETHER
-    basis, known = _absolute_angles(kinematics), _parameters(kinematics)
+    basis, known, levers = _absolute_angles(kinematics), _parameters(kinematics), _lengths(kinematics)
     positions, rates = (list(x.values()) for x in (kinematics.symbols.positions, kinematics.symbols.rates))
     mass, forces = ca.SX(n, n), ca.SX.zeros(n)
     for block in blocks_of(ca.sparsify(M).sparsity() + basis.sparsity() + basis.sparsity().T):
@@ -80,7 +80,7 @@ def collect(kinematics: Kinematics, M: ca.SX, force: ca.SX, is_held: bool) -> Co
             return None
         try:
             own, moved = ([as_expression(values[k]) for k in block] for values in (positions, rates))
-            part = _Block(basis.full()[np.ix_(block, block)], own, moved, known)
+            part = _Block(basis.full()[np.ix_(block, block)], own, moved, known, levers)
             mass[block, block], forces[block] = part.collected(M[block, block], force[block], are_given)
         except TooLarge:
             return None
@@ -88,12 +88,13 @@ def collect(kinematics: Kinematics, M: ca.SX, force: ca.SX, is_held: bool) -> Co
 
 
 class _Block:
-    """Coordinates that M does not couple with others: S, they and their rates, the hashes of all parameters."""
+    """Coordinates that M does not couple with others: S, they and their rates; hashes of all parameters and of all coordinates that
+    are lengths."""
 
     def __init__(self, basis: NDArray[np.float64], positions: Sequence[Expression], rates: Sequence[Expression],
-                 parameters: set[int]) -> None:
+                 parameters: set[int], levers: set[int]) -> None:
         self.basis, self.positions, self.rates = basis, positions, rates
-        self.harmonics = Harmonics(fixed=parameters)
+        self.harmonics = Harmonics(fixed=parameters, levers=levers)
 
     def collected(self, M: ca.SX, force: ca.SX, are_given: bool) -> tuple[ca.SX, ca.SX]:
         """M and the force in the bodies' angles, whose sines are made of others unless they are given. Raises TooLarge."""
@@ -160,6 +161,12 @@ def _parameters(kinematics: Kinematics) -> set[int]:
     variables = kinematics.graph.model.variables.values()
     values = [kinematics.symbols.values[v.name] for v in variables if v.kind == "parameter"]
     return {x.__hash__() for value in values for x in scalars_of(value)}
+
+
+def _lengths(kinematics: Kinematics) -> set[int]:
+    """Hashes of the coordinates that are lengths."""
+    coordinates = zip(kinematics.graph.coordinates, kinematics.symbols.positions.values(), strict=True)
+    return {x.__hash__() for coordinate, x in coordinates if coordinate.unit == "m"}
 
 
 def _absolute_angles(kinematics: Kinematics) -> ca.DM:

@@ -29,14 +29,16 @@ class TooLarge(Exception):
 
 @dataclass
 class Harmonics:
-    """The quantities met so far, by number. `given` are sums that stand for symbols, by their hashes; `fixed` are the hashes of
-    symbols whose differences are quantities of their own in products: (R - r)^2 multiplied out loses its digits where r is
-    nearly R."""
+    """The quantities met so far, by number. `given` are sums that stand for symbols, by their hashes; `fixed` and `levers` are the
+    hashes of symbols whose differences are quantities of their own in products: (R - r)^2 multiplied out loses its digits where r
+    is nearly R. Levers have either sign: of them sums are, too."""
 
     given: Mapping[int, Sum] = field(default_factory=dict)
     fixed: Set[int] = frozenset()
+    levers: Set[int] = frozenset()
     quantities: list[Expression] = field(default_factory=list)
     is_fixed: list[bool] = field(default_factory=list)
+    is_lever: list[bool] = field(default_factory=list)
     numbers: dict[int, int] = field(default_factory=dict)  # by the hash of the expression
     differences: dict[tuple[tuple[Powers, float], ...], Expression] = field(default_factory=dict)
     left: int = _MOST_PRODUCTS
@@ -46,7 +48,9 @@ class Harmonics:
         number = self.numbers.setdefault(x.__hash__(), len(self.quantities))
         if number == len(self.quantities):
             self.quantities.append(x)
-            self.is_fixed.append(symbols_in(x) <= self.fixed)
+            symbols = symbols_in(x)
+            self.is_fixed.append(symbols <= self.fixed | self.levers)
+            self.is_lever.append(not symbols.isdisjoint(self.levers))
         return {(((number, 1),), (), False): 1.0}
 
     def sums(self, column: ca.SX) -> list[Sum]:
@@ -95,7 +99,7 @@ class Harmonics:
         return total
 
     def _drawn(self, a: Sum) -> Sum:
-        """The same sum, with differences of what is fixed drawn together: L v - R/r L v is (1 - R/r) L v."""
+        """The same sum, with differences of what is fixed drawn together: L v - R/r L v is (1 - R/r) L v, and s + L with s."""
         if len(a) < 2 or not self.fixed:
             return a
         groups: dict[Key, dict[Powers, float]] = {}
@@ -104,7 +108,8 @@ class Harmonics:
             groups.setdefault((other, angle, is_sine), {})[own] = x
         total: Sum = {}
         for (other, angle, is_sine), parts in groups.items():
-            is_difference = min(parts.values()) < 0 < max(parts.values())
+            has_lever = len(parts) > 1 and any(self.is_lever[n] for powers in parts for n, _ in powers)
+            is_difference = has_lever or min(parts.values()) < 0 < max(parts.values())
             drawn = self._difference(parts) if is_difference else parts
             total |= {(_merged(own, other), angle, is_sine): x for own, x in drawn.items()}
         return total

@@ -31,9 +31,11 @@ from lagrangia.schur import FreeTree, prefers
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
-# Collected accelerations may be so much longer than the shortest where M and h, of which implicit steps are made, are shorter.
+# Collected accelerations of few coordinates may be so much longer than the shortest where M and h, of which implicit steps are made,
+# are shorter.
 _NEARLY = 1.1
-_MOST_COLLECTED = 300  # coordinates, in blocks that act on each other
+# Coordinates, in blocks that act on each other, that are collected where nothing holds them, and in closed loops, which gain more.
+_MOST_FREE, _MOST_HELD = 60, 250
 # Below this ratio fewer operations are worth differences of what the tree would do and what constraints take back.
 _CLEARLY = 0.9
 Held = tuple[ca.SX, ca.SX, ConstrainedMotion]  # what `constrain` finds
@@ -219,7 +221,8 @@ def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momen
     q, v = (ca.vertcat(ca.SX(0, 1), *values.values()) for values in (symbols.positions, symbols.rates))
     pattern = ca.jacobian_sparsity(momentum, v)
     is_small = max(map(len, blocks_of(pattern)), default=0) <= MOST_COORDINATES
-    if not 0 < v.numel() <= _MOST_COLLECTED or not is_small or (v.numel() > MOST_COORDINATES and not ca.depends_on(momentum, q)):
+    most = _MOST_HELD if is_held else _MOST_FREE
+    if not 0 < v.numel() <= most or not is_small or (v.numel() > MOST_COORDINATES and not ca.depends_on(momentum, q)):
         return None
     weights, springs = split_weights(kinematics, energies.potential)
     inner = inertial_force(kinematics, replace(energies, potential=weights, loads=()), bodies, q, v)
@@ -250,7 +253,8 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
         return ways[way], way, {}
     nodes = {way: _work([a], kinematics) for way, a in ways.items()}
     best = min(nodes, key=lambda way: nodes[way])
-    if short is not None and nodes["collected"] <= _NEARLY * nodes[best] and short.is_shorter(kinematics, momentum, h):
+    nearly = _NEARLY if v.numel() <= MOST_COORDINATES else 1.0
+    if short is not None and nodes["collected"] <= nearly * nodes[best] and short.is_shorter(kinematics, momentum, h):
         best = "collected"
     return ways[best], best, nodes
 

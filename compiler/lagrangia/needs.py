@@ -195,8 +195,8 @@ def _multipliers(parts: _Parts) -> Need:
                     "would not save operations", cost=_counted(len(parts.constraints.rows), "unknown"))
     less, whole, *_ = sorted(parts.motion.counted.values())
     given = _few([names[k].name for k in held.partition.independent])
-    return Need(what, False, f"solved for {given}; the others follow from there" if given else "all follows from what is prescribed",
-                saving=f"{whole - less} of {whole} operations")
+    why = f"solved for {given}; the others follow from there" if given else "all follows from what is prescribed"
+    return Need(what, False, why, saving=f"{whole - less} of {whole} operations")
 
 
 def _given_coordinates(parts: _Parts) -> Iterable[Need]:
