@@ -145,7 +145,8 @@ end Trough;""")
 def test_a_slider_near_its_hinge_keeps_its_digits(tmp_path: Path) -> None:
     """(L - s)^2 multiplied out would lose those of L - s: 1764 steps and 5e-9 J, where 326 and 7e-13 J do."""
     (tmp_path / "scene.lag").write_text("""model Slide
-  Revolute h(phi(start = 1.57)); Body hub(m = 0, I = 1e-10); PointMass ball(m = 1); Prismatic guide(along = {-1, 0}, s(start = 0.9));
+  Revolute h(phi(start = 1.57)); Prismatic guide(along = {-1, 0}, s(start = 0.9));
+  Body hub(m = 0, I = 1e-10); PointMass ball(m = 1);
 equation
   connect(h.a, world); connect(hub.center, h.b); connect(guide.a, shift(h.b, {1, 1e-4})); connect(ball.center, guide.b);
 initial equation

@@ -88,8 +88,8 @@ def collect(kinematics: Kinematics, M: ca.SX, force: ca.SX, is_held: bool) -> Co
 
 
 class _Block:
-    """Coordinates that M does not couple with others: S, they and their rates; hashes of all parameters and of all coordinates that
-    are lengths."""
+    """Coordinates that M does not couple with others: S, they and their rates; hashes of all parameters and of the coordinates
+    that are lengths."""
 
     def __init__(self, basis: NDArray[np.float64], positions: Sequence[Expression], rates: Sequence[Expression],
                  parameters: set[int], levers: set[int]) -> None:

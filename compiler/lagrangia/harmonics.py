@@ -29,9 +29,9 @@ class TooLarge(Exception):
 
 @dataclass
 class Harmonics:
-    """The quantities met so far, by number. `given` are sums that stand for symbols, by their hashes; `fixed` and `levers` are the
-    hashes of symbols whose differences are quantities of their own in products: (R - r)^2 multiplied out loses its digits where r
-    is nearly R. Levers have either sign: of them sums are, too."""
+    """The quantities met so far, by number. `given` are sums that stand for symbols, by their hashes; `fixed` and `levers` are
+    the hashes of symbols whose differences are quantities of their own in products: (R - r)^2 multiplied out loses its digits
+    where r is nearly R. Levers have either sign: of them sums are, too."""
 
     given: Mapping[int, Sum] = field(default_factory=dict)
     fixed: Set[int] = frozenset()

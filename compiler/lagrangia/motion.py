@@ -31,10 +31,10 @@ from lagrangia.schur import FreeTree, prefers
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
-# Collected accelerations of few coordinates may be so much longer than the shortest where M and h, of which implicit steps are made,
-# are shorter.
+# Collected accelerations of few coordinates may be so much longer than the shortest where M and h, of which implicit steps are
+# made, are shorter.
 _NEARLY = 1.1
-# Coordinates, in blocks that act on each other, that are collected where nothing holds them, and in closed loops, which gain more.
+# Coordinates, in blocks that act on each other, that are collected: where nothing holds them, and in closed loops.
 _MOST_FREE, _MOST_HELD = 60, 250
 # Below this ratio fewer operations are worth differences of what the tree would do and what constraints take back.
 _CLEARLY = 0.9

@@ -191,8 +191,9 @@ def _multipliers(parts: _Parts) -> Need:
     if held is None:
         return Need(what, False, "there are no constraints")
     if held.partition is None:
-        return Need(what, True, "the loops are no chains of pairs of links, or bringing them down to independent coordinates "
-                    "would not save operations", cost=_counted(len(parts.constraints.rows), "unknown"))
+        why = "independent coordinates would save too little" if "independent coordinates" in parts.motion.counted else \
+            "only linkages of pairs of links, with no more freedom than constraints, are brought down to independent coordinates"
+        return Need(what, True, why, cost=_counted(len(parts.constraints.rows), "unknown"))
     less, whole, *_ = sorted(parts.motion.counted.values())
     given = _few([names[k].name for k in held.partition.independent])
     why = f"solved for {given}; the others follow from there" if given else "all follows from what is prescribed"

@@ -85,11 +85,14 @@ class NullSpace:
         return found
 
     def _is_doubtful(self, group: Group) -> ca.SX:
+        """Of two coordinates: their columns are nearly in line. Of one: the others of its row act on much longer levers."""
         determinant, product = self._determinant(group)
-        if determinant.is_constant():
-            return ca.SX(0)
-        least = _DOUBTFUL * group.size if product is None else _DOUBTFUL * (ca.fabs(product) + _DOUBTFUL * group.size)
-        return ca.SX(ca.fabs(determinant) < least)
+        if product is not None:
+            return ca.SX(ca.fabs(determinant) < _DOUBTFUL * ca.fabs(product))
+        reach, (own,), (row,) = self.partition.reach, group.coordinates, group.rows
+        others = [k for k in self.J[row, :].sparsity().get_triplet()[1] if k != own]
+        levers = sum((ca.fabs(self.J[row, k]) * (_DOUBTFUL * reach[own] / reach[k]) for k in others), ca.SX(0))
+        return ca.SX(ca.fabs(determinant) < levers)
 
     @cached_property
     def _inverses(self) -> dict[Group, ca.SX]:

@@ -36,7 +36,6 @@ class Group:
 
     rows: tuple[int, ...]
     coordinates: tuple[int, ...]
-    size: float  # of the determinant, where it is good
 
 
 @dataclass(frozen=True)
@@ -45,13 +44,15 @@ class Partition:
 
     independent: tuple[int, ...]
     groups: tuple[Group, ...]
+    reach: tuple[float, ...]  # of all coordinates: what a unit of them moves, about
 
     def part(self, among: Sequence[int], rows: Sequence[int]) -> "Partition":
         """That of some coordinates and of their rows, which are then numbered by their places among these."""
         place, line = ({k: i for i, k in enumerate(numbers)} for numbers in (among, rows))
-        groups = [Group(tuple(line[r] for r in group.rows), tuple(place[k] for k in group.coordinates), group.size)
+        groups = [Group(tuple(line[r] for r in group.rows), tuple(place[k] for k in group.coordinates))
                   for group in self.groups if group.rows[0] in line]
-        return Partition(tuple(place[k] for k in self.independent if k in place), tuple(groups))
+        independent = tuple(place[k] for k in self.independent if k in place)
+        return Partition(independent, tuple(groups), tuple(self.reach[k] for k in among))
 
 
 def find_partition(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> Partition | None:
@@ -172,9 +173,10 @@ def _complete(chain: _Chain, slopes: Vector | None) -> Partition | None:
         chain = best[1]
     if chain.repeats or len(chain.depth) - len(chain.given) != m or _hold(chain, slopes)[1] < _MOSTLY:
         return None
-    groups = [Group(rows, columns, size) for (rows, columns), size in zip(chain.groups, _sizes(chain, slopes), strict=True)]
-    dependent = {k for group in groups for k in group.coordinates}
-    return Partition(tuple(k for k in range(n) if k not in dependent), tuple(groups))
+    dependent = {k for _, coordinates in chain.groups for k in coordinates}
+    reach = np.ones(n) if slopes is None else np.linalg.norm(slopes, axis=1).max(axis=0)
+    return Partition(tuple(k for k in range(n) if k not in dependent), tuple(Group(*group) for group in chain.groups),
+                     tuple(np.maximum(reach, _NOTHING).tolist()))
 
 
 def _hold(chain: _Chain, slopes: Vector | None) -> tuple[float, float]:
@@ -183,10 +185,6 @@ def _hold(chain: _Chain, slopes: Vector | None) -> tuple[float, float]:
         return 1.0, 1.0
     sines = np.min([np.abs(determinants) / size for determinants, size in _determinants(chain, slopes)], axis=0)
     return float(sines.min()), float((sines >= _POOR).mean())
-
-
-def _sizes(chain: _Chain, slopes: Vector | None) -> list[float]:
-    return [1.0] * len(chain.groups) if slopes is None else [size for _, size in _determinants(chain, slopes)]
 
 
 def _determinants(chain: _Chain, slopes: Vector) -> Iterator[tuple[Vector, float]]:
