@@ -6,8 +6,8 @@
  * more with every value measured by its size, and last with all of them alike: where a guess is far off, moving it little is the
  * long way.
  *
- * Where no solution is found, what nobody guessed is tried elsewhere: a link that points the wrong way may keep its loop from
- * closing although all guesses are near.
+ * Where no solution is found, what nobody guessed is tried elsewhere, at last the guesses, too: a link that points the wrong way
+ * may keep its loop from closing although all guesses are near.
  *
  * An assembly may be singular although others are regular: a parallelogram folded flat. Where the guesses leave values open,
  * these are tried elsewhere, and an assembly is preferred in which more of the equations are independent.
@@ -20,8 +20,9 @@
 #include "linear.h"
 
 static const double GOLDEN_RATIO = 0.6180339887498949, CLOSE = 1e-7, SHORTEST_LEAN = 0.1, FALL = 1e-13;
-static const double SINGULAR = 1e-5, SPREAD = 1, WIDE_SPREAD = 6.283185307179586, MOVED = 1e-9;
-enum { MOST_ITERATIONS = 100, MOST_PUSHES = 3, MOST_LEANS = 30, MOST_RETURNS = 20, MOST_TRIES = 4, MOST_SEARCHES = 12, MANY = 100 };
+static const double SINGULAR = 1e-5, SPREAD = 1, WIDE_SPREAD = 6.283185307179586, NEAR = 0.5, MOVED = 1e-9;
+enum { MOST_ITERATIONS = 100, FEW_ITERATIONS = 30, MOST_PUSHES = 3, MOST_LEANS = 30, MOST_RETURNS = 20, MOST_TRIES = 4,
+       FREE_SEARCHES = 12, MOST_SEARCHES = 20, MANY = 100 };
 
 void lag_assembly_layout(LagAssembly *s, LagArena *arena)
 {
@@ -145,9 +146,12 @@ static int follow(LagAssembly *s, const double *p, const int *fixed, int way, do
     return worst < 0;
 }
 
-/* Satisfies the first `active` equations by moving the unknowns first .. last-1 from x. Returns -1, or the worst equation. */
-static int solve(LagAssembly *s, const double *p, const int *fixed, int active, int first, int last, double *x, double *work)
+/* Satisfies the first `active` equations by moving the unknowns first .. last-1 from x, measured in the ways from `way` on: not from
+ * the first one when it is one place of many where a solution is looked for. Returns -1, or the worst equation. */
+static int solve(LagAssembly *s, const double *p, const int *fixed, int active, int first, int last, int way, double *x,
+                 double *work)
 {
+    const int is_search = way > 0, iterations = is_search ? FEW_ITERATIONS : MOST_ITERATIONS, pushes = is_search ? 0 : MOST_PUSHES;
     LagNewton *newton = &s->newton;
     newton->active = active;
     for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
@@ -157,10 +161,10 @@ static int solve(LagAssembly *s, const double *p, const int *fixed, int active, 
         return -1;
     copy(s, first > 0 ? s->found : x, first > 0 ? x : s->found);
     int worst = 0;
-    for (int way = 0; way < LAG_METRIC_WAYS && worst >= 0; ++way) {
+    for (; way < LAG_METRIC_WAYS && worst >= 0; ++way) {
         copy(s, s->found, x);
         lag_newton_measure(newton, p, fixed, first == 0 ? s->guess : x, way, work);
-        worst = lag_newton_solve(newton, p, MOST_ITERATIONS, MOST_PUSHES, x, work);
+        worst = lag_newton_solve(newton, p, iterations, pushes, x, work);
     }
     if (worst < 0)
         approach(s, p, x, work);
@@ -193,14 +197,15 @@ static int is_open(const LagAssembly *s, const int *fixed, const double *x)
     return moved && open;
 }
 
-/* The positions from the guesses, what nobody guessed elsewhere, by `width` of its size. Returns as solve. */
-static int solve_elsewhere(LagAssembly *s, const double *p, const int *fixed, int turn, double width, double *x, double *work)
+/* The positions from the guesses, values that are as free as `least` elsewhere, by `width` of their sizes. Returns as solve. */
+static int solve_elsewhere(LagAssembly *s, const double *p, const int *fixed, int turn, double width, int least, int way,
+                           double *x, double *work)
 {
     const int n = lag_start_size(s->model);
     copy(s, s->guess, x);
     for (int j = 0; j < n; ++j)
-        x[j] += fixed[j] == LAG_START_FREE ? width * s->reach[j] * spread(j, turn) : 0;
-    return solve(s, p, fixed, s->model->n_initial_positions, 0, n, x, work);
+        x[j] += fixed[j] != LAG_START_FIXED && fixed[j] >= least ? width * s->reach[j] * spread(j, turn) : 0;
+    return solve(s, p, fixed, s->model->n_initial_positions, 0, n, way, x, work);
 }
 
 /* From a singular assembly to a regular one, if there is one that the guesses do not speak against. */
@@ -209,24 +214,48 @@ static void prefer_regular(LagAssembly *s, const double *p, const int *fixed, do
     const int positions = s->model->n_initial_positions, rank = is_open(s, fixed, x) ? rank_at(s, p, x, work) : positions;
     copy(s, x, s->best);
     for (int turn = 1; rank < positions && turn <= MOST_TRIES; ++turn) {
-        if (solve_elsewhere(s, p, fixed, turn, SPREAD, x, work) < 0 && rank_at(s, p, x, work) > rank)
+        if (solve_elsewhere(s, p, fixed, turn, SPREAD, LAG_START_FREE, 0, x, work) < 0 && rank_at(s, p, x, work) > rank)
             return;
         copy(s, s->best, x);
     }
 }
 
-/* Positions from the guesses, in large scenes from these alone. Returns as solve; where nothing is found, x is what is nearest to a
- * solution from the guesses. */
-static int solve_positions(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+static int holds(const int *fixed, int n, int kind)
 {
-    const int n = lag_start_size(s->model), worst = solve(s, p, fixed, s->model->n_initial_positions, 0, n, x, work);
+    for (int j = 0; j < n; ++j)
+        if (fixed[j] == kind)
+            return 1;
+    return 0;
+}
+
+/* How far guesses are missed, by the largest of all. */
+static double missed(const LagAssembly *s, const int *fixed, const double *x)
+{
+    double largest = 0;
+    for (int j = 0; j < lag_start_size(s->model); ++j)
+        if (fixed[j] == LAG_START_GUESS)
+            largest = fmax(largest, fabs(x[j] - s->guess[j]) / s->reach[j]);
+    return largest;
+}
+
+/* Positions where they do not follow from the guesses: what nobody guessed is tried elsewhere, at last all that is not fixed. The
+ * first solution near the guesses is taken, else the nearest. Returns 1 when there is one; in large scenes nothing is tried. */
+static int search(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+{
+    const int n = lag_start_size(s->model), first = holds(fixed, n, LAG_START_FREE) ? 1 : FREE_SEARCHES + 1;
+    const int last = n >= MANY ? 0 : holds(fixed, n, LAG_START_GUESS) ? MOST_SEARCHES : FREE_SEARCHES;
+    double nearest = INFINITY;
     copy(s, x, s->best);
-    for (int turn = 1; worst >= 0 && turn <= MOST_SEARCHES && n < MANY && is_open(s, fixed, x); ++turn) {
-        if (solve_elsewhere(s, p, fixed, turn, WIDE_SPREAD, x, work) < 0)
-            return -1;
-        copy(s, s->best, x);
+    for (int turn = first; turn <= last && nearest > NEAR; ++turn) {
+        const int least = turn <= FREE_SEARCHES ? LAG_START_FREE : LAG_START_GUESS;
+        const int is_solved = solve_elsewhere(s, p, fixed, turn, WIDE_SPREAD, least, LAG_METRIC_EVEN, x, work) < 0;
+        if (is_solved && missed(s, fixed, x) < nearest) {
+            nearest = missed(s, fixed, x);
+            copy(s, x, s->best);
+        }
     }
-    return worst;
+    copy(s, s->best, x);
+    return nearest < INFINITY;
 }
 
 /* Rates where the positions are are a linear matter; all together only when that does not do: an equation that ties rates to
@@ -237,16 +266,16 @@ int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, d
     copy(s, x, s->guess);
     set_reach(s, p, x, work);
     if (positions > 0) {
-        const int worst = solve_positions(s, p, fixed, x, work);
-        if (worst >= 0)
+        const int worst = solve(s, p, fixed, positions, 0, n, 0, x, work);
+        if (worst >= 0 && !search(s, p, fixed, x, work))
             return worst;
         prefer_regular(s, p, fixed, x, work);
         if (positions == all)
             return -1;
         copy(s, x, s->best);
-        if (solve(s, p, fixed, all, n, 2 * n, x, work) < 0)
+        if (solve(s, p, fixed, all, n, 2 * n, 0, x, work) < 0)
             return -1;
         copy(s, s->best, x);
     }
-    return solve(s, p, fixed, all, 0, 2 * n, x, work);
+    return solve(s, p, fixed, all, 0, 2 * n, 0, x, work);
 }

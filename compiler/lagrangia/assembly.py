@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.initial import FIXED, FREE, InitialConditions
+from lagrangia.initial import FIXED, FREE, GUESS, InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import default_parameters
 
@@ -21,8 +21,8 @@ _CLOSED, _MOST_CLOSINGS = 1e-11, 40
 _CRITICAL, _PUSH, _GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
 _EASE, _LEAST_PIVOT, _NO_MASS = 100.0, 1e-10, 1e-30
 _CLOSE, _SHORTEST_LEAN, _FALL, _SINGULAR, _SPREAD, _MOVED = 1e-7, 0.1, 1e-13, 1e-5, 1.0, 1e-9
-_WIDE_SPREAD, _MOST_SEARCHES, _MANY = 2 * np.pi, 12, 100
-_MOST_ITERATIONS, _MOST_PUSHES, _MOST_LEANS, _MOST_RETURNS, _MOST_TRIES = 100, 3, 30, 20, 4
+_WIDE_SPREAD, _NEAR, _FREE_SEARCHES, _MOST_SEARCHES, _MANY = 2 * np.pi, 0.5, 12, 20, 100
+_MOST_ITERATIONS, _FEW_ITERATIONS, _MOST_PUSHES, _MOST_LEANS, _MOST_RETURNS, _MOST_TRIES = 100, 30, 3, 30, 20, 4
 Vector = NDArray[np.float64]
 
 
@@ -321,9 +321,11 @@ class Assembly:
         if all_of_them == 0:
             return x, -1
         if positions > 0:
-            x, worst = self._solve_positions(x)
-            if worst >= 0:
+            x, worst = self._solve(positions, 0, n, x)
+            found = self._search() if worst >= 0 else x
+            if found is None:
                 return x, worst
+            x = found
             x = self._prefer_regular(x)
             if positions == all_of_them:
                 return x, -1
@@ -352,16 +354,16 @@ class Assembly:
         reach[~(np.isfinite(reach) & (reach > 0))] = 1.0
         return np.concatenate([reach, np.maximum(self._like(self.guess[n:]), reach)])
 
-    def _solve(self, active: int, first: int, last: int, x: Vector) -> tuple[Vector, int]:
+    def _solve(self, active: int, first: int, last: int, x: Vector, ways: tuple[Way, ...] = tuple(Way)) -> tuple[Vector, int]:
         places = np.arange(2 * self.n)
         scale = np.where((places < first) | (places >= last) | (self.fixed == FIXED), 0.0, self.reach)
         found, is_solved = self._follow(active, scale, x, Way.MASS if first > 0 else Way.UNITS)
         if is_solved:
             return found, -1
         x = found if first == 0 else x
-        for way in Way:
+        for way in ways:
             newton = _Newton(self.equations, self.general, active, scale, self.fixed, self.guess if first == 0 else x, way)
-            found, worst = newton.solve(x, _MOST_ITERATIONS, _MOST_PUSHES)
+            found, worst = newton.solve(x, *((_MOST_ITERATIONS, _MOST_PUSHES) if len(ways) > 1 else (_FEW_ITERATIONS, 0)))
             if worst < 0:
                 return self._approach(newton, found), worst
         return found, worst
@@ -434,10 +436,10 @@ class Assembly:
         moved = np.abs(x - self.guess)[: self.n] > _MOVED * self.reach[: self.n]
         return bool(moved.any() and (self.fixed[: self.n] == FREE).any())
 
-    def _solve_elsewhere(self, turn: int, width: float) -> tuple[Vector, int]:
-        n = self.n
-        push = np.where(self.fixed[:n] == FREE, width * self.reach[:n] * _pattern(n, turn), 0.0)
-        return self._solve(self.equations.n_positions, 0, n, self.guess + np.concatenate([push, np.zeros(n)]))
+    def _solve_elsewhere(self, turn: int, width: float, least: int, ways: tuple[Way, ...]) -> tuple[Vector, int]:
+        n, fixed = self.n, self.fixed[: self.n]
+        push = np.where((fixed != FIXED) & (fixed >= least), width * self.reach[:n] * _pattern(n, turn), 0.0)
+        return self._solve(self.equations.n_positions, 0, n, self.guess + np.concatenate([push, np.zeros(n)]), ways)
 
     def _prefer_regular(self, x: Vector) -> Vector:
         positions = self.equations.n_positions
@@ -445,17 +447,23 @@ class Assembly:
         for turn in range(1, _MOST_TRIES + 1):
             if rank == positions:
                 break
-            other, worst = self._solve_elsewhere(turn, _SPREAD)
+            other, worst = self._solve_elsewhere(turn, _SPREAD, FREE, tuple(Way))
             if worst < 0 and self._rank_at(other) > rank:
                 return other
         return x
 
-    def _solve_positions(self, x: Vector) -> tuple[Vector, int]:
-        x, worst = self._solve(self.equations.n_positions, 0, self.n, x)
-        for turn in range(1, _MOST_SEARCHES + 1):
-            if worst < 0 or self.n >= _MANY or not self._is_open(x):
+    def _missed(self, x: Vector) -> float:
+        is_guess = self.fixed[: self.n] == GUESS
+        return float((np.abs(x - self.guess)[: self.n] / self.reach[: self.n])[is_guess].max(initial=0.0))
+
+    def _search(self) -> Vector | None:
+        n, nearest, best = self.n, np.inf, None
+        first = 1 if (self.fixed[:n] == FREE).any() else _FREE_SEARCHES + 1
+        last = 0 if n >= _MANY else _MOST_SEARCHES if (self.fixed[:n] == GUESS).any() else _FREE_SEARCHES
+        for turn in range(first, last + 1):
+            if nearest <= _NEAR:
                 break
-            other, failed = self._solve_elsewhere(turn, _WIDE_SPREAD)
-            if failed < 0:
-                return other, -1
-        return x, worst
+            x, worst = self._solve_elsewhere(turn, _WIDE_SPREAD, FREE if turn <= _FREE_SEARCHES else GUESS, (Way.EVEN,))
+            if worst < 0 and self._missed(x) < nearest:
+                nearest, best = self._missed(x), x
+        return best
