@@ -19,7 +19,8 @@ _DOUBTFUL = 1e-2  # sine of a transmission angle: other ways keep more digits be
 
 @dataclass(frozen=True)
 class NullSpace:
-    """The system, with M (n, n) and J (m, n). Where one coordinate is independent M may be singular: N^T M N is a sum of squares."""
+    """The system, with M (n, n) and J (m, n). Where one coordinate is independent M may be singular: N^T M N is then a sum of
+    squares."""
 
     M: ca.SX
     J: ca.SX
