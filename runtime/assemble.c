@@ -186,15 +186,22 @@ static int rank_at(LagAssembly *s, const double *p, const double *x, double *wor
     return lag_qr(newton->transposed, n, positions, newton->diagonal, newton->pivot, SINGULAR);
 }
 
+static int holds(const int *fixed, int n, int kind)
+{
+    for (int j = 0; j < n; ++j)
+        if (fixed[j] == kind)
+            return 1;
+    return 0;
+}
+
 /* Whether the positions are no longer the guesses, and some of them could be guessed otherwise. */
 static int is_open(const LagAssembly *s, const int *fixed, const double *x)
 {
-    int moved = 0, open = 0;
-    for (int j = 0; j < lag_start_size(s->model); ++j) {
+    const int n = lag_start_size(s->model);
+    int moved = 0;
+    for (int j = 0; j < n; ++j)
         moved |= fabs(x[j] - s->guess[j]) > MOVED * s->reach[j];
-        open |= fixed[j] == LAG_START_FREE;
-    }
-    return moved && open;
+    return moved && holds(fixed, n, LAG_START_FREE);
 }
 
 /* The positions from the guesses, values that are as free as `least` elsewhere, by `width` of their sizes. Returns as solve. */
@@ -218,14 +225,6 @@ static void prefer_regular(LagAssembly *s, const double *p, const int *fixed, do
             return;
         copy(s, s->best, x);
     }
-}
-
-static int holds(const int *fixed, int n, int kind)
-{
-    for (int j = 0; j < n; ++j)
-        if (fixed[j] == kind)
-            return 1;
-    return 0;
 }
 
 /* How far guesses are missed, by the largest of all. */

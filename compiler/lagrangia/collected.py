@@ -54,7 +54,7 @@ class Collected:
 
     @property
     def _inverse(self) -> ca.SX:
-        return ca.SX(ca.sparsify(ca.DM(np.round(np.linalg.inv(self.basis.full())))))
+        return ca.SX(ca.sparsify(ca.DM(_inverted(self.basis.full()))))
 
     def _solved(self, r: ca.SX) -> ca.SX:
         diagonal, upper, order = ca.ldl(self.mass, True)
@@ -99,7 +99,7 @@ class _Block:
     def collected(self, M: ca.SX, force: ca.SX, are_given: bool) -> tuple[ca.SX, ca.SX]:
         """M and the force in the bodies' angles, whose sines are made of others unless they are given. Raises TooLarge."""
         n, harmonics = len(self.rates), self.harmonics
-        inverse = np.round(np.linalg.inv(self.basis)).tolist()
+        inverse = _inverted(self.basis).tolist()
         moved = [as_expression(x) for x in (ca.SX(ca.sparsify(ca.DM(self.basis))) @ ca.vertcat(*self.rates)).elements()]
         own = combined(inverse, [harmonics.quantity(x) for x in moved])
         harmonics.given = {rate.__hash__(): total for rate, total in zip(self.rates, own, strict=True)}
@@ -117,6 +117,11 @@ class _Block:
         """Those of the bodies."""
         keys = [next(iter(self.harmonics.quantity(x)))[0] for x in self.positions]
         return [tuple(sorted((key, float(x)) for key, x in zip(keys, row, strict=True) if x)) for row in self.basis]
+
+
+def _inverted(S: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of whole numbers, as S itself."""
+    return np.asarray(np.round(np.linalg.inv(S)))
 
 
 def _symmetric(upper: Sequence[ca.SX], n: int) -> ca.SX:

@@ -1,6 +1,6 @@
 """Constraints, M and h -> accelerations and multipliers from the index-1 system, and the corrections onto the constraints."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
@@ -35,7 +35,6 @@ class FreeMotion:
     h: ca.SX
     load_power: ca.SX  # put in by loads
     tree: FreeTree | None = None  # along which M is solved; None: by its factors
-    partition: Partition | None = None  # independent coordinates, to which regular motions are brought down
 
     @cached_property
     def M(self) -> ca.SX:
@@ -101,13 +100,18 @@ def constrain(
         system = factor(free.M, J, is_robust)
     acceleration, multipliers = _accelerate(system, rows, free, refine=True)
     lambdas = ca.vertcat(*[ca.SX.sym(f"lambda_{i}") for i in range(J.size1())])
-    partition = free.partition if free.partition and (not is_robust or len(free.partition.independent) == 1) else None
-    short = NullSpace(free.M, J, partition) if partition else None if is_robust else system.without_small()
-    regular = _regular(rows, free, short) if short else None
+    regular = None if is_robust else _regular(rows, free, system.without_small())
     place, steer = _place(system, rows, is_robust), system.least(-rows.rate)
     held = ConstrainedMotion(rows, J, free.load_power, multipliers, lambdas, place, steer, ca.SX(0, 1) if is_robust else evenness,
-                             regular, system.tree if isinstance(system, SchurComplement) else None, partition)
+                             regular, system.tree if isinstance(system, SchurComplement) else None)
     return acceleration, free.load_power + _power(rows.rate, free.v, multipliers), held
+
+
+def bring_down(held: ConstrainedMotion, free: FreeMotion, partition: Partition) -> ConstrainedMotion | None:
+    """The same, regular motions in independent coordinates. None where masses are too uneven for several of them."""
+    if held.evenness.numel() == 0 and len(partition.independent) > 1:
+        return None
+    return replace(held, regular=_regular(held.rows, free, NullSpace(free.M, held.J, partition)), partition=partition)
 
 
 def _accelerate(system: System, rows: ConstraintRows, free: FreeMotion, refine: bool) -> tuple[ca.SX, ca.SX]:

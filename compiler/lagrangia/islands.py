@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from lagrangia.constrained_motion import ConstrainedMotion, ConstraintRows, FreeMotion, constrain
+from lagrangia.constrained_motion import ConstrainedMotion, ConstraintRows, FreeMotion, bring_down, constrain
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion, solve_dense
@@ -70,10 +70,10 @@ def _held(kinematics: Kinematics, motion: Motion, whole: ConstrainedMotion, own:
         return replace(motion, acceleration=tree.acceleration if tree else solve_dense(motion.momentum, -motion.h, motion.v))
     holonomic = [i for i in own if i < whole.rows.phi.numel()]
     rows = ConstraintRows(whole.rows.phi[holonomic], whole.rows.rate[own], whole.rows.bias[own])
-    partition = whole.partition.part(chosen, own) if whole.partition is not None else None
-    free = FreeMotion(motion.q, motion.v, motion.momentum, motion.h, motion.source_power, tree, partition)
+    free = FreeMotion(motion.q, motion.v, motion.momentum, motion.h, motion.source_power, tree)
     acceleration, source, held = constrain(kinematics, rows, free, whole.evenness.numel() == 0)
-    return replace(motion, acceleration=acceleration, source_power=source, constrained=held)
+    short = bring_down(held, free, whole.partition.part(chosen, own)) if whole.partition is not None else None
+    return replace(motion, acceleration=acceleration, source_power=source, constrained=short or held)
 
 
 def _constrained(rows: ConstraintRows, motion: Motion) -> list[list[int]]:

@@ -15,7 +15,7 @@ import casadi as ca
 from lagrangia.algebra import Scalar, rate_of, value_of
 from lagrangia.bodies import Bodies, Inertia, find_bodies
 from lagrangia.collected import MOST_COORDINATES, Collected, blocks_of, collect, split_weights
-from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, constrain, constraint_rows
+from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, bring_down, constrain, constraint_rows
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
 from lagrangia.elimination import ArticulatedBodies, articulate
@@ -91,8 +91,8 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     momentum, dL_dt = slopes[:-1, 0], slopes[-1]
     force, damping = _generalised_force(energies, q), ca.gradient(D, v)
     h = inertial_force(kinematics, energies, bodies, q, v) + damping
-    dissipated = ca.dot(v, damping) + tau * ca.gradient(D, tau)
-    source = ca.dot(force, v) - tau * dL_dt + tau * ca.gradient(D, tau)
+    moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
+    dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
     H = ca.dot(v, momentum) - T + V if ca.depends_on(T, tau) else T + V
     short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
     T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
@@ -100,8 +100,8 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     if constraints.rows:
         if short is not None and short.is_shorter(kinematics, momentum, h):
             momentum, h = short.momentum, short.h
-        free = FreeMotion(q, v, momentum, h, source, None, partition)
-        (acceleration, source, constrained), counted = _hold(kinematics, bodies, energies, constraints, free, for_any_mass)
+        (acceleration, source, constrained), counted = _hold(
+            kinematics, bodies, energies, constraints, FreeMotion(q, v, momentum, h, source), for_any_mass, partition)
         way = constrained.way
     else:
         _require_mass(kinematics, momentum, v)
@@ -260,7 +260,7 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
 
 
 def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraints: Constraints, free: FreeMotion,
-          for_any_mass: bool) -> tuple[Held, dict[str, int]]:
+          for_any_mass: bool, partition: Partition | None) -> tuple[Held, dict[str, int]]:
     """The constrained motion by the way that counts fewest nodes, and what each way that was tried counts."""
     rows = constraint_rows(kinematics, constraints)
     is_preferred = prefers(*(ca.jacobian_sparsity(x, free.v) for x in (free.momentum, rows.rate)))
@@ -269,11 +269,13 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
     if tree is not None:
         own = FreeTree(tree, _along(tree, energies, free.h), forces_of_loops(kinematics, constraints.rows), range(tree.size))
         along = own if is_even(kinematics, own.balance) else None
-    found = [constrain(kinematics, rows, replace(free, tree=along, partition=None), for_any_mass)]
+    found = [constrain(kinematics, rows, replace(free, tree=along), for_any_mass)]
     if is_preferred is None and found[0][2].tree is not None:
-        found.append(constrain(kinematics, rows, replace(free, partition=None), for_any_mass))
-    if free.partition is not None:
-        found.append(constrain(kinematics, rows, replace(free, tree=found[-1][2].tree), for_any_mass))
+        found.append(constrain(kinematics, rows, free, for_any_mass))
+    acceleration, source, whole = found[-1]
+    short = bring_down(whole, free, partition) if partition is not None else None
+    if short is not None:
+        found.append((acceleration, source, short))
     if len(found) == 1:
         return found[0], {}
     nodes = {held.way: _work([held.regular.acceleration if held.regular else acceleration], kinematics)
