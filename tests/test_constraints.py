@@ -51,6 +51,36 @@ def test_a_linear_equation_said_twice_is_named(scene: Write) -> None:
     assert "scene.lag:1:" in told
 
 
+TWIN = "Bar twin(m = 1, L = 0.4);"
+MOTIONLESS = {  # one bar that swings, and an equation that no motion changes
+    "a rod between the ends of a bar": "Link rod(L = 0.4, a = bar.a, b = bar.b);",
+    "a rod between places of a bar": "Link rod(L = 0.4, a = bar.center, b = shift(bar.center, {0, 0.4}));",
+    "a bar welded at both ends": f"{TWIN} Weld one(a = bar.a, b = twin.a), two(a = bar.b, b = twin.b);",
+}
+
+
+@pytest.mark.parametrize("name", MOTIONLESS)
+def test_what_no_motion_changes_is_left_out(name: str, scene: Write) -> None:
+    """Its slopes are rounding, which no accelerations can be divided by."""
+    swinging = "Revolute hinge(a = world, phi(start = 0.7)); Bar bar(m = 1, L = 0.4, a = hinge.b);"
+    model, alone = (scene(f"model M {swinging} {more} end M;") for more in (MOTIONLESS[name], ""))
+    assert model.scene.sizes["n_multipliers"] == 0
+    assert len(model.freedom["repeated"]) == 1
+    runs = [each.simulate(stop=1, interval=0.1, tolerance=1e-11) for each in (model, alone)]
+    np.testing.assert_allclose(runs[0]["hinge.phi"], runs[1]["hinge.phi"], atol=1e-10)
+
+
+def test_what_repeats_is_asked_again_with_other_parameters(scene: Write) -> None:
+    """A gear said twice, and a bar welded at both ends: with other ratios and lengths they fight."""
+    gears = scene(f"""model M {LINEAR['gear'][0]} parameter Real again = 2; equation p.phi = -again*q.phi; end M;""")
+    welds = scene(f"""model M Revolute hinge(a = world); Bar bar(m = 1, L = 0.4, a = hinge.b);
+      {MOTIONLESS['a bar welded at both ends']} end M;""")
+    for model, wrong, right in ((gears, {"again": 3}, {"again": 2}), (welds, {"twin.L": 0.5}, {"twin.L": 0.5, "bar.L": 0.5})):
+        with pytest.raises(lag.LagError, match="it misses by"):
+            model.simulate(stop=0.1, parameters=wrong)
+        model.simulate(stop=0.1, parameters=right)
+
+
 # ---------------------------------------------------------------- freedom
 
 FREEDOM = {  # degrees of freedom, coordinates that are left, multipliers

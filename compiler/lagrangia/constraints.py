@@ -6,11 +6,12 @@ the others and of time: that coordinate disappears, and the row with it.
 """
 
 from collections import ChainMap
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import casadi as ca
+import numpy as np
 
 from lagrangia.algebra import Scalar, rate_of
 from lagrangia.closures import gaps
@@ -52,7 +53,8 @@ class Constraints:
     """The rows that remain to be kept while integrating, holonomic ones first."""
 
     rows: tuple[Row, ...]
-    repeated: tuple[Row, ...] = ()  # linear rows that say nothing new
+    repeated: tuple[Row, ...] = ()  # rows that say nothing new
+    agreements: tuple[tuple[ca.SX, Row], ...] = ()  # what vanishes as long as a repeated row says nothing new, with that row
     absorbed: tuple[Row, ...] = ()  # linear rows that gave a coordinate
     givers: Mapping[str, Row] = field(default_factory=dict)  # the absorbed row of each coordinate that was given up
 
@@ -71,10 +73,13 @@ def reduce_kinematics(kinematics: Kinematics) -> tuple[Kinematics, Constraints]:
         return kinematics, Constraints(())
     reduction = _Reduction(kinematics)
     left = [row for row in rows if not reduction.absorb(row)]
+    reduced = reduction.reduced()
+    left = reduction.repeat_motionless(left, reduced)
     reduction.report.raise_errors()
     remaining = sorted(left, key=lambda row: not row.is_holonomic)
     givers = {name: reduction.givers[name] for name in reduction.solved}
-    return reduction.reduced(), Constraints(tuple(remaining), tuple(reduction.repeated), tuple(reduction.absorbed), givers)
+    return reduced, Constraints(tuple(remaining), tuple(reduction.repeated), tuple(reduction.agreements),
+                                tuple(reduction.absorbed), givers)
 
 
 def moved_in_time(kinematics: Kinematics, constraints: Constraints) -> list[tuple[str, Span]]:
@@ -155,6 +160,7 @@ class _Reduction:
         self.last: dict[str, ca.SX] = {}
         self.givers: dict[str, Row] = {}  # of each coordinate that was given up
         self.repeated: list[Row] = []
+        self.agreements: list[tuple[ca.SX, Row]] = []
         self.absorbed: list[Row] = []
 
     def absorb(self, row: Row) -> bool:
@@ -183,7 +189,7 @@ class _Reduction:
         constant = ca.substitute(gap, q, ca.SX.zeros(len(places)))
         sizes = [abs(float(x)) for x in self._numbers(slopes).full().ravel()]
         if max(sizes, default=0.0) <= _NEGLIGIBLE:
-            self._repeat(row, constant, named)
+            self._repeat(row, [constant, *ca.vertsplit(slopes.T)], named)
             return True
         pivot = self._choose(sizes, slopes, places)
         others = slopes[:]
@@ -237,26 +243,52 @@ class _Reduction:
 
         return max((k for k, size in enumerate(sizes) if size > 1e-6 * largest), key=preference)
 
-    def _repeat(self, row: Row, constant: ca.SX, named: list[str]) -> None:
-        """A row without coordinates, once others gave those it names: it repeats what they impose, or contradicts them."""
-        experiment = self.kinematics.graph.model.experiment
-        times = [experiment.start + part * (experiment.stop - experiment.start) for part in (0.0, 0.381, 0.764)]
-        modes = self.kinematics.algebra.modes
-        if modes:
-            constant = ca.substitute([constant], [m.symbol for m in modes], [m.value for m in modes])[0]
-        moments = [ca.substitute(constant, self.kinematics.symbols.time, ca.SX(t)) for t in times]
-        gap = max(abs(float(self._numbers(x))) for x in moments)
+    def repeat_motionless(self, rows: list[Row], kinematics: Kinematics) -> list[Row]:
+        """Takes in what no motion changes, such as a rod between two points of one body; the rows that are left."""
+        holonomic = [row for row in rows if row.is_holonomic]
+        q = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values())
+        gaps = ca.vertcat(ca.SX(0, 1), *[row.value(kinematics, 0) for row in holonomic])
+        places, ways = np.random.default_rng(1).uniform(0.3, 1.7, (2, q.numel()))
+        here, slopes = ca.substitute([gaps, ca.jtimes(gaps, q, ca.DM(ways))], [q], [ca.SX(places)])
+        sizes = self._sizes_in_time(slopes)
+        still = [k for k, size in enumerate(sizes) if size <= _NEGLIGIBLE * max(1.0, *sizes)]
+        for k in still:
+            named = [self.names[place] for place in self._places(symbols_in(ca.SX(holonomic[k].value(self.kinematics, 0))))]
+            self._repeat(holonomic[k], [here[k], slopes[k]], named)
+        gone = {id(holonomic[k]) for k in still}
+        return [row for row in rows if id(row) not in gone]
+
+    def _repeat(self, row: Row, vanishing: Sequence[ca.SX], named: list[str]) -> None:
+        """A row without coordinates, once others gave those it names: it repeats what they impose, or contradicts them.
+
+        `vanishing` are its constant and its slopes, of parameters and time.
+        """
+        (gap,) = self._sizes_in_time(vanishing[0])
         if not named and row.loop is None:
             self.report.error("L0411", "this equation says nothing about the motion", row.span,
                               "a constraint needs coordinates or frames on one of its sides")
         elif gap > 1e-9:
-            what = f"the loop {row.loop.around} cannot close" if row.loop else "this equation contradicts the others"
             givers = dict.fromkeys(f"{self.givers[name].span}" for name in named if name in self.givers)
+            contradiction = "this equation contradicts the others" if givers else "this cannot hold, whatever moves"
+            what = f"the loop {row.loop.around} cannot close" if row.loop else contradiction
             others = [f"the other is at {', '.join(givers)}"] if len(givers) == 1 else [f"the others are at {', '.join(givers)}"]
             self.report.error("L0410", f"{what}: it misses by {gap:.3g}", row.span, "with the parameters as they are declared",
                               *others[: len(givers)])
         else:
             self.repeated.append(row)
+            self.agreements += [(x, row) for x in vanishing if symbols_in(x)]
+
+    def _sizes_in_time(self, values: ca.SX) -> list[float]:
+        """How large functions of time become, with the parameters as they are declared."""
+        experiment, time = self.kinematics.graph.model.experiment, self.kinematics.symbols.time
+        if modes := self.kinematics.algebra.modes:
+            values = ca.substitute([values], [m.symbol for m in modes], [m.value for m in modes])[0]
+        symbols = [x for x in ca.symvar(values) if x.__hash__() != time.__hash__()]
+        evaluate = ca.Function("values", [time, ca.vertcat(ca.SX(0, 1), *symbols)], [values])
+        numbers = ca.DM([self.defaults[x.__hash__()] for x in symbols])
+        times = [experiment.start + part * (experiment.stop - experiment.start) for part in (0.0, 0.381, 0.764)]
+        found = np.abs(np.hstack([evaluate(t, numbers).full() for t in times]))
+        return [float(x) for x in found.max(axis=1)]
 
     def reduced(self) -> Kinematics:
         if not self.solved:

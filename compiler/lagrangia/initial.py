@@ -108,6 +108,8 @@ class _Starts:
             values = [*positions, row.rate(self.kinematics)]
             self.residuals += [(self._at_start(ca.SX(value)), row.span) for value in values]
             loops += [around] * len(values)
+        self.residuals += [(self._at_start(value), row.span) for value, row in constraints.agreements]
+        loops += [row.loop.around if row.loop else "" for _, row in constraints.agreements]
         self.report.raise_errors()
         n, rates = self.n, ca.vertcat(*self.kinematics.symbols.rates.values(), self.lost_v)
         moving = [ca.depends_on(ca.SX(g), rates) for g, _ in self.residuals]
