@@ -58,6 +58,9 @@ ORDER = """
     parameters
     constraints
     initial
+    orthogonal
+    metric
+    newton
     assembly
     positions
     partition

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra import value_of
-from lagrangia.assembly import Assembly, start_equations
+from lagrangia.assembly import Assembly
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.dimensions import unit_of
 from lagrangia.equilibrium import Rest, StaticEquations, find_all, find_rest, onto_constraints
@@ -21,6 +21,7 @@ from lagrangia.joints import all_reactions, reaction_ports
 from lagrangia.linearization import Given, Linearization, TangentParts, linearization, tangent_of
 from lagrangia.mechanism import Mechanism, build_mechanism
 from lagrangia.modes import Modes, find_modes, stability
+from lagrangia.newton import start_equations
 from lagrangia.observables import observe
 from lagrangia.probes import Probe, find_probes, usual_probes
 from lagrangia.response import Response, find_response

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from lagrangia.assemblies import Alternatives, find_alternatives
-from lagrangia.assembly import Assembly, Vector, begin
+from lagrangia.assembly import Assembly, begin
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints, Row
 from lagrangia.diagnostics import Diagnostic
@@ -19,6 +19,7 @@ from lagrangia.functions import Functions
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
+from lagrangia.orthogonal import Vector
 from lagrangia.positions import Positions, shortest
 
 _RANK = 1e-7

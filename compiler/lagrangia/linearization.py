@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.assembly import independent_columns
 from lagrangia.diagnostics import RunError, fail
+from lagrangia.orthogonal import independent_columns
 from lagrangia.targets import Target, write_text
 
 Matrix = NDArray[np.float64]

@@ -1,0 +1,179 @@
+"""Equations of start values solved from guesses: the same algorithm as runtime/newton.c, which states what it does and why."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangia.initial import InitialConditions
+from lagrangia.kinematics import Kinematics
+from lagrangia.metric import Metric, Momenta, Way
+from lagrangia.orthogonal import Vector, nearest
+from lagrangia.parameters import default_parameters
+
+_SATISFIED, _DEPENDENT, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL = 1e-10, 1e-10, 1e-4, 0.5, 0.9
+_CRITICAL, _PUSH, _GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
+
+
+@dataclass(frozen=True)
+class Equations:
+    """g(q, v, p) = 0 at parameters p: those of positions come first. `momentum` is q, v, p -> M v."""
+
+    initial: ca.Function
+    momentum: ca.Function | None
+    p: Vector
+    is_angle: NDArray[np.bool_]  # (n,)
+    kind: NDArray[np.int_]  # (n,)
+    n_positions: int
+
+    @property
+    def n(self) -> int:
+        return self.is_angle.size
+
+    @property
+    def momenta(self) -> Momenta | None:
+        momentum, p = self.momentum, self.p
+        return None if momentum is None else lambda q, rates: np.asarray(momentum(q, rates, p).full())
+
+    def __call__(self, x: Vector) -> tuple[Vector, Vector]:
+        """g (m,) and its Jacobian (m, 2 n)."""
+        g, jacobian = self.initial(x[: self.n], x[self.n :], self.p)
+        values = g.full().ravel()
+        return values, jacobian.full().reshape(values.size, 2 * self.n, order="F")
+
+
+def start_equations(kinematics: Kinematics, initial: InitialConditions, table: Mapping[str, ca.Function]) -> Equations:
+    """Those of a scene with its parameters as declared. `table`: its functions; without momenta masses do not count."""
+    units = [c.unit for c in (*kinematics.graph.coordinates, *initial.lost)]
+    kinds = np.array([sorted(set(units)).index(unit) for unit in units])
+    p, is_angle = default_parameters(kinematics)[1].full().ravel(), np.array([unit == "rad" for unit in units])
+    return Equations(table["initial"], table.get("momentum"), p, is_angle, kinds, initial.n_positions)
+
+
+def pattern(n: int, turn: int) -> Vector:
+    """From -0.5 to 0.5, different for each value."""
+    places = (np.arange(n) + 1) * _GOLDEN_RATIO + turn * _GOLDEN_RATIO * _GOLDEN_RATIO
+    return np.asarray(np.fmod(places, 1) - 0.5)
+
+
+@dataclass(frozen=True)
+class General:
+    """The Jacobian at a general position near the guess, and the lengths of its scaled rows."""
+
+    jacobian: Vector
+    length: Vector
+
+
+class Newton:
+    """The first `active` equations, solved by moving the values with a scale."""
+
+    def __init__(
+        self, equations: Equations, general: General, active: int, scale: Vector, fixed: NDArray[np.int_], x: Vector,
+        way: Way,
+    ) -> None:
+        n = equations.n
+        self.equations, self.active, self.scale, self.n = equations, active, scale, n
+        self.general_length = general.length[:active]
+        halves = (slice(0, n), slice(n, 2 * n))
+        self.metrics = [Metric(equations.momenta, x[:n], fixed[half], scale[half], way) for half in halves]
+        self.middle = self.metrics[0].order.size
+        self.weight = np.linalg.norm(self._measured(general.jacobian[:active]), axis=1)
+
+    def solve(self, x: Vector, most_iterations: int, most_pushes: int) -> tuple[Vector, int]:
+        pushes, size, worst = 0, np.inf, 0
+        self.trusted = _LONGEST_STEP
+        self.evaluate(x)
+        for _ in range(most_iterations):
+            self.scale_equations()
+            sizes = np.abs(self.g) / self.length
+            worst = int(sizes.argmax())
+            size = float(sizes[worst]) if np.isfinite(sizes).all() else np.inf
+            if not 0 < size < np.inf:
+                break
+            better = self._improve(x, size)
+            if better is not None:
+                x = better
+                continue
+            if size <= _SATISFIED or pushes == most_pushes:
+                break
+            pushes += 1
+            x = x + np.concatenate([_PUSH * self.scale[: self.n] * pattern(self.n, 0), np.zeros(self.n)])
+            self.evaluate(x)
+        return x, -1 if size <= _SATISFIED else worst
+
+    def lean(self, guess: Vector, x: Vector) -> float:
+        self.trusted = _LONGEST_STEP
+        return self._correct(self.wish(x, guess))
+
+    def distance2(self, a: Vector, b: Vector) -> float:
+        z = self.wish(a, b)
+        return float(z @ z)
+
+    def evaluate(self, x: Vector) -> None:
+        g, jacobian = self.equations(x)
+        self.g, self.jacobian = g[: self.active], jacobian[: self.active]
+
+    def scale_equations(self) -> None:
+        scaled = self.jacobian * self.scale
+        length = np.maximum(np.linalg.norm(scaled, axis=1), self.general_length)
+        self.length = np.where(length > 0, length, 1.0)
+        self.scaled = scaled / self.length[:, None]
+
+    def wish(self, a: Vector, b: Vector) -> Vector:
+        return np.concatenate([metric.from_step(part) for metric, part in zip(self.metrics, self._parts(b - a), strict=True)])
+
+    def _parts(self, x: Vector) -> tuple[Vector, Vector]:
+        return x[..., : self.n], x[..., self.n :]
+
+    def _measured(self, jacobian: Vector) -> Vector:
+        """The gradients in the metrics."""
+        parts = zip(self.metrics, self._parts(jacobian), strict=True)
+        return np.concatenate([metric.of_gradients(part) for metric, part in parts], axis=1)
+
+    def _correct(self, wish: Vector) -> float:
+        rows = self._measured(self.jacobian)
+        length = np.maximum(np.linalg.norm(rows, axis=1), self.weight)
+        unit = np.where(length > 0, length, np.inf)
+        z, _ = nearest(rows / unit[:, None], -self.g / unit, wish, _DEPENDENT, length / self.length)
+        self.step = np.concatenate([self.metrics[0].to_step(z[: self.middle]), self.metrics[1].to_step(z[self.middle :])])
+        size = np.abs(self.step) / np.where(self.scale > 0, self.scale, np.inf)
+        excess = size[: self.n] / np.where(self.equations.is_angle, _LONGEST_STEP, self.trusted)
+        self.part = 1 / max(1.0, float(excess.max(initial=0.0)))
+        self.step *= self.part
+        return float(size.max(initial=0.0))
+
+    def _sum_of_squares(self) -> float:
+        scaled = self.g / self.length
+        return float(scaled @ scaled)
+
+    def _improve(self, x: Vector, size: float) -> Vector | None:
+        before = self._sum_of_squares()
+        self._correct(np.zeros(sum(metric.order.size for metric in self.metrics)))
+        better = self._descend(x)
+        if better is not None and self.part < 1 and self._sum_of_squares() <= (1 - _FAITHFUL * self.part) ** 2 * before:
+            self.trusted *= 2
+        if better is None and size > _SATISFIED and self._steepest():
+            better = self._descend(x)
+        return better
+
+    def _steepest(self) -> bool:
+        slope = -(self.scaled.T @ (self.g / self.length))
+        length2 = float(slope @ slope)
+        if not length2 > _CRITICAL**2 * self._sum_of_squares():
+            return False
+        change = self.scaled @ slope
+        self.step = self.scale * slope * (length2 / float(change @ change))
+        return True
+
+    def _descend(self, x: Vector) -> Vector | None:
+        before, part = self._sum_of_squares(), 1.0
+        while part > _SHORTEST_STEP:
+            trial = x + part * self.step
+            self.evaluate(trial)
+            if self._sum_of_squares() < before:
+                return trial
+            part /= 2
+        self.evaluate(x)
+        return None
