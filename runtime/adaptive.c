@@ -65,7 +65,7 @@ LagStatus lag_step_adaptive(LagRun *run)
         }
         ++run->statistics.rejected;
         ++attempts.rejected;
-        lag_onset_learn(motion, &run->scale, t_new, error * run->scale.tolerance, FORESEEN, attempts.rejected);
+        lag_onset_learn(motion, &run->scale, t_new, error * run->scale.tolerance, FORESEEN);
         run->step = lag_attempts_next(run, &attempts, h, error, shrunk(run, h, error <= attempts.allowed ? INFINITY : error));
         if (run->step < lag_step_smallest(t))
             return lag_step_give_up(run, worst);

@@ -16,9 +16,11 @@
 /* Loads are sums and products of several rounded numbers. */
 static const double ROUNDINGS = 8, SANE = 2, FAINT = 1e-100; /* accelerations below this one are none, in any units */
 enum { LOOKS = 16 };
-/* Where a jump that nobody announced sets a scene in motion, the first motion has no size to compare errors with, however short the
- * step. After so many rejections the motion of the step just tried, or what loads make of it, is taken for its size. */
+/* Where a jump or a corner that nobody announced sets coordinates of a kind in motion, this has no size to compare errors with but
+ * rounding, however short the step: they grow by SUDDEN. After so many rejections, whatever steps lead up to it in between,
+ * the motion of the step just tried, or what loads make of it, is taken for its size. */
 enum { PATIENCE = 3 };
+static const double SUDDEN = 1e6;
 
 /* scale->motion: what moves each kind now. Returns whether nothing moves one of them. */
 static int find_still(const LagMotion *m, const LagScale *scale)
@@ -83,10 +85,22 @@ static void foresee(LagMotion *m, LagScale *scale, double t_new)
     lag_scale_note(scale, is_sane(m, scale) ? m->other : m->point);
 }
 
-void lag_onset_learn(LagMotion *m, LagScale *scale, double t_new, double error, double foreseen, int rejected)
+/* Whether coordinates of a kind, or their rates, become in the step just tried what they have never been by far. */
+static int is_sudden(const LagMotion *m, const LagScale *scale)
+{
+    const int n = m->n;
+    for (int i = 0; i < n; ++i) {
+        const double *group = scale->group + scale->kind[i];
+        if (fabs(m->other[i]) > SUDDEN * group[0] || fabs(m->other[n + i]) > SUDDEN * group[scale->kinds])
+            return 1;
+    }
+    return 0;
+}
+
+void lag_onset_learn(LagMotion *m, LagScale *scale, double t_new, double error, double foreseen)
 {
     if (error < foreseen)
         lag_scale_note(scale, m->other);
-    else if (rejected > PATIENCE && lag_scale_at_rest(scale))
+    else if (is_sudden(m, scale) && ++scale->surprises > PATIENCE)
         foresee(m, scale, t_new);
 }

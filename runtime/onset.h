@@ -9,8 +9,8 @@
  * m->slope is that of the present state. */
 void lag_onset_look(LagMotion *m, LagScale *scale, double end);
 
-/* What a step to t_new that was rejected, with an error (relative to the state), after so many others, tells of the size of motions:
- * its end does where it is wrong by less than `foreseen`. */
-void lag_onset_learn(LagMotion *m, LagScale *scale, double t_new, double error, double foreseen, int rejected);
+/* What a step to t_new that was rejected, with an error (relative to the state), tells of the size of motions: its end does where it
+ * is wrong by less than `foreseen`. */
+void lag_onset_learn(LagMotion *m, LagScale *scale, double t_new, double error, double foreseen);
 
 #endif

@@ -181,7 +181,7 @@ static LagStatus step(LagRun *run)
         ++attempts.rejected;
         has_failed |= convergence != LAG_STAGES_CONVERGED;
         if (convergence == LAG_STAGES_CONVERGED)
-            lag_onset_learn(m, &run->scale, t_new, error * run->scale.tolerance, FORESEEN, attempts.rejected);
+            lag_onset_learn(m, &run->scale, t_new, error * run->scale.tolerance, FORESEEN);
         run->step = lag_attempts_next(run, &attempts, h, error, h * shorter(s, convergence, asked, error));
         if (run->careful && attempts.rejected > HOPELESS && lag_stiffness_pass(run)) {
             run->step = fmax(attempts.planned, run->calm_step);

@@ -15,8 +15,8 @@
 #include "state.h"
 
 /* Uncertainties in a step that count as one unit of error: errors of noise must stay well below it, or steps would go on
- * shrinking. What each coordinate has at least of the largest of its kind. Of FEW coordinates tolerances above COARSE are never
- * near noise. */
+ * shrinking. What each coordinate has at least of the largest of its kind. Of FEW coordinates tolerances above COARSE are
+ * near noise only where rates are nothing else, at rest: that is soon enough seen after an interval. */
 static const double UNIT = 32, SHARE = 0.1, COARSE = 1e-11;
 enum { INTERVAL = 64, FEW = 100 };
 
@@ -32,8 +32,10 @@ static void move(const LagMotion *m, const LagScale *scale, double *moved)
     }
 }
 
-static void look(LagMotion *m, const LagScale *scale)
+void lag_rounding_look(LagRun *run)
 {
+    LagMotion *m = &run->motion;
+    const LagScale *scale = &run->scale;
     const int n = m->n;
     double *largest = scale->motion, *moved = m->point, *slope = m->sum;
     move(m, scale, moved);
@@ -51,7 +53,8 @@ static void look(LagMotion *m, const LagScale *scale)
 
 void lag_rounding_watch(LagRun *run)
 {
-    const int may_matter = run->scale.tolerance < COARSE || run->model->n > FEW;
-    if (may_matter && run->statistics.steps % INTERVAL == 0)
-        look(&run->motion, &run->scale);
+    const int64_t steps = run->statistics.steps;
+    const int may_matter = steps > 0 || run->scale.tolerance < COARSE || run->model->n > FEW;
+    if (may_matter && steps % INTERVAL == 0)
+        lag_rounding_look(run);
 }

@@ -7,4 +7,7 @@
 /* Before a step: looks now and then. */
 void lag_rounding_watch(LagRun *run);
 
+/* scale->noise: by how much accelerations change when the state is moved by rounding. */
+void lag_rounding_look(LagRun *run);
+
 #endif

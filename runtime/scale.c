@@ -70,6 +70,7 @@ void lag_scale_reset(LagScale *scale)
     memset(scale->group, 0, 2 * (size_t)scale->kinds * sizeof(double));
     scale->rate_rounding = scale->step = scale->reach = 0;
     scale->is_resting = 1;
+    scale->surprises = 0;
     for (int i = 0; i < n; ++i) {
         scale->cap[i] = scale->kind[i] == LAG_KIND_ANGLE ? ANGLE_CAP : INFINITY;
         scale->cap[n + i] = INFINITY;

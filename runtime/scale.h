@@ -14,6 +14,7 @@ typedef struct {
     double rate_rounding; /* rounding error of a position, over the step: relative uncertainty of a rate */
     double step;          /* length of the latest step */
     int is_resting;       /* rates of some kind have all been 0 so far */
+    int surprises;        /* steps rejected that would have set some kind in motion out of nothing (onset.c) */
     double *cap;          /* 2 n: magnitudes above this one count no more */
     double *largest;      /* 2 n: magnitude seen so far */
     double *floor;        /* 2 n: magnitude that counts at least */

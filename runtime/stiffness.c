@@ -181,6 +181,8 @@ static void watch_implicit(LagRun *run)
         s->next = s->explicit_solver;
         s->wait = s->penalty;
         s->penalty = s->penalty < MOST_WAIT ? 2 * s->penalty : s->penalty;
+    } else {
+        s->penalty = FIRST_WAIT; /* it has paid: what comes next is judged anew */
     }
     s->pace = 0;
     begin(run);

@@ -11,6 +11,7 @@
 #include "lanes.h"
 #include "long_state.h"
 #include "rough.h"
+#include "rounding.h"
 #include "segment.h"
 #include "step.h"
 #include "stiffness.h"
@@ -339,6 +340,8 @@ static LagStatus step(LagRun *run)
             return LAG_OK;
         }
         ++run->statistics.rejected;
+        lag_rounding_look(run);
+        lag_scale_set_step(&run->scale, length, 0);
         h = lag_min(h, length);
     }
 }

@@ -76,6 +76,23 @@ def test_scenes_that_are_not_stiff_stay_explicit(name: str) -> None:
     assert run.statistics.rhs_evaluations < 1.05 * explicit.statistics.rhs_evaluations + 20
 
 
+PULSED = """model Pulsed "A mass that is held fast for 3 s of every 6"
+  World world(gravity = {0, 0});
+  Block b(m = 1, base = world, s(start = 1)), e(m = 1, base = world);
+  DuffingSpring one(k = 1, k3 = 1, stretch = b.s), two(k = 1, k3 = 10, stretch = e.s - b.s);
+  AppliedForce f(at = b.center, force = {-1e6[N.s/m]*pulse_train(time, 1, 3, 6)*b.v, 0});
+end Pulsed;
+"""
+
+
+@pytest.mark.parametrize(("text", "stop"), [(PULSED, 240), (RELAXATION, 9000)])
+def test_stiffness_that_comes_again_and_again_is_found_each_time(scene: Write, text: str, stop: float) -> None:
+    """The wait before the next trial grew with each: 9 million steps."""
+    model = scene(text)
+    auto, implicit = (model.simulate(stop=stop, tolerance=1e-6, solver=solver) for solver in ("auto", "implicit"))
+    assert auto.statistics.steps < 12 * implicit.statistics.steps
+
+
 def test_energy_is_kept_over_switches(scene: Write) -> None:
     model = scene(FLEXIBLE)
     run = model.simulate(stop=1, tolerance=1e-8)

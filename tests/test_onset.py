@@ -1,0 +1,77 @@
+"""Motion that sets in out of rest, and rest that is disturbed by rounding alone: neither is resolved against noise."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.native import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+Write = Callable[[str], lag.Model]
+
+SWITCHED_ON = """model SwitchedOn "A force that begins at the square root of 2 s, by a condition that is not linear in time"
+  World world(gravity = {0, 0});
+  Block b(m = 2, base = world);
+  SpringDamper k(k = 50, c = 0.8, stretch = b.s);
+  AppliedForce f(at = b.center, force = {if time^2 < 2 then 0 else 2, 0});
+end SwitchedOn;"""
+KERB = """model Kerb "A symmetric car falls and its front wheel meets a kerb: its pitch sets in behind the corner of a contact force"
+  Prismatic up(a = world, along = {0, 1}, s(start = 0.5));
+  Revolute  pitch(a = up.b);
+  Bar       body(m = 1000, L = 2.6, center = pitch.b);
+  Prismatic front(a = world, along = {0, 1}, s(start = 0.1)), rear(a = world, along = {0, 1}, s(start = 0.1));
+  PointMass f(m = 40, center = front.b), r(m = 40, center = rear.b);
+  Spring    fs(k = 3e4, stretch = body.b.y - front.s - 0.5), rs(k = 3e4, stretch = body.a.y - rear.s - 0.5);
+  Length    df = max(0.05 - front.s, 0[m]), dr = max(-rear.s, 0[m]);
+  GeneralSpring ft(stretch = df, V = 2e5[N/m]*df^2/2), rt(stretch = dr, V = 2e5[N/m]*dr^2/2);
+end Kerb;"""
+HANGING = """model Hanging "A double pendulum at rest, but for rounding of -90 degrees"
+  Revolute upper(a = world, phi(start = -90[deg])), lower(a = one.b);
+  Bar      one(m = 1, L = 1, a = upper.b), two(m = 1, L = 1, a = lower.b);
+end Hanging;"""
+NET = """model Net "Damped masses hung on each other by springs, at rest"
+  parameter Integer n = 10;
+  PointMass p[n](each m = 1, center(x(each start = 0), y(start = {-i - sum(9.81*(n + 1 - j)/1e5 for j in 1:i) for i in 1:n})));
+  SpringDamper s[n](each k = 1e5, each c = 100, each s_rel0 = 1);
+equation
+  connect(s[1].a, world);
+  for i in 1:n loop connect(s[i].b, p[i].center); end for;
+  for i in 2:n loop connect(s[i].a, p[i-1].center); end for;
+end Net;"""
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk5"])
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-6, 1e-8, 1e-10, 1e-11])
+def test_a_jump_nobody_announced_sets_a_mass_in_motion(scene: Write, solver: str, tolerance: float) -> None:
+    run = scene(SWITCHED_ON).simulate(stop=5, solver=solver, tolerance=tolerance)
+    damping, ratio = 0.8 / 4, np.sqrt(25 - 0.04)
+    late = 5 - np.sqrt(2)
+    there = 0.04 * (1 - np.exp(-damping * late) * (np.cos(ratio * late) + damping / ratio * np.sin(ratio * late)))
+    assert run["b.s"][-1] == pytest.approx(there, abs=0.2 * tolerance)
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk5"])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-9, 1e-10])
+def test_what_sets_in_behind_a_corner_is_not_resolved_against_rounding(scene: Write, solver: str, tolerance: float) -> None:
+    """Steps ended with "no step is small enough", or 52 000 were made."""
+    run = scene(KERB).simulate(stop=2, solver=solver, tolerance=tolerance)
+    assert run["pitch.phi"][-1] == pytest.approx(0.0111212840, abs=max(tolerance, 2e-9))
+    assert run.statistics.steps < 12_000
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-9])
+@pytest.mark.parametrize(("text", "most"), [(HANGING, 500), (NET, 500)])
+def test_rest_is_not_resolved_against_rounding(scene: Write, text: str, most: int, tolerance: float) -> None:
+    """100 000 steps, where all motion was rounding."""
+    run = scene(text).simulate(stop=20, tolerance=tolerance)
+    assert run.statistics.steps < most
+    np.testing.assert_allclose(run.rows[-1][1:], run.rows[0][1:], atol=1e-11)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-9])
+def test_series_stand_rounding_about_an_equilibrium(scene: Write, tolerance: float) -> None:
+    """A million series were rejected, each compared with rates of rounding."""
+    run = scene(HANGING.replace("-90", "90")).simulate(stop=3, tolerance=tolerance, solver="taylor")
+    assert run.statistics.rejected < 100
