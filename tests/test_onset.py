@@ -17,7 +17,7 @@ SWITCHED_ON = """model SwitchedOn "A force that begins at the square root of 2 s
   SpringDamper k(k = 50, c = 0.8, stretch = b.s);
   AppliedForce f(at = b.center, force = {if time^2 < 2 then 0 else 2, 0});
 end SwitchedOn;"""
-KERB = """model Kerb "A symmetric car falls and its front wheel meets a kerb: its pitch sets in behind the corner of a contact force"
+KERB = """model Kerb "A symmetric car falls, its front wheel meets a kerb: its pitch sets in behind the corner of a force"
   Prismatic up(a = world, along = {0, 1}, s(start = 0.5));
   Revolute  pitch(a = up.b);
   Bar       body(m = 1000, L = 2.6, center = pitch.b);

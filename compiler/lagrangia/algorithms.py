@@ -60,7 +60,10 @@ class _Builder:
     def __init__(self, definition: ClassDefinition, names: Names) -> None:
         self.definition, self.names = definition, names
         self.declarations = [e for e in definition.elements if isinstance(e, Declaration)]
+        self.inputs = tuple(d.name for d in self.declarations if "input" in d.prefixes)
         self.units: dict[str, str] = {}
+        self.current: dict[str, str] = {}  # under which name a variable's value is found; its own, unless branches gave it
+        self.count = 0
         for declaration in self.declarations:
             base = names.table.base_type(declaration.type_name, declaration.type_span)
             if base is None or base[0] not in ("Real", "Integer") or declaration.dimensions:
@@ -73,7 +76,6 @@ class _Builder:
 
     def build(self) -> FlatFunction:
         definition = self.definition
-        inputs = tuple(d.name for d in self.declarations if "input" in d.prefixes)
         outputs = [d for d in self.declarations if "output" in d.prefixes]
         if not outputs:
             fail("L0211", f"the function '{definition.name}' has no output", definition.name_span, "declare one: output Real y;")
@@ -81,14 +83,16 @@ class _Builder:
             fail("L0902", f"not supported yet: the function '{definition.name}' with {len(outputs)} outputs",
                  definition.name_span)
         steps: list[tuple[str, Flat]] = []
+        self.current = {name: name for name in self.units}
         for declaration in self.declarations:
             if declaration.binding is not None and "input" not in declaration.prefixes:
                 steps.append((declaration.name, self._flatten(declaration.binding, {})))
         for section in definition.sections:
             self._section(section, steps)
-        if outputs[0].name not in {name for name, _ in steps}:
+        output = self.current[outputs[0].name]
+        if output not in {name for name, _ in steps}:
             fail("L0211", f"the output '{outputs[0].name}' is never given a value", outputs[0].name_span)
-        return FlatFunction(definition.name, inputs, self.units, tuple(steps), outputs[0].name, definition.name_span)
+        return FlatFunction(definition.name, self.inputs, self.units, tuple(steps), output, definition.name_span)
 
     def _section(self, section: Section, steps: list[tuple[str, Flat]]) -> None:
         if section.kind != "algorithm":
@@ -101,51 +105,65 @@ class _Builder:
     def _flatten(self, expression: Any, iterators: Mapping[str, int]) -> Flat:
         """Local names first: they are members of a stand-in instance whose variables flatten to Local."""
         scope = Scope(Instance("", self.definition, expression.span), iterators)
-        return _LocalNames(self.names, set(self.units)).flatten(expression, scope)
+        return _LocalNames(self.names, self.current).flatten(expression, scope)
 
-    def _statement(self, clause: Clause, iterators: Mapping[str, int], steps: list[tuple[str, Flat]]) -> None:
+    def _statement(self, clause: Clause, iterators: Mapping[str, int], steps: list[tuple[str, Flat]], in_branch: bool = False
+                   ) -> None:
         match clause:
             case Assignment(Reference(parts, span), value, _):
                 name = parts[0].name
                 if name not in self.units or len(parts) > 1 or parts[0].subscripts:
                     fail("L0204", f"'{span.text}' is no variable of {self.definition.name}", span)
-                steps.append((name, self._flatten(value, iterators)))
+                self._assign(name, self._flatten(value, iterators), steps, self._fresh(name) if in_branch else name)
             case ForBlock(loops, body, _):
                 for scope in self.names.loop(loops, Scope(Instance("", self.definition, clause.span), iterators)):
                     for inner in body:
-                        self._statement(inner, scope.iterators, steps)
+                        self._statement(inner, scope.iterators, steps, in_branch)
             case IfBlock(condition, then, otherwise, span):
                 self._branch(self._flatten(condition, iterators), then, otherwise, iterators, steps, span)
             case _:
                 fail("L0222", "this is no assignment", clause.span, "write: name := expression;")
 
+    def _assign(self, name: str, value: Flat, steps: list[tuple[str, Flat]], place: str) -> None:
+        steps.append((place, value))
+        self.current[name] = place
+
+    def _fresh(self, name: str) -> str:
+        self.count += 1
+        place = f"{name}#{self.count}"
+        self.units[place] = self.units[name]
+        return place
+
     def _branch(self, condition: Flat, then: tuple[Clause, ...], otherwise: tuple[Clause, ...], iterators: Mapping[str, int],
                 steps: list[tuple[str, Flat]], span: Span) -> None:
-        """Both branches with fresh names, then one if expression for each variable that either assigns."""
-        taken: list[dict[str, Flat]] = []
+        """Both branches with fresh names, then one if expression for each variable that either assigns, under a fresh name too:
+        what the condition and the other values read stays as it was. What one branch alone gives a value has none behind them."""
+        before, ends = self.current, []
         for clauses in (then, otherwise):
-            inner: list[tuple[str, Flat]] = []
+            self.current = dict(before)
             for clause in clauses:
-                self._statement(clause, iterators, inner)
-            if len({name for name, _ in inner}) < len(inner):
-                fail("L0902", "not supported yet: two assignments to one variable in a branch", span)
-            taken.append(dict(inner))
-        for name in {**taken[0], **taken[1]}:
-            old: Flat = Local(name, span)
-            steps.append((name, IfExpression(condition, taken[0].get(name, old), taken[1].get(name, old), span)))
+                self._statement(clause, iterators, steps, in_branch=True)
+            ends.append(self.current)
+        self.current = dict(before)
+        known = {*self.inputs, *(place for place, _ in steps)}
+        for name, old in before.items():
+            places = [end[name] for end in ends]
+            if places != [old, old] and known.issuperset(places):
+                taken, other = (Local(place, span) for place in places)
+                self._assign(name, IfExpression(condition, taken, other, span), steps, self._fresh(name))
 
 
 class _LocalNames(Names):
     """Name resolution inside a function: its own variables, and the functions and constants of the kernel."""
 
-    def __init__(self, names: Names, known: set[str]) -> None:
+    def __init__(self, names: Names, known: Mapping[str, str]) -> None:
         super().__init__(names.table, names.report, names.functions, names.define_function)
-        self.known = known
+        self.known = known  # the name that each variable's value has
 
     def resolve(self, node: Reference, scope: Scope) -> Flat:
         name = node.parts[0].name
         if name in self.known and len(node.parts) == 1 and not node.parts[0].subscripts:
-            return Local(name, node.span)
+            return Local(self.known[name], node.span)
         if name == "time":
             fail("L0204", "a function knows no time", node.span, "pass it as an input")
         return super().resolve(node, scope)

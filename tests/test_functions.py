@@ -1,0 +1,52 @@
+"""User functions: assignments, branches and loops mean what they say, in values and in the units of their results."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lagrangia as lag
+
+Write = Callable[[str], lag.Model]
+
+ALGORITHMS = {  # statements; what y becomes of x = 2
+    "straight": ("y := x; y := y*y + 1;", 5.0),
+    "condition overwritten": ("z := x; y := 0; if z > 0 then z := -1; y := 5; else y := 7; end if;", 5.0),
+    "condition overwritten, otherwise": ("z := -x; y := 0; if z > 0 then y := 5; else z := 1; y := 7; end if;", 7.0),
+    "read before both assign": ("z := x; y := 1; if x < 0 then z := 9; y := 9; else y := z; z := 10; end if; y := y + z;", 12.0),
+    "swapped": ("z := 3; y := x; if x > 0 then w := y; y := z; z := w; end if; y := 10*y + z;", 32.0),
+    "twice in a branch": ("y := 1; if x > 1 then y := y + 1; y := 10*y; else y := 0; y := y - 1; end if;", 20.0),
+    "nested": ("y := 0; if x > 1 then if x > 3 then y := 1; else y := 2; w := y; y := y + w; end if; else y := 3; end if;", 4.0),
+    "elseif": ("if x < 1 then y := 1; elseif x < 3 then y := 2; else y := 3; end if;", 2.0),
+    "loop": ("y := 0; for i in 1:4 loop if i > x then y := y + i; else z := i; y := y - z; end if; end for;", 4.0),
+    "one branch alone, then again": ("if x > 1 then z := 1; end if; z := 4; y := z;", 4.0),
+}
+
+
+@pytest.mark.parametrize("name", ALGORITHMS)
+def test_algorithms(name: str, scene: Write) -> None:
+    statements, there = ALGORITHMS[name]
+    model = scene(f"""function f
+      input Real x; output Real y;
+      protected Real z; Real w;
+    algorithm
+      {statements}
+    end f;
+    model M
+      Block b(m = 1, base = world, s(start = 1));
+      output Real rests = f(2), moves = f(2*b.s/1[m]);
+    end M;""")
+    run = model.simulate(at=[0.0])
+    assert run["rests"][0] == run["moves"][0] == there
+
+
+def test_what_one_branch_alone_gives_has_no_value_behind_it(scene: Write) -> None:
+    with pytest.raises(lag.LagError, match="'z' is used before it is given a value"):
+        scene("""function f input Real x; output Real y; protected Real z; algorithm if x > 0 then z := 1; end if; y := z; end f;
+        model M Block b(m = 1, base = world); output Real o = f(b.s/1[m]); end M;""")
+
+
+def test_the_unit_of_a_result_that_branches_give(scene: Write) -> None:
+    model = scene("""function f input Length x; output Force y;
+    algorithm if x > 0[m] then y := 3[N]; else y := 2[N/m]*x; end if; end f;
+    model M Block b(m = 1, base = world, s(start = 1)); AppliedForce a(at = b.center, force = {f(b.s), 0[N]}); end M;""")
+    assert model.simulate(stop=1, interval=1)["b.s"][-1] == pytest.approx(2.5, abs=1e-12)
