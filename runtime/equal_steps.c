@@ -53,7 +53,8 @@ double lag_equal_length(const LagRun *run, double wish)
 LagStatus lag_equal_step(LagRun *run, double *h, LagTry attempt)
 {
     LagMotion *m = &run->motion;
-    for (int halvings = 0; halvings < MOST_HALVINGS; ++halvings) {
+    const double stop = run->settings.t_stop, shortest = lag_step_smallest(isfinite(stop) ? stop : m->t);
+    for (int halvings = 0; halvings < MOST_HALVINGS && *h >= shortest; ++halvings) {
         const double t_new = lag_step_end(run, *h * (1 + SAME)), length = t_new - m->t;
         const int is_cut = !(fabs(length - *h) < SAME * *h * 10);
         m->t_old = m->t;

@@ -65,20 +65,6 @@ static LagStatus give_inputs(const LagRun *run, LagRun *island)
     return inputs->rows > 0 ? lag_run_set_inputs(island, inputs->times, inputs->values, inputs->rows) : LAG_OK;
 }
 
-/* An island that is ahead comes back to the present time: its equations change here. */
-static void bring_back(LagRun *island, double t)
-{
-    LagMotion *m = &island->motion;
-    const size_t size = (size_t)m->size;
-    if (m->t == t)
-        return;
-    island->methods.table->interpolate(island->methods.self, m, t, island->inside);
-    lag_project_inside(island, t, island->inside);
-    memcpy(m->y, island->inside, size * sizeof *m->y);
-    memset(m->carry, 0, size * sizeof *m->carry);
-    m->t = m->t_old = t;
-}
-
 static LagStatus failed(LagRun *run, int k, int first, LagStatus status)
 {
     const LagFailure *failure = lag_run_failure(run->methods.islands.runs[k]);
@@ -118,6 +104,7 @@ static LagStatus start(LagIslands *s, LagRun *run)
             pass_sizes(s, run, first, island);
     }
     memset(s->taken, 0, 2 * (size_t)s->count * sizeof *s->taken);
+    s->are_started = 1;
     return LAG_OK;
 }
 
@@ -127,14 +114,14 @@ static LagStatus pass_on(LagIslands *s, LagRun *run)
     const size_t bytes = (size_t)run->model->n_parameters * sizeof *s->p;
     const int new_parameters = memcmp(s->p, run->p, bytes) != 0, new_inputs = s->inputs_version != run->inputs.version;
     LagStatus status = LAG_OK;
-    if (run->statistics.steps == 0)
+    if (!s->are_started)
         status = start(s, run);
     else if (new_parameters || new_inputs)
         for (int k = 0; k < s->count && status == LAG_OK; ++k) {
-            bring_back(s->runs[k], run->motion.t);
+            status = lag_run_cut(s->runs[k], run->motion.t); /* those that are ahead come back: their equations change here */
             if (new_parameters)
                 give_parameters(s, run, s->runs[k]);
-            if (new_inputs)
+            if (new_inputs && status == LAG_OK)
                 status = give_inputs(run, s->runs[k]);
         }
     memcpy(s->p, run->p, bytes);

@@ -11,6 +11,7 @@ typedef struct {
     double *row, *mask, *values; /* scratch: a row; a mask of ones; a state (q, v) */
     double *p;                           /* the parameters that the runs have */
     double *taken, *now;                 /* 2 each run: its {dissipated, work}, in the present state and in the one tried */
+    int are_started;                     /* at the start of the present run; the first step may take many calls */
     int inputs_version;                  /* of the table that the runs have */
 } LagIslands;
 

@@ -2,6 +2,7 @@
 
 enum { COST_OF_ROW = 3, COST_OF_SERIES = 120 }; /* in products of two double-doubles, an entry of rung 0: measured */
 enum { RUNGS_OF_LARGE = 40, LARGE = 160, SWEEPS = 8, FEWEST_TERMS = 14 };
+enum { MOST_ABOVE = 20 }; /* the last rung is climbed 2^MOST_ABOVE times at most */
 /* Rung 0 is as long as |A h| <= states / FEW, within limits: terms cost as their square, doublings as their third power. */
 static const double FEW = 64, SHORTEST = 0.125, LONGEST = 2;
 static const double PRECISION = 4e-33, HIT = 1e-10, LEAST_SHARE = 1e-6, SMALLEST_NORM = 1.0 / 64;
@@ -207,6 +208,11 @@ void lag_ladder_set_base(LagLadder *l, double h)
     l->built = 0;
     for (int k = 0; k < l->n_rungs; ++k)
         l->length[k] = ldexp(l->base, k - l->top);
+}
+
+int lag_ladder_reaches(const LagLadder *l, double h)
+{
+    return isfinite(l->norm) && doublings(l, h) < l->n_rungs + MOST_ABOVE;
 }
 
 int lag_ladder_find(const LagLadder *l, double h)

@@ -34,6 +34,9 @@ void lag_ladder_reset(LagLadder *ladder, LagLinearSystem *system);
 /* Plans rungs such that one of them is a step of length h; they are built when used. */
 void lag_ladder_set_base(LagLadder *ladder, double h);
 
+/* Whether steps of length h take a bounded number of rungs: numbers beyond all measure do not. */
+int lag_ladder_reaches(const LagLadder *ladder, double h);
+
 /* The longest rung of at most this length, or of a rounding error more; -1: even rung 0 is longer. */
 int lag_ladder_find(const LagLadder *ladder, double h);
 

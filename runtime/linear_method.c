@@ -110,6 +110,8 @@ static void swap(LagDDs *a, LagDDs *b)
 static int move(LagLinearMethod *s, double t, LagDD h, double ignored, LagDD *integrals, LagDD *lag)
 {
     *lag = lag_dd(0);
+    if (s->has_ladder && !lag_ladder_reaches(&s->ladder, h.hi))
+        return 0;
     if (h.hi > 0 && ladder_pays(s, h.hi)) { /* a row where the step began lies 0 away: rungs of no length lead nowhere */
         for (int rung = lag_ladder_find(&s->ladder, h.hi); rung >= 0; rung = lag_ladder_find(&s->ladder, h.hi)) {
             const double length = s->ladder.length[rung];

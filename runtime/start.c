@@ -41,8 +41,11 @@ static void clear(LagRun *run)
     memset(run->motion.y, 0, size);
     memset(run->motion.carry, 0, size);
     lag_scale_reset(&run->scale);
-    run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0; /* a run does not depend on what this memory was used for before */
+    run->methods.islands.are_started = 0;
+    /* a run does not depend on what this memory was used for before */
+    run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0;
     run->calm_step = 0;
+    run->wanted = run->settings.t_start;
 }
 
 LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)

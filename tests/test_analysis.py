@@ -425,6 +425,34 @@ def test_a_support_carries_its_acceleration_to_what_stands_on_it(ground: str, pl
     np.testing.assert_allclose(jerk, -omega**2 * carried, rtol=1e-9, atol=1e-9)
 
 
+RING = """model Ring World world(gravity = {0, 0}); PointMass p(m = 1, center(x(start = 0), y(start = 0)));
+  Spring s(k = 4, s_rel0 = 0.5, a = world, b = p.center); end Ring;"""
+
+
+def test_nothing_rests_on_a_cusp_of_the_potential(scene: Write) -> None:
+    """A spring of no length has stiffness without bounds; round about it there is one family of positions of rest."""
+    model = scene(RING)
+    found = model.equilibrium()
+    assert len(found) == 1
+    assert np.hypot(found[0].position["p.center.x"], found[0].position["p.center.y"]) == pytest.approx(0.5, abs=1e-9)
+
+
+def test_a_column_under_its_critical_load_rests(scene: Write) -> None:
+    model = scene("""model Column parameter TorsionStiffness k = 98.1;
+      Revolute h(a = turn(world, 90[deg])); PointMass p(m = 10, center = shift(h.b, {1, 0}));
+      TorsionSpring s(k = k, a = turn(world, 90[deg]), b = h.b); end Column;""")
+    assert model.equilibrium()[0].position["h.phi"] == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e8])
+def test_equilibria_of_any_size(size: float, scene: Write) -> None:
+    model = scene("""model Offset parameter Length s = 1;
+      Revolute a(a = world, phi(start = 1)), b(a = x.b), c(a = g.b, b = y.b); Prismatic g(a = world, along = {1, 0});
+      Bar x(m = 1, L = s, a = a.b), y(m = 1, L = 3*s, a = b.b); end Offset;""")
+    found = model.equilibrium(parameters={"s": size})
+    assert sorted(round(np.degrees(each.position["a.phi"])) % 360 for each in found) == [90, 90, 270, 270]
+
+
 def test_where_a_distance_vanishes_is_no_equilibrium(scene: Write) -> None:
     """On a peg the rope's stiffness has no bounds, beside which any force would pass for nothing: unequal masses find no rest."""
     rope = """model M

@@ -1,6 +1,7 @@
 """Symplectic steps: order, bounded energy error over many periods, and who may take them."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -123,3 +124,12 @@ def test_time_runs_backwards() -> None:
 def test_who_does_not_keep_energy_is_told(file: str, reason: str) -> None:
     with pytest.raises(LagError, match=reason):
         lag.load(EXAMPLES / f"{file}.lag").simulate(solver="conservative")
+
+
+def test_an_edge_of_the_potential_ends_the_run(scene: Callable[[str], lag.Model]) -> None:
+    """The force has no value beyond 1 rad: steps of 1e-30 s were taken without end."""
+    model = scene("""model Edge parameter Real k(unit = "J") = 1; World world(gravity = {0, 0});
+      Revolute g(a = world, phi(start = 1, fixed = true)); Disc m(m = 1, r = 1, center = g.b);
+      initial equation der(g.phi) = 1; energy potential k*(1 - g.phi)^2.5; end Edge;""")
+    with pytest.raises(lag.RunError, match="no step is small enough"):
+        model.simulate(stop=1, solver="conservative")

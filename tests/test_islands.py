@@ -219,6 +219,19 @@ def test_a_run_without_a_limit_of_time_does_not_pause(scene: Scene) -> None:
         assert run.statistics.steps > 200_000
 
 
+def test_a_first_step_that_takes_several_calls_begins_once(scene: Scene) -> None:
+    """Each call began the islands again, and a first row far away was never reached."""
+    model = scene(LOOPS)
+    assert model.engine is not None
+    values = check_values(model.scene)
+    with model.engine.runtime.run(model.engine.model, Settings(0, 20, 1e-9, solver=Solver.ISLANDS)) as run:
+        run.set_parameters(values.parameters, values.mask)
+        assert run.start() is Status.OK
+        calls = [run.advance([20.0], seconds=1e-3).status for _ in range(200)]
+        assert calls[0] is Status.PAUSED
+        assert calls[-1] is Status.OK
+
+
 def test_one_constraint_is_one_island(scene: Scene) -> None:
     """Two masses that a rope over a pulley ties together move as one, whatever else is there."""
     model = scene("""model Tied

@@ -460,3 +460,11 @@ energy
 end M;""")
     with pytest.raises(lag.RunError):
         model.simulate(stop=1, solver="linear", parameters={"m": -1.0})
+
+
+def test_rates_beyond_all_measure_end_the_run(scene: Scene) -> None:
+    """1e150 radians a second: rungs without end were climbed, deaf to signals."""
+    model = scene("""model Huge World world(gravity = {0, 0}); Block g(m = 1e-150, base = world, s(start = 1));
+      Spring s(k = 1e150, stretch = g.s); end Huge;""")
+    with pytest.raises(lag.RunError, match="beyond the range of numbers"):
+        model.simulate(stop=1, solver="linear")

@@ -256,8 +256,7 @@ class Study:
         full = self.equations((), (*outputs, *asked)) if asked else e
         equations = self.static_equations(e, pace)
         most = starts if starts is not None else (24 if self.scene.n <= _LARGE else 3)
-        found = find_all(equations, self.start[0], most)
-        is_reached = find_rest(equations, self.start[0]) is not None
+        found, is_reached = find_all(equations, self.start[0], most)
         units = {c.name: c.unit for c in self.scene.coordinates}
         units |= {name: unit_of(graph.model, observe(graph.model, name)) for name in outputs}
         return Equilibria(self.scene.name, self.time, tuple(self._told(full, rest, pace, len(outputs)) for rest in found),

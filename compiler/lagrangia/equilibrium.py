@@ -22,7 +22,9 @@ _ASIDE, _SAFE = 0.03, 1e-6  # where the rank is compared; constraints less indep
 _STALLED, _PATIENCE = 0.5, 8  # so many steps that take off less than half of the residual
 _AT_REST = 1e-9  # of the forces that a natural displacement calls up,
 _STEEPEST = 1e4  # which are at most so many times those at the start
+_CUSP = 1e12  # by which stiffness grows where a potential has a corner, as that of a spring of no length: nothing rests there
 _SAME = 1e-6
+_SHUT = 1e-9  # a constraint, in natural displacements
 _LARGEST_TURN, _SETTLING = 0.8, 0.2  # of one step, in natural sizes
 
 
@@ -71,8 +73,9 @@ def onto_constraints(equations: StaticEquations, q: Vector, is_free: NDArray[np.
             return None
 
 
-def find_all(equations: StaticEquations, start: Vector, most: int) -> list[Rest]:
-    """Positions of rest from `most` starts: the given one first, then by potential energy; each once, angles modulo 2 pi."""
+def find_all(equations: StaticEquations, start: Vector, most: int) -> tuple[list[Rest], bool]:
+    """Positions of rest from `most` starts, each once, angles modulo 2 pi; and whether there is one from the given start. That
+    one comes first; the others are ordered by potential energy."""
     found: list[Rest] = []
     newton = _Newton(equations, start)
     first = find_rest(equations, start)
@@ -84,7 +87,8 @@ def find_all(equations: StaticEquations, start: Vector, most: int) -> list[Rest]
         rest = _unwound(equations, rest)
         if not any(_is_same(equations, rest, other) for other in found):
             found.append(rest)
-    return found if first is None else [found[0], *sorted(found[1:], key=lambda rest: rest.V)]
+    kept = 0 if first is None else 1
+    return [*found[:kept], *sorted(found[kept:], key=lambda rest: rest.V)], first is not None
 
 
 def starts(equations: StaticEquations, start: Vector, most: int) -> list[Vector]:
@@ -110,16 +114,25 @@ def _unwound(equations: StaticEquations, rest: Rest) -> Rest:
     if not turns.any():
         return rest
     other = rest.q - 2 * np.pi * turns
-    size = _force_size(equations, rest)
+    size, reach = _energy_size(equations, rest), equations.reach
     R, phi, V = equations.static(other)
-    here, _, _ = equations.static(rest.q)
-    same = np.abs(R - here).max(initial=0.0) <= 1e-6 * size and np.abs(phi).max(initial=0.0) <= 1e-9
-    return replace(rest, q=other, V=V) if same and abs(V - rest.V) <= 1e-6 * size else rest
+    here, gaps, _ = equations.static(rest.q)
+    same = np.abs((R - here) * reach).max(initial=0.0) <= 1e-6 * size
+    closes = not (np.abs(phi - gaps) > _SHUT * _gap_sizes(equations, rest.q)).any()
+    return replace(rest, q=other, V=V) if same and closes and abs(V - rest.V) <= 1e-6 * size else rest
 
 
-def _force_size(equations: StaticEquations, rest: Rest) -> float:
+def _energy_size(equations: StaticEquations, rest: Rest) -> float:
+    """What natural displacements cost: the same all round a circle of positions."""
     K, _, _ = equations.stiffness(rest.q, rest.multipliers)
-    return float(np.abs(K * equations.reach).max(initial=0.0)) + 1e-300
+    return float(np.linalg.norm(K * equations.reach * equations.reach[:, None])) + 1e-300
+
+
+def _gap_sizes(equations: StaticEquations, q: Vector) -> Vector:
+    """By how much natural displacements open each constraint, (m_h,)."""
+    _, J, _ = equations.stiffness(q, np.zeros(0))
+    sizes = np.abs(J * equations.reach).max(axis=1, initial=0.0)
+    return np.where(sizes > 0, sizes, 1.0)
 
 
 def _is_same(equations: StaticEquations, a: Rest, b: Rest) -> bool:
@@ -129,10 +142,11 @@ def _is_same(equations: StaticEquations, a: Rest, b: Rest) -> bool:
     gap = np.where(equations.is_angle & (np.abs(np.abs(a.q) - np.pi) < 0.1), turned, gap)
     if np.abs(gap / equations.reach).max(initial=0.0) < _SAME * 100:
         return True
-    size = _force_size(equations, a)
-    is_alike = abs(size - _force_size(equations, b)) <= 1e-4 * size
+    size = _energy_size(equations, a)
+    is_alike = abs(size - _energy_size(equations, b)) <= 1e-4 * size
     if equations.is_rolling:  # going through the family may take work, against the constraint on the rates
-        is_alike = is_alike and bool(np.abs(a.multipliers - b.multipliers).max(initial=0.0) <= 1e-6 * size)
+        largest = np.abs(a.multipliers).max(initial=0.0)
+        is_alike = is_alike and bool(np.abs(a.multipliers - b.multipliers).max(initial=0.0) <= 1e-6 * largest)
     else:
         is_alike = is_alike and abs(a.V - b.V) <= 1e-6 * size
     return a.n_neutral == b.n_neutral > 0 and is_alike
@@ -188,14 +202,19 @@ class _Newton:
     def _judge(self, best: "_Look") -> Rest | None:
         q, r, N, K, lam, V = best
         reduced = N.T @ K @ N
-        size = max(float(np.abs(reduced).max(initial=0.0)), float(np.abs(K).max(initial=0.0)) * 1e-6, self._held(q))
+        nearby = self._nearby(q, N)
+        around = [N.T @ self._stiffness(x) @ N for x in nearby]  # a critical load leaves no stiffness here, but there
+        if around and np.abs(reduced).max(initial=0.0) > _CUSP * max(np.abs(x).max(initial=0.0) for x in around) > 0:
+            return None
+        size = max(float(np.abs(K).max(initial=0.0)) * 1e-6, self._held(q), *(float(np.abs(x).max(initial=0.0)) for x in
+                                                                            (reduced, *around)))
         usual = _STEEPEST * self.usual or size
         if not np.isfinite(r).all() or np.abs(r).max(initial=0.0) > _AT_REST * max(min(size, usual), 1e-300):
             return None
         sizes = np.linalg.svd(reduced, compute_uv=False)
         neutral = int((sizes <= 1e-9 * max(sizes.max(initial=0.0), 1e-3 * size)).sum()) if sizes.size else 0
         rank, margin = self._rank(q)
-        general = max((self._rank(x)[0] for x in self._nearby(q, N)), default=rank)
+        general = max((self._rank(x)[0] for x in nearby), default=rank)
         return Rest(q, lam, V, neutral, rank < general) if rank < general or margin > _SAFE else None
 
     def _nearby(self, q: Vector, N: Vector) -> list[Vector]:
@@ -214,8 +233,13 @@ class _Newton:
     @cached_property
     def usual(self) -> float:
         """The size of forces and stiffness at the start: a place where distances vanish has stiffness without bounds."""
-        K, _, _ = self.e.stiffness(self.start, np.zeros(0))
-        return max(float(np.abs(K * self.reach * self.reach[:, None]).max(initial=0.0)), self._held(self.start))
+        stiffness = max(float(np.abs(self._stiffness(q)).max(initial=0.0)) for q in (self.start, self.aside))
+        return max(stiffness, self._held(self.start))
+
+    def _stiffness(self, q: Vector) -> Vector:
+        """In natural sizes, without that of multipliers."""
+        K, _, _ = self.e.stiffness(q, np.zeros(0))
+        return np.asarray(K * self.reach * self.reach[:, None])
 
     def _held(self, q: Vector) -> float:
         """The size of the forces themselves, in natural displacements."""
@@ -253,17 +277,27 @@ class _Newton:
             _, phi, _ = self.e.static(q)
             if not np.isfinite(phi).all():
                 return None
-            size = float(np.abs(phi).max(initial=0.0))
-            if size == 0.0 or (size < 1e-9 and size >= 0.5 * last):
+            size = float(np.abs(phi / self.gap_sizes).max(initial=0.0))
+            if size == 0.0 or (size < _SHUT and size >= 0.5 * last):
                 return q
             _, J, _ = self.e.stiffness(q, np.zeros(0))
             if not np.isfinite(J).all():
                 return None
-            step = np.linalg.lstsq(J * reach, -phi, rcond=1e-8)[0]
+            step = np.linalg.lstsq(J * reach / self.gap_sizes[:, None], -phi / self.gap_sizes, rcond=1e-8)[0]
             longest = float(np.abs(step).max(initial=0.0))
             q = q + step * min(1.0, _LARGEST_TURN / max(longest, 1e-300)) * reach
             last = size
-        return q if size < 1e-9 else None
+        return q if size < _SHUT else None
+
+    @cached_property
+    def gap_sizes(self) -> Vector:
+        """At the start, or a little aside, where rows that vanish in singular positions do not."""
+        return np.maximum(_gap_sizes(self.e, self.start), _gap_sizes(self.e, self.aside))
+
+    @cached_property
+    def aside(self) -> Vector:
+        """A position like any other near the start."""
+        return np.asarray(self.start + _ASIDE * self.reach * np.random.default_rng(4).uniform(-1, 1, self.start.size))
 
 
 _Look = tuple[Vector, Vector, Vector, Vector, Vector, float]
