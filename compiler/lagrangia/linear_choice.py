@@ -1,8 +1,9 @@
 """Does the matrix exponential cost less than steps? Both ways are right; this is about time alone.
 
 An explicit method takes some steps for each radian of the fastest motion, more for tighter tolerances; the exponential costs its
-set-up, whatever the horizon, and each row, whatever lies between the rows. Measured on scenes of 1 to 7 states of loads and
-coordinates, 501 rows: even at some 150 radians at a tolerance of 1e-8; time events ask for parts of intervals, which cost more.
+set-up, whatever the horizon, and each row, whatever lies between the rows. Measured on few coordinates, 501 rows: even at some 130
+radians at a tolerance of 1e-8; time events ask for parts of intervals, which cost more. On lattices of 36 and 100 coordinates, where
+series take 0.3 and 1 ms, set-up and rows take 3 and 40 ms: a share of the third and of the second power of the states.
 """
 
 import casadi as ca
@@ -12,8 +13,12 @@ from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion, mass_matrix
 from lagrangia.parameters import default_parameters
 
-_RADIANS, _RADIANS_WITH_EVENTS = 150, 1500
+_RADIANS, _RADIANS_WITH_EVENTS = 130, 1500
+_SET_UP, _ROW = 3.2e-3, 7.4e-4  # microseconds, times the third power of the number of states, and the second
+_ACCOUNTS = 4  # times as much where energy is lost or fed in, whose integrals are forms of the state
+_RADIAN, _RADIAN_OF_ONE = 1.2, 0.02  # microseconds, and for each coordinate
 _ORDER, _USUAL_TOLERANCE = 8, 1e-8
+_USUAL_ROWS = 500
 _LARGEST = 100  # coordinates; beyond, rows of exponentials are summed up as series and cost like steps
 
 
@@ -22,18 +27,25 @@ def linear_pays(kinematics: Kinematics, motion: Motion) -> bool:
     experiment = kinematics.graph.model.experiment
     if motion.q.numel() > _LARGEST:
         return False
-    radians = fastest_rate(kinematics, motion) * (experiment.stop - experiment.start)
+    horizon, n = experiment.stop - experiment.start, motion.q.numel()
+    radians = fastest_rate(kinematics, motion) * horizon
     more = (_USUAL_TOLERANCE / experiment.tolerance) ** (1 / _ORDER)
-    return bool(radians * more > (_RADIANS_WITH_EVENTS if kinematics.algebra.modes else _RADIANS))
+    rows = horizon / experiment.interval if experiment.interval else _USUAL_ROWS
+    accounts = 1 if motion.dissipated_power.is_zero() and motion.source_power.is_zero() else _ACCOUNTS
+    own = accounts * (_SET_UP * (2 * n) ** 3 + _ROW * (2 * n) ** 2 * rows) / (_RADIAN + _RADIAN_OF_ONE * n)
+    return bool(radians * more > own + (_RADIANS_WITH_EVENTS if kinematics.algebra.modes else _RADIANS))
 
 
 def fastest_rate(kinematics: Kinematics, motion: Motion) -> float:
     """The largest |lambda| of the motion's equations, 1/s; 0 where they have no value."""
     p, defaults = default_parameters(kinematics)
-    n, modes = motion.q.numel(), ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    n, modes = motion.q.numel(), kinematics.algebra.modes
     slopes = ca.densify(ca.jacobian(motion.h, ca.vertcat(motion.q, motion.v)))
-    function = ca.Function("matrices", [p, modes], [ca.densify(mass_matrix(motion)), slopes])
-    M, KC = (np.array(x) for x in function(defaults, 0))
+    matrices = [ca.densify(mass_matrix(motion)), slopes]
+    if modes:
+        matrices = ca.substitute(matrices, [mode.symbol for mode in modes], [mode.value for mode in modes])
+    function = ca.Function("matrices", [motion.t, p], matrices)
+    M, KC = (np.array(x) for x in function(kinematics.graph.model.experiment.start, defaults))
     try:
         A = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), -np.linalg.solve(M, KC)])
         rates = np.abs(np.linalg.eigvals(A))
