@@ -85,13 +85,20 @@ static void foresee(LagMotion *m, LagScale *scale, double t_new)
     lag_scale_note(scale, is_sane(m, scale) ? m->other : m->point);
 }
 
-/* Whether coordinates of a kind, or their rates, become in the step just tried what they have never been by far. */
-static int is_sudden(const LagMotion *m, const LagScale *scale)
+/* Whether coordinates of a kind, or their rates, become in the step just tried what they have never been by far, and nothing that
+ * accelerates them as the step begins accounts for it. */
+static int is_sudden(LagMotion *m, const LagScale *scale, double h)
 {
     const int n = m->n;
+    int is_known = 0;
     for (int i = 0; i < n; ++i) {
-        const double *group = scale->group + scale->kind[i];
-        if (fabs(m->other[i]) > SUDDEN * group[0] || fabs(m->other[n + i]) > SUDDEN * group[scale->kinds])
+        const double *group = scale->group + scale->kind[i], place = fabs(m->other[i]), rate = fabs(m->other[n + i]);
+        if (!(place > SUDDEN * group[0]) && !(rate > SUDDEN * group[scale->kinds]))
+            continue;
+        if (!is_known && !lag_motion_slope(m, m->t, m->y, m->y + n, m->sum))
+            return 0;
+        is_known = 1;
+        if (rate > SUDDEN * fabs(h * m->sum[n + i]))
             return 1;
     }
     return 0;
@@ -101,6 +108,6 @@ void lag_onset_learn(LagMotion *m, LagScale *scale, double t_new, double error, 
 {
     if (error < foreseen)
         lag_scale_note(scale, m->other);
-    else if (is_sudden(m, scale) && ++scale->surprises > PATIENCE)
+    else if (is_sudden(m, scale, t_new - m->t) && ++scale->surprises > PATIENCE)
         foresee(m, scale, t_new);
 }

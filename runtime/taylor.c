@@ -16,7 +16,7 @@
 #include "step.h"
 #include "stiffness.h"
 
-enum { LEAST_ORDER = 4 };
+enum { LEAST_ORDER = 4, PATIENCE = 3 }; /* rejections after which rounding is asked for */
 /* What the rest of the series may be worth in units of error, so that errors are those of Dormand-Prince at the same tolerance; by
  * how much a step may be wrong at its end; shrinking after a step that was. */
 static const double REST = 0.004, WRONG = 0.5, SHRINK = 0.5, GROW = 100;
@@ -314,6 +314,7 @@ static LagStatus step(LagRun *run)
     LagTaylor *s = &run->methods.taylor;
     LagMotion *m = &run->motion;
     double wrong = INFINITY;
+    int in_vain = 0;
     if (rests_at_origin(run) && lag_stiffness_leave_series(run))
         return run->methods.table->step(run);
     if (!build(run, s, s->order))
@@ -336,12 +337,14 @@ static LagStatus step(LagRun *run)
             s->is_fresh = 0;
             lag_motion_take(m, t_new);
             run->step = length;
+            run->scale.step = 0;
             lag_step_record(run, length);
             return LAG_OK;
         }
         ++run->statistics.rejected;
-        lag_rounding_look(run);
-        lag_scale_set_step(&run->scale, length, 0);
+        if (++in_vain == PATIENCE)
+            lag_rounding_look(run);
+        run->scale.step = in_vain >= PATIENCE ? length : 0;
         h = lag_min(h, length);
     }
 }

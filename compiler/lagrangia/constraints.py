@@ -251,7 +251,7 @@ class _Reduction:
         places, ways = np.random.default_rng(1).uniform(0.3, 1.7, (2, q.numel()))
         here, slopes = ca.substitute([gaps, ca.jtimes(gaps, q, ca.DM(ways))], [q], [ca.SX(places)])
         sizes = self._sizes_in_time(slopes)
-        still = [k for k, size in enumerate(sizes) if size <= _NEGLIGIBLE * max(1.0, *sizes)]
+        still = [k for k, size in enumerate(sizes) if size <= _NEGLIGIBLE]
         for k in still:
             named = [self.names[place] for place in self._places(symbols_in(ca.SX(holonomic[k].value(self.kinematics, 0))))]
             self._repeat(holonomic[k], [here[k], slopes[k]], named)
