@@ -38,14 +38,15 @@ static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h,
 }
 
 /* Whether the errors tried so far are of rounding: shorter steps would lead to where it is magnified more, as they have done again
- * and again. One plunge resolves a force that jumps or bends, whose errors do not fall either; nor do those of implicit steps over
- * something quick, and of the explicit ones that stand in for these. */
+ * and again. Where forces have corners, errors do not fall either; nor do those of implicit steps over something quick, and of the
+ * explicit ones that stand in for these. */
 static int is_noise(const LagRun *run, const LagAttempts *attempts)
 {
     const double shortest = attempts->errors[LAG_WAYS - 1];
     const int falls = shortest < FALL * attempts->errors[0] || attempts->early < FALL_AGAIN * shortest;
     const int is_explicit = run->methods.solver != LAG_SOLVER_IMPLICIT && run->stiffness.passes == 0;
-    return is_explicit && run->plunges >= MOST_PLUNGES && shortest * run->scale.tolerance < NOISE && !falls;
+    const int may_be = is_explicit && !run->model->has_corners && run->plunges >= MOST_PLUNGES;
+    return may_be && shortest * run->scale.tolerance < NOISE && !falls;
 }
 
 /* Whether still shorter steps are worth trying. What is near is asked once a step. */

@@ -258,6 +258,7 @@ def _in_force(where: list[Scalar], column: list[Scalar]) -> Scalar:
 
 STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN", "FMOD", "COPYSIGN", "LT", "LE", "EQ", "NE",
                                                          "IF_ELSE_ZERO"))
+CORNERS = STEPS | {ca.OP_FABS, ca.OP_FMIN, ca.OP_FMAX}
 
 
 def uses(function: ca.Function, operations: frozenset[int]) -> bool:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from lagrangia.algebra import STEPS, uses
+from lagrangia.algebra import CORNERS, uses
 from lagrangia.bench_peers import prepare_scipy
 from lagrangia.bench_problem import Piece, Problem
 from lagrangia.native import build
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _TOLERANCES = (1e-10, 1e-11, 1e-12, 1e-13)  # of SciPy's methods
-_CORNERS = STEPS | {ca.OP_FABS, ca.OP_FMIN, ca.OP_FMAX}
 _COLUMNS = 10  # order 20
 _SMALLEST_STEP = 1e-12  # of the piece
 _HIGHEST_NOISE = 1e-11  # of the state: what is larger is no rounding, nor a step so short over a jump of the force
@@ -61,7 +60,7 @@ class Reference:
 
 def find_reference(problem: Problem, seconds: float = 60.0) -> Reference:
     """Raises NoReference, CompilerError."""
-    if any(uses(piece.slope, _CORNERS) for piece in problem.pieces):
+    if any(uses(piece.slope, CORNERS) for piece in problem.pieces):
         return _by_scipy("DOP853", problem, seconds, "its forces have corners")
     try:
         return _by_extrapolation(problem, seconds)

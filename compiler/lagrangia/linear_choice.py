@@ -1,9 +1,10 @@
 """Does the matrix exponential cost less than steps? Both ways are right; this is about time alone.
 
 An explicit method takes some steps for each radian of the fastest motion, more for tighter tolerances; the exponential costs its
-set-up, whatever the horizon, and each row, whatever lies between the rows. Measured on few coordinates, 501 rows: even at some 130
-radians at a tolerance of 1e-8; time events ask for parts of intervals, which cost more. On lattices of 36 and 100 coordinates, where
-series take 0.3 and 1 ms, set-up and rows take 3 and 40 ms: a share of the third and of the second power of the states.
+set-up, whatever the horizon, and each row, whatever lies between the rows. Measured on few coordinates, 501 rows: even at some
+130 radians at a tolerance of 1e-8; time events ask for parts of intervals, which cost more. On lattices of 36 and 100
+coordinates, where series take 0.3 and 1 ms, set-up and rows take 3 and 40 ms: a share of the third and of the second power of
+the states.
 """
 
 import casadi as ca

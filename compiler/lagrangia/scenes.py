@@ -6,6 +6,7 @@ from math import prod
 
 import casadi as ca
 
+from lagrangia.algebra import CORNERS, uses
 from lagrangia.ccode import usual_rhs, write_motion_series
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.diagnostics import fail
@@ -51,6 +52,7 @@ def build_scene(
         "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions, "n_power": functions.n_power,
         **_of_constraints(motion.constrained), "n_lost": len(initial.lost),
         "outputs_need_acceleration": int(functions.outputs_need_acceleration),
+        "has_corners": _has_corners(motion),
         "is_separable": int("conservative" not in refused and "velocity" not in functions.table),
     }
     sizes |= functions.sizes
@@ -101,6 +103,7 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
         "n": len(group), "n_parameters": scene.sizes["n_parameters"], "n_hoisted": functions.table["hoist"].numel_out(0),
         "n_inputs": scene.sizes["n_inputs"], "n_modes": len(algebra.modes), "n_events": count, "n_power": functions.n_power,
         **_of_constraints(held), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
+        "has_corners": _has_corners(motion),
     }
     sizes["jacobian_cost"] = _jacobian_cost(tapes, sizes["n_colours"])
     if functions.linear_pays:
@@ -172,6 +175,10 @@ def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
     nodes = count_operations(usual_rhs(tapes), output=0)
     return {"rhs_operations": count_operations(usual_rhs(tapes)), "acceleration_nodes": nodes, "way": motion.way,
             "ways": motion.counted or {motion.way: nodes}, "nodes_per_coordinate": round(nodes / max(n, 1), 1)}
+
+
+def _has_corners(motion: Motion) -> int:
+    return int(uses(ca.Function("h", ca.symvar(motion.h), [motion.h]), CORNERS))
 
 
 def _jacobian_cost(tapes: dict[str, Tape], colours: int) -> int:
