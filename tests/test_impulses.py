@@ -127,3 +127,49 @@ initial equation
 end Halved;""").simulate(at=[0.5, 1.5])
     assert run["der(x)"] == pytest.approx([1.0, 2.0], abs=1e-12)
     assert math.isclose(run["x"][-1], 2.0, abs_tol=1e-12)
+
+ROAD = """model Road "a mass on a spring and a damper over a road that {how}"
+  World world(gravity = {{0, 0}});
+  Frame road = shift(world, {{0, 0.05*{law}}});
+  Block b(m = 2, base = world, along = {{0, 1}});
+  AxialSpring  spring(a = road, b = b.center, k = 300, along = {{0, 1}});
+  AxialDamper  damper(a = road, b = b.center, c = 5, along = {{0, 1}});
+end Road;"""
+PUSHED = """model Pushed "the same by a prescribed coordinate that no mass moves with, and in a loop of tie and lever"
+  World world(gravity = {{0, 0}});
+  coordinate Length x; Motion motion(of = x, to = 0.05*{law});
+  Block b(m = 2, base = world);
+  SpringDamper spring(k = 300, c = 5, stretch = b.s - x);
+end Pushed;"""
+RAMP = "ramp(time, 1, 1e-7)"
+AFTER = np.array([0.9, 1.1, 1.3, 2.0])
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("text", [ROAD, PUSHED])
+def test_a_damper_on_a_support_that_jumps_gives_an_impulse(text: str, solver: str, scene: Scene) -> None:
+    """c times the way: the limit of ever steeper ramps."""
+    jumps, glides = (scene(text.format(law=law, how="steps")) for law in ("step(time - 1)", RAMP))
+    found, limit = (model.simulate(solver=which, at=AFTER, tolerance=1e-10)
+                    for model, which in ((jumps, solver), (glides, "implicit")))
+    assert found["b.s"] == pytest.approx(limit["b.s"], abs=1e-7)
+    assert np.abs(found.energy.residual).max() < 1e-8
+
+
+def test_an_impulse_of_a_slanted_damper_goes_along_it(scene: Scene) -> None:
+    """And the direction is the mean of those before and after the jump."""
+    model = scene("""model Slanted World world(gravity = {0, 0}); Frame post = shift(world, {0.3*pulse(time, 1, 1), 0});
+      PointMass p(m = 2, center(x(start = 3), y(start = 4)));
+      GeneralDamper d(rate = (p.center.v[1] - post.v[1])*0.6 + (p.center.v[2] - post.v[2])*0.8, D = 0.5*4[N.s/m]*d.rate^2);
+    end Slanted;""")
+    run = model.simulate(at=[0.5, 1 + 1e-9], tolerance=1e-10)
+    assert run["der(p.center.x)"][-1] == pytest.approx(4 * 0.18 / 2 * 0.6, abs=1e-7)
+    assert run["der(p.center.y)"][-1] == pytest.approx(4 * 0.18 / 2 * 0.8, abs=1e-7)
+
+
+@pytest.mark.parametrize("law", ["ramp(time, 1, 0.5)", "table(time, {0, 0.5, 1, 1.7}, {0, 1, -1, 0.3})", "mod(time, 0.5[s])/1[s]",
+                                 "abs(time/1[s] - 1)", "min(time/1[s], 1)", "max(time/1[s] - 1, 0)"])
+def test_what_bends_without_a_jump_gives_no_impulse_of_dampers(law: str, scene: Scene) -> None:
+    rates = scene(ROAD.format(law=law, how="bends")).simulate(at=[1 - 1e-9, 1 + 1e-9], tolerance=1e-11)["der(b.s)"]
+    jump = -5 * 0.05 * 0.5 / 2 if "mod" in law else 0.0
+    assert rates[1] - rates[0] == pytest.approx(jump, abs=1e-7)

@@ -416,6 +416,43 @@ class DualAlgebra:
         return Dual(value, times(slope(), rate_of(x)) if not is_zero(rate_of(x)) else 0.0), slope
 
 
+@dataclass(frozen=True)
+class GlidingAlgebra(DualAlgebra):
+    """Duals in which modes have rates, as if what jumps at a time event went over evenly. `glide`: of a value, the rate that the
+    modes in it give it."""
+
+    glide: Callable[[Scalar], Scalar]
+
+    def call(self, function: str, *arguments: Scalar) -> Scalar:
+        if function == "mod":
+            a, b = arguments
+            return a - b * self.call("floor", a / b)
+        found = super().call(function, *arguments)
+        return self._gliding(value_of(found), rate_of(found)) if function in ("floor", "ceil") else found
+
+    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        return self._gliding(super().compare(operator, a, b), 0.0)
+
+    def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
+        chosen = super().choose(value_of(condition), then, otherwise)
+        more = times(rate_of(condition), minus(value_of(then), value_of(otherwise)))
+        return chosen if is_zero(more) else Dual(value_of(chosen), plus(rate_of(chosen), more))
+
+    def logic(self, operator: str, *conditions: Scalar) -> Scalar:
+        if operator == "not":
+            return 1.0 - conditions[0]
+        a, b = conditions
+        return a * b if operator == "and" else a + b - a * b
+
+    def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
+        found, slope = super().lines(x, xs, ys)
+        return self._gliding(value_of(found), rate_of(found)), slope
+
+    def _gliding(self, value: Scalar, rate: Scalar) -> Scalar:
+        rate = plus(rate, self.glide(value))
+        return value if is_zero(rate) else Dual(value, rate)
+
+
 # Partial derivatives of f = function(x, ...): one closure for each argument, called only when that argument moves.
 _PARTIALS: Mapping[str, Callable[..., list[Callable[[], Scalar]]]] = {
     "sin": lambda g, f, x: [lambda: g.call("cos", x)],

@@ -42,7 +42,7 @@ class Book:
     constants: tuple[Constant, ...]
     values: Mapping[str, float]
     has_numbers: bool
-    has_kicks: bool = False  # rates of supports jump
+    has_kicks: bool = False  # supports jump, or their rates
 
     @property
     def q(self) -> tuple[Name, ...]:
@@ -150,8 +150,8 @@ def kicks_block(book: Book) -> list[Block]:
     if not book.has_kicks:
         return []
     momentum = book.partial("T", Name("q", "k", 1))
-    return [paragraph("The rate of a support jumps at times: there ", momentum, " stays as it is, but for what holds the scene, "
-                      "and the equations hold in between.")]
+    return [paragraph("A support jumps at times, or its rate: there ", momentum, " stays as it is, but for what holds the scene "
+                      "and the impulses of dampers, and the equations hold in between.")]
 
 
 def names_block(book: Book) -> list[Block]:

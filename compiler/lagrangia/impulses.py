@@ -3,6 +3,10 @@
 Where the rate of a support or of a prescribed coordinate jumps, forces are infinite for no time: what they change at once is
 momentum, and only along what holds the scene. So dT/dv of the coordinates stays as it is, but for the impulses J^T Lambda of
 constraints: M dv + J^T Lambda = p(before) - p(after), J dv = -(J v + dPhi/dt).
+
+Where a support itself jumps, dampers on it give an impulse: that of a force linear in rates, c times the way of the support.
+It is the limit of supports that go over ever faster. A jump that carries mass along has no limit, nor have other laws of
+damping: they add nothing here.
 """
 
 from dataclasses import dataclass
@@ -13,7 +17,7 @@ from lagrangia.constraints import Constraints
 from lagrangia.energies import evaluate_energies
 from lagrangia.kinematics import Kinematics
 from lagrangia.kkt import factor
-from lagrangia.motion import Motion, mass_matrix, solve_mass
+from lagrangia.motion import Motion, generalised_force, mass_matrix, solve_mass
 
 
 @dataclass(frozen=True)
@@ -29,19 +33,39 @@ def rates_jump(kinematics: Kinematics, constraints: Constraints) -> bool:
     modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
     if modes.numel() == 0:
         return False
-    energies = evaluate_energies(kinematics)
-    momentum = ca.gradient(energies.total(energies.kinetic), ca.vertcat(*kinematics.symbols.rates.values()))
-    return bool(ca.depends_on(ca.vertcat(momentum, *(row.rate(kinematics) for row in constraints.rows)), modes))
+    energies, before = evaluate_energies(kinematics), ca.SX.sym("before", modes.numel())
+    q, v = (ca.vertcat(*values.values()) for values in (kinematics.symbols.positions, kinematics.symbols.rates))
+    momentum = ca.gradient(energies.total(energies.kinetic), v)
+    return bool(ca.depends_on(ca.vertcat(momentum, *(row.rate(kinematics) for row in constraints.rows)), modes)
+                or _impulse_of_dampers(kinematics, q, v, modes, before) is not None)
 
 
 def find_kick(kinematics: Kinematics, motion: Motion) -> Kick:
     modes, held = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes]), motion.constrained
     rows = held.rows.rate if held else ca.SX(0, 1)
     before = ca.vertcat(*[ca.SX.sym(f"before_{k}") for k in range(modes.numel())])
-    if not modes.numel() or not ca.depends_on(ca.vertcat(motion.momentum, rows), modes):
+    if not modes.numel():
         return Kick(ca.SX(0, 1), before)
-    gained = motion.momentum - ca.substitute(motion.momentum, modes, before)
+    impulse = _impulse_of_dampers(kinematics, motion.q, motion.v, modes, before)
+    if impulse is None and not ca.depends_on(ca.vertcat(motion.momentum, rows), modes):
+        return Kick(ca.SX(0, 1), before)
+    gained = motion.momentum - ca.substitute(motion.momentum, modes, before) - (0 if impulse is None else impulse)
     if held is None:
         return Kick(ca.densify(solve_mass(kinematics, motion, -gained)), before)
     rates, _ = factor(mass_matrix(motion), held.J, True).solve(-gained, -rows, refine=False)
     return Kick(ca.densify(rates), before)
+
+
+def _impulse_of_dampers(kinematics: Kinematics, q: ca.SX, v: ca.SX, modes: ca.SX, before: ca.SX) -> ca.SX | None:
+    """Of supports that jump, (n,): the forces per pace of modes, the mean of before and after. None where there is none."""
+    places = [ca.SX(dependent.constant[0]) for dependent in kinematics.dependents.values()]
+    jumps = ca.vertcat(modes, *places)
+    jumps -= ca.substitute(jumps, modes, before)
+    pace = ca.SX.sym("pace", jumps.numel())
+    energies = evaluate_energies(kinematics.gliding(pace[: modes.numel()], pace.elements()[modes.numel() :]))
+    damping = ca.gradient(energies.total(energies.dissipation), v)
+    forces = ca.jacobian(generalised_force(energies, q) - damping, pace)
+    if not forces.nnz() or ca.depends_on(forces, ca.vertcat(pace, v)):
+        return None
+    mean = (forces + ca.substitute(forces, modes, before)) / 2
+    return ca.densify(mean @ jumps)

@@ -12,7 +12,7 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra import CasadiAlgebra, Dual, Scalar, minus, plus, rate_of, times, value_of
+from lagrangia.algebra import CasadiAlgebra, Dual, GlidingAlgebra, Scalar, minus, plus, rate_of, times, value_of
 from lagrangia.closures import cut_coordinate
 from lagrangia.diagnostics import fail
 from lagrangia.edges import Edge, Step
@@ -149,6 +149,21 @@ class Kinematics:
             self._still._still = self._still
         return self._still
 
+    def gliding(self, pace: ca.SX, given: Sequence[ca.SX]) -> "Kinematics":
+        """Positions and velocities, these with what modes would add that change at this pace (n_modes,), and with what `given`
+        adds to the rates of dependent coordinates, of each; the rate of time is 1."""
+        modes = ca.vertcat(*[mode.symbol for mode in self.algebra.modes])
+
+        def glide(value: Scalar) -> Scalar:
+            moves = isinstance(value, ca.SX) and ca.depends_on(value, modes)
+            return ca.jtimes(value, modes, pace) if moves else 0.0
+
+        dependents = {name: replace(dependent, constant=(dependent.constant[0], plus(dependent.constant[1], more), 0.0))
+                      for (name, dependent), more in zip(self.dependents.items(), given, strict=True)}
+        found = Kinematics(self.graph, replace(self.symbols, tau=ca.SX(1)), self.algebra, dependents)
+        found.evaluator.algebras[1:] = [GlidingAlgebra(self.algebra, glide)]  # accelerations are not known here
+        return found
+
     def displaced(
         self, released: Mapping[str, Displacement], moved: Mapping[str, Displacement] | None = None
     ) -> "Kinematics":
@@ -175,7 +190,7 @@ class Kinematics:
 
     def _place_all(self, level: int) -> None:
         poses = self._poses[level]
-        if level == 1 and not (self.released or self.moved):
+        if level == 1 and len(self.evaluator.algebras) > 2 and not (self.released or self.moved):
             # the inertial forces need the second level in any case, and it has the first one in it
             poses |= {name: pose.map(value_of) for name, pose in self.without_accelerations().poses(2).items()}
             return

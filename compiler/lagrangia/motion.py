@@ -89,7 +89,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
     slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
     momentum, dL_dt = slopes[:-1, 0], slopes[-1]
-    force, damping = _generalised_force(energies, q), ca.gradient(D, v)
+    force, damping = generalised_force(energies, q), ca.gradient(D, v)
     h = inertial_force(kinematics, energies, bodies, q, v) + damping
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
@@ -165,7 +165,7 @@ def _lagrange(kinematics: Kinematics, T: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:
     return ca.jtimes(slopes[:n], ca.vertcat(q, t), ca.vertcat(v, tau)) - slopes[n:]
 
 
-def _generalised_force(energies: Energies, q: ca.SX) -> ca.SX:
+def generalised_force(energies: Energies, q: ca.SX) -> ca.SX:
     """sum_i (dr_i/dq)^T F_i, in one reverse sweep."""
     if not energies.loads:
         return ca.SX.zeros(q.numel())

@@ -30,7 +30,8 @@ def write_script(book: Book) -> str:
 
     parameters = [p for p in scene.parameters if p.symbol in names]
     law = "M*a + h + J.T*multipliers == f" if e.rows else "M*a + h == f"
-    kicks = ["The rate of a support jumps at times: there dT/dv stays as it is, but for what holds the scene."] * book.has_kicks
+    told = "A support jumps at times, or its rate: there dT/dv stays as it is, but for what holds it and impulses of dampers."
+    kicks = [told] * book.has_kicks
     lines = [f'"""{model.name}: {model.description}.' if model.description else f'"""{model.name}.', "",
              f"Lagrange's equations: equations[k] == 0, that is {law}.", *kicks, '"""', "", "import sympy as sp", ""]
     lines += ["t = sp.Symbol('t', real=True)"]

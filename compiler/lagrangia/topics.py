@@ -133,7 +133,8 @@ trajectory): those of the motion, or of the account itself where powers of dampe
 steps. Where it is a tenth of all energy, the motion itself is in doubt; and where there are no powers, or energy rose a
 hundredfold what they gave in all, what was computed is another motion, and the exit code is 1.
 Supports may move with rates that jump (ramps, tables): momentum then stays as it is, but for what holds the scene; a support
-whose place jumps (step) takes along what is told in its frame. A tolerance below 1e-14 is raised to it, and steps that missed
+whose place jumps (step) takes along what is told in its frame, and dampers that are linear in rates give an impulse, c times
+its way: the limit of ever steeper ramps. A tolerance below 1e-14 is raised to it, and steps that missed
 theirs are counted. A result file holds finite numbers alone: where an output has none (the square root of what became negative),
 its cell is empty, with a warning; NumPy arrays have nan there.
 A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says
