@@ -31,6 +31,18 @@ void lag_account_note(LagRun *run, const double *y, double *entries)
     statistics->energy_given = lag_max(entries[WORK] - entries[DISSIPATED], statistics->energy_given);
 }
 
+void lag_account_glance(LagRun *run)
+{
+    LagStatistics *statistics = &run->statistics;
+    double energies[3] = {0, 0, 0};
+    lag_energies(run, run->motion.t, run->motion.y, energies);
+    for (int i = KINETIC; i <= TOTAL; ++i)
+        if (isfinite(energies[i])) {
+            statistics->energy_scale = lag_max(fabs(energies[i]), statistics->energy_scale);
+            statistics->energy_stored = lag_max(fabs(energies[i]), statistics->energy_stored);
+        }
+}
+
 void lag_account_open(LagRun *run) { run->energy_before = total(run, run->motion.t, run->motion.y); }
 
 void lag_account_close(LagRun *run)

@@ -9,6 +9,9 @@ enum { LAG_ACCOUNT_SIZE = 5 };
 /* Completes the {T, V, H, dissipated, work} of a state whose {T, V, H} are known; notes residual and scale in the statistics. */
 void lag_account_note(LagRun *run, const double *y, double *entries);
 
+/* Notes how large the energies are in the present state: rows may all lie where there is none. */
+void lag_account_glance(LagRun *run);
+
 /* To be called before and after modes, inputs or parameters change at the present state. The jump of H is work done by
  * whoever changes them. */
 void lag_account_open(LagRun *run);

@@ -14,7 +14,6 @@ int lag_islands_open(LagIslands *s, const LagModel *model, const LagSettings *se
 {
     LagSettings own = *settings;
     own.solver = LAG_SOLVER_AUTO;
-    own.energy_every_step = 0;
     s->runs = calloc((size_t)model->n_islands, sizeof *s->runs);
     if (!s->runs)
         return 0;

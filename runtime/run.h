@@ -37,7 +37,6 @@ typedef struct {
     double first_step;      /* 0: found automatically */
     int64_t max_steps;      /* 0: no limit */
     int32_t solver;         /* LAG_SOLVER_...; automatic: the one the model names */
-    int32_t energy_every_step; /* watch the energy residual at every step, not only in rows */
 } LagSettings;
 
 typedef struct {

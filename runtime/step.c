@@ -4,11 +4,11 @@
 #include <math.h>
 
 #include "account.h"
-#include "evaluate.h"
 #include "extremes.h"
 #include "segment.h"
 
 static const double FIRST_STEP = 1; /* towards no end */
+enum { GLANCE = 16 }; /* steps from one look at the energies to the next */
 
 double lag_step_smallest(double t) { return lag_max(4 * DBL_EPSILON * fabs(t), DBL_MIN); }
 
@@ -38,11 +38,8 @@ void lag_step_record(LagRun *run, double h)
     run->segment_over = run->motion.t == run->segment_end;
     lag_scale_note(&run->scale, run->motion.y);
     lag_scale_set_step(&run->scale, h, run->methods.solver == LAG_SOLVER_IMPLICIT);
-    double entries[LAG_ACCOUNT_SIZE];
-    if (run->settings.energy_every_step) {
-        lag_energies(run, run->motion.t, run->motion.y, entries);
-        lag_account_note(run, run->motion.y, entries);
-    }
+    if (s->steps % GLANCE == 0)
+        lag_account_glance(run);
 }
 
 LagStatus lag_step_give_up(LagRun *run, int worst)

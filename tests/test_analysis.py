@@ -437,6 +437,15 @@ def test_nothing_rests_on_a_cusp_of_the_potential(scene: Write) -> None:
     assert np.hypot(found[0].position["p.center.x"], found[0].position["p.center.y"]) == pytest.approx(0.5, abs=1e-9)
 
 
+def test_an_integral_of_a_controller_is_not_supported_yet(scene: Write) -> None:
+    model = scene("""model Pid World world(gravity = {0, 0}); Block b(m = 1, base = world); coordinate Length z;
+      SpringDamper k(k = 4, c = 3, stretch = b.s); AppliedForce f(at = b.center, force = {-3[N/m]*z, 0});
+      equation der(z) = b.s*1[1/s]; end Pid;""")
+    for ask in (model.equilibrium, model.modes, model.linearize):
+        with pytest.raises(lag.LagError, match="not supported yet: equilibria and small motion where a constraint ties rates"):
+            ask()
+
+
 def test_a_column_under_its_critical_load_rests(scene: Write) -> None:
     model = scene("""model Column parameter TorsionStiffness k = 98.1;
       Revolute h(a = turn(world, 90[deg])); PointMass p(m = 10, center = shift(h.b, {1, 0}));

@@ -147,7 +147,7 @@ def test_energy_account(runtime: Runtime) -> None:
         rhs="a[0] = -d[0]*q[0] - 0.2*v[0] + cos(t); power[0] = 0.2*v[0]*v[0]; power[1] = v[0]*cos(t);",
         energies="E[0] = v[0]*v[0]/2; E[1] = d[0]*q[0]*q[0]/2; E[2] = E[0] + E[1];",
     )
-    with started(runtime, model, [1], [0], t_stop=10, tolerance=1e-10, energy_every_step=True) as run:
+    with started(runtime, model, [1], [0], t_stop=10, tolerance=1e-10) as run:
         T, V, H, dissipated, work = run.advance([10])[0][3:]
         assert dissipated > 0.1
         assert pytest.approx(T + V) == H

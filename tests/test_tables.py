@@ -203,3 +203,12 @@ def test_bends_of_a_force_in_a_loop_are_no_rounding(scene: Scene, tolerance: flo
     run = scene(GAS).simulate(at=[1.0], tolerance=tolerance)
     assert run["O.phi"][-1] == pytest.approx(35.71498118, abs=max(700 * tolerance, 3e-8))
     assert run.statistics.tolerance_missed == 0
+
+
+def test_energies_are_known_where_all_rows_lie_at_rest(scene: Scene) -> None:
+    """An oscillator with a soft and a hard side, rows at its turning points alone: the account was measured by its own errors."""
+    model = scene("""model Bilinear World world(gravity = {0, 0}); Block b(m = 1, base = world, s(start = 1));
+      AppliedForce f(at = b.center, force = {table(b.s, {-1, 0, 1}, {2500[N], 0[N], -1[N]}), 0}); end Bilinear;""")
+    run = model.simulate(at=[3.204424506661589, 6.408849013323178], tolerance=1e-10)
+    assert run.warnings == []
+    assert run.statistics.energy_scale > 0.1

@@ -66,8 +66,10 @@ class ModeIndex:
     """Finds the mode that says the same, however its expression was built: what is the same has one number."""
 
     numbers: dict[tuple[float, ...], int] = field(default_factory=dict)  # of all parts of arguments
+    keys: list[tuple[float, ...]] = field(default_factory=list)  # by number
     symbols: dict[Hashable, ca.SX] = field(default_factory=dict)  # by operator and argument
     hashes: set[int] = field(default_factory=set)  # of these symbols
+    modes: list[Mode] = field(default_factory=list)  # all of them, of all islands
 
     def number(self, function: ca.Function, symbols: list[ca.SX]) -> int:
         """Of the value of a scalar function of these symbols."""
@@ -81,9 +83,21 @@ class ModeIndex:
                 key = (op, function.instruction_constant(k))
             else:
                 operands = [held[place] for place in inputs]
+                if op == ca.OP_SUB:  # a - 1 is a + -1
+                    op, operands[1] = ca.OP_ADD, self._negative(operands[1])
                 key = (op, *(sorted(operands) if op in _COMMUTATIVE else operands))
-            made = held[function.instruction_output(k)[0]] = self.numbers.setdefault(key, len(self.numbers))
+            made = held[function.instruction_output(k)[0]] = self._numbered(key)
         return made
+
+    def _numbered(self, key: tuple[float, ...]) -> int:
+        if key not in self.numbers:
+            self.numbers[key] = len(self.keys)
+            self.keys.append(key)
+        return self.numbers[key]
+
+    def _negative(self, number: int) -> int:
+        op, *operands = self.keys[number]
+        return self._numbered((ca.OP_CONST, -operands[0]) if op == ca.OP_CONST else (ca.OP_NEG, number))
 
 
 @dataclass(frozen=True)
@@ -196,7 +210,7 @@ class CasadiAlgebra:
         if hashes.isdisjoint(self.index.hashes):
             is_timed = self.time.__hash__() in hashes and self._is_straight(value)
             return _Crossing(self._number(value), value, value) if is_timed else None
-        floor, *others = [mode for mode in self.modes if mode.symbol.__hash__() in hashes]
+        floor, *others = [mode for mode in self.index.modes if mode.symbol.__hash__() in hashes]
         straight, step = ca.substitute(value, floor.symbol, ca.SX(0)), ca.jacobian(value, floor.symbol)
         if others or floor.value.op() != ca.OP_FLOOR or ca.depends_on(step, ca.vertcat(self.time, floor.symbol)):
             return None
@@ -221,7 +235,9 @@ class CasadiAlgebra:
         if key not in self.index.symbols:
             made = self.index.symbols[key] = make_symbol(f"d_{len(self.modes)}")
             self.index.hashes.add(made.__hash__())
-            self.modes.append(Mode(made, value, arguments, kind))
+            mode = Mode(made, value, arguments, kind)
+            self.modes.append(mode)
+            self.index.modes.append(mode)
         return self.index.symbols[key]
 
 

@@ -237,8 +237,13 @@ class Study:
         return found
 
     def require_rest(self, e: SmallMotion, pace: float) -> None:
-        """Raises RunError when a constraint keeps the scene moving."""
-        rates = self.call(e.static, self.start[0], np.zeros(e.m), pace)[2]
+        """Raises RunError when a constraint keeps the scene moving, LagError L0916 when it would at other positions."""
+        aside = self.start[0] + self.reach * np.random.default_rng(5).uniform(0.1, 0.3, self.scene.n)
+        rates, other = (self.call(e.static, q, np.zeros(e.m), pace)[2].ravel() for q in (self.start[0], aside))
+        for row, here, there in zip(self.c.constraints.rows, rates, other, strict=True):
+            if not row.is_holonomic and abs(there - here) > 1e-9 * max(abs(there), abs(here)):
+                fail("L0916", "not supported yet: equilibria and small motion where a constraint ties rates to positions",
+                     row.span, "as der(z) = s, the integral of a controller, does; lag simulate takes it")
         if np.abs(rates).max(initial=0.0) > 1e-12 * self.size:
             raise RunError("nothing can rest here: a constraint prescribes a speed")
 

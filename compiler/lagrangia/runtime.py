@@ -66,7 +66,6 @@ class Settings:
     first_step: float = 0.0
     max_steps: int = 0
     solver: Solver = Solver.AUTO
-    energy_every_step: bool = False
 
 
 @dataclass(frozen=True)
@@ -191,7 +190,6 @@ class _Settings(c.Structure):
         ("first_step", c.c_double),
         ("max_steps", c.c_int64),
         ("solver", c.c_int32),
-        ("energy_every_step", c.c_int32),
     )
 
 

@@ -55,9 +55,10 @@ distance(a, b)      between two frames or points
 sum(e for i in 1:n), product(...), {e for i in 1:n}      over a range
 table(x, {x1, x2, ...}, {y1, y2, ...})                   straight lines between points, held beyond the ends
 step(x) pulse(t, start, width) pulse_train(t, start, width, period) ramp(t, start, duration)
-if c then a else b  in a formula; a condition on time alone is met exactly: the integrator stops there; one on what moves is taken
-                    as it is: forces may have corners there (contacts), but where one jumps and holds the motion at its jump (dry
-                    friction, sign(v)) steps become endlessly short: make it steep instead, tanh(v/1e-3[m/s])
+if c then a else b  in a formula; a condition on time alone, linear in it or in mod and floor of it, is met exactly: the
+                    integrator stops there; others are taken as they are: forces may have corners there (contacts), but where
+                    one jumps and holds the motion at its jump (dry friction, sign(v)) steps become endlessly short: make it
+                    steep instead, tanh(v/1e-3[m/s])
 time, pi
 virtual(x)          zero, but with the virtual displacement of x: says in an equation where its force acts (see Gear)
 
