@@ -275,6 +275,10 @@ int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, d
         if (solve(s, p, fixed, all, n, 2 * n, 0, x, work) < 0)
             return -1;
         copy(s, s->best, x);
+        if (solve(s, p, fixed, all, 0, 2 * n, 0, x, work) < 0)
+            return -1;
+        copy(s, s->best, x); /* positions close: what fails are rates */
+        return solve(s, p, fixed, all, n, 2 * n, 0, x, work);
     }
     return solve(s, p, fixed, all, 0, 2 * n, 0, x, work);
 }

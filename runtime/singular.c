@@ -35,6 +35,7 @@ static int across(LagRun *run, double size, double *q, double *normal)
     const LagMotion *m = &run->motion;
     const double *in[] = {&m->t, q, run->u, run->d, run->c};
     unsigned seed = 1;
+    lag_inputs_at(&run->inputs, m->t, run->u);
     for (int i = 0; i < m->n; ++i) {
         seed = 1664525U * seed + 1013904223U;
         q[i] = m->y[i] + size * ((double)(seed >> 8) / (1 << 23) - 1);

@@ -111,19 +111,16 @@ static void place_known(LagRun *run, double *jets)
 {
     const LagModel *model = run->model;
     const LagMotion *m = &run->motion;
-    const int n_inputs = model->n_inputs, first = 1 + 2 * m->n, pitch = model->jet_pitch;
+    const int n_inputs = model->n_inputs, first = 1 + 2 * m->n;
     place_line(model, jets, 0, m->t, 1);
     if (n_inputs == 0)
         return;
-    lag_inputs_at(&run->inputs, m->t + 1, run->u);
+    lag_inputs_slope(&run->inputs, run->u);
     for (int i = 0; i < n_inputs; ++i)
         place_line(model, jets, first + i, 0, run->u[i]);
     lag_inputs_at(&run->inputs, m->t, run->u);
-    for (int i = 0; i < n_inputs; ++i) {
-        double *u = jet(model, jets, first + i);
-        u[0] = run->u[i];
-        u[pitch] -= run->u[i];
-    }
+    for (int i = 0; i < n_inputs; ++i)
+        *jet(model, jets, first + i) = run->u[i];
 }
 
 /* The coefficients of everything from order `first` to before `end`, and those of the state of order `end`. Returns 1 when the

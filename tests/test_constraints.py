@@ -306,3 +306,14 @@ def test_a_tape_in_python_gives_what_casadi_gives() -> None:
         tape = tape_of(ca.Function("bad", [x], [bad]))
         assert np.isnan(evaluate(tape, [1, 0, 0])[0][0])
         assert np.isnan(evaluate_each(tape, [1, np.array([2.0, 0.0]), 0])[0][0]).tolist() == [False, True]
+
+
+def test_rates_that_do_not_go_together_are_told_as_rates(scene: Write) -> None:
+    """A slider crank at its dead centre, whose piston shall move: the loop closes, its rates do not."""
+    model = scene("""model Dead World world(gravity = {0, 0});
+      Revolute O(a = world, phi(start = 0, fixed = true)), pin(a = crank.b, b = rod.a), wrist(a = rod.b, b = slide.center);
+      Bar crank(m = 1, L = 0.1, a = O.b), rod(m = 0.5, L = 0.3);
+      Block slide(m = 2, base = world, s(start = 0.4), v(start = 1, fixed = true)); end Dead;""")
+    with pytest.raises(lag.LagError, match="the rates that are stated at the start do not go together in the loop.* by 1 "):
+        model.simulate(stop=0.1)
+    assert "do not go together" in model.freedom["problem"]

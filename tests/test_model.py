@@ -358,3 +358,14 @@ def test_a_mechanism_without_any_mass_is_told() -> None:
     massless = {"crank.m": 0.0, "coupler.m": 0.0, "rocker.m": 0.0}
     with pytest.raises(RunError, match="a coordinate that moves no mass"):
         lag.load(EXAMPLES[0].with_name("four_bar.lag")).simulate(stop=1, parameters=massless)
+
+
+def test_turns_taken_for_radians_are_warned_of(tmp_path: Path) -> None:
+    """SI takes Hz and rad/s for the same unit, and rpm for radians a second."""
+    file = tmp_path / "scene.lag"
+    file.write_text("""model M
+      parameter AngularFrequency a = 50[Hz], b = 3000[rpm], c = 2*pi*50[Hz]; parameter Frequency f = 3000[rpm], g = 50[Hz];
+      Block m(m = 1, base = world); AppliedForce x(at = m.center, force = {1[N]*sin((a + b + c + f + g)*time), 0}); end M;""")
+    first, second = lag.load(file).warnings
+    assert "'a' is in rad/s: 50[Hz] is taken for that many radians a second" in first
+    assert "'f' is in Hz: 3000[rpm] is taken in radians a second, 6.28 times its turns" in second

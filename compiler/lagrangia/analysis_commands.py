@@ -107,9 +107,7 @@ def _load(options: Namespace) -> tuple[Model, dict[str, Any]]:
     tell_warnings(model)
     scene = model.scene
     parameters = open_parameters(scene, given)
-    units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
-    units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
-    initial = values_with_units([assignment(text, "--initial") for text in options.initial], units)
+    initial = values_with_units([assignment(text, "--initial") for text in options.initial], scene.start_units)
     inputs = read_inputs(options.input, scene)
     return model, {"parameters": parameters, "initial": initial, "inputs": inputs, "time": options.time}
 

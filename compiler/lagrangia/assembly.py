@@ -55,9 +55,11 @@ class Assembly:
             x = self._prefer_regular(x)
             if positions == all_of_them:
                 return x, -1
-            found, worst = self._solve(all_of_them, n, 2 * n, x)
-            if worst < 0:
-                return found, -1
+            rates = self._solve(all_of_them, n, 2 * n, x)
+            if rates[1] < 0:
+                return rates
+            together = self._solve(all_of_them, 0, 2 * n, x)
+            return together if together[1] < 0 else rates  # positions close: what fails are rates
         return self._solve(all_of_them, 0, 2 * n, x)
 
     def _like(self, x: Vector) -> Vector:

@@ -5,7 +5,7 @@ way where another one is wanted (`sin(3*time)`, `torque = 0.5*sin(2*time)`); an 
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from lagrangia.diagnostics import LagError, Report, Span
@@ -35,12 +35,13 @@ class Quantity:
 
 
 _CONDITIONS = {"==", "<>", "<", "<=", ">", ">=", "and", "or"}
+_RADIANS_A_SECOND = ("rpm", "rad/s", "deg/s")
 ANY = Quantity(None)
 PURE = Quantity(ONE)
 
 
-def check_dimensions(model: FlatModel) -> None:
-    """Raises LagError L03xx with all mismatches found."""
+def check_dimensions(model: FlatModel) -> FlatModel:
+    """The model with warnings of turns taken for radians. Raises LagError L03xx with all mismatches found."""
     checker = _Checker(model)
     for variable in model.variables.values():
         checker.guard(checker.check_variable, variable)
@@ -59,6 +60,7 @@ def check_dimensions(model: FlatModel) -> None:
     for work in model.works:
         checker.guard(checker.check_work, work.force, work.position, work.span)
     checker.report.raise_errors()
+    return replace(model, warnings=(*model.warnings, *checker.report.diagnostics))
 
 
 def unit_of(model: FlatModel, node: Flat) -> str:
@@ -103,8 +105,19 @@ class _Checker:
                 continue
             if declared.dimension is not None:
                 self.expect(value, declared.dimension, what, variable.unit)
+                self.check_turns(value, what, variable.unit)
             else:
                 self.quantity(value)
+
+    def check_turns(self, value: Flat, what: str, unit: str) -> None:
+        """Hz counts turns and rad/s radians, rpm and deg/s made of them: units that SI takes for the same, 6.28 apart."""
+        told = value.unit if isinstance(value, Number) else None
+        if unit == "rad/s" and told == "Hz":
+            self.report.warning("L0305", f"{what} is in rad/s: {value.span.text} is taken for that many radians a second",
+                                value.span, "of turns a second, write 2*pi[rad/s] times as many")
+        elif unit == "Hz" and told in _RADIANS_A_SECOND:
+            self.report.warning("L0305", f"{what} is in Hz: {value.span.text} is taken in radians a second, 6.28 times its turns",
+                                value.span, "divide by 2*pi, or declare an AngularFrequency")
 
     def check_equation(self, equation: Equation) -> None:
         self.same(self.quantity(equation.left), self.quantity(equation.right), equation.span, "be equal")
@@ -126,9 +139,15 @@ class _Checker:
                               "a force in N works on a length, a torque in N.m on an angle")
 
     def expect(self, node: Flat, wanted: Dimension, what: str, unit: str = "") -> None:
+        if isinstance(node, Array):
+            for item in node.items:
+                self.expect(item, wanted, what, unit)
+            return
         found = self.quantity(node)
         if not _fits(found, wanted):
-            self.report.error("L0304", f"{what} is in {unit or spell(wanted)}, this is in {found.spell()}", node.span)
+            name = unit or spell(wanted)
+            hints = [f"give it a unit: 1[{name}]*..."] if found.dimension == ONE else []
+            self.report.error("L0304", f"{what} is in {name}, this is in {found.spell()}", node.span, *hints)
 
     def same(self, a: Quantity, b: Quantity, span: Span, how: str) -> Quantity:
         """The common quantity of two that must agree."""

@@ -49,6 +49,8 @@ class InitialConditions:
     def complaint(self, k: int) -> str:
         """What is wrong when residual k is not zero."""
         loop = self.residual_loops[k]
+        if loop and k >= self.n_positions:
+            return f"the rates that are stated at the start do not go together in the loop {loop}"
         return f"the loop {loop} cannot close" if loop else "this cannot hold at the start"
 
 

@@ -72,7 +72,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     with deep_recursion(), _without_collections():
         with _timed(seconds, "syntax, flat"):
             syntax, flat = flatten_file(path, model, structural)
-            check_dimensions(flat)
+            flat = check_dimensions(flat)
         with _timed(seconds, "graph, kinematics, energies"):
             kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
             energies = build_energies(kinematics)
@@ -117,7 +117,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
 
     with deep_recursion():
         _, flat = flatten_file(path, model, structural)
-        check_dimensions(flat)
+        flat = check_dimensions(flat)
         kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat)))
         if not kinematics.symbols.positions:
             fail("L0505", "nothing can move: the scene has no coordinate", flat.span,

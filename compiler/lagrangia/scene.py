@@ -67,6 +67,13 @@ class Scene:
     def n(self) -> int:
         return len(self.coordinates)
 
+    @property
+    def start_units(self) -> dict[str, str]:
+        """Of everything that a start value can be given for."""
+        units = {c.name: c.unit for c in (*self.coordinates, *self.rates)}
+        units |= {alias: self.rates[slot - self.n].unit for alias, slot in self.aliases.items()}
+        return units | {name: unit for name, (_, unit) in self.lost.items()}
+
     def slot(self, name: str) -> int | None:
         """Place in (q, v) of a coordinate, a rate or another name of one."""
         for k, column in enumerate((*self.coordinates, *self.rates)):

@@ -52,10 +52,7 @@ def simulate_command(options: Namespace) -> int:
                       at=at, max_step=options.max_step, max_steps=options.max_steps,
                       solver=options.solver)
     parameters = open_parameters(scene, given)
-    units = {c.name: c.unit for c in (*scene.coordinates, *scene.rates)}
-    units |= {alias: scene.rates[slot - scene.n].unit for alias, slot in scene.aliases.items()}
-    units |= {name: unit for name, (_, unit) in scene.lost.items()}
-    initial = values_with_units([assignment(text, "--initial") for text in options.initial], units)
+    initial = values_with_units([assignment(text, "--initial") for text in options.initial], scene.start_units)
     values = check_values(scene, parameters, initial, read_inputs(options.input, scene))
     tell_warnings(model)
     model = model.suited(values)
