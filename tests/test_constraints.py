@@ -314,6 +314,6 @@ def test_rates_that_do_not_go_together_are_told_as_rates(scene: Write) -> None:
       Revolute O(a = world, phi(start = 0, fixed = true)), pin(a = crank.b, b = rod.a), wrist(a = rod.b, b = slide.center);
       Bar crank(m = 1, L = 0.1, a = O.b), rod(m = 0.5, L = 0.3);
       Block slide(m = 2, base = world, s(start = 0.4), v(start = 1, fixed = true)); end Dead;""")
-    with pytest.raises(lag.LagError, match="the rates that are stated at the start do not go together in the loop.* by 1 "):
+    with pytest.raises(lag.LagError, match=r"the rates that are stated at the start do not go together in the loop.* by 1 "):
         model.simulate(stop=0.1)
     assert "do not go together" in model.freedom["problem"]

@@ -20,6 +20,7 @@ from lagrangia.islands import MOST_COORDINATES, find_islands
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion, build_motion, count_nodes, inertial_force
 from lagrangia.observables import observe
+from lagrangia.partition import is_too_large
 from lagrangia.places import is_linear, place_of_nonlinear_term, place_of_time, place_of_world
 from lagrangia.runtime import Solver
 from lagrangia.scene import Scene
@@ -191,8 +192,13 @@ def _multipliers(parts: _Parts) -> Need:
     if held is None:
         return Need(what, False, "there are no constraints")
     if held.partition is None:
-        why = "independent coordinates would save too little" if "independent coordinates" in parts.motion.counted else \
-            "only linkages of pairs of links, with no more freedom than constraints, are brought down to independent coordinates"
+        if "independent coordinates" in parts.motion.counted:
+            why = "independent coordinates would save too little"
+        elif is_too_large(len(names), len(parts.constraints.rows)):
+            why = "not supported yet: independent coordinates of so many that move freely"
+        else:
+            why = ("only linkages of pairs of links, with no more freedom than constraints, are brought down to independent "
+                   "coordinates")
         return Need(what, True, why, cost=_counted(len(parts.constraints.rows), "unknown"))
     less, whole, *_ = sorted(parts.motion.counted.values())
     given = _few([names[k].name for k in held.partition.independent])

@@ -59,7 +59,7 @@ def find_partition(kinematics: Kinematics, constraints: Constraints, initial: In
     """None where the loops are not chains of such groups, leave more free than they give, or would often be poorly held."""
     rows = constraints.rows
     n, m = len(kinematics.symbols.positions), len(rows)
-    if m == 0 or not 0 <= n - m <= m or (n - m) * n > _MOST_ENTRIES:
+    if m == 0 or not 0 <= n - m <= m or is_too_large(n, m):
         return None
     phi = ca.vertcat(*[row.value(kinematics, 0) for row in rows if row.is_holonomic])
     rate = ca.substitute(ca.vertcat(*[row.rate(kinematics) for row in rows]), kinematics.symbols.tau, ca.SX(1))
@@ -69,6 +69,11 @@ def find_partition(kinematics: Kinematics, constraints: Constraints, initial: In
         return None
     slopes = _slopes_along(Positions(kinematics, phi, J), kinematics, initial)
     return _complete(_Chain.of(pattern), slopes) if slopes is not None else None
+
+
+def is_too_large(n: int, m: int) -> bool:
+    """Whether independent coordinates are not looked for, of n coordinates and m constraints: M would be full in them."""
+    return (n - m) * n > _MOST_ENTRIES
 
 
 def _slopes_along(positions: Positions, kinematics: Kinematics, initial: InitialConditions) -> Vector | None:
