@@ -193,7 +193,7 @@ class Study:
 
     def pace(self, e: SmallMotion) -> float:
         """1 where only loads depend on time, else 0: tried at two other times, at a general state."""
-        if not self.scene.notes["is_driven"] and not self._time_in_energies(e):
+        if not self.scene.notes["is_driven"] and not self._time_in_energies():
             return 1.0
         random = np.random.default_rng(2)
         q = self.start[0] + 0.1 * self.reach * random.uniform(-1, 1, self.scene.n)
@@ -206,7 +206,7 @@ class Study:
                     return 0.0
         return 1.0
 
-    def _time_in_energies(self, e: SmallMotion) -> bool:
+    def _time_in_energies(self) -> bool:
         m = self.c.motion
         return bool(ca.depends_on(ca.vertcat(m.T, m.V, m.D), m.t))
 
@@ -294,14 +294,14 @@ class Study:
             fail("L0702", f"a linearisation is about the equilibrium or the start, not '{about}'", None, *ABOUT)
         kinematics = self.c.kinematics
         probes = usual_probes(kinematics) if excitations is None else find_probes(kinematics, self.c.constraints, excitations)
-        e = self.equations(probes, self._usual_outputs(probes) if outputs is None else tuple(dict.fromkeys(outputs)))
+        e = self.equations(probes, self._usual_outputs() if outputs is None else tuple(dict.fromkeys(outputs)))
         pace = self.pace(e)
         if about == "equilibrium":
             rest = self.rest(e, pace)
             return self.linear_at(e, rest.q, np.zeros(self.scene.n), rest.multipliers, pace, True)
         return self._about_start(e, pace)
 
-    def _usual_outputs(self, probes: Sequence[Probe]) -> tuple[str, ...]:
+    def _usual_outputs(self) -> tuple[str, ...]:
         """The coordinates, those that others give too, but none that is itself what excites; and the declared outputs."""
         variables = self.c.flat.variables
         prescribed = {name for name, x in self.c.kinematics.dependents.items() if not x.terms}

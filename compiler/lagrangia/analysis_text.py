@@ -20,7 +20,7 @@ _UNDAMPED = 1e-9  # damping ratios that rounding leaves
 _DEGREE = 180 / np.pi
 
 
-def equilibria_text(found: "Equilibria", is_quiet_about_reactions: bool = False) -> str:
+def equilibria_text(found: "Equilibria") -> str:
     if not found.found:
         return f"{found.name}: no equilibrium was found"
     count = len(found.found)
@@ -32,7 +32,7 @@ def equilibria_text(found: "Equilibria", is_quiet_about_reactions: bool = False)
         lines.append(f"{k + 1}: {_verdict(item)}{reached}")
         lines += [f"  {text}" for text in _positions(item.position, found.units)]
         lines.append(f"  V = {_shown(item.potential)} J; the largest force left over is {item.residual:.1e}")
-        if item.reactions and not is_quiet_about_reactions:
+        if item.reactions:
             lines += [f"  {text}" for text in _reactions(item.reactions, found.ports, item.residual)]
     return "\n".join([*lines, *found.notes])
 

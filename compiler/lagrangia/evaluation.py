@@ -81,11 +81,11 @@ class Evaluator:
         if key not in self._known:
             value = self.leaves.symbol(name, level)
             if value is None:
-                value = self._bound(name, level, span)
+                value = self._bound(name, level)
             self._known[key] = value
         return self._known[key]
 
-    def _bound(self, name: str, level: int, span: Span) -> Value:
+    def _bound(self, name: str, level: int) -> Value:
         variable = self.model.variables[name]
         if name in self._pending:
             chain = self._pending[self._pending.index(name) :]

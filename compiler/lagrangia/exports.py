@@ -139,13 +139,13 @@ def _python(model: "Model", target: str, names: Mapping[str, str], force: bool) 
     parts = ["\n".join(head)]
     for name, function in model.functions().items():
         matrix = (function.size1_out(0), function.size2_out(0)) if name in ("M", "J", "jacobian") else None
-        stacked = _stacked(name, function)
+        stacked = _stacked(function)
         called = "multipliers" if name == "lambda" else name
         parts.append(write_function(called, stacked, _ARGUMENTS, _WORDS.get(name, name), matrix))
     return "\n\n".join(parts)
 
 
-def _stacked(name: str, function: Any) -> Any:
+def _stacked(function: Any) -> Any:
     """One output that holds them all."""
     import casadi as ca
 

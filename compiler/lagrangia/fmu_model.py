@@ -124,7 +124,7 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     kinds = _state_kinds(model)
     names = _Names(scene)
     variables = tuple(_variables(scene, names, kinds, start, nominal, given, settable))
-    columns = _columns(names, variables, settable)
+    columns = _columns(names, variables)
     rows = [v.name for v in variables if v.group == "slope"] + [v.name for v in variables if v.group == "output"]
     dependencies = {row: tuple(columns[k] for k in found) for row, found in zip(rows, derivatives.rows, strict=True)}
     free = [p.name for p, is_free in zip(scene.parameters, settable, strict=True) if is_free]
@@ -261,7 +261,7 @@ def _constant_group(value: float | bool | str) -> str:
     return "integer" if isinstance(value, int) else "real"
 
 
-def _columns(names: _Names, variables: Sequence[Variable], settable: Sequence[bool]) -> list[str]:
+def _columns(names: _Names, variables: Sequence[Variable]) -> list[str]:
     """The knowns of the derivatives, in the order of their functions' arguments."""
     inputs = [v.name for v in variables if v.group == "input"]
     parameters = [v.name for v in variables if v.group == "parameter"]

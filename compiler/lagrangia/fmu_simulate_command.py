@@ -25,10 +25,6 @@ _ONLY_MODELS = {"model": (None, "the FMU is one model"), "reactions": (False, "w
                 "max_steps": (0, ""), "dump": (None, "it has no phases")}
 
 
-def is_fmu(path: Path) -> bool:
-    return path.suffix.lower() == ".fmu"
-
-
 def simulate_fmu_command(options: Namespace) -> int:
     for name, (usual, hint) in _ONLY_MODELS.items():
         if getattr(options, name) != usual:

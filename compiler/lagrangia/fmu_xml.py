@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isclose
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import quoteattr
 
 from lagrangia.fmu_model import FmuModel, Variable
 from lagrangia.units import parse_unit
@@ -48,10 +48,6 @@ def _attribute(value: object) -> str:
         return f'"{value!r}"'
     text = "".join(c for c in str(value) if c >= " " or c in "\t\n")
     return quoteattr(text, {"\n": " ", "\t": " "})
-
-
-def text_of(value: str) -> str:
-    return escape(value)
 
 
 def experiment(model: FmuModel) -> dict[str, object]:

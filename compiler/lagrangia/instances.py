@@ -160,7 +160,7 @@ class Instantiation:
                 own = modification_of(element.arguments, scope, element.binding, element.name_span)
                 yield element, merge(modification.children.get(element.name, NOTHING), own)
             elif element.type_name == "Frame":
-                starts, fixed = self._frame_starts(modification, element.span)
+                starts, fixed = self._frame_starts(modification)
                 scope.instance.frame = FrameSlot(scope.instance.path, scope.instance.span, starts, fixed, None, scope.instance)
             else:
                 base = self.table.lookup(element.type_name, element.span)
@@ -232,7 +232,7 @@ class Instantiation:
             return tuple(0 for _ in sizes)
         return tuple(sizes)
 
-    def _frame_starts(self, change: Modification, span: Span) -> tuple[dict[str, Bound], frozenset[str]]:
+    def _frame_starts(self, change: Modification) -> tuple[dict[str, Bound], frozenset[str]]:
         starts, fixed = {}, set()
         for name, inner in change.children.items():
             if name not in FRAME_ATTRIBUTES:
@@ -284,7 +284,7 @@ class Instantiation:
                 if name not in FRAME_ATTRIBUTES:
                     self.report.error("L0208", f"Frame has no attribute '{name}'", inner.span,
                                       *filter(None, [suggest(name, FRAME_ATTRIBUTES)]))
-            starts, fixed = self._frame_starts(change, declaration.name_span)
+            starts, fixed = self._frame_starts(change)
             return FrameSlot(path, declaration.name_span, starts, fixed, change.value, instance)
         definition = self.table.lookup(declaration.type_name, declaration.type_span)
         if definition.kind == "function" or definition.is_partial:

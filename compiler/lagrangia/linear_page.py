@@ -31,7 +31,7 @@ def linear_form(book: Book, linear: Linear) -> Document:
     lines += matrix(bold("J"), [[p.coefficient(x) for x in row] for row in linear.J], "J") if linear.J else []
     lines += matrix(bold("f"), [[p.sum(x)] for x in linear.load], "f") if has_load else []
     lines += matrix(bold("e"), [[p.sum(x)] for x in linear.pushed], "e") if has_push else []
-    whole = [_system(book, q, linear, has_C, has_K, bold("f") if has_load else p.sum(sp.S.Zero))]
+    whole = [_system(q, linear, has_C, has_K, bold("f") if has_load else p.sum(sp.S.Zero))]
     if linear.J:
         is_rate = not book.equations.scene.holonomic
         whole.append(equal(product([bold("J"), replace(q, marks=int(is_rate))]), bold("e") if has_push else p.sum(sp.S.Zero)))
@@ -62,7 +62,7 @@ def _matrices(book: Book, tables: tuple[Table, Table, Table], has_C: bool, has_K
     return lines
 
 
-def _system(book: Book, q: Name, linear: Linear, has_C: bool, has_K: bool, right: Node) -> Node:
+def _system(q: Name, linear: Linear, has_C: bool, has_K: bool, right: Node) -> Node:
     left: list[tuple[int, Node]] = [(1, product([bold("M"), replace(q, marks=2)]))]
     left += [(1, product([bold("C"), replace(q, marks=1)]))] if has_C else []
     left += [(1, product([bold("K"), q]))] if has_K else []

@@ -268,9 +268,9 @@ class Names:
                 member = self.root.members.get("world")
         if member is None:
             self._unknown(node, scope)
-        return self._follow(node, 0, member, scope, scope.instance)
+        return self._follow(node, 0, member, scope)
 
-    def _follow(self, node: Reference, at: int, member: Member, scope: Scope, owner: Instance) -> Flat:
+    def _follow(self, node: Reference, at: int, member: Member, scope: Scope) -> Flat:
         """Goes down the dotted name; arrays of components without subscripts make arrays of what follows."""
         part = node.parts[at]
         subscripts = [self._subscript(s, scope, member, k) for k, s in enumerate(part.subscripts)]
@@ -307,7 +307,7 @@ class Names:
             if rest[0].name in REACTIONS and held_port(_frames(member)) is not None:
                 return self._reaction(node, at + 1, member, scope)
             self._no_member(member, rest[0].name, rest[0].span)
-        return self._follow(node, at + 1, inner, scope, member)
+        return self._follow(node, at + 1, inner, scope)
 
     def _variable(self, slot: Slot, subscripts: list[int | list[int]], span: Span) -> Flat:
         if len(subscripts) > len(slot.dimensions):

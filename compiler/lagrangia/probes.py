@@ -131,7 +131,7 @@ def _find(kinematics: Kinematics, constraints: Constraints, name: str) -> list[P
     if variable.kind == "parameter":
         fail("L0717", f"'{name}' is a parameter, it does not change in time", variable.span, _what_excites(kinematics))
     if variable.kind == "coordinate":
-        return [_coordinate(kinematics, constraints, name)]
+        return [_coordinate(kinematics, name)]
     return [p for p in _elements(kinematics, node.name) if p.name == name or not node.index]
 
 
@@ -141,7 +141,7 @@ def _elements(kinematics: Kinematics, name: str) -> list[Probe]:
     return [Probe(label, "variable", name, k, variable.unit) for k, (label, _) in enumerate(scalars(name, value))]
 
 
-def _coordinate(kinematics: Kinematics, constraints: Constraints, name: str) -> Probe:
+def _coordinate(kinematics: Kinematics, name: str) -> Probe:
     dependent = kinematics.dependents.get(name)
     variable = kinematics.graph.model.variables[name]
     if dependent is None or dependent.terms:

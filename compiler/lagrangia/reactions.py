@@ -38,7 +38,7 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
     sizes = {edges[frame][0].child: 3 for frame in asked if frame in edges}
     sizes |= {cuts[frame][0].coordinate: 1 for frame in asked if frame in cuts and cuts[frame][0].coordinate}
     released = Released(kinematics, bodies, constraints, motion, sizes)
-    values = forces_of_ties(kinematics, constraints, released, ties)
+    values = forces_of_ties(kinematics, released, ties)
     for frame in asked:
         if frame in cuts:
             values[frame] = _of_cut(kinematics, constraints, *cuts[frame], frame, released)

@@ -87,7 +87,7 @@ class Released:
 
 
 def forces_of_ties(
-    kinematics: Kinematics, constraints: Constraints, released: Released, ties: Mapping[str, Sequence[Row]]
+    kinematics: Kinematics, released: Released, ties: Mapping[str, Sequence[Row]]
 ) -> dict[str, ca.SX]:
     """What the rows of each tie exert on its frame: -lambda times the slope of the row when that frame alone is displaced."""
     shift, rate = ca.SX.sym("shift", 3 * len(ties)), ca.SX.sym("rate", 3 * len(ties))

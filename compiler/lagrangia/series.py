@@ -323,9 +323,8 @@ def _paired(waves: dict[_Wave, Fraction], whole: set[int]) -> list[tuple[Fractio
         if half is None or wave not in waves:
             continue
         if not is_sine and abs(waves.get(constant, Fraction(0))) == abs(waves[wave]):
-            x, is_square_of_sine = waves.pop(constant), waves[wave] == -waves.get(constant, -waves[wave])
-            is_square_of_sine = waves.pop(wave) == -x
-            found.append((2 * x, [(half, is_square_of_sine)] * 2))
+            x = waves.pop(constant)
+            found.append((2 * x, [(half, waves.pop(wave) == -x)] * 2))  # 1 - cos: twice the square of a sine; 1 + cos
         elif is_sine and waves[wave].denominator % 2 == 0:
             found.append((2 * waves.pop(wave), [(half, True), (half, False)]))
     for one, other in combinations(sorted(waves), 2):

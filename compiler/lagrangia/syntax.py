@@ -156,27 +156,16 @@ class _Nodes(Transformer[Token, Any]):
         description = rest[0] if len(rest) > 1 else None
         elements: list[Declaration | Extends] = []
         annotation: tuple[Argument, ...] = ()
-        is_protected = False
         for item in (c for c in children if not isinstance(c, Token)):
-            if isinstance(item, tuple) and item and item[0] == "visibility":
-                is_protected = item[1] == "protected"
-            elif isinstance(item, tuple) and item and item[0] == "annotation":
+            if isinstance(item, tuple) and item and item[0] == "annotation":
                 annotation += item[1]
             elif isinstance(item, list):
-                elements += [self._protect(d, is_protected) for d in item]
+                elements += item
             elif isinstance(item, Extends):
                 elements.append(item)
         sections = tuple(c for c in children if isinstance(c, Section))
         return ClassDefinition(str(kind), is_partial, _name(name), _text(description), tuple(elements), sections,
                                annotation, self._span(meta), self._token_span(name))
-
-    @staticmethod
-    def _protect(declaration: Declaration, is_protected: bool) -> Declaration:
-        if not is_protected:
-            return declaration
-        from dataclasses import replace
-
-        return replace(declaration, is_protected=True)
 
     def short_class(self, meta: Any, children: list[Any]) -> ClassDefinition:
         kind, name, base, arguments, description = children
@@ -206,7 +195,7 @@ class _Nodes(Transformer[Token, Any]):
         (type_name, type_span), dimensions, *declarators = [c for c in children if not isinstance(c, Token)]
         return [
             Declaration(prefixes, type_name, type_span, name, own or dimensions or (), arguments or (), binding, condition,
-                        description, False, span, name_span, annotation)
+                        description, span, name_span, annotation)
             for name, own, arguments, binding, condition, description, span, name_span, annotation in declarators
         ]
 

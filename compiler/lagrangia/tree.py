@@ -197,7 +197,6 @@ class Declaration:
     binding: Expression | None
     condition: Expression | None
     description: str
-    is_protected: bool
     span: Span
     name_span: Span
     annotation: tuple[Argument, ...] = ()
