@@ -37,10 +37,8 @@ void lag_account_glance(LagRun *run)
     double energies[3] = {0, 0, 0};
     lag_energies(run, run->motion.t, run->motion.y, energies);
     for (int i = KINETIC; i <= TOTAL; ++i)
-        if (isfinite(energies[i])) {
-            statistics->energy_scale = lag_max(fabs(energies[i]), statistics->energy_scale);
+        if (isfinite(energies[i]))
             statistics->energy_stored = lag_max(fabs(energies[i]), statistics->energy_stored);
-        }
 }
 
 void lag_account_open(LagRun *run) { run->energy_before = total(run, run->motion.t, run->motion.y); }

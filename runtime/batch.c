@@ -295,7 +295,8 @@ static void conclude(LagBatch *batch, LagStatus status, double *results, LagOutc
     }
     if (outcome->kind != LAG_RUN_PARAMETER) {
         outcome->steps = statistics->steps;
-        outcome->energy = statistics->energy_scale > 0 ? statistics->energy_residual / statistics->energy_scale : 0;
+        const double energy = fmax(statistics->energy_scale, statistics->energy_stored);
+        outcome->energy = energy > 0 ? statistics->energy_residual / energy : 0;
     }
     for (int i = 0; i < batch->sweep.n_reductions; ++i)
         results[i] = status == LAG_OK || batch->reduced[i].is_known

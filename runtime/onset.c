@@ -108,6 +108,6 @@ void lag_onset_learn(LagMotion *m, LagScale *scale, double t_new, double error, 
 {
     if (error < foreseen)
         lag_scale_note(scale, m->other);
-    else if (is_sudden(m, scale, t_new - m->t) && ++scale->surprises > PATIENCE)
+    else if ((lag_scale_at_rest(scale) || is_sudden(m, scale, t_new - m->t)) && ++scale->surprises > PATIENCE)
         foresee(m, scale, t_new);
 }

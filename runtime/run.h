@@ -45,8 +45,8 @@ typedef struct {
     int64_t implicit_steps, jacobians, factorisations; /* of the implicit method */
     double smallest_step, largest_step; /* of the accepted steps */
     double energy_residual; /* largest |H - H(0) + dissipated - work| seen */
-    double energy_scale;    /* largest of |T|, |V|, |H|, |dissipated|, |work| seen */
-    double energy_stored;   /* largest of |T|, |V|, |H| seen */
+    double energy_scale;    /* largest of |T|, |V|, |H|, |dissipated|, |work| in rows */
+    double energy_stored;   /* largest of |T|, |V|, |H| in rows, and in steps now and then */
     double energy_risen;    /* largest H - H(0) seen */
     double energy_given;    /* largest work - dissipated seen: what H could rise by */
     double constraint_residual;      /* largest |Phi| in rows */

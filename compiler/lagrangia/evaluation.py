@@ -265,10 +265,6 @@ def _element(value: Value, index: tuple[int, ...]) -> Value:
     return value
 
 
-def _flatten(values: Value) -> list[Scalar]:
-    return [x for value in values for x in _flatten(value)] if isinstance(values, tuple | list) else [values]
-
-
 def _need_vectors(arguments: list[Value], count: int, span: Span, size: int | None = None) -> None:
     """The first `count` arguments must be vectors of one size."""
     for value in arguments[:count]:
@@ -304,7 +300,7 @@ def _rotate(evaluator: Evaluator, arguments: list[Value], level: int, span: Span
 
 def _extreme(function: str) -> Callable[[Evaluator, list[Value], int, Span], Scalar]:
     def evaluate(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
-        if not (values := _flatten(arguments)):
+        if not (values := scalars_of(tuple(arguments))):
             fail("L0217", "the smallest or largest of no numbers", span)
         first, *rest = values
         for value in rest:
@@ -315,12 +311,12 @@ def _extreme(function: str) -> Callable[[Evaluator, list[Value], int, Span], Sca
 
 
 def _total(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
-    return _sum(tuple(_flatten(arguments)))
+    return _sum(tuple(scalars_of(tuple(arguments))))
 
 
 def _product_of(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
     total: Scalar = 1
-    for value in _flatten(arguments):
+    for value in scalars_of(tuple(arguments)):
         total = total * value
     return total
 

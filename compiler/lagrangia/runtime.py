@@ -96,6 +96,11 @@ class Statistics:
     energy_risen: float = 0.0
     energy_given: float = 0.0
 
+    @property
+    def energy_size(self) -> float:
+        """What the residual of the account is measured by, J."""
+        return max(self.energy_scale, self.energy_stored)
+
 
 @dataclass(frozen=True)
 class Failure:

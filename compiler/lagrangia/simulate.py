@@ -368,9 +368,9 @@ def _missed_energy(progress: Progress) -> float:
     """By how much the energy account misses, relative; 0 for short runs, unless that is DOUBTFUL and no rounding. CasADi's
     integrators do not tell their steps."""
     statistics = progress.statistics
-    if statistics is None or not 0 < statistics.energy_scale < math.inf:
+    if statistics is None or not 0 < statistics.energy_size < math.inf:
         return 0.0
-    missed = statistics.energy_residual / statistics.energy_scale
+    missed = statistics.energy_residual / statistics.energy_size
     is_long = (statistics.steps or progress.rows) > _MANY_STEPS
     return missed if is_long or (missed > DOUBTFUL and statistics.energy_residual > _LITTLE) else 0.0
 

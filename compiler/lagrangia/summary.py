@@ -40,7 +40,7 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
         how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations"
     say(f"  {solver}{how} in {_time(progress.seconds)}")
     if statistics is not None:
-        scale = statistics.energy_scale
+        scale = statistics.energy_size
         relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if 0 < scale < math.inf else ""
         say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
         for text in shortcomings(progress):
