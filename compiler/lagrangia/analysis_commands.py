@@ -13,6 +13,7 @@ from lagrangia.arguments import (
     number,
     open_parameters,
     read_inputs,
+    split_names,
     tell_warnings,
     values_with_units,
 )
@@ -116,15 +117,7 @@ def _names(text: str | None, option: str) -> tuple[str, ...] | None:
     """Names between commas outside brackets, each once; None where nothing is said. Raises LagError L0706."""
     if text is None:
         return None
-    names, depth, word = [], 0, ""
-    for letter in f"{text},":
-        depth += (letter in "[(") - (letter in "])")
-        if letter == "," and depth == 0:
-            names.append(word.strip())
-            word = ""
-        else:
-            word += letter
-    found = tuple(dict.fromkeys(name for name in names if name))
+    found, depth = tuple(dict.fromkeys(split_names(text))), text.count("[") + text.count("(") - text.count("]") - text.count(")")
     if depth != 0 or not found:
         fail("L0706", f"'{text}' after {option} has a bracket too {'many' if depth < 0 else 'few'}" if depth else
              f"{option} names nothing", None, "names of quantities with commas between them: tilt.phi,bar.a.y")

@@ -3,7 +3,7 @@
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.arguments import assignment, keep_inputs, part_structural
+from lagrangia.arguments import assignment, keep_inputs, part_structural, split_names
 from lagrangia.diagnostics import fail
 from lagrangia.targets import write_text
 
@@ -26,7 +26,7 @@ def equations_command(options: Namespace) -> int:
 
 
 def _pairs(text: str, option: str) -> dict[str, str]:
-    pairs = [assignment(item, option) for item in text.split(",") if item.strip()]
+    pairs = [assignment(item, option) for item in split_names(text)]
     names = [name for name, _ in pairs]
     if len(set(names)) < len(names):
         fail("L0706", f"{option}: '{next(n for n in names if names.count(n) > 1)}' is given twice")
