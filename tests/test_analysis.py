@@ -471,3 +471,11 @@ def test_where_a_distance_vanishes_is_no_equilibrium(scene: Write) -> None:
     (held,) = scene(rope + " Spring s(k = 100, s_rel0 = 0.3, a = shift(world, {0, -1}), b = p.center); end M;").equilibrium()
     assert held.residual < 1e-9 and held.is_stable
     assert held.position["q.center.y"] == pytest.approx(-held.position["p.center.y"])  # the peg is 1 m up, the rope 2 m long
+
+
+def test_a_coordinate_without_mass_is_told_everywhere(scene: Write) -> None:
+    model = scene("""model Light parameter Mass m = 1; Block a(m = m, base = world, s(start = 1)), b(m = 2, base = world);
+      Spring k(k = 4, stretch = a.s - b.s); end Light;""")
+    for ask in (model.modes, model.linearize):
+        with pytest.raises(lag.RunError, match="the mass matrix is singular"):
+            ask(about="start", parameters={"m": 0.0})

@@ -18,7 +18,7 @@ from lagrangia.equilibrium import Rest, StaticEquations, find_all, find_rest, on
 from lagrangia.given import a_number
 from lagrangia.initial import FIXED, FREE
 from lagrangia.joints import all_reactions, reaction_ports
-from lagrangia.linearization import Given, Linearization, TangentParts, linearization, tangent_of
+from lagrangia.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of
 from lagrangia.mechanism import Mechanism, build_mechanism
 from lagrangia.modes import Modes, find_modes, stability
 from lagrangia.newton import start_equations
@@ -324,7 +324,10 @@ class Study:
         if e.m and not is_rest:
             fail("L0916", "not supported yet: a linearisation of a scene with constraints about a point that is no equilibrium",
                  self.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
-        a = None if is_rest else np.asarray(-np.linalg.solve(M, R), dtype=np.float64)
+        try:
+            a = None if is_rest else np.asarray(-np.linalg.solve(M, R), dtype=np.float64)
+        except np.linalg.LinAlgError:
+            raise no_mass() from None
         return self.linear_at(e, q, v, lam, pace, is_rest, a)
 
     def modes(self, about: str, mass_normalised: bool) -> Modes:

@@ -227,13 +227,17 @@ def linearization(tangent: Tangent, given: Given) -> Linearization:
     )
 
 
+def no_mass() -> RunError:
+    return RunError("the mass matrix is singular at this point: a motion that the constraints allow moves no mass")
+
+
 def _inverse_mass(t: Tangent) -> Matrix:
     """(W^T M W)^-1 W^T: forces -> z'' of the rates that are free."""
     M = t.W.T @ t.M @ t.W
     scale = np.sqrt(np.abs(np.diag(M)))
     if M.size and (not np.isfinite(M).all() or not scale.all()
                    or np.linalg.eigvalsh(M / np.outer(scale, scale)).min() < 1e-14):
-        raise RunError("the mass matrix is singular at this point: a motion that the constraints allow moves no mass")
+        raise no_mass()
     return np.asarray(np.linalg.solve(M, t.W.T)) if M.size else np.zeros((0, t.M.shape[0]))
 
 

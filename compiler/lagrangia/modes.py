@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.diagnostics import RunError
-from lagrangia.linearization import Linearization
+from lagrangia.linearization import Linearization, no_mass
 from lagrangia.mechanism import Mechanism
 
 Matrix = NDArray[np.float64]
@@ -154,7 +153,7 @@ def _undamped(M: Matrix, K: Matrix, is_symmetric: bool) -> tuple[Matrix, Matrix]
     try:
         L = np.linalg.cholesky(M)
     except np.linalg.LinAlgError:
-        raise RunError("the mass matrix is singular at this point: a motion that the constraints allow moves no mass") from None
+        raise no_mass() from None
     reduced = np.linalg.solve(L, np.linalg.solve(L, K).T).T
     if is_symmetric:
         values, vectors = np.linalg.eigh((reduced + reduced.T) / 2)
