@@ -191,6 +191,16 @@ def test_a_support_whose_rate_jumps_is_refused(target: str, written, tmp_path: P
     assert main(["export", str(scene), "--to", target, "-o", str(tmp_path / "out")]) == 0
 
 
+@pytest.mark.parametrize(("law", "code"), [("0.1*ramp(time, 0.2, 0.5)", 0), ("0.1*table(time, {0, 0.2, 1}, {0, 1, 0})", 0),
+                                           ("0.1*pulse(time, 0.2, 0.5)", WRONG)])
+def test_a_damper_on_a_road_that_bends_has_no_impulse(law: str, code: int, written, tmp_path: Path) -> None:
+    """No mass moves with the road: what bends is in the right-hand side, a jump is not."""
+    scene = written(f"""model Road World world(gravity = {{0, 0}}); Frame road = shift(world, {{0, {law}}});
+      Block car(m = 3, base = world, along = {{0, 1}}); AxialSpring k(k = 200, a = road, b = car.center, along = {{0, 1}});
+      AxialDamper d(c = 6, a = road, b = car.center, along = {{0, 1}}); end Road;""")
+    assert main(["export", str(scene), "--to", "python", "-o", str(tmp_path / "out")]) == code
+
+
 def test_equations_tell_of_supports_whose_rate_jumps(written, capsys) -> None:
     """And what the ramp is: rates of coordinates that functions of time give keep them."""
     scene = written(JUMPING)

@@ -435,7 +435,7 @@ class DualAlgebra:
 @dataclass(frozen=True)
 class GlidingAlgebra(DualAlgebra):
     """Duals in which modes have rates, as if what jumps at a time event went over evenly. `glide`: of a value, the rate that the
-    modes in it give it."""
+    modes in it give it. Tables do not jump."""
 
     glide: Callable[[Scalar], Scalar]
 
@@ -459,10 +459,6 @@ class GlidingAlgebra(DualAlgebra):
             return 1.0 - conditions[0]
         a, b = conditions
         return a * b if operator == "and" else a + b - a * b
-
-    def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
-        found, slope = super().lines(x, xs, ys)
-        return self._gliding(value_of(found), rate_of(found)), slope
 
     def _gliding(self, value: Scalar, rate: Scalar) -> Scalar:
         rate = plus(rate, self.glide(value))

@@ -60,7 +60,7 @@ def _require_smooth(model: "Model", target: str) -> None:
     """Raises LagError L0909 where impulses act, which right-hand sides do not tell of."""
     compilation = model.compilation
     if "kick" in compilation.functions.table:
-        fail("L0909", f"not supported yet: to export a scene to {target} whose supports move with rates that jump",
+        fail("L0909", f"not supported yet: to export a scene to {target} whose supports jump, or their rates",
              place_of_moving_support(compilation.kinematics), "an FMU takes the impulses into account: --to fmu",
              "or let the support start and stop smoothly")
 

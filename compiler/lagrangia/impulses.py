@@ -9,15 +9,18 @@ It is the limit of supports that go over ever faster. A jump that carries mass a
 damping: they add nothing here.
 """
 
+import math
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from lagrangia.constraints import Constraints
 from lagrangia.energies import evaluate_energies
 from lagrangia.kinematics import Kinematics
 from lagrangia.kkt import factor
 from lagrangia.motion import Motion, generalised_force, mass_matrix, solve_mass
+from lagrangia.parameters import default_parameters
 
 
 @dataclass(frozen=True)
@@ -68,4 +71,31 @@ def _impulse_of_dampers(kinematics: Kinematics, q: ca.SX, v: ca.SX, modes: ca.SX
     if not forces.nnz() or ca.depends_on(forces, ca.vertcat(pace, v)):
         return None
     mean = (forces + ca.substitute(forces, modes, before)) / 2
-    return ca.densify(mean @ jumps)
+    impulse = ca.densify(mean @ jumps)
+    return impulse if _acts(kinematics, impulse, ca.fabs(mean) @ ca.fabs(jumps), q, before) else None
+
+
+def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, q: ca.SX, before: ca.SX) -> bool:
+    """Whether there is an impulse at some event, with parameters and positions like any others: ramps go on where they were."""
+    random = np.random.default_rng(1)
+    p, declared = default_parameters(kinematics)
+    values = np.array(declared).ravel()
+    numbers = np.where(values == 0, 1.0, values) * random.uniform(0.7, 1.3, values.size)
+    t, modes = kinematics.symbols.time, kinematics.algebra.modes
+    symbols, shown = ca.vertcat(*[mode.symbol for mode in modes]), ca.vertcat(*[mode.value for mode in modes])
+    arguments = [(argument, mode.kind) for mode in modes for argument in mode.arguments]
+    place = ca.Function("arguments", [t, p], [ca.vertcat(*[argument for argument, _ in arguments])])
+    in_force = ca.Function("modes", [t, p], [shown])
+    others = [x for x in ca.symvar(ca.vertcat(impulse, size)) if not ca.depends_on(ca.vertcat(t, p, q, symbols, before), x)]
+    strike = ca.Function("strike", [t, p, q, symbols, before, ca.vertcat(ca.SX(0, 1), *others)], [impulse, size])
+    at, rest = random.uniform(0.3, 1.7, q.numel()), random.uniform(0.3, 1.7, len(others))
+    zero, one = (np.array(place(float(moment), numbers)).ravel() for moment in (0, 1))
+    for (_, kind), a, b in zip(arguments, zero, one - zero, strict=True):
+        for level in range(math.ceil(a), math.ceil(a) + 3) if kind else (0,):
+            when = (level - a) / b if b else math.nan
+            beside = 1e-9 * max(1.0, abs(when))
+            after, earlier = (in_force(when + side, numbers) for side in (beside, -beside))
+            found, largest = (np.abs(np.array(x)).max(initial=0.0) for x in strike(when, numbers, at, after, earlier, rest))
+            if found > 1e-6 * largest:
+                return True
+    return False
