@@ -90,12 +90,14 @@ def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, q: ca.SX, before:
     strike = ca.Function("strike", [t, p, q, symbols, before, ca.vertcat(ca.SX(0, 1), *others)], [impulse, size])
     at, rest = random.uniform(0.3, 1.7, q.numel()), random.uniform(0.3, 1.7, len(others))
     zero, one = (np.array(place(float(moment), numbers)).ravel() for moment in (0, 1))
+    count, usual = len(modes), random.uniform(0.3, 1.7)
+    largest = np.abs(np.array(strike(usual, numbers, at, np.ones(count), np.zeros(count), rest)[1])).max(initial=0.0)
     for (_, kind), a, b in zip(arguments, zero, one - zero, strict=True):
         for level in range(math.ceil(a), math.ceil(a) + 3) if kind else (0,):
             when = (level - a) / b if b else math.nan
             beside = 1e-9 * max(1.0, abs(when))
             after, earlier = (in_force(when + side, numbers) for side in (beside, -beside))
-            found, largest = (np.abs(np.array(x)).max(initial=0.0) for x in strike(when, numbers, at, after, earlier, rest))
-            if found > 1e-6 * largest:
+            found, own = (np.abs(np.array(x)).max(initial=0.0) for x in strike(when, numbers, at, after, earlier, rest))
+            if found > 1e-6 * max(own, largest):
                 return True
     return False
