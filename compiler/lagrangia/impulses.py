@@ -10,10 +10,12 @@ damping: they add nothing here.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from lagrangia.constraints import Constraints
 from lagrangia.energies import evaluate_energies
@@ -21,6 +23,8 @@ from lagrangia.kinematics import Kinematics
 from lagrangia.kkt import factor
 from lagrangia.motion import Motion, generalised_force, mass_matrix, solve_mass
 from lagrangia.parameters import default_parameters
+
+_NOTHING = 1e-6  # of the size of its terms: an impulse that is rounding
 
 
 @dataclass(frozen=True)
@@ -71,33 +75,44 @@ def _impulse_of_dampers(kinematics: Kinematics, q: ca.SX, v: ca.SX, modes: ca.SX
     if not forces.nnz() or ca.depends_on(forces, ca.vertcat(pace, v)):
         return None
     mean = (forces + ca.substitute(forces, modes, before)) / 2
-    impulse = ca.densify(mean @ jumps)
-    return impulse if _acts(kinematics, impulse, ca.fabs(mean) @ ca.fabs(jumps), q, before) else None
+    impulse, size = ca.densify(mean @ jumps), ca.fabs(mean) @ ca.fabs(jumps)
+    return impulse if _acts(kinematics, impulse, size, modes, before) else None
 
 
-def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, q: ca.SX, before: ca.SX) -> bool:
-    """Whether there is an impulse at some event, with parameters and positions like any others: ramps go on where they were."""
-    random = np.random.default_rng(1)
+def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, modes: ca.SX, before: ca.SX) -> bool:
+    """Whether there is an impulse at some event, with parameters and positions like any others: ramps go on where they were.
+    It is compared with its `size`, that of its terms, there and at a time when all modes change at once."""
+    t, (p, numbers) = kinematics.symbols.time, _usual_parameters(kinematics)
+    in_force = ca.Function("modes", [t, p], [ca.vertcat(*[mode.value for mode in kinematics.algebra.modes])])
+    known = ca.vertcat(t, p, modes, before)
+    others = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(ca.vertcat(impulse, size)) if not ca.depends_on(known, x)])
+    strike = ca.Function("strike", [t, p, modes, before, others], [impulse, size])
+    rest = np.random.default_rng(2).uniform(0.3, 1.7, others.numel())
+
+    def sizes(when: float, after: object, earlier: object) -> list[float]:
+        return [float(np.abs(np.array(x)).max(initial=0.0)) for x in strike(when, numbers, after, earlier, rest)]
+
+    usual = sizes(0.7, np.ones(modes.numel()), np.zeros(modes.numel()))[1]
+    for when in _event_times(kinematics, p, numbers):
+        beside = 1e-9 * max(1.0, abs(when))
+        found, own = sizes(when, in_force(when + beside, numbers), in_force(when - beside, numbers))
+        if found > _NOTHING * max(own, usual):
+            return True
+    return False
+
+
+def _usual_parameters(kinematics: Kinematics) -> tuple[ca.SX, NDArray[np.float64]]:
+    """The symbols of all parameters, and values beside those that are declared; none is 0."""
     p, declared = default_parameters(kinematics)
     values = np.array(declared).ravel()
-    numbers = np.where(values == 0, 1.0, values) * random.uniform(0.7, 1.3, values.size)
-    t, modes = kinematics.symbols.time, kinematics.algebra.modes
-    symbols, shown = ca.vertcat(*[mode.symbol for mode in modes]), ca.vertcat(*[mode.value for mode in modes])
-    arguments = [(argument, mode.kind) for mode in modes for argument in mode.arguments]
-    place = ca.Function("arguments", [t, p], [ca.vertcat(*[argument for argument, _ in arguments])])
-    in_force = ca.Function("modes", [t, p], [shown])
-    others = [x for x in ca.symvar(ca.vertcat(impulse, size)) if not ca.depends_on(ca.vertcat(t, p, q, symbols, before), x)]
-    strike = ca.Function("strike", [t, p, q, symbols, before, ca.vertcat(ca.SX(0, 1), *others)], [impulse, size])
-    at, rest = random.uniform(0.3, 1.7, q.numel()), random.uniform(0.3, 1.7, len(others))
-    zero, one = (np.array(place(float(moment), numbers)).ravel() for moment in (0, 1))
-    count, usual = len(modes), random.uniform(0.3, 1.7)
-    largest = np.abs(np.array(strike(usual, numbers, at, np.ones(count), np.zeros(count), rest)[1])).max(initial=0.0)
-    for (_, kind), a, b in zip(arguments, zero, one - zero, strict=True):
-        for level in range(math.ceil(a), math.ceil(a) + 3) if kind else (0,):
-            when = (level - a) / b if b else math.nan
-            beside = 1e-9 * max(1.0, abs(when))
-            after, earlier = (in_force(when + side, numbers) for side in (beside, -beside))
-            found, own = (np.abs(np.array(x)).max(initial=0.0) for x in strike(when, numbers, at, after, earlier, rest))
-            if found > 1e-6 * max(own, largest):
-                return True
-    return False
+    return p, np.where(values == 0, 1.0, values) * np.random.default_rng(1).uniform(0.7, 1.3, values.size)
+
+
+def _event_times(kinematics: Kinematics, p: ca.SX, numbers: NDArray[np.float64]) -> Iterator[float]:
+    """Of each condition that crosses zero, and three of each that crosses integers."""
+    arguments = [(argument, mode.kind) for mode in kinematics.algebra.modes for argument in mode.arguments]
+    values = ca.Function("arguments", [kinematics.symbols.time, p], [ca.vertcat(*[argument for argument, _ in arguments])])
+    start, later = (np.array(values(moment, numbers)).ravel() for moment in (0.0, 1.0))
+    for (_, kind), a, slope in zip(arguments, start, later - start, strict=True):
+        levels = range(math.ceil(a), math.ceil(a) + 3) if kind else (0,)
+        yield from (float((level - a) / slope) for level in levels if slope)
