@@ -173,3 +173,15 @@ def test_what_bends_without_a_jump_gives_no_impulse_of_dampers(law: str, scene: 
     rates = scene(ROAD.format(law=law, how="bends")).simulate(at=[1 - 1e-9, 1 + 1e-9], tolerance=1e-11)["der(b.s)"]
     jump = -5 * 0.05 * 0.5 / 2 if "mod" in law else 0.0
     assert rates[1] - rates[0] == pytest.approx(jump, abs=1e-7)
+
+
+def test_an_impulse_is_known_to_islands(scene: Scene) -> None:
+    """The jump stands in no equation of its own: the damper knows the rate of the road alone."""
+    text = """model Apart World world(gravity = {{0, 0}}); Frame road = shift(world, {{0, 0.05*{law}}});
+      Block b(m = 2, base = world, along = {{0, 1}}); AxialDamper d(a = road, b = b.center, c = 5, along = {{0, 1}});
+      Block o(m = 1, base = world, s(start = 1)); DuffingSpring s(k = 1e4, k3 = 1e4, stretch = o.s); end Apart;"""
+    jumps, glides = (scene(text.format(law=law)) for law in ("step(time - 1)", RAMP))
+    runs = ((jumps, "islands"), (glides, "erk"))
+    found, limit = (model.simulate(solver=solver, at=AFTER, tolerance=1e-10) for model, solver in runs)
+    assert found["b.s"] == pytest.approx(limit["b.s"], abs=1e-7)
+    assert found["b.s"][-1] > 0.01

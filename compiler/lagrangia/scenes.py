@@ -45,27 +45,20 @@ def build_scene(
     experiment = model.experiment
     parameters = _parameters(model, "parameter", not kinematics.symbols.compiled)
     inputs = _parameters(model, "input")
-    sizes = {
-        "n": len(coordinates), "n_parameters": len(parameters), "n_hoisted": functions.table["hoist"].numel_out(0),
-        "n_inputs": len(inputs), "n_modes": len(kinematics.algebra.modes),
-        "n_events": len(functions.event_kinds), "n_outputs": len(outputs),
-        "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions, "n_power": functions.n_power,
-        **_of_constraints(motion.constrained), "n_lost": len(initial.lost),
-        "outputs_need_acceleration": int(functions.outputs_need_acceleration),
-        "has_corners": _has_corners(motion),
+    sizes = _sizes(len(coordinates), len(parameters), len(inputs), len(kinematics.algebra.modes), functions, motion, tapes) | {
+        "n_outputs": len(outputs), "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions,
+        "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
         "is_separable": int("conservative" not in refused and "velocity" not in functions.table),
     }
-    sizes |= functions.sizes
-    if functions.linear_pays:
-        sizes["solver"] = int(Solver.LINEAR)
-    sizes["rhs_cost"], sizes["jacobian_cost"] = count_operations(usual_rhs(tapes)), _jacobian_cost(tapes, sizes["n_colours"])
     return Scene(
-        model.name, model.description, coordinates, rates, outputs, parameters, inputs, dict(model.structural), aliases,
-        experiment.start, experiment.stop, experiment.tolerance, experiment.interval, sizes,
-        tuple(kinds[c.unit] for c in started), tuple(map(int, initial.fixed)), functions.event_kinds,
-        _initial_places(initial), _notes(motion, tapes) | _freedom(kinematics, motion, is_still) | _warnings(model),
-        functions.patterns, {**functions.refused, **refused, **_no_series(tapes)}, tapes, (), _evenness(motion),
-        _lost_starts(model, initial),
+        name=model.name, description=model.description, structural=dict(model.structural),
+        coordinates=coordinates, rates=rates, outputs=outputs, parameters=parameters, inputs=inputs, aliases=aliases,
+        start=experiment.start, stop=experiment.stop, tolerance=experiment.tolerance, interval=experiment.interval,
+        sizes=sizes, patterns=functions.patterns, tapes=tapes, islands=(), evenness=_evenness(motion),
+        coordinate_kind=tuple(kinds[c.unit] for c in started), fixed=tuple(map(int, initial.fixed)),
+        event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
+        notes=_notes(motion, tapes) | _freedom(kinematics, motion, is_still) | _warnings(model),
+        refused={**functions.refused, **refused, **_no_series(tapes)},
     )
 
 
@@ -95,19 +88,13 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
     rows = [held.rows.phi, held.rows.rate, held.rows.bias] if held else []
     everything = ca.vertcat(motion.h, motion.momentum, motion.acceleration, motion.dissipated_power, motion.source_power, *rows)
     used = symbols_in(everything)
-    algebra = replace(kinematics.algebra, modes=[mode for mode in kinematics.algebra.modes if mode.symbol.__hash__() in used])
+    is_kicked = "kick" in scene.tapes  # by modes that may stand in no equation
+    modes = [mode for mode in kinematics.algebra.modes if is_kicked or mode.symbol.__hash__() in used]
+    algebra = replace(kinematics.algebra, modes=modes)
     functions = build_island_functions(replace(kinematics, algebra=algebra), motion)
     tapes = {name: tape_of(function) for name, function in functions.table.items()}
-    count = len(functions.event_kinds)
-    sizes = {
-        "n": len(group), "n_parameters": scene.sizes["n_parameters"], "n_hoisted": functions.table["hoist"].numel_out(0),
-        "n_inputs": scene.sizes["n_inputs"], "n_modes": len(algebra.modes), "n_events": count, "n_power": functions.n_power,
-        **_of_constraints(held), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
-        "has_corners": _has_corners(motion),
-    }
-    sizes["jacobian_cost"] = _jacobian_cost(tapes, sizes["n_colours"])
-    if functions.linear_pays:
-        sizes["solver"] = int(Solver.LINEAR)
+    given = scene.sizes["n_parameters"], scene.sizes["n_inputs"]
+    sizes = _sizes(len(group), *given, len(algebra.modes), functions, motion, tapes)
     fixed = tuple(scene.fixed[k] for k in (*group, *(len(scene.coordinate_kind) + k for k in group)))
     return replace(
         scene, coordinates=tuple(scene.coordinates[k] for k in group), rates=tuple(scene.rates[k] for k in group), outputs=(),
@@ -115,6 +102,19 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
         event_kind=functions.event_kinds, initial_places=(), notes=_notes(motion, tapes), patterns=functions.patterns,
         refused=functions.refused, tapes=tapes, islands=(), evenness=None, lost={},
     )
+
+
+def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Functions, motion: Motion, tapes: dict[str, Tape]
+           ) -> dict[str, int]:
+    """Those of LagModel that a whole scene and an island have alike."""
+    found = {
+        "n": n, "n_parameters": n_parameters, "n_hoisted": functions.table["hoist"].numel_out(0), "n_inputs": n_inputs,
+        "n_modes": n_modes, "n_events": len(functions.event_kinds), "n_power": functions.n_power,
+        **_of_constraints(motion.constrained), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
+        "has_corners": _has_corners(motion),
+    }
+    found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
+    return found | ({"solver": int(Solver.LINEAR)} if functions.linear_pays else {})
 
 
 def _of_constraints(held: ConstrainedMotion | None) -> dict[str, int]:
