@@ -334,7 +334,6 @@ static LagStatus step(LagRun *run)
             s->is_fresh = 0;
             lag_motion_take(m, t_new);
             run->step = length;
-            run->scale.step = 0;
             lag_step_record(run, length);
             return LAG_OK;
         }

@@ -1,6 +1,7 @@
 """Islands: coordinates that do not interact, each group run by its own method and steps."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -50,15 +51,24 @@ def test_islands_agree_with_the_whole_at_a_fraction_of_the_work(scene: Scene) ->
     assert apart.statistics.rhs_evaluations * 20 < whole.statistics.rhs_evaluations
 
 
+@contextmanager
+def started(model: lag.Model, settings: Settings, inputs: list[float] | None = None) -> Iterator[Run]:
+    """A run at its start with all values as declared, inputs constant."""
+    values, engine = check_values(model.scene), model.engine_for("islands")
+    assert engine is not None
+    with engine.runtime.run(engine.model, settings) as run:
+        run.set_parameters(values.parameters, values.mask)
+        if inputs is not None:
+            run.set_inputs([0.0], inputs)
+        assert run.start(values.q, values.v) is Status.OK
+        yield run
+
+
 def test_rows_one_at_a_time_are_the_same_rows(scene: Scene) -> None:
     model = scene(UNLIKE)
-    assert model.engine is not None
-    values, times = check_values(model.scene), [0.0, 0.3, 1.0, 1.2, 2.5, 4.0]
-    found = []
+    times, found = [0.0, 0.3, 1.0, 1.2, 2.5, 4.0], []
     for portions in ([times], [[t] for t in times]):
-        with model.engine.runtime.run(model.engine.model, Settings(0, 4, 1e-9)) as run:
-            run.set_parameters(values.parameters, values.mask)
-            assert run.start(values.q, values.v) is Status.OK
+        with started(model, Settings(0, 4, 1e-9)) as run:
             rows = [run.advance(part) for part in portions]
             found.append([list(some[i]) for some in rows for i in range(some.count)])
     assert found[0] == found[1]
@@ -67,15 +77,10 @@ def test_rows_one_at_a_time_are_the_same_rows(scene: Scene) -> None:
 
 def driven(model: lag.Model, stop: float, drive: Callable[[Run, Values, bool], np.ndarray]) -> list[np.ndarray]:
     """What `drive` makes of a started run with inputs of 0: of the islands, and of the whole by one solver."""
-    values, found = check_values(model.scene), []
-    engine = model.engine_for("islands")
-    assert engine is not None
+    found = []
     for solver in (Solver.ISLANDS, Solver.ERK):
-        with engine.runtime.run(engine.model, Settings(0, stop, 1e-11, solver=solver)) as run:
-            run.set_parameters(values.parameters, values.mask)
-            run.set_inputs([0.0], [0.0])
-            assert run.start(values.q, values.v) is Status.OK
-            found.append(drive(run, values, solver is Solver.ERK))
+        with started(model, Settings(0, stop, 1e-11, solver=solver), inputs=[0.0]) as run:
+            found.append(drive(run, check_values(model.scene), solver is Solver.ERK))
     return found
 
 
@@ -208,12 +213,7 @@ def test_loops_whose_parameters_change_under_way(scene: Scene) -> None:
 
 def test_a_run_without_a_limit_of_time_does_not_pause(scene: Scene) -> None:
     """However long an island takes to the next row: 240 000 steps here, more than 0.05 s, after which islands once answered."""
-    model = scene(LOOPS)
-    assert model.engine is not None
-    values = check_values(model.scene)
-    with model.engine.runtime.run(model.engine.model, Settings(0, 500, 1e-9, solver=Solver.ISLANDS)) as run:
-        run.set_parameters(values.parameters, values.mask)
-        assert run.start() is Status.OK
+    with started(scene(LOOPS), Settings(0, 500, 1e-9, solver=Solver.ISLANDS)) as run:
         rows = run.advance([500.0])
         assert (rows.status, rows.count) == (Status.OK, 1)
         assert run.statistics.steps > 200_000
@@ -221,12 +221,7 @@ def test_a_run_without_a_limit_of_time_does_not_pause(scene: Scene) -> None:
 
 def test_a_first_step_that_takes_several_calls_begins_once(scene: Scene) -> None:
     """Each call began the islands again, and a first row far away was never reached."""
-    model = scene(LOOPS)
-    assert model.engine is not None
-    values = check_values(model.scene)
-    with model.engine.runtime.run(model.engine.model, Settings(0, 20, 1e-9, solver=Solver.ISLANDS)) as run:
-        run.set_parameters(values.parameters, values.mask)
-        assert run.start() is Status.OK
+    with started(scene(LOOPS), Settings(0, 20, 1e-9, solver=Solver.ISLANDS)) as run:
         calls = [run.advance([20.0], seconds=1e-3).status for _ in range(200)]
         assert calls[0] is Status.PAUSED
         assert calls[-1] is Status.OK

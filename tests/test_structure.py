@@ -45,6 +45,7 @@ ORDER = """
     observables
     scalars
     algebra
+    casadi_algebra
     evaluation
     edges
     graph

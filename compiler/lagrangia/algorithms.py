@@ -62,7 +62,6 @@ class _Builder:
         self.declarations = [e for e in definition.elements if isinstance(e, Declaration)]
         self.inputs = tuple(d.name for d in self.declarations if "input" in d.prefixes)
         self.units: dict[str, str] = {}
-        self.current: dict[str, str] = {}  # under which name a variable's value is found; its own, unless branches gave it
         self.count = 0
         for declaration in self.declarations:
             base = names.table.base_type(declaration.type_name, declaration.type_span)
@@ -73,6 +72,8 @@ class _Builder:
             if units:
                 read_unit(units[-1], declaration.span)
             self.units[declaration.name] = units[-1] if units else ""
+        # under which name a variable's value is found; its own, unless branches gave it
+        self.current = {name: name for name in self.units}
 
     def build(self) -> FlatFunction:
         definition = self.definition
@@ -83,7 +84,6 @@ class _Builder:
             fail("L0902", f"not supported yet: the function '{definition.name}' with {len(outputs)} outputs",
                  definition.name_span)
         steps: list[tuple[str, Flat]] = []
-        self.current = {name: name for name in self.units}
         for declaration in self.declarations:
             if declaration.binding is not None and "input" not in declaration.prefixes:
                 steps.append((declaration.name, self._flatten(declaration.binding, {})))

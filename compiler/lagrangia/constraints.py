@@ -281,8 +281,7 @@ class _Reduction:
     def _sizes_in_time(self, values: ca.SX) -> list[float]:
         """How large functions of time become, with the parameters as they are declared."""
         experiment, time = self.kinematics.graph.model.experiment, self.kinematics.symbols.time
-        if modes := self.kinematics.algebra.modes:
-            values = ca.substitute([values], [m.symbol for m in modes], [m.value for m in modes])[0]
+        (values,) = self.kinematics.algebra.with_modes([values])
         symbols = [x for x in ca.symvar(values) if x.__hash__() != time.__hash__()]
         evaluate = ca.Function("values", [time, ca.vertcat(ca.SX(0, 1), *symbols)], [values])
         numbers = ca.DM([self.defaults[x.__hash__()] for x in symbols])

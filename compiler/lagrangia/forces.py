@@ -11,7 +11,8 @@ from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
-from lagrangia.algebra import CasadiAlgebra, Scalar
+from lagrangia.algebra import Scalar
+from lagrangia.casadi_algebra import CasadiAlgebra
 from lagrangia.constraints import Row
 from lagrangia.energies import Energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of

@@ -10,7 +10,8 @@ from itertools import islice
 
 import casadi as ca
 
-from lagrangia.algebra import Mode, Scalar
+from lagrangia.algebra import Scalar
+from lagrangia.casadi_algebra import Mode
 from lagrangia.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.constraints import Constraints
 from lagrangia.factors import hoist
@@ -62,7 +63,7 @@ def build_functions(
         "rhs": [motion.acceleration, power, multipliers], "outputs": [y], "energies": [energy], **_constrained(motion, energy),
         "flow": flow, "jacobian": list(jacobian.values), "kick": [kick.rates]}, motion.p)
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
-    d = ca.vertcat(*[mode.symbol for mode in modes])
+    d = kinematics.algebra.mode_symbols
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
     full, all_labels = [t, q, v, a, symbols, u, d, c], [*labels[:3], "a", "lambda", *labels[3:]]
@@ -93,7 +94,7 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     jacobian, kick = build_jacobian(kinematics, motion), find_kick(kinematics, motion)
     found, c, hoisted = _hoisted({"rhs": [motion.acceleration, power, multipliers], **_constrained(motion, ca.SX(0, 1)),
                                   "jacobian": list(jacobian.values), "kick": [kick.rates]}, motion.p)
-    d = ca.vertcat(*[mode.symbol for mode in modes])
+    d = kinematics.algebra.mode_symbols
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
@@ -225,7 +226,7 @@ def state_space(
     held = motion.constrained
     zero = ca.SX.zeros(motion.q.numel(), 1)
     place, steer = (held.place, held.steer) if held else (zero, zero)
-    d = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    d = kinematics.algebra.mode_symbols
     symbols = [motion.t, motion.q, motion.v, motion.u, d, motion.p]
     return symbols, [ca.densify(e) for e in (motion.acceleration, y, place if place.numel() else zero, steer)]
 

@@ -37,7 +37,7 @@ class Kick:
 
 def rates_jump(kinematics: Kinematics, constraints: Constraints) -> bool:
     """Whether there are kicks, of scenes that are not compiled as a whole."""
-    modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    modes = kinematics.algebra.mode_symbols
     if modes.numel() == 0:
         return False
     energies, before = evaluate_energies(kinematics), ca.SX.sym("before", modes.numel())
@@ -48,7 +48,7 @@ def rates_jump(kinematics: Kinematics, constraints: Constraints) -> bool:
 
 
 def find_kick(kinematics: Kinematics, motion: Motion) -> Kick:
-    modes, held = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes]), motion.constrained
+    modes, held = kinematics.algebra.mode_symbols, motion.constrained
     rows = held.rows.rate if held else ca.SX(0, 1)
     before = ca.vertcat(*[ca.SX.sym(f"before_{k}") for k in range(modes.numel())])
     if not modes.numel():

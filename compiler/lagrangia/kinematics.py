@@ -12,7 +12,8 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra import CasadiAlgebra, Dual, GlidingAlgebra, Scalar, minus, plus, rate_of, times, value_of
+from lagrangia.algebra import Dual, GlidingAlgebra, Scalar, minus, plus, rate_of, times, value_of
+from lagrangia.casadi_algebra import CasadiAlgebra
 from lagrangia.closures import cut_coordinate
 from lagrangia.diagnostics import fail
 from lagrangia.edges import Edge, Step
@@ -152,7 +153,7 @@ class Kinematics:
     def gliding(self, pace: ca.SX, given: Sequence[ca.SX]) -> "Kinematics":
         """Positions and velocities, these with what modes would add that change at this pace (n_modes,), and with what `given`
         adds to the rates of dependent coordinates, of each; the rate of time is 1."""
-        modes = ca.vertcat(*[mode.symbol for mode in self.algebra.modes])
+        modes = self.algebra.mode_symbols
 
         def glide(value: Scalar) -> Scalar:
             moves = isinstance(value, ca.SX) and ca.depends_on(value, modes)

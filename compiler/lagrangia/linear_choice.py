@@ -40,12 +40,10 @@ def linear_pays(kinematics: Kinematics, motion: Motion) -> bool:
 def fastest_rate(kinematics: Kinematics, motion: Motion) -> float:
     """The largest |lambda| of the motion's equations, 1/s; 0 where they have no value."""
     p, defaults = default_parameters(kinematics)
-    n, modes = motion.q.numel(), kinematics.algebra.modes
+    n = motion.q.numel()
     slopes = ca.densify(ca.jacobian(motion.h, ca.vertcat(motion.q, motion.v)))
     matrices = [ca.densify(mass_matrix(motion)), slopes]
-    if modes:
-        matrices = ca.substitute(matrices, [mode.symbol for mode in modes], [mode.value for mode in modes])
-    function = ca.Function("matrices", [motion.t, p], matrices)
+    function = ca.Function("matrices", [motion.t, p], kinematics.algebra.with_modes(matrices))
     M, KC = (np.array(x) for x in function(kinematics.graph.model.experiment.start, defaults))
     try:
         A = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), -np.linalg.solve(M, KC)])

@@ -33,7 +33,7 @@ def find_linear_form(kinematics: Kinematics, motion: Motion) -> LinearForm | str
         return "nothing in it moves"
     if motion.constrained is not None:
         return "it is held by constraints that are not substituted away"
-    modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    modes = kinematics.algebra.mode_symbols
     powers = ca.vertcat(motion.dissipated_power, motion.source_power)
     has_forms = 2 * motion.q.numel() <= _MOST_DENSE and not powers.is_zero()
     moving = ca.vertcat(motion.q, motion.v, motion.u)

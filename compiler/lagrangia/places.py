@@ -33,7 +33,7 @@ def place_of_time(kinematics: Kinematics, is_event: bool = False) -> Span | None
 
 def _place(kinematics: Kinematics, statements: Iterable[Flat], is_event: bool) -> Span | None:
     bindings = {name: variable.binding for name, variable in kinematics.graph.model.variables.items()}
-    modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    modes = kinematics.algebra.mode_symbols
     for statement in statements:
         times = [leaf.span for leaf in leaves([statement], bindings) if isinstance(leaf, Time)]
         if times and (not is_event or _depends(kinematics, statement, modes)):
@@ -79,7 +79,7 @@ def place_of_nonlinear_term(kinematics: Kinematics, energies: Energies, motion: 
 
 def is_linear(kinematics: Kinematics, motion: Motion, force: ca.SX) -> bool:
     """In q, v and u, with coefficients that only time events change."""
-    modes = ca.vertcat(*[mode.symbol for mode in kinematics.algebra.modes])
+    modes = kinematics.algebra.mode_symbols
     moving, fixed = ca.vertcat(motion.q, motion.v, motion.u), ca.vertcat(motion.p, kinematics.symbols.tau)
     try:
         degrees = rewrite(ca.vertcat(*ca.sparsify(force).nonzeros()), moving, motion.t, modes, fixed).degrees

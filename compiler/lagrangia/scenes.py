@@ -6,7 +6,7 @@ from math import prod
 
 import casadi as ca
 
-from lagrangia.algebra import CORNERS, uses
+from lagrangia.casadi_algebra import CORNERS, uses
 from lagrangia.ccode import usual_rhs, write_motion_series
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.diagnostics import fail

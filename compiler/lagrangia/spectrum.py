@@ -34,16 +34,14 @@ class Spectrum:
 def find_spectrum(kinematics: Kinematics, motion: Motion, initial: InitialConditions, given: ca.DM | None = None
                   ) -> Spectrum | None:
     """At the guesses and with the parameters as declared or `given`; None when the accelerations have no value there."""
-    n, modes = motion.q.numel(), kinematics.algebra.modes
+    n = motion.q.numel()
     slopes = ca.jacobian(motion.acceleration, ca.vertcat(motion.q, motion.v))
     p, declared = default_parameters(kinematics)
     parameters, start = declared if given is None else given, [initial.q[:n], initial.v[:n]]
     if p.numel():
         start = ca.substitute(start, [p], [ca.SX(parameters)])
-    values = [m.value for m in modes]
-    if modes:
-        slopes = ca.substitute([slopes], [m.symbol for m in modes], values)[0]
-    function = ca.Function("slopes", [motion.t, motion.q, motion.v, motion.u, motion.p], [slopes])
+    slopes = kinematics.algebra.with_modes([slopes])
+    function = ca.Function("slopes", [motion.t, motion.q, motion.v, motion.u, motion.p], slopes)
     instant = kinematics.graph.model.experiment.start
     q, v = (ca.evalf(x)[:n] for x in start)
     numbers = function(instant, q, v, 0, parameters).full()

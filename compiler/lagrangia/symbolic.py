@@ -12,8 +12,9 @@ from typing import Any, cast
 
 import sympy as sp
 
-from lagrangia.algebra import CasadiAlgebra, Dual, Scalar, value_of
+from lagrangia.algebra import Dual, Scalar, value_of
 from lagrangia.algorithms import FlatFunction
+from lagrangia.casadi_algebra import CasadiAlgebra
 from lagrangia.constraints import Constraints
 from lagrangia.edges import Edge, Step
 from lagrangia.energies import Energies, evaluate_energies

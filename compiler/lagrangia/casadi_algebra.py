@@ -1,0 +1,271 @@
+"""The first algebra: CasADi. Conditions on time become modes, so that what is integrated is smooth between time events."""
+
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial, reduce
+from itertools import accumulate, pairwise
+from typing import Any
+
+import casadi as ca
+
+from lagrangia.algebra import TINY, Scalar, is_zero, minus, nested_lines, slopes_of
+from lagrangia.scalars import apply, apply_to_one, as_expression, symbols_in
+from lagrangia.scalars import symbol as make_symbol
+
+_NUMBERS = (float, int)
+_COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
+
+
+@dataclass
+class Mode:
+    """A quantity that is constant between two time events: a relation, a floor, or what a table in time says of a line.
+
+    `value` gives it as a function of t (the middle of the segment) and p; the events are where one of the arguments crosses
+    zero (kind 0) or an integer (kind 1).
+    """
+
+    symbol: ca.SX
+    value: ca.SX
+    arguments: Sequence[ca.SX]
+    kind: int
+
+
+@dataclass
+class ModeIndex:
+    """Finds the mode that says the same, however its expression was built: what is the same has one number."""
+
+    numbers: dict[tuple[float, ...], int] = field(default_factory=dict)  # of all parts of arguments
+    keys: list[tuple[float, ...]] = field(default_factory=list)  # by number
+    symbols: dict[Hashable, ca.SX] = field(default_factory=dict)  # by operator and argument
+    hashes: set[int] = field(default_factory=set)  # of these symbols
+    modes: list[Mode] = field(default_factory=list)  # all of them, of all islands
+
+    def number(self, function: ca.Function, symbols: list[ca.SX]) -> int:
+        """Of the value of a scalar function of these symbols."""
+        held = [0] * max(1, function.sz_w())
+        made = 0
+        for k in range(function.n_instructions()):
+            op, inputs = function.instruction_id(k), function.instruction_input(k)
+            if op == ca.OP_INPUT:
+                key: tuple[float, ...] = (op, symbols[inputs[0]].__hash__())
+            elif op == ca.OP_CONST:
+                key = (op, function.instruction_constant(k))
+            else:
+                operands = [held[place] for place in inputs]
+                if op == ca.OP_SUB:  # a - 1 is a + -1
+                    op, operands[1] = ca.OP_ADD, self._negative(operands[1])
+                key = (op, *(sorted(operands) if op in _COMMUTATIVE else operands))
+            made = held[function.instruction_output(k)[0]] = self._numbered(key)
+        return made
+
+    def _numbered(self, key: tuple[float, ...]) -> int:
+        if key not in self.numbers:
+            self.numbers[key] = len(self.keys)
+            self.keys.append(key)
+        return self.numbers[key]
+
+    def _negative(self, number: int) -> int:
+        op, *operands = self.keys[number]
+        return self._numbered((ca.OP_CONST, -operands[0]) if op == ca.OP_CONST else (ca.OP_NEG, number))
+
+
+@dataclass(frozen=True)
+class _Crossing:
+    """Where a + b t, or a + b t + s floor(c + d t), crosses levels."""
+
+    number: int  # of all that says the same
+    value: ca.SX  # in time and parameters alone
+    straight: ca.SX  # a + b t
+    step: ca.SX | None = None  # s
+    jumps: Sequence[ca.SX] = ()  # c + d t
+
+    @property
+    def kind(self) -> int:
+        return 0 if self.step is None else 1
+
+    def arguments(self, levels: Sequence[Scalar]) -> list[ca.SX]:
+        """Of events. With a step, straight + s n is the level for some integer n: at each crossing, and at other times."""
+        if self.step is None:
+            return [minus(self.straight, level) for level in levels]
+        return [*self.jumps, *((level - self.straight) / self.step for level in levels)]
+
+
+@dataclass
+class CasadiAlgebra:
+    """Scalars are ca.SX or float. Conditions on time and parameters alone become modes, so that the right-hand side is smooth
+    between time events and the integrator can stop exactly at them."""
+
+    time: ca.SX
+    state: ca.SX  # all symbols that change continuously besides time: q, v, u
+    modes: list[Mode] = field(default_factory=list)
+    index: ModeIndex = field(default_factory=ModeIndex)  # of these modes
+    tiny: float = TINY
+    most_points: float = math.inf
+
+    @property
+    def mode_symbols(self) -> ca.SX:
+        return ca.vertcat(*[mode.symbol for mode in self.modes])
+
+    def with_modes(self, expressions: list[ca.SX]) -> list[ca.SX]:
+        """The same with what modes are in place of their symbols: of time and parameters."""
+        if not self.modes:
+            return expressions
+        found: list[ca.SX] = ca.substitute(expressions, [m.symbol for m in self.modes], [m.value for m in self.modes])
+        return found
+
+    def number(self, value: float) -> Scalar:
+        return value
+
+    def call(self, function: str, *arguments: Scalar) -> Scalar:
+        if function in ("floor", "ceil"):
+            inner = arguments[0] if function == "floor" else -arguments[0]
+            crossing = self._crossing(inner)
+            if crossing is not None and crossing.step is None:
+                mode = self._mode(("floor", crossing.number), ca.floor(inner), [inner], 1)
+                return mode if function == "floor" else -mode
+        if function == "mod":
+            a, b = arguments
+            return a - b * self.call("floor", a / b)
+        if all(isinstance(a, float | int) for a in arguments):
+            return _call_float(function, *arguments)
+        return _SX_FUNCTIONS[function](*arguments)
+
+    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        if isinstance(a, float | int) and isinstance(b, float | int):
+            return float(_COMPARE[operator](a, b))
+        difference = a - b
+        crossing = self._crossing(difference) if operator not in ("==", "<>") else None
+        if crossing is not None:
+            key, value = (operator, crossing.number), _COMPARE[operator](crossing.value, 0)
+            return self._mode(key, value, crossing.arguments([0.0]), crossing.kind)
+        return as_expression(_COMPARE[operator](a, b))
+
+    def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
+        if isinstance(condition, float | int):
+            return then if condition else otherwise
+        opposite = apply_to_one(ca.OP_NOT, condition)
+        return apply(ca.OP_IF_ELSE_ZERO, condition, then) + apply(ca.OP_IF_ELSE_ZERO, opposite, otherwise)
+
+    def logic(self, operator: str, *conditions: Scalar) -> Scalar:
+        if operator == "not":
+            return 1.0 - conditions[0]
+        a, b = conditions
+        return a * b if operator == "and" else a + b - a * b
+
+    def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
+        if not isinstance(x, ca.SX):
+            return nested_lines(self, x, xs, ys)
+        columns = [[xs[0], *xs], [ys[0], *ys], [0.0, *slopes_of(xs, ys), 0.0]]
+        rest = self._at_rest(x)
+        crossing = self._crossing(rest) if self._are_fixed([*xs, *ys]) else None
+        where = _cases([apply(ca.OP_LT, crossing.value, at) if crossing else self.compare("<", rest, at) for at in xs], xs)
+        found = [_in_force(where, column) for column in columns]
+        if crossing:
+            key, arguments = (crossing.number, *(self._key(entry) for entry in (*xs, *ys))), crossing.arguments(xs)
+            found = [self._mode(("lines", k, key), value, arguments, crossing.kind) for k, value in enumerate(found)]
+        place, value, slope = found
+        return value + (x - place) * slope, lambda: slope
+
+    def _at_rest(self, x: Scalar) -> Scalar:
+        """What decides about conditions."""
+        return x
+
+    def _are_fixed(self, values: list[Scalar]) -> bool:
+        """Whether they depend on parameters alone."""
+        moving = self._moving | self.index.hashes | {self.time.__hash__()}
+        return moving.isdisjoint(symbols_in(ca.vertcat(ca.SX(0, 1), *values)))
+
+    def _key(self, value: Scalar) -> Hashable:
+        """The same for what says the same, of numbers and of expressions of parameters."""
+        return ("expression", self._number(value)) if isinstance(value, ca.SX) else float(value)
+
+    def _crossing(self, value: Scalar) -> "_Crossing | None":
+        """Of what depends on time, and on nothing else that changes, in such a way that its crossings can be computed. None for
+        all else: what depends on other modes crosses at other times in each segment and stays a plain condition."""
+        if not isinstance(value, ca.SX):
+            return None
+        hashes = symbols_in(value)
+        if not hashes.isdisjoint(self._moving):
+            return None
+        if hashes.isdisjoint(self.index.hashes):
+            is_timed = self.time.__hash__() in hashes and self._is_straight(value)
+            return _Crossing(self._number(value), value, value) if is_timed else None
+        floor, *others = [mode for mode in self.index.modes if mode.symbol.__hash__() in hashes]
+        straight, step = ca.substitute(value, floor.symbol, ca.SX(0)), ca.jacobian(value, floor.symbol)
+        if others or floor.value.op() != ca.OP_FLOOR or ca.depends_on(step, ca.vertcat(self.time, floor.symbol)):
+            return None
+        if not self._is_straight(straight):
+            return None
+        return _Crossing(self._number(value), ca.substitute(value, floor.symbol, floor.value), straight, step, floor.arguments)
+
+    def _is_straight(self, value: ca.SX) -> bool:
+        """a + b t; a slope does not tell of jumps."""
+        steps = uses(ca.Function("value", ca.symvar(value), [value]), STEPS)
+        return not steps and not ca.depends_on(ca.jacobian(value, self.time), self.time)
+
+    def _number(self, value: ca.SX) -> int:
+        symbols = ca.symvar(value)
+        return self.index.number(ca.Function("value", symbols, [value]), symbols)
+
+    @cached_property
+    def _moving(self) -> frozenset[int]:
+        return frozenset(x.__hash__() for x in self.state.elements())
+
+    def _mode(self, key: Hashable, value: ca.SX, arguments: Sequence[ca.SX], kind: int) -> ca.SX:
+        if key not in self.index.symbols:
+            made = self.index.symbols[key] = make_symbol(f"d_{len(self.modes)}")
+            self.index.hashes.add(made.__hash__())
+            mode = Mode(made, value, arguments, kind)
+            self.modes.append(mode)
+            self.index.modes.append(mode)
+        return self.index.symbols[key]
+
+
+def _cases(less: list[Scalar], xs: Sequence[Scalar]) -> list[Scalar]:
+    """Which point x is first less than: one condition each, the last where there is none. Parameters may make points fall."""
+    if not all(isinstance(at, _NUMBERS) for at in xs):
+        less = list(accumulate(less, lambda a, b: apply(ca.OP_OR, a, b)))
+    return [less[0], *(b - a for a, b in pairwise(less)), apply_to_one(ca.OP_NOT, less[-1])]
+
+
+def _in_force(where: list[Scalar], column: list[Scalar]) -> Scalar:
+    """What stands in the column where a condition holds. No choice is in another one: what is made of them grows with the column,
+    not with its square."""
+    pieces = [apply(ca.OP_IF_ELSE_ZERO, here, x) for here, x in zip(where, column, strict=True) if not is_zero(x)]
+    return reduce(lambda a, b: a + b, pieces, as_expression(0.0))
+
+
+STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN", "FMOD", "COPYSIGN", "LT", "LE", "EQ", "NE",
+                                                         "IF_ELSE_ZERO"))
+CORNERS = STEPS | {ca.OP_FABS, ca.OP_FMIN, ca.OP_FMAX}
+
+
+def uses(function: ca.Function, operations: frozenset[int]) -> bool:
+    """Whether one of CasADi's operations is among a function's instructions."""
+    return not operations.isdisjoint(function.instruction_id(k) for k in range(function.n_instructions()))
+
+
+_SX_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
+    **{name: partial(apply_to_one, getattr(ca, f"OP_{name.upper()}")) for name in (
+        "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp", "log", "sqrt",
+        "floor", "ceil", "sign")},
+    **{name: partial(apply, getattr(ca, f"OP_{name.upper()}")) for name in ("fmin", "fmax", "atan2")},
+    "abs": partial(apply_to_one, ca.OP_FABS), "log10": lambda x: as_expression(ca.log10(x)),
+    "pow": lambda a, b: as_expression(a**b),
+}
+_COMPARE: Mapping[str, Callable[[Any, Any], Any]] = {
+    "<": lambda a, b: a < b, "<=": lambda a, b: a <= b, ">": lambda a, b: a > b, ">=": lambda a, b: a >= b,
+    "==": lambda a, b: a == b, "<>": lambda a, b: a != b,
+}
+_FLOAT_FUNCTIONS: Mapping[str, Callable[..., float]] = {
+    "abs": abs, "fmin": min, "fmax": max, "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
+    "floor": lambda x: float(math.floor(x)), "ceil": lambda x: float(math.ceil(x)),
+    "pow": math.pow,
+}
+
+
+def _call_float(function: str, *arguments: float) -> float:
+    """Raises ValueError or ArithmeticError outside the function's domain."""
+    chosen = _FLOAT_FUNCTIONS.get(function) or getattr(math, function)
+    return float(chosen(*arguments))
