@@ -64,6 +64,8 @@ LagStatus lag_step_adaptive(LagRun *run)
             return LAG_OK;
         }
         ++run->statistics.rejected;
+        if (!(error > attempts.allowed && error < INFINITY) && lag_switches_release(run))
+            continue;
         ++attempts.rejected;
         lag_onset_learn(motion, &run->scale, t_new, error * run->scale.tolerance, FORESEEN);
         run->step = lag_attempts_next(run, &attempts, h, error, shrunk(run, h, error <= attempts.allowed ? INFINITY : error));

@@ -13,14 +13,13 @@ enum { TICKS_PER_LOOK = 64 };
 
 int lag_run_row_width(const LagModel *model) { return 1 + 2 * model->n + model->n_outputs + LAG_ACCOUNT_SIZE; }
 
-/* The state at t, inside or at the end of the latest step, in run->inside; not yet on the constraints. */
-static void state_inside(LagRun *run, double t)
+void lag_state_inside(LagRun *run, double t, double *y)
 {
     if (t == run->motion.t) {
-        memcpy(run->inside, run->motion.y, (size_t)run->motion.size * sizeof *run->inside);
+        memcpy(y, run->motion.y, (size_t)run->motion.size * sizeof *y);
     } else {
         run->careful = run->model->n_multipliers > 0; /* the stages of the dense output may lie near a singular position */
-        run->methods.table->interpolate(run->methods.self, &run->motion, t, run->inside);
+        run->methods.table->interpolate(run->methods.self, &run->motion, t, y);
         run->careful = 0;
     }
 }
@@ -30,7 +29,7 @@ static LagStatus row_at(LagRun *run, double t, double *row)
 {
     const int n = run->model->n;
     double *y = run->inside, *outputs = row + 1 + 2 * n, *account = outputs + run->model->n_outputs;
-    state_inside(run, t);
+    lag_state_inside(run, t, y);
     lag_project_row(run, t, y, account);
     const int i = lag_first_not_finite(y, 2 * n);
     if (n > 0 && !isfinite(y[i]))
@@ -117,12 +116,13 @@ LagStatus lag_run_cut(LagRun *run, double t)
         return LAG_OK;
     if (!(t >= motion->t_old && t < motion->t))
         return lag_fail(run, t > motion->t ? LAG_PAST_STOP : LAG_TIME_PASSED, -1, 0, 0);
-    state_inside(run, t);
+    lag_state_inside(run, t, run->inside);
     lag_project_inside(run, t, run->inside);
     memcpy(motion->y, run->inside, (size_t)motion->size * sizeof *motion->y);
     memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);
     motion->t = motion->t_old = t;
     run->segment_over = 1;
+    lag_switches_forget(run);
     lag_project_forget(run);
     return LAG_OK;
 }

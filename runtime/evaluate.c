@@ -29,6 +29,12 @@ static int all_finite(const double *x, int n)
     return probe == 0;
 }
 
+static void set_switches(LagRun *run, double t, const double *q, const double *v)
+{
+    if (run->switches.is_live)
+        lag_switches_set(run, t, q, v);
+}
+
 static int evaluate(LagRun *run, const LagFunction *function, const double *const *in, double *const *out)
 {
     if (lag_call(function, in, out, run->work) != 0)
@@ -42,6 +48,7 @@ static int whole(LagRun *run, double t, const double *q, const double *v, double
     const double *in[] = {&t, q, v, run->u, run->d, run->c};
     double *out[] = {a, power, run->multipliers};
     lag_inputs_at(&run->inputs, t, run->u);
+    set_switches(run, t, q, v);
     return evaluate(run, &run->model->rhs, in, out);
 }
 
@@ -53,6 +60,7 @@ static int accelerations(LagRun *run, double t, const double *q, const double *v
     double doubt = 0, *out[] = {a, power, &doubt};
     if (lag_present(&model->regular)) {
         lag_inputs_at(&run->inputs, t, run->u);
+        set_switches(run, t, q, v);
         if (run->doubtful == 0 && evaluate(run, &model->regular, in, out) && doubt == 0)
             return 1;
         run->doubtful = run->doubtful == 0 ? DOUBTFUL_FOR : run->doubtful - 1;

@@ -243,7 +243,7 @@ static int accept(void *self, LagMotion *m, double t_new)
 /* Coefficients of the polynomial that interpolate evaluates. */
 static void prepare_dense(LagExplicit *s, LagMotion *m)
 {
-    const double h = m->t - m->t_old, *k_old = s->k[0], *k_new = s->k[s->tableau->stages];
+    const double h = m->t_end - m->t_old, *k_old = s->k[0], *k_new = s->k[s->tableau->stages];
     for (int i = s->tableau->stages + 1; i < s->tableau->all_stages; ++i)
         stage(s, m, s->tableau, i, m->t_old, m->other, h);
     for (int i = 0; i < m->size; ++i) {
@@ -283,7 +283,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     LagExplicit *s = self;
     if (!s->dense_ready)
         prepare_dense(s, m);
-    const double x = (t - m->t_old) / (m->t - m->t_old), factor[] = {x, 1 - x};
+    const double x = (t - m->t_old) / (m->t_end - m->t_old), factor[] = {x, 1 - x};
     for (int i = interpolate_many(s, m, x, y); i < m->size; ++i) {
         double sum = 0;
         for (int j = LAG_HERMITE_ROWS + s->tableau->dense_rows - 1; j >= 0; --j)
@@ -292,5 +292,5 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     }
 }
 
-const LagMethod lag_dop853 = {"erk", 8, layout_dop853, restart, lag_step_adaptive, attempt_dop853, accept, interpolate};
-const LagMethod lag_tsit5 = {"erk5", 5, layout_tsit5, restart, lag_step_adaptive, attempt_tsit5, accept, interpolate};
+const LagMethod lag_dop853 = {"erk", 8, layout_dop853, restart, lag_step_adaptive, attempt_dop853, accept, interpolate, 1};
+const LagMethod lag_tsit5 = {"erk5", 5, layout_tsit5, restart, lag_step_adaptive, attempt_tsit5, accept, interpolate, 1};

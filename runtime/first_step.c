@@ -13,7 +13,8 @@ static const double LARGE_CHANGE = 0.5, SHRINK = 0.1;
 static void note_largest(double *largest, double value) { *largest = value > *largest ? value : *largest; }
 
 /* Change of the accelerations between k (here) and k_end (after h), relative to what moves coordinates of the same kind:
- * their accelerations, or their velocities. A kind without either says nothing. */
+ * their accelerations, or their velocities. A kind without either says nothing, nor do changes that move places by less than a
+ * unit of error: a bar that meets the ground at one end is first turned by rounding. */
 static double compare(const LagScale *scale, double h, const double *k, const double *k_end)
 {
     const int n = scale->n;
@@ -24,7 +25,9 @@ static double compare(const LagScale *scale, double h, const double *k, const do
         const int kind = scale->kind[i];
         note_largest(&scale->motion[kind], fabs(k[i]));
         note_largest(&scale->motion[kind], h * fabs(k[n + i]));
-        note_largest(&scale->change[kind], h * fabs(k_end[n + i] - k[n + i]));
+        const double change = h * fabs(k_end[n + i] - k[n + i]);
+        if (!(h * change < scale->tolerance * scale->floor[i]))
+            note_largest(&scale->change[kind], change);
     }
     for (int kind = 0; kind < scale->kinds; ++kind)
         if (scale->motion[kind] > 0)

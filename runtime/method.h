@@ -30,8 +30,10 @@ typedef struct {
      * at its end is not finite. */
     int (*accept)(void *self, LagMotion *motion, double t_new);
 
-    /* State y at t in [t_old, t]. */
+    /* State y at t in [t_old, t_end]. */
     void (*interpolate)(void *self, LagMotion *motion, double t, double *y);
+
+    int holds_switches; /* of conditions on the state, through each step */
 } LagMethod;
 
 #endif

@@ -4,7 +4,7 @@
  * `LAG_API const LagModel lag_model`; a caller without a C compiler fills one with tapes (tape.h).
  *
  * Notation: q coordinates, v = dq/dt, a = dv/dt, t time, p parameters, c what depends on parameters alone ("hoisted"),
- * u inputs, d modes (values that change only at events), y outputs, lambda multipliers.
+ * u inputs, d modes (values that change only at events) and, where steps are taken, switches, y outputs, lambda multipliers.
  * Corrections of constrained states are those of least kinetic energy: nearest in the mass metric.
  */
 #ifndef LAG_MODEL_H
@@ -59,10 +59,12 @@ struct LagModel {
     int n_multipliers; /* constraints J v + dPhi/dt = 0: those of Phi first, then nonholonomic ones */
     int n_initial_positions; /* so many of the initial equations come first and depend on positions alone */
     int n_lost; /* coordinates that others give, and that start values are stated for: they follow q, their rates v, at the start */
+    int n_switches; /* conditions on the state, which steps hold: they follow the modes in d, 1 where g > 0 and 0 where g < 0 */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
     int outputs_need_acceleration; /* a or lambda */
+    int switches_need_acceleration;
     const int *linear_pattern;     /* NULL unless the equations are linear: see linear_system.h */
     int solver;                    /* LAG_SOLVER_...: the one that fits the equations best */
     int n_entries;        /* of the matrix of implicit steps; 0: there is none */
@@ -106,6 +108,7 @@ struct LagModel {
     LagFunction nearest;
     /* t, q, v, u, d, c, d_before -> dv: what the impulse of supports whose rate jumps at an event does; absent where none does. */
     LagFunction kick;
+    LagFunction switches;   /* t, q, v, a, u, modes, c  -> g, dg/dt     n_switches each */
 
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */

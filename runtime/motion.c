@@ -48,7 +48,7 @@ void lag_motion_take(LagMotion *m, double t_new)
     swap(&m->y, &m->other);
     swap(&m->carry, &m->other_carry);
     m->t_old = m->t;
-    m->t = t_new;
+    m->t = m->t_end = t_new;
 }
 
 int lag_first_not_finite(const double *x, int n)

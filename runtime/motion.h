@@ -20,6 +20,7 @@ typedef struct {
     LagFlow flow;
     void *context;
     double t, t_old;   /* the last step went from t_old to t; equal: it is no longer known */
+    double t_end;      /* to here, rather: t is earlier where the run went back to an event inside it */
     double *y, *carry; /* state (q, v, energy quadratures) and what rounding took from it */
     double *other, *other_carry; /* the state at t_old, or the new one while a step is tried */
     double *slope;               /* dy/dt where a segment begins */

@@ -172,6 +172,8 @@ static LagStatus step(LagRun *run)
             return LAG_OK;
         }
         ++run->statistics.rejected;
+        if ((convergence == LAG_NO_JACOBIAN || convergence == LAG_STAGES_NOT_FINITE) && lag_switches_release(run))
+            continue;
         if (convergence == LAG_NO_JACOBIAN)
             return lag_stiffness_pass(run) ? run->methods.table->step(run) : lag_step_give_up(run, worst);
         if (convergence != LAG_STAGES_CONVERGED && !s->jacobian_is_fresh) {
@@ -195,8 +197,8 @@ static LagStatus step(LagRun *run)
 static void interpolate(void *self, LagMotion *m, double t, double *y)
 {
     const LagRadau *s = self;
-    lag_collocation_at(&s->last, m, m->other, (t - m->t_old) / (m->t - m->t_old), y);
+    lag_collocation_at(&s->last, m, m->other, (t - m->t_old) / (m->t_end - m->t_old), y);
     ++m->dense_outputs;
 }
 
-const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate};
+const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate, 1};

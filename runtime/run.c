@@ -16,7 +16,7 @@ static size_t work_size(const LagModel *model)
                                       &model->events, &model->modes, &model->rhs, &model->outputs, &model->energies,
                                       &model->place, &model->steer, &model->jacobian, &model->tangent, &model->velocity,
                                       &model->force, &model->regular, &model->residual, &model->nearest,
-                                      &model->kick};
+                                      &model->kick, &model->switches};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -31,7 +31,7 @@ static void layout(LagRun *run, LagArena *arena)
     run->nothing_given = lag_take(arena, (size_t)model->n_parameters);
     run->c = lag_take(arena, (size_t)model->n_hoisted);
     run->u = lag_take(arena, (size_t)model->n_inputs);
-    run->d = lag_take(arena, (size_t)model->n_modes);
+    run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches));
     run->d_before = lag_take(arena, (size_t)model->n_modes);
     run->event_a = lag_take(arena, events);
     run->event_b = lag_take(arena, events);
@@ -52,6 +52,7 @@ static void layout(LagRun *run, LagArena *arena)
     lag_scale_layout(&run->scale, arena);
     lag_motion_layout(&run->motion, arena);
     lag_stiffness_layout(&run->stiffness, model->n, run->motion.size, arena);
+    lag_switches_layout(&run->switches, model, run->motion.size, arena);
     lag_methods_layout(&run->methods, &run->settings, model, &run->motion, arena);
 }
 

@@ -46,17 +46,28 @@ static double first_step(LagRun *run)
     return lag_first_step(&run->motion, &run->scale, longest, run->methods.table->order);
 }
 
+/* What the loads will be: with switches as they will be. */
+static void look_ahead(LagRun *run)
+{
+    const int is_live = run->switches.is_live;
+    run->switches.is_live = run->model->n_switches > 0;
+    lag_onset_look(&run->motion, &run->scale, fmin(run->segment_end, run->settings.t_stop));
+    run->switches.is_live = is_live;
+    lag_switches_recall(run);
+}
+
 LagStatus lag_segment_evaluate(LagRun *run)
 {
     LagMotion *motion = &run->motion;
     const int n = motion->n;
     motion->t_old = motion->t;
+    lag_switches_enter(run);
     if (!lag_motion_slope(motion, motion->t, motion->y, motion->y + n, motion->slope)) {
         run->segment_over = 1;
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
     }
     if (run->methods.solver != LAG_SOLVER_LINEAR && run->methods.solver != LAG_SOLVER_ISLANDS) /* these have no units of error */
-        lag_onset_look(motion, &run->scale, fmin(run->segment_end, run->settings.t_stop));
+        look_ahead(run);
     run->step = first_step(run);
     run->is_starting = 1;
     run->methods.table->restart(run->methods.self, motion);

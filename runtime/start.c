@@ -42,6 +42,7 @@ static void clear(LagRun *run)
     memset(run->motion.carry, 0, size);
     lag_scale_reset(&run->scale);
     run->methods.islands.are_started = 0;
+    lag_switches_reset(run);
     /* a run does not depend on what this memory was used for before */
     run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0;
     run->calm_step = 0;

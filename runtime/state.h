@@ -8,6 +8,7 @@
 #include "project.h"
 #include "run.h"
 #include "stiffness.h"
+#include "switches.h"
 
 struct LagRun {
     const LagModel *model;
@@ -37,6 +38,7 @@ struct LagRun {
     LagMotion motion;
     LagMethods methods;
     LagStiffness stiffness;
+    LagSwitches switches;
 
     int started;
     int is_starting;      /* no step since the segment began was as long as it could be */

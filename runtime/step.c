@@ -29,6 +29,14 @@ double lag_step_aim(const LagRun *run)
     return run->settings.max_step > 0 ? fmin(target, t + run->settings.max_step) : target;
 }
 
+/* The state reached. */
+static void note_state(LagRun *run)
+{
+    lag_scale_note(&run->scale, run->motion.y);
+    if (run->statistics.steps % GLANCE == 0)
+        lag_account_glance(run);
+}
+
 void lag_step_record(LagRun *run, double h)
 {
     LagStatistics *s = &run->statistics;
@@ -36,10 +44,9 @@ void lag_step_record(LagRun *run, double h)
     s->largest_step = lag_max(h, s->largest_step);
     ++s->steps;
     run->segment_over = run->motion.t == run->segment_end;
-    lag_scale_note(&run->scale, run->motion.y);
+    if (run->model->n_switches == 0) /* else the end may lie beyond an event */
+        note_state(run);
     lag_scale_set_step(&run->scale, h, run->methods.solver == LAG_SOLVER_IMPLICIT);
-    if (s->steps % GLANCE == 0)
-        lag_account_glance(run);
 }
 
 LagStatus lag_step_give_up(LagRun *run, int worst)
@@ -61,7 +68,12 @@ LagStatus lag_step(LagRun *run)
     if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)
         return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
     const LagStatus status = run->methods.table->step(run);
-    if (status == LAG_OK)
+    if (status == LAG_OK) {
         lag_stiffness_watch(run);
+        if (run->model->n_switches > 0) {
+            lag_switches_watch(run);
+            note_state(run);
+        }
+    }
     return status;
 }

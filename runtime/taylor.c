@@ -295,7 +295,10 @@ static int is_good(LagRun *run, LagTaylor *s, double t_new, double length, doubl
 {
     int worst;
     const double before = *wrong;
-    if (lag_project_step(run, t_new, 1, &worst) > 0 || !look_ahead(run, s, t_new))
+    if (lag_project_step(run, t_new, 1, &worst) > 0)
+        return 0;
+    *wrong = INFINITY;
+    if (!look_ahead(run, s, t_new))
         return 0;
     *wrong = defect(run, s, length);
     const int is_noise = *wrong > REMAINS * before && *wrong * run->scale.tolerance < NOISE;
@@ -316,7 +319,7 @@ static LagStatus step(LagRun *run)
         return run->methods.table->step(run);
     if (!build(run, s, s->order))
         return lag_stiffness_leave_series(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
-    double h = lag_min(length_of(run, s), GROW * run->step); /* at rest a series says nothing of what comes */
+    double h = lag_min(length_of(run, s), GROW * lag_max(run->step, lag_step_smallest(m->t))); /* at rest a series says nothing of what comes */
     if (run->settings.max_step > 0)
         h = lag_min(h, run->settings.max_step);
     for (;; h *= SHRINK) {
@@ -338,7 +341,9 @@ static LagStatus step(LagRun *run)
             return LAG_OK;
         }
         ++run->statistics.rejected;
-        if (++in_vain == PATIENCE)
+        if (++in_vain >= PATIENCE && !(wrong < INFINITY) && run->model->n_switches > 0 && lag_stiffness_leave_series(run))
+            return run->methods.table->step(run); /* it has no value beyond a place where a condition changes */
+        if (in_vain == PATIENCE)
             lag_rounding_look(run);
         run->scale.step = in_vain >= PATIENCE ? length : 0;
         h = lag_min(h, length);
@@ -362,4 +367,4 @@ int lag_taylor_pays(const LagModel *model, double tolerance)
         && pace_of(model, REST * eps, order_for(model, REST * eps)) * other_length < other_cost;
 }
 
-const LagMethod lag_taylor = {"taylor", 8, layout, restart, step, NULL, NULL, interpolate};
+const LagMethod lag_taylor = {"taylor", 8, layout, restart, step, NULL, NULL, interpolate, 1};

@@ -45,6 +45,7 @@ ORDER = """
     observables
     scalars
     algebra
+    numbering
     casadi_algebra
     evaluation
     edges
@@ -73,6 +74,7 @@ ORDER = """
     null_space
     constrained_motion
     motion
+    switches
     jacobians
     released
     reactions

@@ -10,11 +10,11 @@ from typing import Any
 import casadi as ca
 
 from lagrangia.algebra import TINY, Scalar, is_zero, minus, nested_lines, slopes_of
+from lagrangia.numbering import Numbering
 from lagrangia.scalars import apply, apply_to_one, as_expression, symbols_in
 from lagrangia.scalars import symbol as make_symbol
 
 _NUMBERS = (float, int)
-_COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
 
 
 @dataclass
@@ -35,39 +35,10 @@ class Mode:
 class ModeIndex:
     """Finds the mode that says the same, however its expression was built: what is the same has one number."""
 
-    numbers: dict[tuple[float, ...], int] = field(default_factory=dict)  # of all parts of arguments
-    keys: list[tuple[float, ...]] = field(default_factory=list)  # by number
+    numbering: Numbering = field(default_factory=Numbering)  # of all parts of arguments
     symbols: dict[Hashable, ca.SX] = field(default_factory=dict)  # by operator and argument
     hashes: set[int] = field(default_factory=set)  # of these symbols
     modes: list[Mode] = field(default_factory=list)  # all of them, of all islands
-
-    def number(self, function: ca.Function, symbols: list[ca.SX]) -> int:
-        """Of the value of a scalar function of these symbols."""
-        held = [0] * max(1, function.sz_w())
-        made = 0
-        for k in range(function.n_instructions()):
-            op, inputs = function.instruction_id(k), function.instruction_input(k)
-            if op == ca.OP_INPUT:
-                key: tuple[float, ...] = (op, symbols[inputs[0]].__hash__())
-            elif op == ca.OP_CONST:
-                key = (op, function.instruction_constant(k))
-            else:
-                operands = [held[place] for place in inputs]
-                if op == ca.OP_SUB:  # a - 1 is a + -1
-                    op, operands[1] = ca.OP_ADD, self._negative(operands[1])
-                key = (op, *(sorted(operands) if op in _COMMUTATIVE else operands))
-            made = held[function.instruction_output(k)[0]] = self._numbered(key)
-        return made
-
-    def _numbered(self, key: tuple[float, ...]) -> int:
-        if key not in self.numbers:
-            self.numbers[key] = len(self.keys)
-            self.keys.append(key)
-        return self.numbers[key]
-
-    def _negative(self, number: int) -> int:
-        op, *operands = self.keys[number]
-        return self._numbered((ca.OP_CONST, -operands[0]) if op == ca.OP_CONST else (ca.OP_NEG, number))
 
 
 @dataclass(frozen=True)
@@ -205,8 +176,7 @@ class CasadiAlgebra:
         return not steps and not ca.depends_on(ca.jacobian(value, self.time), self.time)
 
     def _number(self, value: ca.SX) -> int:
-        symbols = ca.symvar(value)
-        return self.index.number(ca.Function("value", symbols, [value]), symbols)
+        return self.index.numbering.number(value)
 
     @cached_property
     def _moving(self) -> frozenset[int]:

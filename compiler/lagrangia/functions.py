@@ -26,10 +26,10 @@ from lagrangia.motion import Motion, mass_matrix
 from lagrangia.observables import observe
 from lagrangia.parameters import all_parameters, at_start, scalars
 from lagrangia.reactions import build_reactions
+from lagrangia.switches import Switches, find_switches
 
 # Functions of the state that only constraints ask for, and their results.
-_OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "regular": ["a", "power", "doubt"],
-                   "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}
+_OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}
 
 
 @dataclass(frozen=True)
@@ -58,20 +58,20 @@ def build_functions(
     symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
     power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
     jacobian, flow = build_jacobian(kinematics, motion), [hamilton.velocity, hamilton.force] if hamilton else []
-    kick = find_kick(kinematics, motion)
+    kick, switches = find_kick(kinematics, motion), find_switches(motion)
     found, c, hoisted = _hoisted({
-        "rhs": [motion.acceleration, power, multipliers], "outputs": [y], "energies": [energy], **_constrained(motion, energy),
-        "flow": flow, "jacobian": list(jacobian.values), "kick": [kick.rates]}, motion.p)
+        "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": [y], "energies": [energy],
+        **_constrained(motion, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
+        "switches": [switches.values, switches.rates]}, motion.p)
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = kinematics.algebra.mode_symbols
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
     full, all_labels = [t, q, v, a, symbols, u, d, c], [*labels[:3], "a", "lambda", *labels[3:]]
-    table = _implicit_function(jacobian, found["jacobian"], full, all_labels) | {
+    table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
         "start": start_function(kinematics, initial),
-        "rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"]),
         "outputs": ca.Function("outputs", full, found["outputs"], all_labels, ["y"]),
         "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
     }
@@ -90,19 +90,18 @@ def build_functions(
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     """For some coordinates that are run by themselves: what moves them, without energies and outputs."""
     power, modes, held = _power(motion, motion.source_power), kinematics.algebra.modes, motion.constrained
-    symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
-    jacobian, kick = build_jacobian(kinematics, motion), find_kick(kinematics, motion)
-    found, c, hoisted = _hoisted({"rhs": [motion.acceleration, power, multipliers], **_constrained(motion, ca.SX(0, 1)),
-                                  "jacobian": list(jacobian.values), "kick": [kick.rates]}, motion.p)
+    multipliers, jacobian = held.multipliers if held else ca.SX(0, 1), build_jacobian(kinematics, motion)
+    kick, switches = find_kick(kinematics, motion), find_switches(motion)
+    found, c, hoisted = _hoisted({
+        "rhs": switches.hold([motion.acceleration, power, multipliers]), **_constrained(motion, ca.SX(0, 1), switches),
+        "jacobian": switches.hold(jacobian.values), "kick": [kick.rates], "switches": [switches.values, switches.rates]}, motion.p)
     d = kinematics.algebra.mode_symbols
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
-    full = [t, q, v, motion.a, symbols, u, d, c]
-    table = _implicit_function(jacobian, found["jacobian"], full, ["t", "q", "v", "a", "lambda", "u", "d", "c"]) | {
+    table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
-        "rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"]),
     } | _functions_of_constraints(motion, found, d, c) | _mode_functions(motion, modes)
     table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
@@ -110,8 +109,25 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
                      patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
 
 
+def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, found: Mapping[str, list[ca.SX]], d: ca.SX,
+                        c: ca.SX) -> dict[str, ca.Function]:
+    """What steps evaluate, with switches held: they follow the modes in `d`."""
+    t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
+    held_d = ca.vertcat(d, switches.symbols)
+    state, labels = [t, q, v, u, held_d, c], ["t", "q", "v", "u", "d", "c"]
+    table = {"rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"])}
+    if "regular" in found:
+        table["regular"] = ca.Function("regular", state, found["regular"], labels, ["a", "power", "doubt"])
+    if switches.places:
+        table["switches"] = ca.Function("switches", [t, q, v, a, u, d, c], found["switches"], [*labels[:3], "a", *labels[3:]],
+                                        ["g", "rate"])
+    multipliers = motion.constrained.symbols if motion.constrained else ca.SX(0, 1)
+    full = [t, q, v, a, multipliers, u, held_d, c]
+    return table | _implicit_function(jacobian, found["jacobian"], full, [*labels[:3], "a", "lambda", *labels[3:]])
+
+
 def _functions_of_constraints(motion: Motion, found: Mapping[str, list[ca.SX]], d: ca.SX, c: ca.SX) -> dict[str, ca.Function]:
-    """Those of `_constrained` that were found."""
+    """Those of `_constrained` that were found, but for the accelerations."""
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
     table = {name: ca.Function(name, [t, q, v, u, d, c], found[name], ["t", "q", "v", "u", "d", "c"], results)
              for name, results in _OF_CONSTRAINTS.items() if name in found}
@@ -120,7 +136,7 @@ def _functions_of_constraints(motion: Motion, found: Mapping[str, list[ca.SX]], 
     return table
 
 
-def _constrained(motion: Motion, energy: ca.SX) -> dict[str, list[ca.SX]]:
+def _constrained(motion: Motion, energy: ca.SX, switches: Switches) -> dict[str, list[ca.SX]]:
     """Results of the functions that only constraints ask for. `energy`: {T, V, H}, empty where nobody asks for them."""
     held = motion.constrained
     if held is None:
@@ -128,7 +144,7 @@ def _constrained(motion: Motion, energy: ca.SX) -> dict[str, list[ca.SX]]:
     found = {"place": [held.place], "steer": [held.steer], "residual": [held.rows.phi, held.rows.rate]}
     if held.regular is not None:
         power = _power(motion, held.regular.source_power)
-        found["regular"] = [held.regular.acceleration, power, held.regular.doubt]
+        found["regular"] = [*switches.hold([held.regular.acceleration, power]), held.regular.doubt]
         if held.regular.place.numel():
             found["nearest"] = _nearest(motion, held, held.regular, energy)
     return found

@@ -151,11 +151,12 @@ class _Function(c.Structure):
 
 _SIZES = (
     "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
-    "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost",
+    "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost", "n_switches",
 )
 _FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
     "linear", "waves", "jacobian", "tangent", "velocity", "force", "residual", "regular", "nearest", "kick",
+    "switches",
 )
 
 
@@ -166,6 +167,7 @@ class _Model(c.Structure):
         ("fixed", _Ints),
         ("event_kind", _Ints),
         ("outputs_need_acceleration", c.c_int),
+        ("switches_need_acceleration", c.c_int),
         ("linear_pattern", _Ints),
         ("solver", c.c_int),
         *((name, c.c_int) for name in ("n_entries", "n_lower", "n_upper", "n_colours")),

@@ -109,7 +109,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
     """Those of LagModel that a whole scene and an island have alike."""
     found = {
         "n": n, "n_parameters": n_parameters, "n_hoisted": functions.table["hoist"].numel_out(0), "n_inputs": n_inputs,
-        "n_modes": n_modes, "n_events": len(functions.event_kinds), "n_power": functions.n_power,
+        "n_modes": n_modes, "n_events": len(functions.event_kinds), "n_power": functions.n_power, **_of_switches(functions),
         **_of_constraints(motion.constrained), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
         "has_corners": _has_corners(motion),
     }
@@ -119,6 +119,14 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
 
 def _of_constraints(held: ConstrainedMotion | None) -> dict[str, int]:
     return {"n_holonomic": held.rows.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0}
+
+
+def _of_switches(functions: Functions) -> dict[str, int]:
+    switches = functions.table.get("switches")
+    if switches is None:
+        return {"n_switches": 0, "switches_need_acceleration": 0}
+    needs = switches.jac_sparsity(switches.index_out("rate"), switches.index_in("a")).nnz() > 0
+    return {"n_switches": switches.numel_out(0), "switches_need_acceleration": int(needs)}
 
 
 def _lost_starts(model: FlatModel, initial: InitialConditions) -> dict[str, tuple[int, str]]:

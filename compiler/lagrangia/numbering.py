@@ -1,0 +1,55 @@
+"""Numbers for the values of expressions: what is the same has one number, however its expression was built."""
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+_COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
+_Key = tuple[float, ...]
+
+
+@dataclass
+class Numbering:
+    """Of the values of all instructions that it was shown."""
+
+    numbers: dict[_Key, int] = field(default_factory=dict)
+    keys: list[_Key] = field(default_factory=list)  # by number
+
+    def number(self, value: ca.SX) -> int:
+        """Of a scalar expression."""
+        symbols = ca.symvar(value)
+        function = ca.Function("value", symbols, [value])
+        held = [0] * max(1, function.sz_w())
+        made = 0
+        for k in range(function.n_instructions()):
+            op, inputs = function.instruction_id(k), function.instruction_input(k)
+            if op == ca.OP_INPUT:
+                made = self.of_symbol(symbols[inputs[0]])
+            elif op == ca.OP_CONST:
+                made = self.of_number(function.instruction_constant(k))
+            else:
+                made = self.of(op, [held[place] for place in inputs])
+            held[function.instruction_output(k)[0]] = made
+        return made
+
+    def of_symbol(self, symbol: ca.SX) -> int:
+        return self._numbered((ca.OP_INPUT, symbol.__hash__()))
+
+    def of_number(self, number: float) -> int:
+        return self._numbered((ca.OP_CONST, number))
+
+    def of(self, op: int, operands: list[int]) -> int:
+        """Of an operation on values with these numbers."""
+        if op == ca.OP_SUB:  # a - 1 is a + -1
+            op, operands = ca.OP_ADD, [operands[0], self._negative(operands[1])]
+        return self._numbered((op, *(sorted(operands) if op in _COMMUTATIVE else operands)))
+
+    def _numbered(self, key: _Key) -> int:
+        if key not in self.numbers:
+            self.numbers[key] = len(self.keys)
+            self.keys.append(key)
+        return self.numbers[key]
+
+    def _negative(self, number: int) -> int:
+        op, *operands = self.keys[number]
+        return self.of_number(-operands[0]) if op == ca.OP_CONST else self._numbered((ca.OP_NEG, number))

@@ -1,0 +1,129 @@
+"""Motion -> switches: what a condition on the state decides, which a step of the run time holds.
+
+Forces bend or jump where such a condition changes: at a stop, at a point of a table along a coordinate, where a rate turns. No step
+is short enough to be smooth there. So a step takes what the conditions say at its beginning, and where one of them is found
+changed at its end the run goes back to the place: the equations are smooth in every step, and have Taylor series.
+
+The switch s of a < b, of max(a, b), abs(a - b) and sign(a - b) is 1 where g = a - b > 0, and 0 where g < 0.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+
+import casadi as ca
+
+from lagrangia.casadi_algebra import CORNERS, uses
+from lagrangia.motion import Motion
+from lagrangia.numbering import Numbering
+from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, symbol, symbols_in
+
+_RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
+_SIGNS = (ca.OP_FABS, ca.OP_SIGN)
+_Pair = tuple[int, int]  # the numbers of a and b, the smaller one first
+_Make = Callable[[int, list[int], list[Expression]], Expression | None]
+
+
+@dataclass(frozen=True)
+class Switches:
+    """`symbols` (k,) for the switches; `values` g (k,) of t, q, v, u, d, p, and their `rates` along a motion with accelerations a."""
+
+    symbols: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    values: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    rates: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    places: "dict[_Pair, Expression]" = field(default_factory=dict)  # the symbol of each
+    numbering: Numbering = field(default_factory=Numbering)
+
+    def hold(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
+        """The same with the symbols in place of what they stand for."""
+        return _rebuilt(expressions, self.numbering, self._held) if self.places else list(expressions)
+
+    def _held(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
+        pair = _pair(self.numbering, op, numbers)
+        if pair not in self.places:
+            return None
+        is_positive = self.places[pair]  # a > b, where a has the smaller number
+        if op in _SIGNS:
+            sign = 2 * is_positive - 1 if numbers[0] == pair[0] else 1 - 2 * is_positive
+            return sign if op == ca.OP_SIGN else sign * operands[0]
+        is_less = is_positive if numbers[1] == pair[0] else apply_to_one(ca.OP_NOT, is_positive)
+        if op in (ca.OP_LT, ca.OP_LE):
+            return is_less
+        smaller, larger = operands if op == ca.OP_FMIN else operands[::-1]
+        chosen = apply(ca.OP_IF_ELSE_ZERO, is_less, smaller)
+        return chosen + apply(ca.OP_IF_ELSE_ZERO, apply_to_one(ca.OP_NOT, is_less), larger)
+
+
+def find_switches(motion: Motion) -> Switches:
+    """Those of the conditions in the forces that the state decides, or time in a way that is not known beforehand."""
+    if not uses(ca.Function("h", ca.symvar(motion.h), [motion.h]), CORNERS):
+        return Switches()
+    numbering, found = Numbering(), dict[_Pair, Expression]()
+    moving = symbols_in(ca.vertcat(motion.t, motion.q, motion.v, motion.u))
+
+    def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
+        pair = _pair(numbering, op, numbers)
+        if pair is None or pair in found:
+            return
+        a, b = operands if op in _RELATIONS else (operands[0], as_expression(0.0))
+        g = a - b if numbers[0] == pair[0] else b - a
+        if not moving.isdisjoint(symbols_in(g)):
+            found[pair] = g
+
+    _rebuilt([motion.h], numbering, note)
+    values = ca.vertcat(ca.SX(0, 1), *found.values())
+    rates = ca.jtimes(values, ca.vertcat(motion.q, motion.v, motion.t), ca.vertcat(motion.v, motion.a, 1))
+    places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
+    return Switches(ca.vertcat(ca.SX(0, 1), *places.values()), values, rates, places, numbering)
+
+
+def live_rhs(functions: Mapping[str, ca.Function]) -> ca.Function:
+    """`rhs` of the run time's functions with each switch as its condition is."""
+    rhs, switches = functions["rhs"], functions.get("switches")
+    if switches is None:
+        return rhs
+    names = [rhs.name_in(k) for k in range(rhs.n_in())]
+    given = {name: ca.SX.sym(name, switches.size1_in(name)) for name in names}
+    g = switches.call({**given, "a": ca.SX.zeros(switches.size1_in("a"))})["g"]
+    held = {**given, "d": ca.vertcat(given["d"], (g > 0) + 0.5 * (g == 0))}
+    found = rhs.call(held)
+    results = [rhs.name_out(k) for k in range(rhs.n_out())]
+    return ca.Function("rhs", [given[name] for name in names], [found[name] for name in results], names, results)
+
+
+def _pair(numbering: Numbering, op: int, numbers: list[int]) -> _Pair | None:
+    if op in _SIGNS:
+        numbers = [numbers[0], numbering.of_number(0.0)]
+    elif op not in _RELATIONS:
+        return None
+    a, b = sorted(numbers)
+    return (a, b) if a != b else None
+
+
+def _rebuilt(expressions: Sequence[ca.SX], numbering: Numbering, make: _Make) -> list[ca.SX]:
+    """The expressions made anew, with what `make` gives for an instruction, unless that is None."""
+    column = ca.vertcat(ca.SX(0, 1), *(e.nz[:] for e in expressions))
+    symbols = ca.symvar(column)
+    function = ca.Function("rebuilt", symbols, [column])
+    held: list[tuple[int, Expression]] = [(0, as_expression(0.0))] * max(1, function.sz_w())
+    results = [as_expression(0.0)] * column.numel()
+    for k in range(function.n_instructions()):
+        op, inputs, outputs = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+        if op == ca.OP_INPUT:
+            held[outputs[0]] = numbering.of_symbol(symbols[inputs[0]]), as_expression(symbols[inputs[0]])
+        elif op == ca.OP_CONST:
+            number = function.instruction_constant(k)
+            held[outputs[0]] = numbering.of_number(number), as_expression(number)
+        elif op == ca.OP_OUTPUT:
+            results[outputs[1]] = held[inputs[0]][1]
+        else:
+            numbers, operands = [held[place][0] for place in inputs], [held[place][1] for place in inputs]
+            made = make(op, numbers, operands)
+            held[outputs[0]] = numbering.of(op, numbers), _applied(op, operands) if made is None else made
+    rest = iter(results)
+    return [ca.SX(e.sparsity(), ca.vertcat(ca.SX(0, 1), *islice(rest, e.nnz()))) for e in expressions]
+
+
+def _applied(op: int, operands: list[Expression]) -> Expression:
+    made: Expression = apply_to_one(op, *operands) if len(operands) == 1 else apply(op, *operands)
+    return made

@@ -1,0 +1,49 @@
+/* Switches: what conditions on the state decide. Steps hold them, and a run goes back to where one changed. */
+#ifndef LAG_SWITCHES_H
+#define LAG_SWITCHES_H
+
+#include "arena.h"
+#include "model.h"
+#include "run.h"
+
+typedef struct {
+    int is_live;    /* they are evaluated with the accelerations: no step holds them */
+    int for_good;   /* whoever runs this asks for that */
+    int live_steps; /* steps left to be taken so */
+    int spell;      /* so many, the next time that one of them changes to and fro */
+    int last;       /* the one that changed latest; -1: none */
+    int hurried;    /* steps in a row in which it did */
+    int unlooked;   /* steps since one was looked at in between */
+    double resolved; /* length of a step that is short enough for conditions to be simple in it */
+    double *held;                              /* n_switches: 1 or 0 */
+    double *g, *rate, *g_begin, *rate_begin;   /* at the present time; at the beginning of the latest step */
+    double *g_inside, *rate_inside;            /* inside it */
+    double *state, *slope;                     /* at some time inside it */
+    int *turned;                               /* those that change at the present time */
+} LagSwitches;
+
+void lag_switches_layout(LagSwitches *switches, const LagModel *model, int size, LagArena *arena);
+
+/* A run starts. */
+void lag_switches_reset(LagRun *run);
+
+/* Those that were to change do not, since the present time is another one. */
+void lag_switches_forget(LagRun *run);
+
+/* A segment begins at the present state: chooses what its steps hold. */
+void lag_switches_enter(LagRun *run);
+
+/* Sets them as they are at a state. */
+void lag_switches_set(LagRun *run, double t, const double *q, const double *v);
+
+/* Sets them as they are held. */
+void lag_switches_recall(LagRun *run);
+
+/* The step being tried cannot be taken with what is held, which has no value (a root of what has become negative): the next attempts
+ * go without. Returns 0 where they do already. */
+int lag_switches_release(LagRun *run);
+
+/* A step of a model with switches was taken: where one changed in it, that becomes the present time, and the segment is over. */
+void lag_switches_watch(LagRun *run);
+
+#endif
