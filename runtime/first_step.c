@@ -8,30 +8,27 @@
 #include <math.h>
 #include <string.h>
 
+#include "extremes.h"
+
 static const double LARGE_CHANGE = 0.5, SHRINK = 0.1;
 
 static void note_largest(double *largest, double value) { *largest = value > *largest ? value : *largest; }
 
 /* Change of the accelerations between k (here) and k_end (after h), relative to what moves coordinates of the same kind:
- * their accelerations, or their velocities. A kind without either says nothing, nor do changes that move places by less than a
- * unit of error: a bar that meets the ground at one end is first turned by rounding. */
+ * their accelerations, or their velocities. A kind without either says nothing, nor does one that they move by less than a unit of
+ * error: a bar that meets the ground at one end is first turned by rounding. */
 static double compare(const LagScale *scale, double h, const double *k, const double *k_end)
 {
     const int n = scale->n;
     double largest = 0;
     memset(scale->motion, 0, (size_t)scale->kinds * sizeof(double));
-    memset(scale->change, 0, (size_t)scale->kinds * sizeof(double));
+    for (int i = 0; i < n; ++i)
+        note_largest(&scale->motion[scale->kind[i]], lag_max(fabs(k[i]), h * fabs(k[n + i])));
     for (int i = 0; i < n; ++i) {
-        const int kind = scale->kind[i];
-        note_largest(&scale->motion[kind], fabs(k[i]));
-        note_largest(&scale->motion[kind], h * fabs(k[n + i]));
-        const double change = h * fabs(k_end[n + i] - k[n + i]);
-        if (!(h * change < scale->tolerance * scale->floor[i]))
-            note_largest(&scale->change[kind], change);
+        const double motion = scale->motion[scale->kind[i]];
+        if (motion > 0 && h * motion >= scale->tolerance * scale->floor[i])
+            note_largest(&largest, h * fabs(k_end[n + i] - k[n + i]) / motion);
     }
-    for (int kind = 0; kind < scale->kinds; ++kind)
-        if (scale->motion[kind] > 0)
-            note_largest(&largest, scale->change[kind] / scale->motion[kind]);
     return largest;
 }
 
@@ -48,13 +45,17 @@ static double change_over(LagMotion *m, const LagScale *scale, double h)
     return lag_motion_slope(m, m->t + h, m->point, k_end, k_end) ? compare(scale, h, k, k_end) : INFINITY;
 }
 
-double lag_first_step(LagMotion *m, const LagScale *scale, double longest, int order)
+double lag_slowness(LagMotion *m, const LagScale *scale, double longest)
 {
     double h = longest, change = change_over(m, scale, h);
     while (!(change < LARGE_CHANGE) && m->t + SHRINK * h > m->t) {
         h *= SHRINK;
         change = change_over(m, scale, h);
     }
-    const double slowness = change > 0 ? h / sqrt(change) : longest;
-    return fmin(longest, slowness * pow(scale->tolerance, 1.0 / order));
+    return change > 0 ? h / sqrt(change) : h;
+}
+
+double lag_first_step(const LagScale *scale, double slowness, int order)
+{
+    return slowness * pow(scale->tolerance, 1.0 / order);
 }

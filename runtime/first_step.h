@@ -5,7 +5,10 @@
 #include "motion.h"
 #include "scale.h"
 
-/* Not longer than `longest`, for a method of this order; motion->slope is known. */
-double lag_first_step(LagMotion *motion, const LagScale *scale, double longest, int order);
+/* How soon the accelerations change, as far as steps up to `longest` tell; motion->slope is known. */
+double lag_slowness(LagMotion *motion, const LagScale *scale, double longest);
+
+/* For a method of this order where they change so soon. */
+double lag_first_step(const LagScale *scale, double slowness, int order);
 
 #endif

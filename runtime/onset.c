@@ -19,7 +19,7 @@ enum { LOOKS = 16 };
 /* Where a jump or a corner that nobody announced sets coordinates of a kind in motion, this has no size to compare errors with but
  * rounding, however short the step: they grow by SUDDEN. After so many rejections, whatever steps lead up to it in between,
  * the motion of the step just tried, or what loads make of it, is taken for its size. */
-enum { PATIENCE = 3 };
+enum { PATIENCE = 3, LINKS = 3 };
 static const double SUDDEN = 1e6;
 
 /* scale->motion: what moves each kind now. Returns whether nothing moves one of them. */
@@ -102,6 +102,31 @@ static int is_sudden(LagMotion *m, const LagScale *scale, double h)
             return 1;
     }
     return 0;
+}
+
+/* A car that meets a kerb with one wheel begins to pitch with the fifth power of time: in units of its pitch by rounding before, a
+ * method of low order would need millions of steps. What moves it comes through the wheel and its spring: each iteration of Picard's
+ * goes one link further. */
+void lag_onset_expect(LagMotion *m, LagScale *scale, double h)
+{
+    const int n = m->n;
+    int is_sudden = 0;
+    memcpy(m->sum + n, m->slope + n, (size_t)n * sizeof *m->sum);
+    for (int links = 0; links <= LINKS; ++links) {
+        for (int i = 0; i < n; ++i) {
+            const double here = m->slope[n + i], change = m->sum[n + i] - here;
+            m->point[i] = m->y[i] + h * (m->slope[i] + h * (here / 2 + change / 6));
+            m->point[n + i] = m->y[n + i] + h * (here + change / 2);
+        }
+        if (links < LINKS && !lag_motion_slope(m, m->t + h, m->point, m->point + n, m->sum))
+            return;
+    }
+    for (int i = 0; i < n; ++i) {
+        const double *group = scale->group + scale->kind[i];
+        is_sudden |= fabs(m->point[i]) > SUDDEN * group[0] || fabs(m->point[n + i]) > SUDDEN * group[scale->kinds];
+    }
+    if (is_sudden)
+        lag_scale_note(scale, m->point);
 }
 
 void lag_onset_learn(LagMotion *m, LagScale *scale, double t_new, double error, double foreseen)

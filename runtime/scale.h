@@ -23,7 +23,7 @@ typedef struct {
     double *noise;        /* n: uncertainty of the accelerations by rounding */
     double *onset;        /* n: that of the loads to come, where nothing moves yet; noise is at least as large */
     double reach;         /* length of the latest step, where stability bounds it; 0: implicit steps */
-    double *motion, *change; /* kinds: scratch of lag_first_step */
+    double *motion, *change; /* kinds: scratch of lag_slowness */
 } LagScale;
 
 /* The relative error of a step that counts as a unit at this tolerance of the user. */

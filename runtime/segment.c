@@ -43,7 +43,10 @@ static double first_step(LagRun *run)
         longest = fmin(longest, settings->max_step);
     if (settings->first_step > 0)
         return fmin(longest, settings->first_step);
-    return lag_first_step(&run->motion, &run->scale, longest, run->methods.table->order);
+    const double slowness = lag_slowness(&run->motion, &run->scale, longest);
+    if (run->model->n_switches > 0 && run->started)
+        lag_onset_expect(&run->motion, &run->scale, fmin(slowness, longest));
+    return fmin(longest, lag_first_step(&run->scale, slowness, run->methods.table->order));
 }
 
 /* What the loads will be: with switches as they will be. */
