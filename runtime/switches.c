@@ -1,7 +1,7 @@
 /* The equations are smooth in each step, whatever conditions say in it: the force of a stop goes on as if there were no stop. At
  * its end the conditions are looked at, and where one has changed, the first such place in the step is found in its dense output.
- * One that changes to and fro within a step is found by the cubic that has its values and rates at both ends (L.F. Shampine,
- * S. Thompson, Event location for ordinary differential equations, Comput. Math. Appl. 39 (2000)).
+ * One that changes to and fro within a step is found by its rates at both ends (L.F. Shampine, S. Thompson, Event location for
+ * ordinary differential equations, Comput. Math. Appl. 39 (2000)).
  *
  * Where a condition changes back at once, again and again (a mass at rest at the corner of its spring, where rounding decides), steps
  * are taken for a while with conditions as they are at every evaluation, and step control makes the best of it.
@@ -17,11 +17,12 @@
 #include "schedule.h"
 #include "state.h"
 
-/* A dip of the cubic to less than this share of what the condition is at the ends is looked at. */
-static const double SHALLOW = 0.25, ROUNDING = 4 * DBL_EPSILON, NOWHERE = 2;
-/* Where a part of a step is looked at to see whether a cubic describes conditions in it, and how far it may be off; parts that are
- * not made smaller; the least share of a step that the next one may take for one part. */
-static const double LOOK = 0.38, ROUGH = 0.1, NARROWEST = 1.0 / 512, MOST_PARTS = 0.25;
+/* A dip to less than this share of what the condition is at the ends is looked at. */
+static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON, NOWHERE = 2;
+/* Where a part of a step is looked at to see whether a cubic describes conditions in it, and how far it may be off (distances have
+ * corners: two balls may pass through each other); parts that are not made smaller; the least share of a step that the next one may
+ * take for one part. */
+static const double EARLY = 0.38, LATE = 0.73, ROUGH = 0.02, NARROWEST = 1.0 / 512, MOST_PARTS = 0.25;
 /* Steps are looked at so when they have become so much longer, or so many were not. */
 static const double LONGER = 1.2;
 enum { LOOK_AGAIN = 8 };
@@ -161,32 +162,44 @@ static double cubic(double a, double b, double ra, double rb, double x)
     return a + x * (ra + x * (c2 + x * c3));
 }
 
-/* Where it is least in between; -1 where it goes down and up again nowhere, or not far enough. */
-static double dip_of_cubic(double a, double b, double ra, double rb)
+/* Where the tangents at its ends meet, which lies below it if it goes down and up again in one bow; -1 where it does not, or not so
+ * far that it matters. */
+static double dip_of_tangents(double a, double b, double ra, double rb)
 {
     if (!(ra < 0 && rb > 0))
         return -1;
-    const double c2 = 3 * (b - a) - 2 * ra - rb, c3 = ra + rb - 2 * (b - a);
-    const double root = sqrt(fmax(c2 * c2 - 3 * c3 * ra, 0)), x = -ra / (c2 + root); /* of ra + 2 c2 x + 3 c3 x^2 */
-    return x > 0 && x < 1 && cubic(a, b, ra, rb, x) < SHALLOW * fmax(a, b) ? x : -1;
+    const double x = (a - b + rb) / (rb - ra);
+    return x > 0 && x < 1 && a + ra * x < SHALLOW * fmax(a, b) ? x : -1;
 }
 
-/* Whether a condition that is looked at in between is what the cubic says, so that it turns nowhere unseen. */
-static int is_resolved(LagRun *run, Part part)
+/* Whether one of the conditions comes nearer to its change at the beginning of a part of the step, and goes away from it at the end. */
+static int turns(const LagRun *run)
+{
+    const LagSwitches *s = &run->switches;
+    for (int i = 0; i < run->model->n_switches; ++i)
+        if (depth(s, i, s->rate_begin) < 0 && depth(s, i, s->rate) > 0)
+            return 1;
+    return 0;
+}
+
+/* Whether conditions at the share x of a part of the step are what cubics say. */
+static int are_cubic(LagRun *run, Part part, double x)
 {
     LagSwitches *s = &run->switches;
     const double width = (part.high - part.low) * (run->motion.t - run->motion.t_old);
-    const double t = time_at(run, part.low + LOOK * (part.high - part.low));
+    const double t = time_at(run, part.low + x * (part.high - part.low));
     lag_state_inside(run, t, s->state);
     evaluate(run, t, s->state, s->state + run->model->n, s->g_inside, s->rate_inside);
     for (int i = 0; i < run->model->n_switches; ++i) {
         const double a = s->g_begin[i], b = s->g[i], ra = width * s->rate_begin[i], rb = width * s->rate[i];
         const double size = fmax(fmax(fabs(a), fabs(b)), fabs(s->g_inside[i]));
-        if (!(fabs(cubic(a, b, ra, rb, LOOK) - s->g_inside[i]) <= ROUGH * size))
+        if (!(fabs(cubic(a, b, ra, rb, x) - s->g_inside[i]) <= ROUGH * size))
             return 0;
     }
     return 1;
 }
+
+static int is_resolved(LagRun *run, Part part) { return are_cubic(run, part, EARLY) && are_cubic(run, part, LATE); }
 
 /* A place where a condition that holds at both ends does not; -1: none was found. */
 static double find_dip(LagRun *run, int i, Part part)
@@ -196,7 +209,7 @@ static double find_dip(LagRun *run, int i, Part part)
     double low = part.low, high = part.high, a = depth(s, i, s->g_begin), b = depth(s, i, s->g);
     double ra = h * depth(s, i, s->rate_begin), rb = h * depth(s, i, s->rate);
     for (int k = 0; k < DIP_ITERATIONS; ++k) {
-        const double share = dip_of_cubic(a, b, ra * (high - low), rb * (high - low)), x = low + share * (high - low);
+        const double share = dip_of_tangents(a, b, ra * (high - low), rb * (high - low)), x = low + share * (high - low);
         if (share < 0)
             return -1;
         const double here = depth_at(run, i, x);
@@ -285,7 +298,7 @@ static double find_first(LagRun *run)
     for (double low = 0; low < 1;) {
         const Part part = {low, low + width < 1 ? low + width : 1};
         evaluate_end(run, part.high);
-        if (is_due && !is_resolved(run, part) && width > NARROWEST) {
+        if ((is_due || turns(run)) && !is_resolved(run, part) && width > NARROWEST) {
             width /= 2;
             narrowest = fmin(width, narrowest);
             continue;
