@@ -7,10 +7,15 @@
 
 enum { KINETIC, POTENTIAL, TOTAL, DISSIPATED, WORK };
 
-static double total(LagRun *run, double t, const double *y)
+/* At the present time, and takes notice of its parts. */
+static double total(LagRun *run)
 {
+    LagStatistics *statistics = &run->statistics;
     double energies[3] = {0, 0, 0};
-    lag_energies(run, t, y, energies);
+    lag_energies(run, run->motion.t, run->motion.y, energies);
+    for (int i = KINETIC; i <= TOTAL; ++i)
+        if (isfinite(energies[i]))
+            statistics->energy_stored = lag_max(fabs(energies[i]), statistics->energy_stored);
     return energies[TOTAL];
 }
 
@@ -31,21 +36,13 @@ void lag_account_note(LagRun *run, const double *y, double *entries)
     statistics->energy_given = lag_max(entries[WORK] - entries[DISSIPATED], statistics->energy_given);
 }
 
-void lag_account_glance(LagRun *run)
-{
-    LagStatistics *statistics = &run->statistics;
-    double energies[3] = {0, 0, 0};
-    lag_energies(run, run->motion.t, run->motion.y, energies);
-    for (int i = KINETIC; i <= TOTAL; ++i)
-        if (isfinite(energies[i]))
-            statistics->energy_stored = lag_max(fabs(energies[i]), statistics->energy_stored);
-}
+void lag_account_glance(LagRun *run) { total(run); }
 
-void lag_account_open(LagRun *run) { run->energy_before = total(run, run->motion.t, run->motion.y); }
+void lag_account_open(LagRun *run) { run->energy_before = total(run); }
 
 void lag_account_close(LagRun *run)
 {
-    const double jump = total(run, run->motion.t, run->motion.y) - run->energy_before;
+    const double jump = total(run) - run->energy_before;
     if (run->model->n_power == 2)
         run->motion.y[2 * run->model->n + 1] += jump;
     else

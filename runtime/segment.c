@@ -10,6 +10,7 @@
 #include "schedule.h"
 
 static const double FIRST_PART = 0.1; /* of what is left: no first step is longer */
+static const double MILD = 10; /* steps in which accelerations change by about themselves */
 
 /* A time inside the segment, away from its ends, where modes are sure not to be just changing. */
 static double middle(double t, double t_event, double t_stop)
@@ -34,7 +35,8 @@ void lag_segment_enter(LagRun *run)
     lag_call(&model->modes, in, &run->d, run->work);
 }
 
-static double first_step(LagRun *run)
+/* `is_bend`: a switch has changed. Where accelerations are hardly another function of time for it, steps stay as they are. */
+static double first_step(LagRun *run, int is_bend)
 {
     const LagSettings *settings = &run->settings;
     const double t = run->motion.t, end = fmin(run->segment_end, settings->t_stop);
@@ -43,9 +45,13 @@ static double first_step(LagRun *run)
         longest = fmin(longest, settings->max_step);
     if (settings->first_step > 0)
         return fmin(longest, settings->first_step);
+    if (is_bend)
+        longest = fmin(longest, run->step);
     const double slowness = lag_slowness(&run->motion, &run->scale, longest);
     if (run->model->n_switches > 0 && run->started)
         lag_onset_expect(&run->motion, &run->scale, fmin(slowness, longest));
+    if (is_bend && slowness > MILD * longest)
+        return longest;
     return fmin(longest, lag_first_step(&run->scale, slowness, run->methods.table->order));
 }
 
@@ -64,14 +70,14 @@ LagStatus lag_segment_evaluate(LagRun *run)
     LagMotion *motion = &run->motion;
     const int n = motion->n;
     motion->t_old = motion->t;
-    lag_switches_enter(run);
+    const int is_bend = lag_switches_enter(run);
     if (!lag_motion_slope(motion, motion->t, motion->y, motion->y + n, motion->slope)) {
         run->segment_over = 1;
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
     }
     if (run->methods.solver != LAG_SOLVER_LINEAR && run->methods.solver != LAG_SOLVER_ISLANDS) /* these have no units of error */
         look_ahead(run);
-    run->step = first_step(run);
+    run->step = first_step(run, is_bend);
     run->is_starting = 1;
     run->methods.table->restart(run->methods.self, motion);
     lag_scale_set_step(&run->scale, run->step, run->methods.solver == LAG_SOLVER_IMPLICIT);

@@ -89,18 +89,19 @@ void lag_switches_recall(LagRun *run)
 }
 
 /* What changes now, and what is neither, goes the way that it is going. */
-void lag_switches_enter(LagRun *run)
+int lag_switches_enter(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     const int count = run->model->n_switches;
     const double *y = run->motion.y;
-    int undecided = 0;
+    int undecided = 0, turned = 0;
     if (count == 0)
-        return;
+        return 0;
     s->is_live = s->for_good || s->live_steps > 0 || !run->methods.table->holds_switches;
     evaluate(run, run->motion.t, y, y + run->model->n, s->g, s->rate);
     for (int i = 0; i < count; ++i) {
         s->held[i] = s->turned[i] ? 1 - s->held[i] : sign_of(s->g[i]);
+        turned |= s->turned[i];
         undecided |= s->held[i] == 0.5;
     }
     lag_switches_recall(run);
@@ -112,6 +113,7 @@ void lag_switches_enter(LagRun *run)
     if (undecided)
         evaluate_whole(run, run->motion.t, y, s->g, s->rate);
     lag_switches_forget(run);
+    return turned;
 }
 
 int lag_switches_release(LagRun *run)

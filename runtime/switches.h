@@ -30,8 +30,8 @@ void lag_switches_reset(LagRun *run);
 /* Those that were to change do not, since the present time is another one. */
 void lag_switches_forget(LagRun *run);
 
-/* A segment begins at the present state: chooses what its steps hold. */
-void lag_switches_enter(LagRun *run);
+/* A segment begins at the present state: chooses what its steps hold. Returns whether it begins because one changed. */
+int lag_switches_enter(LagRun *run);
 
 /* Sets them as they are at a state. */
 void lag_switches_set(LagRun *run, double t, const double *q, const double *v);

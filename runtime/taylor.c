@@ -309,17 +309,36 @@ static int is_good(LagRun *run, LagTaylor *s, double t_new, double length, doubl
 /* What rests at its origin on constraints is moved by rounding alone, of which a series makes a motion in units of its own. */
 static int rests_at_origin(const LagRun *run) { return run->model->n_holonomic > 0 && lag_scale_at_rest(&run->scale); }
 
+static void take(LagRun *run, LagTaylor *s, double t_new, double length)
+{
+    double *const jets = s->jets;
+    s->jets = s->old_jets;
+    s->old_jets = jets;
+    s->begun = 1;
+    s->is_fresh = 0;
+    lag_motion_take(&run->motion, t_new);
+    run->step = length;
+    lag_step_record(run, length);
+}
+
+/* A series holds switches, and what it holds may have no value at the end of any step beyond its change. */
+static int needs_live_switches(const LagRun *run, int in_vain, double wrong)
+{
+    return run->switches.is_live || (in_vain >= PATIENCE && !(wrong < INFINITY) && run->model->n_switches > 0);
+}
+
 static LagStatus step(LagRun *run)
 {
     LagTaylor *s = &run->methods.taylor;
     LagMotion *m = &run->motion;
     double wrong = INFINITY;
     int in_vain = 0;
-    if (rests_at_origin(run) && lag_stiffness_leave_series(run))
+    if ((rests_at_origin(run) || needs_live_switches(run, 0, 0)) && lag_stiffness_leave_series(run))
         return run->methods.table->step(run);
-    if (!build(run, s, s->order))
+    if (needs_live_switches(run, 0, 0) || !build(run, s, s->order))
         return lag_stiffness_leave_series(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
-    double h = lag_min(length_of(run, s), GROW * lag_max(run->step, lag_step_smallest(m->t))); /* at rest a series says nothing of what comes */
+    const double longest = GROW * lag_max(run->step, lag_step_smallest(m->t)); /* at rest a series says nothing of what comes */
+    double h = lag_min(length_of(run, s), longest);
     if (run->settings.max_step > 0)
         h = lag_min(h, run->settings.max_step);
     for (;; h *= SHRINK) {
@@ -330,19 +349,12 @@ static LagStatus step(LagRun *run)
         lag_motion_add(m, m->sum);
         m->t_old = m->t;
         if (is_good(run, s, t_new, length, &wrong)) {
-            double *jets = s->jets;
-            s->jets = s->old_jets;
-            s->old_jets = jets;
-            s->begun = 1;
-            s->is_fresh = 0;
-            lag_motion_take(m, t_new);
-            run->step = length;
-            lag_step_record(run, length);
+            take(run, s, t_new, length);
             return LAG_OK;
         }
         ++run->statistics.rejected;
-        if (++in_vain >= PATIENCE && !(wrong < INFINITY) && run->model->n_switches > 0 && lag_stiffness_leave_series(run))
-            return run->methods.table->step(run); /* it has no value beyond a place where a condition changes */
+        if (needs_live_switches(run, ++in_vain, wrong) && lag_stiffness_leave_series(run))
+            return run->methods.table->step(run);
         if (in_vain == PATIENCE)
             lag_rounding_look(run);
         run->scale.step = in_vain >= PATIENCE ? length : 0;

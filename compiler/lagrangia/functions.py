@@ -94,11 +94,12 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     kick, switches = find_kick(kinematics, motion), find_switches(motion)
     found, c, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), **_constrained(motion, ca.SX(0, 1), switches),
-        "jacobian": switches.hold(jacobian.values), "kick": [kick.rates], "switches": [switches.values, switches.rates]}, motion.p)
+        "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
+        "switches": [switches.values, switches.rates]}, motion.p)
     d = kinematics.algebra.mode_symbols
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
     given, mask, p = all_parameters(kinematics, motion.p.numel())
-    state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
+    state = [t, q, v, u, d, c]
     table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),

@@ -1,7 +1,7 @@
 """Motion -> switches: what a condition on the state decides, which a step of the run time holds.
 
-Forces bend or jump where such a condition changes: at a stop, at a point of a table along a coordinate, where a rate turns. No step
-is short enough to be smooth there. So a step takes what the conditions say at its beginning, and where one of them is found
+Forces bend or jump where such a condition changes: at a stop, at a point of a table along a coordinate, where a rate turns. No
+step is short enough to be smooth there. So a step takes what the conditions say at its beginning, and where one of them is found
 changed at its end the run goes back to the place: the equations are smooth in every step, and have Taylor series.
 
 The switch s of a < b, of max(a, b), abs(a - b) and sign(a - b) is 1 where g = a - b > 0, and 0 where g < 0.
@@ -26,7 +26,7 @@ _Make = Callable[[int, list[int], list[Expression]], Expression | None]
 
 @dataclass(frozen=True)
 class Switches:
-    """`symbols` (k,) for the switches; `values` g (k,) of t, q, v, u, d, p, and their `rates` along a motion with accelerations a."""
+    """`symbols` (k,) for the switches; `values` g (k,) of t, q, v, u, d, p, and `rates` along a motion with accelerations."""
 
     symbols: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
     values: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
@@ -44,14 +44,14 @@ class Switches:
             return None
         is_positive = self.places[pair]  # a > b, where a has the smaller number
         if op in _SIGNS:
-            sign = 2 * is_positive - 1 if numbers[0] == pair[0] else 1 - 2 * is_positive
-            return sign if op == ca.OP_SIGN else sign * operands[0]
+            sign = as_expression(2 * is_positive - 1 if numbers[0] == pair[0] else 1 - 2 * is_positive)
+            return sign if op == ca.OP_SIGN else as_expression(sign * operands[0])
         is_less = is_positive if numbers[1] == pair[0] else apply_to_one(ca.OP_NOT, is_positive)
         if op in (ca.OP_LT, ca.OP_LE):
             return is_less
         smaller, larger = operands if op == ca.OP_FMIN else operands[::-1]
         chosen = apply(ca.OP_IF_ELSE_ZERO, is_less, smaller)
-        return chosen + apply(ca.OP_IF_ELSE_ZERO, apply_to_one(ca.OP_NOT, is_less), larger)
+        return as_expression(chosen + apply(ca.OP_IF_ELSE_ZERO, apply_to_one(ca.OP_NOT, is_less), larger))
 
 
 def find_switches(motion: Motion) -> Switches:
@@ -63,7 +63,7 @@ def find_switches(motion: Motion) -> Switches:
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
         pair = _pair(numbering, op, numbers)
-        if pair is None or pair in found:
+        if pair is None or pair in found or op == ca.OP_SIGN:  # a force that jumps there may hold the motion at its jump
             return
         a, b = operands if op in _RELATIONS else (operands[0], as_expression(0.0))
         g = a - b if numbers[0] == pair[0] else b - a

@@ -86,6 +86,7 @@ LagAnswer lag_instance_begin(LagInstance *s)
     if (vital->has_started)
         return LAG_ANSWER_OK;
     run->started = 0;
+    run->switches.for_good = s->kind == LAG_MODEL_EXCHANGE; /* steps are the importer's */
     run->motion.t = vital->start; /* where the inputs begin */
     LagStatus status = lag_run_set_parameters(run, s->given, s->mask);
     if (check_parameters(s) != LAG_ANSWER_OK)
