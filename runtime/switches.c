@@ -25,6 +25,8 @@ static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON, NOWHERE = 2;
 static const double EARLY = 0.38, LATE = 0.73, ROUGH = 0.02, NARROWEST = 1.0 / 512, MOST_PARTS = 0.25;
 /* Steps are looked at so when they have become so much longer, or so many were not. */
 static const double LONGER = 1.2;
+/* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
+static const double SOON = 1e-3;
 enum { LOOK_AGAIN = 8 };
 enum { HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096, HALVINGS = 12, MOST_ITERATIONS = 100, DIP_ITERATIONS = 6, PATIENCE = 5 };
 
@@ -342,7 +344,7 @@ static void go_back(LagRun *run, double x)
     lag_project_forget(run);
 }
 
-/* Notes which change at the present time. Those that do so in every step are left to step control for a while. */
+/* Notes which change at the present time. One that does so in step after short step is left to step control for a while. */
 static void turn(LagRun *run)
 {
     LagSwitches *s = &run->switches;
@@ -353,7 +355,8 @@ static void turn(LagRun *run)
         s->turned[i] = depth(s, i, s->g) <= 0;
         first = first < 0 && s->turned[i] ? i : first;
     }
-    s->hurried = first == s->last ? s->hurried + 1 : 0;
+    const int is_soon = run->motion.t - run->motion.t_old < SOON * run->statistics.largest_step;
+    s->hurried = first == s->last && is_soon ? s->hurried + 1 : 0;
     s->last = first;
     if (s->hurried < HURRY)
         return;
