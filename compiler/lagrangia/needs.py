@@ -247,6 +247,10 @@ def _time(parts: _Parts) -> Iterable[Need]:
     yield Need("time events", bool(modes), f"{conditions} on time" if modes else "nothing switches",
                _line(place_of_time(parts.kinematics, is_event=True)) if modes else "",
                saving="restarts, and the search for switching times")
+    switches = parts.scene.sizes["n_switches"]
+    yield Need("state events", switches > 0,
+               f"{_counted(switches, 'condition')} on the state in the forces" if switches else "forces bend and jump nowhere",
+               saving="a look at conditions after each step, and restarts")
     yield _islands(parts)
 
 

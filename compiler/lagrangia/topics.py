@@ -56,9 +56,10 @@ sum(e for i in 1:n), product(...), {e for i in 1:n}      over a range
 table(x, {x1, x2, ...}, {y1, y2, ...})                   straight lines between points, held beyond the ends
 step(x) pulse(t, start, width) pulse_train(t, start, width, period) ramp(t, start, duration)
 if c then a else b  in a formula; a condition on time alone, linear in it or in mod and floor of it, is met exactly: the
-                    integrator stops there; others are taken as they are: forces may have corners there (contacts), but where
-                    one jumps and holds the motion at its jump (dry friction, sign(v)) steps become endlessly short: make it
-                    steep instead, tanh(v/1e-3[m/s])
+                    integrator stops there. Where another one in a force changes (a contact, a point of a table along a coordinate,
+                    max, min, abs), a step is found to have gone too far, and the run goes back to the place. But where a force
+                    jumps and holds the motion at its jump (dry friction, sign(v)) steps become endlessly short: make it steep
+                    instead, tanh(v/1e-3[m/s])
 time, pi
 virtual(x)          zero, but with the virtual displacement of x: says in an equation where its force acts (see Gear)
 
@@ -86,7 +87,8 @@ _SOLVER = """\
 erk     explicit Runge-Kutta of order 8(5,3) by Dormand and Prince with dense output of order 7 (Hairer, Norsett, Wanner, Solving
         Ordinary Differential Equations I, II.10), in C. The error of each step is held below the tolerance times the size of each
         coordinate and of each rate; angles count as at most pi. Steps, pulses and corners of tables in time are met exactly,
-        also where a pattern comes again by mod(time, T).
+        also where a pattern comes again by mod(time, T); contacts, and corners of tables along a coordinate, to rounding of the
+        dense output: a step holds what conditions say at its beginning, and ends where one of them changes.
 erk5    explicit Runge-Kutta of order 5(4) by Tsitouras with dense output of order 4 (Computers & Mathematics with Applications,
         2011): half as many evaluations a step. auto takes it instead of erk at loose tolerances: above 5e-6 where there are
         constraints, above 5e-5 where equations are long (over 40 operations a coordinate), above 5e-3 elsewhere.
