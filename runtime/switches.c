@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "advance.h"
+#include "extremes.h"
 #include "function.h"
 #include "schedule.h"
 #include "state.h"
@@ -27,12 +28,13 @@ static const double EARLY = 0.38, LATE = 0.73, ROUGH = 0.02, NARROWEST = 1.0 / 5
 static const double LONGER = 1.2;
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
 static const double SOON = 1e-3;
-enum { LOOK_AGAIN = 8 };
-enum { HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096, HALVINGS = 12, MOST_ITERATIONS = 100, DIP_ITERATIONS = 6, PATIENCE = 5 };
+enum { LOOK_AGAIN = 8, PAUSE = 256 };
+enum { PATTERNS = 3, ROUNDINGS = 256, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096, HALVINGS = 12, MOST_ITERATIONS = 100, DIP_ITERATIONS = 6, PATIENCE = 5 };
 
 void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
 {
-    double **const vectors[] = {&s->held, &s->g, &s->rate, &s->g_begin, &s->rate_begin, &s->g_inside, &s->rate_inside};
+    double **const vectors[] = {&s->held, &s->g, &s->rate, &s->g_begin, &s->rate_begin, &s->g_inside, &s->rate_inside,
+                                &s->unknown};
     const size_t count = (size_t)model->n_switches;
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
         *vectors[i] = lag_take(arena, count);
@@ -90,6 +92,24 @@ void lag_switches_recall(LagRun *run)
     memcpy(run->d + run->model->n_modes, run->switches.held, (size_t)run->model->n_switches * sizeof *run->d);
 }
 
+/* How much rounding of the state, as it adds up in steps, changes conditions: for some patterns of its signs. */
+static void find_unknown(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const int n = run->model->n;
+    const double *y = run->motion.y, share = ROUNDINGS * DBL_EPSILON / run->scale.tolerance;
+    memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
+    for (int pattern = 0; pattern < PATTERNS; ++pattern) {
+        for (int i = 0; i < 2 * n; ++i) {
+            const double sign = (i >> pattern) % 2 == 0 ? 1 : -1;
+            s->state[i] = y[i] + sign * share * lag_scale_unit(&run->scale, i, y, y);
+        }
+        evaluate(run, run->motion.t, s->state, s->state + n, s->g_inside, s->rate_inside);
+        for (int i = 0; i < run->model->n_switches; ++i)
+            s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g[i]), s->unknown[i]);
+    }
+}
+
 /* What changes now, and what is neither, goes the way that it is going. */
 int lag_switches_enter(LagRun *run)
 {
@@ -114,6 +134,7 @@ int lag_switches_enter(LagRun *run)
     lag_switches_recall(run);
     if (undecided)
         evaluate_whole(run, run->motion.t, y, s->g, s->rate);
+    find_unknown(run);
     lag_switches_forget(run);
     return turned;
 }
@@ -131,6 +152,9 @@ int lag_switches_release(LagRun *run)
 
 /* How far a condition is from changing; negative: it has. */
 static double depth(const LagSwitches *s, int i, const double *g) { return s->held[i] > 0 ? g[i] : -g[i]; }
+
+/* Whether it has for sure. What rests at the corner of a spring is on both its sides by rounding, again and again. */
+static int is_beyond(const LagSwitches *s, int i, double depth) { return depth < -s->unknown[i]; }
 
 static double time_at(const LagRun *run, double x)
 {
@@ -197,7 +221,7 @@ static int are_cubic(LagRun *run, Part part, double x)
     for (int i = 0; i < run->model->n_switches; ++i) {
         const double a = s->g_begin[i], b = s->g[i], ra = width * s->rate_begin[i], rb = width * s->rate[i];
         const double size = fmax(fmax(fabs(a), fabs(b)), fabs(s->g_inside[i]));
-        if (!(fabs(cubic(a, b, ra, rb, x) - s->g_inside[i]) <= ROUGH * size))
+        if (!(fabs(cubic(a, b, ra, rb, x) - s->g_inside[i]) <= ROUGH * size + s->unknown[i]))
             return 0;
     }
     return 1;
@@ -217,7 +241,7 @@ static double find_dip(LagRun *run, int i, Part part)
         if (share < 0)
             return -1;
         const double here = depth_at(run, i, x);
-        if (here < 0)
+        if (is_beyond(s, i, here))
             return x;
         const double pace = h * pace_at(run, i, x);
         if (pace < 0) {
@@ -268,7 +292,7 @@ static double find_in_part(LagRun *run, Part part)
     const LagSwitches *s = &run->switches;
     double first = NOWHERE;
     for (int i = 0; i < run->model->n_switches; ++i) {
-        const double high = depth(s, i, s->g) < 0 ? part.high : find_dip(run, i, part);
+        const double high = is_beyond(s, i, depth(s, i, s->g)) ? part.high : find_dip(run, i, part);
         if (high < 0 || (first < high && depth_at(run, i, first) >= 0))
             continue;
         first = find_root(run, i, part.low, fmin(first, high));
@@ -297,12 +321,12 @@ static double find_first(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     const double h = run->motion.t - run->motion.t_old;
-    const int is_due = h > LONGER * s->resolved || ++s->unlooked > LOOK_AGAIN;
+    const int is_paused = ++s->unlooked < 0, is_due = !is_paused && (h > LONGER * s->resolved || s->unlooked > LOOK_AGAIN);
     double width = 1, narrowest = 1;
     for (double low = 0; low < 1;) {
         const Part part = {low, low + width < 1 ? low + width : 1};
         evaluate_end(run, part.high);
-        if ((is_due || turns(run)) && !is_resolved(run, part) && width > NARROWEST) {
+        if ((is_due || (!is_paused && turns(run))) && !is_resolved(run, part) && width > NARROWEST) {
             width /= 2;
             narrowest = fmin(width, narrowest);
             continue;
@@ -321,7 +345,10 @@ static double find_first(LagRun *run)
         s->resolved = narrowest * h;
         s->unlooked = 0;
     }
-    if (narrowest < MOST_PARTS)
+    if (narrowest <= NARROWEST) { /* in vain */
+        s->resolved = h;
+        s->unlooked = -PAUSE;
+    } else if (narrowest < MOST_PARTS)
         run->step = fmin(run->step, narrowest / MOST_PARTS * h);
     return NOWHERE;
 }

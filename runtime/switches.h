@@ -18,6 +18,7 @@ typedef struct {
     double *held;                              /* n_switches: 1 or 0 */
     double *g, *rate, *g_begin, *rate_begin;   /* at the present time; at the beginning of the latest step */
     double *g_inside, *rate_inside;            /* inside it */
+    double *unknown;                           /* how well each is known, by rounding of the state */
     double *state, *slope;                     /* at some time inside it */
     int *turned;                               /* those that change at the present time */
 } LagSwitches;
