@@ -19,8 +19,10 @@ enum { LOOKS = 16 };
 /* Where a jump or a corner that nobody announced sets coordinates of a kind in motion, this has no size to compare errors with but
  * rounding, however short the step: they grow by SUDDEN. After so many rejections, whatever steps lead up to it in between,
  * the motion of the step just tried, or what loads make of it, is taken for its size. */
-enum { PATIENCE = 3, LINKS = 3 };
+enum { PATIENCE = 3, LINKS = 3, TRIES = 8 };
 static const double SUDDEN = 1e6;
+/* Accelerations that change by less in an iteration have settled; how much shorter a motion is then tried. */
+static const double SETTLED = 0.25, SHORTER = 0.25;
 
 /* scale->motion: what moves each kind now. Returns whether nothing moves one of them. */
 static int find_still(const LagMotion *m, const LagScale *scale)
@@ -104,23 +106,47 @@ static int is_sudden(LagMotion *m, const LagScale *scale, double h)
     return 0;
 }
 
-/* A car that meets a kerb with one wheel begins to pitch with the fifth power of time: in units of its pitch by rounding before, a
- * method of low order would need millions of steps. What moves it comes through the wheel and its spring: each iteration of Picard's
- * goes one link further. */
-void lag_onset_expect(LagMotion *m, LagScale *scale, double h)
+/* The motion over h, into m->point: by accelerations that change evenly from those here to those at its end, which are iterated
+ * (Picard). Returns whether they have settled, kind by kind. */
+static int foresee_motion(LagMotion *m, const LagScale *scale, double h)
 {
     const int n = m->n;
-    int is_sudden = 0;
-    memcpy(m->sum + n, m->slope + n, (size_t)n * sizeof *m->sum);
+    const size_t size = (size_t)scale->kinds * sizeof(double);
+    double *const before = m->other, *const after = m->sum + n;
+    memcpy(after, m->slope + n, (size_t)n * sizeof *after);
     for (int links = 0; links <= LINKS; ++links) {
+        memcpy(before, after, (size_t)n * sizeof *before);
         for (int i = 0; i < n; ++i) {
-            const double here = m->slope[n + i], change = m->sum[n + i] - here;
+            const double here = m->slope[n + i], change = after[i] - here;
             m->point[i] = m->y[i] + h * (m->slope[i] + h * (here / 2 + change / 6));
             m->point[n + i] = m->y[n + i] + h * (here + change / 2);
         }
-        if (links < LINKS && !lag_motion_slope(m, m->t + h, m->point, m->point + n, m->sum))
-            return;
+        if (!lag_motion_slope(m, m->t + h, m->point, m->point + n, m->sum))
+            return 0;
     }
+    memset(scale->motion, 0, size);
+    memset(scale->change, 0, size);
+    for (int i = 0; i < n; ++i) {
+        double *motion = &scale->motion[scale->kind[i]], *change = &scale->change[scale->kind[i]];
+        *motion = lag_max(fabs(after[i]), *motion);
+        *change = lag_max(fabs(after[i] - before[i]), *change);
+    }
+    for (int k = 0; k < scale->kinds; ++k)
+        if (scale->change[k] > SETTLED * scale->motion[k])
+            return 0;
+    return 1;
+}
+
+/* A car that meets a kerb with one wheel begins to pitch with the fifth power of time: in units of its pitch by rounding before, a
+ * method of low order would need millions of steps. What moves it comes through the wheel and its spring: each iteration goes one
+ * link further. */
+void lag_onset_expect(LagMotion *m, LagScale *scale, double h)
+{
+    const int n = m->n;
+    int tries = 0, is_sudden = 0;
+    for (; !foresee_motion(m, scale, h); h *= SHORTER)
+        if (++tries == TRIES)
+            return;
     for (int i = 0; i < n; ++i) {
         const double *group = scale->group + scale->kind[i];
         is_sudden |= fabs(m->point[i]) > SUDDEN * group[0] || fabs(m->point[n + i]) > SUDDEN * group[scale->kinds];

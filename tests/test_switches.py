@@ -2,9 +2,11 @@
 
 from collections.abc import Callable
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
+from fmus import simulated
 
 import lagrangia as lag
 from lagrangia.native import find_compiler
@@ -98,6 +100,23 @@ def test_a_wheel_that_turns_freely_switches_as_often_as_it_turns(scene: Write, s
     speed = np.where(count % 2 == 0, rest, half - rest)
     np.testing.assert_allclose(run["b.v"], speed, rtol=0, atol=max(tolerance, 1e-9))
     assert solver == "islands" or run.statistics.events == np.floor(9 / half)
+
+
+@pytest.mark.parametrize(("kind", "error"), [("CoSimulation", 1e-8), ("ModelExchange", 1e-3)])
+def test_fmus_bounce(tmp_path: Path, kind: str, error: float) -> None:
+    """A run of our own has events between two communication points; importers integrate conditions as they are."""
+    path = tmp_path / "ball.lag"
+    path.write_text(BALL, encoding="utf-8")
+    own = lag.load(path).simulate(at=np.linspace(0, 3, 31), tolerance=1e-12)["y.s"]
+    found = simulated(path, "2", kind, ["y.s"], stop_time=3.0, output_interval=0.1, relative_tolerance=1e-9)
+    np.testing.assert_allclose(np.interp(np.linspace(0, 3, 31), found["time"], found["y.s"]), own, rtol=0, atol=error)
+
+
+def test_runs_of_a_sweep_have_events_of_their_own(scene: Write) -> None:
+    sweep = scene(BALL).simulate_many(parameters={"m.m": [0.5, 2.0]}, stop=2.0, tolerance=1e-10)
+    for mass, row in zip((0.5, 2.0), sweep.rows, strict=True):
+        run = scene(BALL.replace("m = 1", f"m = {mass}")).simulate(at=[2.0], tolerance=1e-10)
+        assert row[1] == pytest.approx(run["y.s"][-1], abs=1e-9)
 
 
 def test_rows_do_not_depend_on_where_events_are(scene: Write) -> None:
