@@ -15,9 +15,9 @@ static const double LARGE_CHANGE = 0.5, SHRINK = 0.1;
 static void note_largest(double *largest, double value) { *largest = value > *largest ? value : *largest; }
 
 /* Change of the accelerations between k (here) and k_end (after h), relative to what moves coordinates of the same kind:
- * their accelerations, or their velocities. A kind without either says nothing, nor does one that they move by less than a unit of
- * error: a bar that meets the ground at one end is first turned by rounding. */
-static double compare(const LagScale *scale, double h, const double *k, const double *k_end)
+ * their accelerations, or their velocities. A kind without either says nothing, nor does one that they move by less than `faint`
+ * units of error: a bar that meets the ground at one end is first turned by rounding. */
+static double compare(const LagScale *scale, double h, double faint, const double *k, const double *k_end)
 {
     const int n = scale->n;
     double largest = 0;
@@ -26,14 +26,14 @@ static double compare(const LagScale *scale, double h, const double *k, const do
         note_largest(&scale->motion[scale->kind[i]], lag_max(fabs(k[i]), h * fabs(k[n + i])));
     for (int i = 0; i < n; ++i) {
         const double motion = scale->motion[scale->kind[i]];
-        if (motion > 0 && h * motion >= scale->tolerance * scale->floor[i])
+        if (motion > 0 && h * motion >= faint * scale->tolerance * scale->floor[i])
             note_largest(&largest, h * fabs(k_end[n + i] - k[n + i]) / motion);
     }
     return largest;
 }
 
 /* The same along a parabola of length h. */
-static double change_over(LagMotion *m, const LagScale *scale, double h)
+static double change_over(LagMotion *m, const LagScale *scale, double h, double faint)
 {
     const int n = m->n;
     const double *k = m->slope;
@@ -42,15 +42,15 @@ static double change_over(LagMotion *m, const LagScale *scale, double h)
         m->point[i] = m->y[i] + h * (k[i] + h / 2 * k[n + i]);
         k_end[i] = k[i] + h * k[n + i];
     }
-    return lag_motion_slope(m, m->t + h, m->point, k_end, k_end) ? compare(scale, h, k, k_end) : INFINITY;
+    return lag_motion_slope(m, m->t + h, m->point, k_end, k_end) ? compare(scale, h, faint, k, k_end) : INFINITY;
 }
 
-double lag_slowness(LagMotion *m, const LagScale *scale, double longest)
+double lag_slowness(LagMotion *m, const LagScale *scale, double longest, double faint)
 {
-    double h = longest, change = change_over(m, scale, h);
+    double h = longest, change = change_over(m, scale, h, faint);
     while (!(change < LARGE_CHANGE) && m->t + SHRINK * h > m->t) {
         h *= SHRINK;
-        change = change_over(m, scale, h);
+        change = change_over(m, scale, h, faint);
     }
     return change > 0 ? h / sqrt(change) : h;
 }

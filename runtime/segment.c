@@ -47,8 +47,9 @@ static double first_step(LagRun *run, int is_bend)
         return fmin(longest, settings->first_step);
     if (is_bend)
         longest = fmin(longest, run->step);
-    const double slowness = lag_slowness(&run->motion, &run->scale, longest);
-    if (run->model->n_switches > 0 && run->started)
+    const int may_bend = run->model->n_switches > 0 && run->started;
+    const double slowness = lag_slowness(&run->motion, &run->scale, longest, may_bend ? 1 : 0);
+    if (may_bend)
         lag_onset_expect(&run->motion, &run->scale, fmin(slowness, longest));
     if (is_bend && slowness > MILD * longest)
         return longest;

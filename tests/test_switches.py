@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmus import simulated
 
 import lagrangia as lag
+from fmus import simulated
 from lagrangia.native import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
@@ -114,9 +114,9 @@ def test_fmus_bounce(tmp_path: Path, kind: str, error: float) -> None:
 
 def test_runs_of_a_sweep_have_events_of_their_own(scene: Write) -> None:
     sweep = scene(BALL).simulate_many(parameters={"m.m": [0.5, 2.0]}, stop=2.0, tolerance=1e-10)
-    for mass, row in zip((0.5, 2.0), sweep.rows, strict=True):
+    for mass, end in zip((0.5, 2.0), sweep["final(y.s)"], strict=True):
         run = scene(BALL.replace("m = 1", f"m = {mass}")).simulate(at=[2.0], tolerance=1e-10)
-        assert row[1] == pytest.approx(run["y.s"][-1], abs=1e-9)
+        assert end == pytest.approx(run["y.s"][-1], abs=1e-9)
 
 
 def test_rows_do_not_depend_on_where_events_are(scene: Write) -> None:
