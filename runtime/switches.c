@@ -28,8 +28,8 @@ static const double EARLY = 0.38, LATE = 0.73, ROUGH = 0.02, NARROWEST = 1.0 / 5
 static const double LONGER = 1.2;
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
 static const double SOON = 1e-3;
-enum { LOOK_AGAIN = 8, PAUSE = 256 };
-enum { PATTERNS = 3, ROUNDINGS = 256, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096, HALVINGS = 12, MOST_ITERATIONS = 100, DIP_ITERATIONS = 6, PATIENCE = 5 };
+enum { LOOK_AGAIN = 8, PAUSE = 256, PATTERNS = 3, ROUNDINGS = 256, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
+enum { HALVINGS = 12, MOST_ITERATIONS = 100, DIP_ITERATIONS = 6, PATIENCE = 5 };
 
 void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
 {
@@ -382,8 +382,9 @@ static void turn(LagRun *run)
         s->turned[i] = depth(s, i, s->g) <= 0;
         first = first < 0 && s->turned[i] ? i : first;
     }
-    const int is_soon = run->motion.t - run->motion.t_old < SOON * run->statistics.largest_step;
-    s->hurried = first == s->last && is_soon ? s->hurried + 1 : 0;
+    const double since = run->motion.t - run->motion.t_old;
+    const int stands = since <= lag_time_resolution(run->motion.t), is_soon = since < SOON * run->statistics.largest_step;
+    s->hurried = stands || (first == s->last && is_soon) ? s->hurried + 1 : 0;
     s->last = first;
     if (s->hurried < HURRY)
         return;
