@@ -107,6 +107,17 @@ LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *don
     return LAG_OK;
 }
 
+void lag_go_back(LagRun *run, double t)
+{
+    LagMotion *motion = &run->motion;
+    lag_state_inside(run, t, run->inside);
+    lag_project_inside(run, t, run->inside);
+    memcpy(motion->y, run->inside, (size_t)motion->size * sizeof *motion->y);
+    memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);
+    motion->t = t;
+    lag_project_forget(run);
+}
+
 LagStatus lag_run_cut(LagRun *run, double t)
 {
     LagMotion *motion = &run->motion;
@@ -116,14 +127,10 @@ LagStatus lag_run_cut(LagRun *run, double t)
         return LAG_OK;
     if (!(t >= motion->t_old && t < motion->t))
         return lag_fail(run, t > motion->t ? LAG_PAST_STOP : LAG_TIME_PASSED, -1, 0, 0);
-    lag_state_inside(run, t, run->inside);
-    lag_project_inside(run, t, run->inside);
-    memcpy(motion->y, run->inside, (size_t)motion->size * sizeof *motion->y);
-    memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);
-    motion->t = motion->t_old = t;
+    lag_go_back(run, t);
+    motion->t_old = t;
     run->segment_over = 1;
     lag_switches_forget(run);
-    lag_project_forget(run);
     return LAG_OK;
 }
 

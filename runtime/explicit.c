@@ -179,13 +179,6 @@ static void restart(void *self, LagMotion *m)
     s->first_slope_is_last = 0;
 }
 
-static void swap(double **a, double **b)
-{
-    double *c = *a;
-    *a = *b;
-    *b = c;
-}
-
 /* Where the error estimate needs the slope at the end, it is that of the state before its projection. */
 static int end_slope(LagExplicit *s, LagMotion *m, double t_new)
 {
@@ -199,7 +192,7 @@ LAG_UNROLLED double attempt(LagExplicit *s, LagMotion *m, const LagTableau *tabl
     const double h = t_new - m->t;
     m->t_old = m->t;
     if (s->first_slope_is_last)
-        swap(&s->k[0], &s->k[tableau->stages]);
+        lag_swap(&s->k[0], &s->k[tableau->stages]);
     s->first_slope_is_last = 0;
     LAG_UNROLL_ALL
     for (int i = 1; i < tableau->stages; ++i)

@@ -36,17 +36,10 @@ void lag_motion_add(LagMotion *m, const double *step)
     }
 }
 
-static void swap(double **a, double **b)
-{
-    double *c = *a;
-    *a = *b;
-    *b = c;
-}
-
 void lag_motion_take(LagMotion *m, double t_new)
 {
-    swap(&m->y, &m->other);
-    swap(&m->carry, &m->other_carry);
+    lag_swap(&m->y, &m->other);
+    lag_swap(&m->carry, &m->other_carry);
     m->t_old = m->t;
     m->t = m->t_end = t_new;
 }

@@ -39,6 +39,13 @@ void lag_motion_add(LagMotion *motion, const double *step);
 /* The state just tried becomes the present one. */
 void lag_motion_take(LagMotion *motion, double t_new);
 
+static inline void lag_swap(double **a, double **b)
+{
+    double *const c = *a;
+    *a = *b;
+    *b = c;
+}
+
 /* Index of the first value that is not finite; the last one if all are. */
 int lag_first_not_finite(const double *x, int n);
 

@@ -162,13 +162,19 @@ static double time_at(const LagRun *run, double x)
     return x < 1 ? m->t_old + x * (m->t - m->t_old) : m->t;
 }
 
-static double depth_at(LagRun *run, int i, double x)
+/* s->state and s->g_inside there. */
+static void look_at(LagRun *run, double x)
 {
     LagSwitches *s = &run->switches;
     const double t = time_at(run, x);
     lag_state_inside(run, t, s->state);
     evaluate(run, t, s->state, s->state + run->model->n, s->g_inside, s->rate_inside);
-    return depth(s, i, s->g_inside);
+}
+
+static double depth_at(LagRun *run, int i, double x)
+{
+    look_at(run, x);
+    return depth(&run->switches, i, run->switches.g_inside);
 }
 
 static double pace_at(LagRun *run, int i, double x)
@@ -213,11 +219,9 @@ static int turns(const LagRun *run)
 /* Whether conditions at the share x of a part of the step are what cubics say. */
 static int are_cubic(LagRun *run, Part part, double x)
 {
-    LagSwitches *s = &run->switches;
+    const LagSwitches *s = &run->switches;
     const double width = (part.high - part.low) * (run->motion.t - run->motion.t_old);
-    const double t = time_at(run, part.low + x * (part.high - part.low));
-    lag_state_inside(run, t, s->state);
-    evaluate(run, t, s->state, s->state + run->model->n, s->g_inside, s->rate_inside);
+    look_at(run, part.low + x * (part.high - part.low));
     for (int i = 0; i < run->model->n_switches; ++i) {
         const double a = s->g_begin[i], b = s->g[i], ra = width * s->rate_begin[i], rb = width * s->rate[i];
         const double size = fmax(fmax(fabs(a), fabs(b)), fabs(s->g_inside[i]));
@@ -300,13 +304,6 @@ static double find_in_part(LagRun *run, Part part)
     return first;
 }
 
-static void exchange(double **a, double **b)
-{
-    double *const c = *a;
-    *a = *b;
-    *b = c;
-}
-
 static void evaluate_end(LagRun *run, double x)
 {
     LagSwitches *s = &run->switches;
@@ -336,11 +333,11 @@ static double find_first(LagRun *run)
             return found;
         low = part.high;
         width *= 2;
-        exchange(&s->g, &s->g_begin);
-        exchange(&s->rate, &s->rate_begin);
+        lag_swap(&s->g, &s->g_begin);
+        lag_swap(&s->rate, &s->rate_begin);
     }
-    exchange(&s->g, &s->g_begin); /* those of the end */
-    exchange(&s->rate, &s->rate_begin);
+    lag_swap(&s->g, &s->g_begin); /* those of the end */
+    lag_swap(&s->rate, &s->rate_begin);
     if (is_due) {
         s->resolved = narrowest * h;
         s->unlooked = 0;
@@ -354,22 +351,6 @@ static double find_first(LagRun *run)
 }
 
 /* -------- what is done about it */
-
-static void go_back(LagRun *run, double x)
-{
-    LagMotion *m = &run->motion;
-    LagSwitches *s = &run->switches;
-    const double t = time_at(run, x);
-    lag_state_inside(run, t, s->state);
-    m->t_end = m->t;
-    if (x >= 1)
-        return;
-    lag_project_inside(run, t, s->state);
-    memcpy(m->y, s->state, (size_t)m->size * sizeof *m->y);
-    memset(m->carry, 0, (size_t)m->size * sizeof *m->carry);
-    m->t = t;
-    lag_project_forget(run);
-}
 
 /* Notes which change at the present time. One that does so in step after short step is left to step control for a while. */
 static void turn(LagRun *run)
@@ -405,14 +386,15 @@ static void watch_live(LagRun *run)
 static void watch_held(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    exchange(&s->g, &s->g_begin);
-    exchange(&s->rate, &s->rate_begin);
+    lag_swap(&s->g, &s->g_begin);
+    lag_swap(&s->rate, &s->rate_begin);
     const double x = find_first(run);
     if (x == NOWHERE) {
         s->hurried = 0;
         return;
     }
-    go_back(run, x);
+    if (x < 1)
+        lag_go_back(run, time_at(run, x));
     turn(run);
     run->segment_over = 1;
 }

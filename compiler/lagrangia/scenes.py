@@ -6,7 +6,6 @@ from math import prod
 
 import casadi as ca
 
-from lagrangia.casadi_algebra import CORNERS, uses
 from lagrangia.ccode import usual_rhs, write_motion_series
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.diagnostics import fail
@@ -24,6 +23,7 @@ from lagrangia.observables import observe
 from lagrangia.runtime import Solver
 from lagrangia.scalars import symbols_in
 from lagrangia.scene import Column, Parameter, Scene
+from lagrangia.switches import has_corners
 from lagrangia.tapes import Tape
 
 
@@ -111,7 +111,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "n": n, "n_parameters": n_parameters, "n_hoisted": functions.table["hoist"].numel_out(0), "n_inputs": n_inputs,
         "n_modes": n_modes, "n_events": len(functions.event_kinds), "n_power": functions.n_power, **_of_switches(functions),
         **_of_constraints(motion.constrained), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
-        "has_corners": _has_corners(motion),
+        "has_corners": int(has_corners(motion)),
     }
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
     return found | ({"solver": int(Solver.LINEAR)} if functions.linear_pays else {})
@@ -183,10 +183,6 @@ def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:
     nodes = count_operations(usual_rhs(tapes), output=0)
     return {"rhs_operations": count_operations(usual_rhs(tapes)), "acceleration_nodes": nodes, "way": motion.way,
             "ways": motion.counted or {motion.way: nodes}, "nodes_per_coordinate": round(nodes / max(n, 1), 1)}
-
-
-def _has_corners(motion: Motion) -> int:
-    return int(uses(ca.Function("h", ca.symvar(motion.h), [motion.h]), CORNERS))
 
 
 def _jacobian_cost(tapes: dict[str, Tape], colours: int) -> int:

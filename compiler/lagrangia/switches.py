@@ -54,9 +54,14 @@ class Switches:
         return as_expression(chosen + apply(ca.OP_IF_ELSE_ZERO, apply_to_one(ca.OP_NOT, is_less), larger))
 
 
+def has_corners(motion: Motion) -> bool:
+    """Whether forces bend or jump somewhere."""
+    return uses(ca.Function("h", ca.symvar(motion.h), [motion.h]), CORNERS)
+
+
 def find_switches(motion: Motion) -> Switches:
     """Those of the conditions in the forces that the state decides, or time in a way that is not known beforehand."""
-    if not uses(ca.Function("h", ca.symvar(motion.h), [motion.h]), CORNERS):
+    if not has_corners(motion):
         return Switches()
     numbering, found = Numbering(), dict[_Pair, Expression]()
     moving = symbols_in(ca.vertcat(motion.t, motion.q, motion.v, motion.u))
