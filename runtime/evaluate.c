@@ -68,10 +68,23 @@ static int accelerations(LagRun *run, double t, const double *q, const double *v
     return whole(run, t, q, v, a, power);
 }
 
+typedef int (*Way)(LagRun *run, double t, const double *q, const double *v, double *a, double *power);
+
+/* With the shares of what slides. */
+static int sliding(LagRun *run, Way way, double t, const double *q, const double *v, double *a, double *power)
+{
+    for (int tries = 0; way(run, t, q, v, a, power); ++tries) {
+        const LagShares shares = run->sliding.count > 0 ? lag_sliding_correct(run, tries, t, q, v, a) : LAG_SHARES_KEPT;
+        if (shares != LAG_SHARES_CHANGED)
+            return shares == LAG_SHARES_KEPT;
+    }
+    return 0;
+}
+
 int lag_accelerations(void *context, double t, const double *q, double *v, double *a, double *power)
 {
     LagRun *run = context;
-    return accelerations(run, t, run->careful ? bring_back(run, t, q, v) : q, v, a, power);
+    return sliding(run, accelerations, t, run->careful ? bring_back(run, t, q, v) : q, v, a, power);
 }
 
 /* Accelerations and multipliers are evaluated anew: the latest may be those of another state, or no multipliers. */
@@ -79,7 +92,7 @@ int lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matr
 {
     const double *q = y, *v = y + run->model->n;
     const double *in[] = {&t, q, v, run->acceleration, run->multipliers, run->u, run->d, run->c};
-    whole(run, t, q, v, run->acceleration, run->power);
+    sliding(run, whole, t, q, v, run->acceleration, run->power);
     ++run->motion.evaluations;
     ++run->statistics.jacobians;
     lag_implicit_matrix_evaluate(matrix, run->model, in, run->work);
@@ -104,9 +117,11 @@ void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
     if (model->n_outputs == 0)
         return;
     lag_inputs_at(&run->inputs, t, run->u);
-    if (model->outputs_need_acceleration) {
-        whole(run, t, q, v, run->acceleration, run->power);
+    if (model->outputs_need_acceleration || run->sliding.count > 0) {
+        sliding(run, whole, t, q, v, run->acceleration, run->power);
         ++run->motion.evaluations;
+    } else {
+        set_switches(run, t, q, v);
     }
     lag_call(&model->outputs, in, &outputs, run->work);
 }

@@ -61,7 +61,8 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
     methods->explicit_solver = is_explicit(solver) ? solver : LAG_SOLVER_ERK;
     if (solver == LAG_SOLVER_ERK5)
         lag_tsit5.layout(&methods->tsit5, motion, arena);
-    else if (solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_CONSERVATIVE || lag_methods_alternate(model, solver))
+    else if (solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_CONSERVATIVE || lag_methods_alternate(model, solver)
+             || model->n_switches > 0)
         lag_dop853.layout(&methods->dop853, motion, arena);
     if (solver == LAG_SOLVER_IMPLICIT || may_turn)
         lag_radau.layout(&methods->radau, motion, arena);

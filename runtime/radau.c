@@ -201,4 +201,4 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate, 1};
+const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate, 1, 0};

@@ -53,6 +53,7 @@ static void layout(LagRun *run, LagArena *arena)
     lag_motion_layout(&run->motion, arena);
     lag_stiffness_layout(&run->stiffness, model->n, run->motion.size, arena);
     lag_switches_layout(&run->switches, model, run->motion.size, arena);
+    lag_sliding_layout(&run->sliding, model, run->motion.size, arena);
     lag_methods_layout(&run->methods, &run->settings, model, &run->motion, arena);
 }
 

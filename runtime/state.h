@@ -7,6 +7,7 @@
 #include "methods.h"
 #include "project.h"
 #include "run.h"
+#include "sliding.h"
 #include "stiffness.h"
 #include "switches.h"
 
@@ -39,6 +40,7 @@ struct LagRun {
     LagMethods methods;
     LagStiffness stiffness;
     LagSwitches switches;
+    LagSliding sliding;
 
     int started;
     int is_starting;      /* no step since the segment began was as long as it could be */

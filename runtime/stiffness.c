@@ -191,10 +191,11 @@ static void watch_implicit(LagRun *run)
 void lag_stiffness_watch(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
-    if (s->passes > 0 && --s->passes == 0)
-        s->next = LAG_SOLVER_IMPLICIT;
+    const int slides = run->sliding.count > 0;
+    if (s->passes > 0 && !slides && --s->passes == 0)
+        s->next = s->passed;
     ++s->steps;
-    if (!s->is_watching || s->passes > 0)
+    if (!s->is_watching || s->passes > 0 || slides)
         return;
     if (run->methods.solver == LAG_SOLVER_IMPLICIT)
         watch_implicit(run);
@@ -243,8 +244,10 @@ int lag_stiffness_leave_series(LagRun *run)
 
 int lag_stiffness_pass(LagRun *run)
 {
+    const int32_t passed = run->methods.solver;
     if (!restart(run, run->methods.explicit_solver))
         return 0;
+    run->stiffness.passed = passed;
     run->stiffness.passes = PASSES;
     return 1;
 }

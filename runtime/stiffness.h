@@ -14,7 +14,8 @@ typedef struct {
     int is_watching;        /* both methods are at hand */
     int32_t explicit_solver; /* the one that takes turns with implicit steps: series where the run began with them */
     int32_t next;           /* method to go on with: LAG_SOLVER_AUTO stands for the one in use */
-    int passes;             /* steps left that the explicit method takes in place of the implicit one */
+    int passes;             /* steps left that the explicit method takes in place of another one */
+    int32_t passed;         /* that one */
     int steps, suspicions;  /* since the method in use began; looks in a row at which stability ruled */
     int look, interval;     /* the step to look at next; steps between looks */
     int wait, penalty;      /* steps before the implicit method is tried again; the same after it fails next time */
@@ -36,8 +37,8 @@ void lag_stiffness_watch(LagRun *run);
 /* Puts the method that was decided on to use, before a step. Returns 0 where its first evaluation is not finite. */
 int lag_stiffness_turn(LagRun *run);
 
-/* The implicit method cannot take a step, near a singular position or where derivatives are not finite: the explicit one takes
- * some. Returns 0 if it cannot. */
+/* The method in use cannot take a step: implicit ones near a singular position or where derivatives are not finite, or where something
+ * slides. The explicit method takes some. Returns 0 if it cannot. */
 int lag_stiffness_pass(LagRun *run);
 
 /* A series has no finite coefficients (exp of a large number under a fraction bar): the explicit method goes on from here. Returns

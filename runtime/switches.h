@@ -21,6 +21,7 @@ typedef struct {
     double *unknown;                           /* how well each is known, by rounding of the state */
     double *state, *slope;                     /* at some time inside it */
     int *turned;                               /* those that change at the present time */
+    int *slides;                               /* n_switches: held where forces jump: see sliding.h */
 } LagSwitches;
 
 void lag_switches_layout(LagSwitches *switches, const LagModel *model, int size, LagArena *arena);
@@ -41,7 +42,7 @@ void lag_switches_set(LagRun *run, double t, const double *q, const double *v);
 void lag_switches_recall(LagRun *run);
 
 /* The step being tried cannot be taken with what is held, which has no value (a root of what has become negative): the next attempts
- * go without. Returns 0 where they do already. */
+ * go without. Returns 0 where they do already, or something slides. */
 int lag_switches_release(LagRun *run);
 
 /* A step of a model with switches was taken: where one changed in it, that becomes the present time, and the segment is over. */

@@ -16,7 +16,7 @@ from lagrangia.casadi_solvers import segments, switching_times
 from lagrangia.diagnostics import fail
 from lagrangia.model import Model
 from lagrangia.simulate import Experiment, check_values, plan
-from lagrangia.switches import live_rhs
+from lagrangia.switches import live
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -127,5 +127,5 @@ def _slope(model: Model, p: Any, inputs: Any, middle: float) -> ca.Function:
     t, y = ca.SX.sym("t"), ca.SX.sym("y", 2 * n)
     d = table["modes"](middle, p) if "modes" in table else ca.DM(0, 1)
     u = ca.DM(list(inputs)) if len(inputs) else ca.DM(0, 1)
-    a = live_rhs(table)(t, y[:n], y[n:], u, d, table["hoist"](p))[0]
+    a = live("rhs", table)(t, y[:n], y[n:], u, d, table["hoist"](p))[0]
     return ca.Function("slope", [t, y], [ca.cse(ca.densify(ca.vertcat(y[n:], a)))], ["t", "y"], ["dy"])

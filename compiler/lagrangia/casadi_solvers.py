@@ -19,7 +19,7 @@ from lagrangia.diagnostics import RunError, fail
 from lagrangia.pipeline import Compilation
 from lagrangia.runtime import Statistics
 from lagrangia.simulate import Experiment, Progress, Values, check_parameters
-from lagrangia.switches import live_rhs
+from lagrangia.switches import live
 
 _INTEGRATORS = ("cvodes", "idas", "rk", "collocation")
 _MOST_STEPS = 10_000_000
@@ -141,7 +141,7 @@ class _Run:
             return np.tile(self.y[:, None], (1, len(wanted)))
         self.segment = now, target
         self._enter(now, target)
-        rhs = live_rhs(self.compilation.functions.table)
+        rhs = live("rhs", self.compilation.functions.table)
         t, y = ca.SX.sym("t"), ca.SX.sym("y", self.y.size)
         q, v = y[: self.n], y[self.n : 2 * self.n]
         a, power, _ = rhs(t, q, v, self._inputs(t, now, target), self._modes(now, target), self.c)
@@ -183,8 +183,8 @@ class _Run:
         for t, y in zip(times, states.T, strict=True):
             q, v, e = y[:n], y[n : 2 * n], y[2 * n :]
             u = self._inputs(t, now, target)
-            a, _, multipliers = live_rhs(table)(t, q, v, u, d, self.c)
-            outputs = table["outputs"](t, q, v, a, multipliers, u, d, self.c)
+            a, _, multipliers = live("rhs", table)(t, q, v, u, d, self.c)
+            outputs = live("outputs", table)(t, q, v, a, multipliers, u, d, self.c)
             energies = table["energies"](t, q, v, u, d, self.c)
             rows.append(np.concatenate([[t], q, v, np.array(outputs).ravel(), np.array(energies).ravel(),
                                         e if e.size else [0.0, self.given]]))

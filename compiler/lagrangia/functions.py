@@ -60,14 +60,14 @@ def build_functions(
     jacobian, flow = build_jacobian(kinematics, motion), [hamilton.velocity, hamilton.force] if hamilton else []
     kick, switches = find_kick(kinematics, motion), find_switches(motion)
     found, c, hoisted = _hoisted({
-        "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": [y], "energies": [energy],
+        "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": switches.hold([y]), "energies": [energy],
         **_constrained(motion, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
         "switches": [switches.values, switches.rates]}, motion.p)
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = kinematics.algebra.mode_symbols
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
-    full, all_labels = [t, q, v, a, symbols, u, d, c], [*labels[:3], "a", "lambda", *labels[3:]]
+    full, all_labels = [t, q, v, a, symbols, u, ca.vertcat(d, switches.symbols), c], [*labels[:3], "a", "lambda", *labels[3:]]
     table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),

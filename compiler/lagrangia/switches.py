@@ -4,7 +4,9 @@ Forces bend or jump where such a condition changes: at a stop, at a point of a t
 step is short enough to be smooth there. So a step takes what the conditions say at its beginning, and where one of them is found
 changed at its end the run goes back to the place: the equations are smooth in every step, and have Taylor series.
 
-The switch s of a < b, of max(a, b), abs(a - b) and sign(a - b) is 1 where g = a - b > 0, and 0 where g < 0.
+The switch s of a < b, of max(a, b), abs(a - b) and sign(a - b) is 1 where g = a - b > 0, and 0 where g < 0. Where forces that
+jump with a velocity hold it at their jump (dry friction that sticks), s is the share in between that keeps g at 0: forces are as
+linear in s as they can be made (A.F. Filippov, Differential equations with discontinuous righthand sides, 1988).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -32,6 +34,7 @@ class Switches:
     values: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
     rates: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
     places: "dict[_Pair, Expression]" = field(default_factory=dict)  # the symbol of each
+    shares: frozenset[int] = frozenset()  # hashes of the symbols that may be between 0 and 1
     numbering: Numbering = field(default_factory=Numbering)
 
     def hold(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
@@ -41,17 +44,33 @@ class Switches:
     def _held(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression | None:
         pair = _pair(self.numbering, op, numbers)
         if pair not in self.places:
-            return None
+            return self._shared(op, operands)
         is_positive = self.places[pair]  # a > b, where a has the smaller number
         if op in _SIGNS:
             sign = as_expression(2 * is_positive - 1 if numbers[0] == pair[0] else 1 - 2 * is_positive)
             return sign if op == ca.OP_SIGN else as_expression(sign * operands[0])
-        is_less = is_positive if numbers[1] == pair[0] else apply_to_one(ca.OP_NOT, is_positive)
+        is_less = is_positive if numbers[1] == pair[0] else self._opposite(is_positive)
         if op in (ca.OP_LT, ca.OP_LE):
             return is_less
         smaller, larger = operands if op == ca.OP_FMIN else operands[::-1]
-        chosen = apply(ca.OP_IF_ELSE_ZERO, is_less, smaller)
-        return as_expression(chosen + apply(ca.OP_IF_ELSE_ZERO, apply_to_one(ca.OP_NOT, is_less), larger))
+        return as_expression(self._chosen(is_less, smaller) + self._chosen(self._opposite(is_less), larger))
+
+    def _shared(self, op: int, operands: list[Expression]) -> Expression | None:
+        """What CasADi makes of conditions, with shares for conditions."""
+        if op not in (ca.OP_NOT, ca.OP_IF_ELSE_ZERO) or self.shares.isdisjoint(symbols_in(operands[0])):
+            return None
+        return self._opposite(operands[0]) if op == ca.OP_NOT else self._chosen(*operands)
+
+    def _opposite(self, condition: Expression) -> Expression:
+        if self.shares.isdisjoint(symbols_in(condition)):
+            return as_expression(apply_to_one(ca.OP_NOT, condition))
+        return as_expression(1.0 - condition)
+
+    def _chosen(self, condition: Expression, value: Expression) -> Expression:
+        """A share of nothing is nothing, even of what has no value there."""
+        share = value if self.shares.isdisjoint(symbols_in(condition)) else condition * value
+        chosen: Expression = apply(ca.OP_IF_ELSE_ZERO, condition, share)
+        return chosen
 
 
 def has_corners(motion: Motion) -> bool:
@@ -68,7 +87,7 @@ def find_switches(motion: Motion) -> Switches:
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
         pair = _pair(numbering, op, numbers)
-        if pair is None or pair in found or op == ca.OP_SIGN:  # a force that jumps there may hold the motion at its jump
+        if pair is None or pair in found:
             return
         a, b = operands if op in _RELATIONS else (operands[0], as_expression(0.0))
         g = a - b if numbers[0] == pair[0] else b - a
@@ -78,22 +97,25 @@ def find_switches(motion: Motion) -> Switches:
     _rebuilt([motion.h], numbering, note)
     values = ca.vertcat(ca.SX(0, 1), *found.values())
     rates = ca.jtimes(values, ca.vertcat(motion.q, motion.v, motion.t), ca.vertcat(motion.v, motion.a, 1))
-    places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
-    return Switches(ca.vertcat(ca.SX(0, 1), *places.values()), values, rates, places, numbering)
+    places, velocities = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}, symbols_in(motion.v)
+    shares = frozenset(s.__hash__() for s, g in zip(places.values(), found.values(), strict=True)
+                       if not velocities.isdisjoint(symbols_in(g)))
+    return Switches(ca.vertcat(ca.SX(0, 1), *places.values()), values, rates, places, shares, numbering)
 
 
-def live_rhs(functions: Mapping[str, ca.Function]) -> ca.Function:
-    """`rhs` of the run time's functions with each switch as its condition is."""
-    rhs, switches = functions["rhs"], functions.get("switches")
+def live(name: str, functions: Mapping[str, ca.Function]) -> ca.Function:
+    """`rhs` or `outputs` of the run time's functions with each switch as its condition is."""
+    held, switches = functions[name], functions.get("switches")
     if switches is None:
-        return rhs
-    names = [rhs.name_in(k) for k in range(rhs.n_in())]
-    given = {name: ca.SX.sym(name, switches.size1_in(name)) for name in names}
-    g = switches.call({**given, "a": ca.SX.zeros(switches.size1_in("a"))})["g"]
-    held = {**given, "d": ca.vertcat(given["d"], (g > 0) + 0.5 * (g == 0))}
-    found = rhs.call(held)
-    results = [rhs.name_out(k) for k in range(rhs.n_out())]
-    return ca.Function("rhs", [given[name] for name in names], [found[name] for name in results], names, results)
+        return held
+    names = [held.name_in(k) for k in range(held.n_in())]
+    given = {label: ca.SX.sym(label, held.size1_in(label)) for label in names}
+    given["d"] = ca.SX.sym("d", switches.size1_in("d"))
+    known = {switches.name_in(k): ca.SX.zeros(switches.size1_in(k)) for k in range(switches.n_in())}
+    g = switches.call(known | {label: given[label] for label in names if label in known})["g"]
+    found = held.call(given | {"d": ca.vertcat(given["d"], (g > 0) + 0.5 * (g == 0))})
+    results = [held.name_out(k) for k in range(held.n_out())]
+    return ca.Function(name, [given[label] for label in names], [found[label] for label in results], names, results)
 
 
 def _pair(numbering: Numbering, op: int, numbers: list[int]) -> _Pair | None:

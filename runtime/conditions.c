@@ -1,0 +1,55 @@
+#include "conditions.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "extremes.h"
+#include "function.h"
+
+static const double SOME_TIME = 1e-3; /* where no step tells of one */
+enum { PATTERNS = 3, ROUNDINGS = 256 };
+
+void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate)
+{
+    const int n = run->model->n;
+    double *slope = run->switches.slope, *out[] = {g, rate};
+    const double *in[] = {&t, y, y + n, slope + n, run->u, run->d, run->c};
+    if (run->sliding.count > 0)
+        lag_motion_slope(&run->motion, t, y, y + n, slope);
+    lag_inputs_at(&run->inputs, t, run->u);
+    lag_call(&run->model->switches, in, out, run->work);
+    lag_sliding_margins(run, g);
+}
+
+void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g, double *rate)
+{
+    const double step = run->motion.t > run->motion.t_old ? run->motion.t - run->motion.t_old : run->step;
+    if (run->model->switches_need_acceleration && run->sliding.count == 0)
+        lag_motion_slope(&run->motion, t, y, y + run->model->n, run->switches.slope);
+    lag_conditions(run, t, y, g, rate);
+    if (run->sliding.count > 0)
+        lag_sliding_margin_rates(run, t, y, run->switches.slope, step > 0 ? step : SOME_TIME, rate);
+}
+
+/* For some patterns of the signs of rounding. */
+void lag_conditions_find_unknown(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const int n = run->model->n;
+    const double *y = run->motion.y, share = ROUNDINGS * DBL_EPSILON / run->scale.tolerance;
+    memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
+    for (int pattern = 0; pattern < PATTERNS; ++pattern) {
+        for (int i = 0; i < 2 * n; ++i) {
+            const double sign = (i >> pattern) % 2 == 0 ? 1 : -1;
+            s->state[i] = y[i] + sign * share * lag_scale_unit(&run->scale, i, y, y);
+        }
+        lag_conditions(run, run->motion.t, s->state, s->g_inside, s->rate_inside);
+        for (int i = 0; i < run->model->n_switches; ++i)
+            s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g[i]), s->unknown[i]);
+    }
+}
+
+double lag_conditions_error(const LagRun *run, double unknown)
+{
+    return unknown * run->scale.tolerance / (ROUNDINGS * DBL_EPSILON);
+}

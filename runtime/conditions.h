@@ -1,0 +1,21 @@
+/* What the conditions of switches are at a state: g, positive where a switch is 1. Of those that slide, how far their shares are from
+ * their ends stands in its place. */
+#ifndef LAG_CONDITIONS_H
+#define LAG_CONDITIONS_H
+
+#include "state.h"
+
+/* g and its rates (n_switches) at a state (q, v); without accelerations, rates that depend on them are none. */
+void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate);
+void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g, double *rate);
+
+/* Into switches.unknown: how much rounding of the present state, as it adds up in steps, changes switches.g, its conditions. */
+void lag_conditions_find_unknown(LagRun *run);
+
+/* What counts as an error of g of one tolerance, by what is unknown of it. */
+double lag_conditions_error(const LagRun *run, double unknown);
+
+/* How far condition i is from changing; negative: it has. */
+static inline double lag_depth(const LagSwitches *s, int i, const double *g) { return s->slides[i] || s->held[i] > 0 ? g[i] : -g[i]; }
+
+#endif

@@ -1,0 +1,312 @@
+/* A.F. Filippov, Differential equations with discontinuous righthand sides (1988). Rates of g are linear in the shares s of the
+ * jumps, as accelerations are in forces:  dg/dt = r + W s.  Each that slides has dg/dt = 0 with 0 < s < 1; the others leave g = 0 to
+ * the side that they are on: dg/dt <= 0 with s = 0, dg/dt >= 0 with s = 1. Which do what is found by principal pivoting: first all
+ * that are wrong at once, then one at a time, the least first (K.G. Murty, Note on a Bard-type scheme for solving the
+ * complementarity problem, Opsearch 11 (1974)). Where two hold the same velocity each takes the same share.
+ *
+ * W changes little while they slide: it is kept, and the shares of each evaluation are corrected until accelerations keep g.
+ */
+#include "sliding.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "extremes.h"
+#include "function.h"
+#include "state.h"
+
+enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
+/* A change of shares is rounding below ENOUGH, and below FAINT where the next one is not much smaller. */
+static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 8 * DBL_EPSILON;
+enum { MOST_TRIES = 12, STALE_TRIES = 4, BLOCKS = 8, MOST_SINGLE = 3 };
+
+void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
+{
+    const int possible = model->switches_need_acceleration ? model->n_switches : 0;
+    s->most = possible < 2 * model->n ? possible : 2 * model->n;
+    const size_t most = (size_t)s->most, count = (size_t)possible, whole = count > 0 ? (size_t)size : 0;
+    s->which = lag_take_ints(arena, most);
+    s->state = lag_take_ints(arena, most);
+    s->next = lag_take_ints(arena, most);
+    s->share = lag_take(arena, most);
+    s->jump = lag_take(arena, most * most);
+    s->middle = lag_take(arena, most);
+    s->change = lag_take(arena, most);
+    s->allowed = lag_take(arena, count);
+    s->g = lag_take(arena, count);
+    s->rate = lag_take(arena, count);
+    s->state_before = lag_take(arena, whole);
+    s->slope_before = lag_take(arena, whole);
+    lag_dense_lu_layout(&s->lu, s->most, 0, arena);
+}
+
+void lag_sliding_end(LagRun *run)
+{
+    run->sliding.count = run->sliding.is_stale = 0;
+    memset(run->switches.slides, 0, (size_t)run->model->n_switches * sizeof *run->switches.slides);
+}
+
+/* Of switch i. */
+static double *share_of(const LagRun *run, int i) { return &run->d[run->model->n_modes + i]; }
+
+/* -------- which slide */
+
+/* dg/dt at the present state by the shares in d. */
+static void rates(LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    const double *y = m->y, *in[] = {&m->t, y, y + m->n, run->switches.slope + m->n, run->u, run->d, run->c};
+    double *out[] = {run->sliding.g, run->sliding.rate};
+    lag_motion_slope(&run->motion, m->t, y, y + m->n, run->switches.slope);
+    lag_inputs_at(&run->inputs, m->t, run->u);
+    lag_call(&run->model->switches, in, out, run->work);
+}
+
+static int gather(LagRun *run, const int *candidates)
+{
+    LagSliding *s = &run->sliding;
+    int count = 0;
+    for (int i = 0; i < run->model->n_switches && count < s->most; ++i)
+        if (candidates[i])
+            s->which[count++] = i;
+    return count;
+}
+
+/* What slides is held by the difference of accelerations like these: they tell what of it is rounding. */
+static void note_noise(LagRun *run)
+{
+    const int n = run->model->n;
+    for (int i = 0; i < n; ++i)
+        run->scale.noise[i] = lag_max(UNKNOWN * fabs(run->switches.slope[n + i]), run->scale.noise[i]);
+}
+
+/* The jumps of all `count` candidates, around shares of 1/2. */
+static void find_jumps(LagRun *run, int count)
+{
+    LagSliding *s = &run->sliding;
+    for (int k = 0; k < count; ++k)
+        *share_of(run, s->which[k]) = 0.5;
+    rates(run);
+    note_noise(run);
+    for (int k = 0; k < count; ++k)
+        s->middle[k] = s->rate[s->which[k]];
+    for (int j = 0; j < count; ++j) {
+        *share_of(run, s->which[j]) = 1;
+        rates(run);
+        note_noise(run);
+        for (int k = 0; k < count; ++k)
+            s->jump[k + j * count] = 2 * (s->rate[s->which[k]] - s->middle[k]);
+        *share_of(run, s->which[j]) = 0.5;
+    }
+    for (int k = 0; k < count; ++k) {
+        s->share[k] = run->switches.held[s->which[k]];
+        s->state[k] = s->jump[k + k * count] < 0 ? SLIDES : GIVEN;
+    }
+}
+
+/* dg/dt of candidate k by those that do not slide alone, or by all. */
+static double rate_of(const LagSliding *s, int count, int k, int by_all)
+{
+    double rate = s->middle[k];
+    for (int j = 0; j < count; ++j)
+        if (by_all || s->state[j] != SLIDES)
+            rate += s->jump[k + j * count] * (s->share[j] - 0.5);
+    return rate;
+}
+
+/* The size of its terms, which tells what of it is rounding. */
+static double size_of(const LagSliding *s, int count, int k)
+{
+    double size = fabs(s->middle[k]);
+    for (int j = 0; j < count; ++j)
+        size += fabs(s->jump[k + j * count]);
+    return size;
+}
+
+/* Shares of those that slide. */
+static void solve(LagSliding *s, int count)
+{
+    int free = 0;
+    for (int k = 0; k < count; ++k)
+        free += s->state[k] == SLIDES;
+    s->lu.size = free;
+    for (int k = 0, row = 0; k < count; ++k) {
+        if (s->state[k] != SLIDES)
+            continue;
+        s->change[row] = -rate_of(s, count, k, 0);
+        for (int j = 0, column = 0; j < count; ++j)
+            if (s->state[j] == SLIDES)
+                s->lu.re[row + free * column++] = s->jump[k + j * count];
+        ++row;
+    }
+    lag_dense_lu_factor(&s->lu);
+    lag_dense_lu_solve(&s->lu, s->change, NULL);
+    for (int k = 0, row = 0; k < count; ++k)
+        if (s->state[k] == SLIDES)
+            s->share[k] = 0.5 + s->change[row++];
+}
+
+/* The state that candidate k should have instead of its own; the same where it is right. */
+static int better(const LagSliding *s, int count, int k)
+{
+    const double rate = rate_of(s, count, k, 1), rounding = ROUNDING * size_of(s, count, k);
+    switch (s->state[k]) {
+    case LOW: return rate > rounding ? SLIDES : LOW;
+    case HIGH: return rate < -rounding ? SLIDES : HIGH;
+    case SLIDES:
+        if (fabs(rate) > rounding) /* others hold what it would: its own velocity is to be another one */
+            return rate > 0 ? HIGH : LOW;
+        return s->share[k] < 0 ? LOW : s->share[k] > 1 ? HIGH : SLIDES;
+    default: return GIVEN;
+    }
+}
+
+/* Finds the states and shares; returns whether they are right. */
+static int pivot(LagSliding *s, int count)
+{
+    const int most = BLOCKS + MOST_SINGLE * count;
+    int changes = 1;
+    for (int turn = 0; changes > 0 && turn < most; ++turn) {
+        solve(s, count);
+        changes = 0;
+        for (int k = 0; k < count; ++k) {
+            s->next[k] = turn < BLOCKS || changes == 0 ? better(s, count, k) : s->state[k];
+            changes += s->next[k] != s->state[k];
+        }
+        for (int k = 0; k < count; ++k) {
+            s->state[k] = s->next[k];
+            if (s->state[k] == LOW || s->state[k] == HIGH)
+                s->share[k] = s->state[k] == HIGH;
+        }
+    }
+    return changes == 0;
+}
+
+/* Shares into d and what the switches hold, and those that slide to the front of `which`. Returns how many do. */
+static int hold(LagRun *run, int count)
+{
+    LagSliding *s = &run->sliding;
+    int sliding = 0;
+    for (int k = 0; k < count; ++k) {
+        const int i = s->which[k], slides = s->state[k] == SLIDES;
+        run->switches.held[i] = *share_of(run, i) = lag_max(0, lag_min(1, s->share[k]));
+        run->switches.slides[i] = slides;
+        if (slides)
+            s->which[sliding++] = i;
+    }
+    return sliding;
+}
+
+/* What rounding has left of their g goes, by an impulse of what holds them: accelerations are linear in the shares. */
+static void stop(LagRun *run, int count)
+{
+    LagSliding *s = &run->sliding;
+    LagMotion *m = &run->motion;
+    const double *held = run->switches.held;
+    double largest = 0;
+    rates(run);
+    for (int k = 0; k < count; ++k) {
+        s->change[k] = -s->g[s->which[k]];
+        largest = lag_max(fabs(s->change[k]), largest);
+    }
+    if (largest == 0)
+        return;
+    lag_dense_lu_solve(&s->lu, s->change, NULL);
+    for (int with = 0; with <= 1; ++with) {
+        for (int k = 0; k < count; ++k)
+            *share_of(run, s->which[k]) = held[s->which[k]] + with * s->change[k];
+        rates(run);
+        for (int i = 0; i < m->n; ++i)
+            s->slope_before[i] = run->switches.slope[m->n + i] - with * s->slope_before[i];
+    }
+    for (int i = 0; i < m->n; ++i)
+        m->y[m->n + i] += s->slope_before[i];
+    for (int k = 0; k < count; ++k)
+        *share_of(run, s->which[k]) = held[s->which[k]];
+}
+
+void lag_sliding_settle(LagRun *run, const int *candidates)
+{
+    LagSliding *s = &run->sliding;
+    const int count = gather(run, candidates);
+    lag_sliding_end(run);
+    if (count == 0)
+        return;
+    find_jumps(run, count);
+    const int is_right = pivot(s, count), sliding = hold(run, count);
+    if (!is_right) { /* step control makes the best of it */
+        lag_sliding_end(run);
+        return;
+    }
+    if (sliding > 0)
+        stop(run, sliding);
+    s->count = sliding;
+}
+
+/* -------- while they slide */
+
+/* The largest of the changes that would make dg/dt vanish: into `change`. */
+static double find_change(LagRun *run, double t, const double *q, const double *v, const double *a)
+{
+    LagSliding *s = &run->sliding;
+    const double *in[] = {&t, q, v, a, run->u, run->d, run->c};
+    double *out[] = {s->g, s->rate}, largest = 0;
+    lag_call(&run->model->switches, in, out, run->work);
+    for (int k = 0; k < s->count; ++k)
+        s->change[k] = -s->rate[s->which[k]];
+    lag_dense_lu_solve(&s->lu, s->change, NULL);
+    for (int k = 0; k < s->count; ++k)
+        largest = fabs(s->change[k]) <= largest ? largest : fabs(s->change[k]); /* what is no number stays */
+    return largest;
+}
+
+LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q, const double *v, const double *a)
+{
+    LagSliding *s = &run->sliding;
+    const double change = find_change(run, t, q, v, a);
+    s->is_stale |= tries > STALE_TRIES;
+    if (change <= ENOUGH || (tries > 0 && change < FAINT && change > SLOW * s->latest))
+        return LAG_SHARES_KEPT;
+    if (!(change < INFINITY) || tries == MOST_TRIES)
+        return LAG_SHARES_LOST;
+    s->latest = change;
+    for (int k = 0; k < s->count; ++k)
+        *share_of(run, s->which[k]) += s->change[k];
+    return LAG_SHARES_CHANGED;
+}
+
+void lag_sliding_margins(const LagRun *run, double *g)
+{
+    const LagSliding *s = &run->sliding;
+    for (int k = 0; k < s->count; ++k) {
+        const double share = *share_of(run, s->which[k]);
+        g[s->which[k]] = share * (1 - share);
+    }
+}
+
+void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const double *slope, double span, double *rate)
+{
+    LagSliding *s = &run->sliding;
+    const int n = run->model->n;
+    const double moment = MOMENT * span;
+    for (int k = 0; k < s->count; ++k)
+        s->share[k] = *share_of(run, s->which[k]);
+    for (int i = 0; i < 2 * n; ++i)
+        s->state_before[i] = y[i] - moment * slope[i];
+    lag_motion_slope(&run->motion, t - moment, s->state_before, s->state_before + n, s->slope_before);
+    for (int k = 0; k < s->count; ++k) {
+        double *share = share_of(run, s->which[k]);
+        rate[s->which[k]] = (1 - 2 * s->share[k]) * (s->share[k] - *share) / moment;
+        *share = s->share[k];
+    }
+}
+
+int lag_sliding_is_over(const LagRun *run)
+{
+    const LagSliding *s = &run->sliding;
+    int has_drifted = 0;
+    for (int k = 0; k < s->count; ++k)
+        has_drifted |= fabs(s->g[s->which[k]]) > s->allowed[s->which[k]];
+    return s->is_stale || has_drifted;
+}

@@ -1,0 +1,50 @@
+/* Sliding: forces that jump with a velocity, as dry friction does, may hold it at their jump. The share of the jump that keeps the
+ * velocity there stands in d then, between 0 and 1, in place of what a condition says. */
+#ifndef LAG_SLIDING_H
+#define LAG_SLIDING_H
+
+#include "dense_lu.h"
+#include "model.h"
+#include "run.h"
+
+typedef struct {
+    int count, most; /* switches that slide; no more of them can */
+    int *which;      /* most: which they are */
+    int *state, *next; /* most: of candidates */
+    double *share;   /* most */
+    double *jump;    /* most x most, column-major: change of dg/dt by a share */
+    double *middle;  /* most: dg/dt at the shares 1/2 */
+    LagDenseLu lu;   /* of the jump of those that slide */
+    double *change;  /* most: of the shares */
+    double *allowed; /* n_switches: how far g may drift from 0 */
+    double *g, *rate;      /* n_switches: at the latest evaluation, of which g is one of the conditions themselves */
+    double *state_before, *slope_before; /* size: a moment before */
+    double latest;   /* largest of the latest changes */
+    int is_stale;    /* evaluations take many */
+} LagSliding;
+
+void lag_sliding_layout(LagSliding *sliding, const LagModel *model, int size, LagArena *arena);
+
+/* Nothing slides. */
+void lag_sliding_end(LagRun *run);
+
+/* Chooses at the present state what slides among `candidates` (n_switches: not 0), whose g is 0 but for rounding: into which, d and
+ * what the switches hold; the others go either way. Rates are moved by what rounding left of g. */
+void lag_sliding_settle(LagRun *run, const int *candidates);
+
+typedef enum { LAG_SHARES_KEPT, LAG_SHARES_CHANGED, LAG_SHARES_LOST } LagShares;
+
+/* Corrects the shares by the accelerations a[n] that they lead to, which are to be evaluated anew where they have changed. tries: so
+ * many times they have at this state. */
+LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q, const double *v, const double *a);
+
+/* How far the shares of the latest evaluation are from 0 and 1, into g (n_switches) of those that slide: negative beyond. */
+void lag_sliding_margins(const LagRun *run, double *g);
+
+/* The same and its rates, at a state whose slope is known; `span`: a time in which little changes. */
+void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const double *slope, double span, double *rate);
+
+/* Whether the latest evaluation shows that those who slide should be chosen anew: shares are hard to find, or g has drifted. */
+int lag_sliding_is_over(const LagRun *run);
+
+#endif
