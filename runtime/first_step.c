@@ -25,9 +25,9 @@ static double compare(const LagScale *scale, double h, double faint, const doubl
     for (int i = 0; i < n; ++i)
         note_largest(&scale->motion[scale->kind[i]], lag_max(fabs(k[i]), h * fabs(k[n + i])));
     for (int i = 0; i < n; ++i) {
-        const double motion = scale->motion[scale->kind[i]];
+        const double motion = scale->motion[scale->kind[i]], change = fabs(k_end[n + i] - k[n + i]) - scale->onset[i];
         if (motion > 0 && h * motion >= faint * scale->tolerance * scale->floor[i])
-            note_largest(&largest, h * fabs(k_end[n + i] - k[n + i]) / motion);
+            note_largest(&largest, h * change / motion);
     }
     return largest;
 }

@@ -18,7 +18,7 @@
 
 enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
 /* A change of shares is rounding below ENOUGH, and below FAINT where the next one is not much smaller. */
-static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 8 * DBL_EPSILON;
+static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 32 * DBL_EPSILON;
 enum { MOST_TRIES = 12, STALE_TRIES = 4, BLOCKS = 8, MOST_SINGLE = 3 };
 
 void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
@@ -68,7 +68,7 @@ static int gather(LagRun *run, const int *candidates)
     LagSliding *s = &run->sliding;
     int count = 0;
     for (int i = 0; i < run->model->n_switches && count < s->most; ++i)
-        if (candidates[i])
+        if (candidates[i] == 1)
             s->which[count++] = i;
     return count;
 }
@@ -77,8 +77,11 @@ static int gather(LagRun *run, const int *candidates)
 static void note_noise(LagRun *run)
 {
     const int n = run->model->n;
-    for (int i = 0; i < n; ++i)
-        run->scale.noise[i] = lag_max(UNKNOWN * fabs(run->switches.slope[n + i]), run->scale.noise[i]);
+    LagScale *scale = &run->scale;
+    for (int i = 0; i < n; ++i) {
+        scale->onset[i] = lag_max(UNKNOWN * fabs(run->switches.slope[n + i]), scale->onset[i]);
+        scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
+    }
 }
 
 /* The jumps of all `count` candidates, around shares of 1/2. */

@@ -28,7 +28,7 @@ void lag_sliding_layout(LagSliding *sliding, const LagModel *model, int size, La
 /* Nothing slides. */
 void lag_sliding_end(LagRun *run);
 
-/* Chooses at the present state what slides among `candidates` (n_switches: not 0), whose g is 0 but for rounding: into which, d and
+/* Chooses at the present state what slides among `candidates` (n_switches: 1), whose g is 0 but for rounding: into which, d and
  * what the switches hold; the others go either way. Rates are moved by what rounding left of g. */
 void lag_sliding_settle(LagRun *run, const int *candidates);
 

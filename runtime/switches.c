@@ -12,11 +12,12 @@
 #include "advance.h"
 #include "conditions.h"
 #include "crossing.h"
+#include "extremes.h"
 #include "function.h"
 #include "schedule.h"
 
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
-static const double SOON = 1e-3, DRIFT = 10;
+static const double SOON = 1e-3, DRIFT = 10, WRONG_SIDE = 2;
 enum { HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
 enum { STAYS, CHANGES, TO_0, TO_1 }; /* at the present time; the latter two: what slid goes to that side */
 
@@ -101,9 +102,9 @@ static int let_slide(LagRun *run)
     int candidates = 0;
     for (int i = 0; i < run->model->n_switches; ++i) {
         const int has_gone = s->turned[i] == TO_0 || s->turned[i] == TO_1;
-        const int is_zero = s->turned[i] || s->slides[i] || fabs(s->g[i]) <= s->unknown[i];
-        s->turned[i] = is_zero && !has_gone;
-        candidates |= s->turned[i];
+        if (!has_gone && (s->slides[i] || fabs(s->g[i]) <= s->unknown[i]))
+            s->turned[i] = CHANGES;
+        candidates |= s->turned[i] == CHANGES;
         sliding->allowed[i] = DRIFT * lag_conditions_error(run, s->unknown[i]);
     }
     lag_sliding_settle(run, s->turned);
@@ -125,6 +126,9 @@ int lag_switches_enter(LagRun *run)
         lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
     if (run->sliding.count > 0)
         lag_conditions_find_unknown(run);
+    for (int i = 0; i < run->model->n_switches; ++i)
+        if (s->turned[i] && !s->slides[i]) /* what is left of it is rounding */
+            s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]);
     lag_switches_forget(run);
     return turned;
 }
