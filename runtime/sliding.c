@@ -271,8 +271,10 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     s->is_stale |= tries > STALE_TRIES;
     if (change <= ENOUGH || (tries > 0 && change < FAINT && change > SLOW * s->latest))
         return LAG_SHARES_KEPT;
-    if (!(change < INFINITY) || tries == MOST_TRIES)
+    if (!(change < INFINITY) || tries == MOST_TRIES) {
+        lag_switches_recall(run);
         return LAG_SHARES_LOST;
+    }
     s->latest = change;
     for (int k = 0; k < s->count; ++k)
         *share_of(run, s->which[k]) += s->change[k];
@@ -305,11 +307,29 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
     }
 }
 
-int lag_sliding_is_over(const LagRun *run)
+/* The jumps of those that slide, as they are now. Returns whether they still act on their own velocities. */
+static int refresh(LagRun *run)
+{
+    LagSliding *s = &run->sliding;
+    const int count = s->count;
+    int acts = 1;
+    s->count = 0; /* accelerations as the shares say */
+    find_jumps(run, count);
+    solve(s, count);
+    for (int k = 0; k < count; ++k) {
+        *share_of(run, s->which[k]) = s->share[k];
+        acts &= s->state[k] == SLIDES;
+    }
+    s->count = count;
+    s->is_stale = 0;
+    return acts;
+}
+
+int lag_sliding_lasts(LagRun *run)
 {
     const LagSliding *s = &run->sliding;
-    int has_drifted = 0;
     for (int k = 0; k < s->count; ++k)
-        has_drifted |= fabs(s->g[s->which[k]]) > s->allowed[s->which[k]];
-    return s->is_stale || has_drifted;
+        if (fabs(s->g[s->which[k]]) > s->allowed[s->which[k]])
+            return 0;
+    return !s->is_stale || refresh(run);
 }

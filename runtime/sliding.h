@@ -44,7 +44,7 @@ void lag_sliding_margins(const LagRun *run, double *g);
 /* The same and its rates, at a state whose slope is known; `span`: a time in which little changes. */
 void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const double *slope, double span, double *rate);
 
-/* Whether the latest evaluation shows that those who slide should be chosen anew: shares are hard to find, or g has drifted. */
-int lag_sliding_is_over(const LagRun *run);
+/* A step was taken. Returns 0 where those that slide should be chosen anew: their g have drifted. */
+int lag_sliding_lasts(LagRun *run);
 
 #endif

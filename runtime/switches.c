@@ -184,7 +184,7 @@ static void watch_held(LagRun *run)
     const double x = lag_crossing_find(run);
     if (x == LAG_NOWHERE) {
         s->hurried = 0;
-        run->segment_over |= lag_sliding_is_over(run);
+        run->segment_over |= !lag_sliding_lasts(run);
         return;
     }
     if (x < 1)

@@ -21,6 +21,7 @@ from lagrangia.numbering import Numbering
 from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, symbol, symbols_in
 
 _RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
+_JUMPS = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN)
 _SIGNS = (ca.OP_FABS, ca.OP_SIGN)
 _Pair = tuple[int, int]  # the numbers of a and b, the smaller one first
 _Make = Callable[[int, list[int], list[Expression]], Expression | None]
@@ -46,14 +47,22 @@ class Switches:
         if pair not in self.places:
             return self._shared(op, operands)
         is_positive = self.places[pair]  # a > b, where a has the smaller number
+        if op not in _JUMPS:
+            is_positive = self._bounded(is_positive)
         if op in _SIGNS:
             sign = as_expression(2 * is_positive - 1 if numbers[0] == pair[0] else 1 - 2 * is_positive)
             return sign if op == ca.OP_SIGN else as_expression(sign * operands[0])
         is_less = is_positive if numbers[1] == pair[0] else self._opposite(is_positive)
-        if op in (ca.OP_LT, ca.OP_LE):
+        if op in _JUMPS:
             return is_less
         smaller, larger = operands if op == ca.OP_FMIN else operands[::-1]
         return as_expression(self._chosen(is_less, smaller) + self._chosen(self._opposite(is_less), larger))
+
+    def _bounded(self, condition: Expression) -> Expression:
+        """Of what does not jump: no part of it is more than the whole, or less than nothing."""
+        if self.shares.isdisjoint(symbols_in(condition)):
+            return condition
+        return apply(ca.OP_FMIN, apply(ca.OP_FMAX, condition, 0.0), 1.0)
 
     def _shared(self, op: int, operands: list[Expression]) -> Expression | None:
         """What CasADi makes of conditions, with shares for conditions."""
@@ -67,10 +76,14 @@ class Switches:
         return as_expression(1.0 - condition)
 
     def _chosen(self, condition: Expression, value: Expression) -> Expression:
-        """A share of nothing is nothing, even of what has no value there."""
-        share = value if self.shares.isdisjoint(symbols_in(condition)) else condition * value
-        chosen: Expression = apply(ca.OP_IF_ELSE_ZERO, condition, share)
-        return chosen
+        """A share of nothing is nothing, even of what has no value there. In it the condition holds wholly, so that forces are linear
+        in each share."""
+        shares = [s for s in ca.symvar(condition) if s.__hash__() in self.shares]
+        if not shares:
+            return as_expression(apply(ca.OP_IF_ELSE_ZERO, condition, value))
+        if len(ca.symvar(condition)) == 1 and not symbols_in(condition).isdisjoint(symbols_in(value)):
+            value = as_expression(ca.substitute(value, shares[0], ca.substitute(condition, shares[0], 1)))
+        return as_expression(apply(ca.OP_IF_ELSE_ZERO, condition, condition * value))
 
 
 def has_corners(motion: Motion) -> bool:
