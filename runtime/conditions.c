@@ -32,18 +32,18 @@ void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g
 }
 
 /* For some patterns of the signs of rounding. */
-void lag_conditions_find_unknown(LagRun *run)
+void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
 {
     LagSwitches *s = &run->switches;
     const int n = run->model->n;
-    const double *y = run->motion.y, share = ROUNDINGS * DBL_EPSILON / run->scale.tolerance;
+    const double share = ROUNDINGS * DBL_EPSILON / run->scale.tolerance;
     memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
     for (int pattern = 0; pattern < PATTERNS; ++pattern) {
         for (int i = 0; i < 2 * n; ++i) {
             const double sign = (i >> pattern) % 2 == 0 ? 1 : -1;
             s->state[i] = y[i] + sign * share * lag_scale_unit(&run->scale, i, y, y);
         }
-        lag_conditions(run, run->motion.t, s->state, s->g_inside, s->rate_inside);
+        lag_conditions(run, t, s->state, s->g_inside, s->rate_inside);
         for (int i = 0; i < run->model->n_switches; ++i)
             s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g[i]), s->unknown[i]);
     }

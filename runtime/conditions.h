@@ -9,8 +9,8 @@
 void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate);
 void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g, double *rate);
 
-/* Into switches.unknown: how much rounding of the present state, as it adds up in steps, changes switches.g, its conditions. */
-void lag_conditions_find_unknown(LagRun *run);
+/* Into switches.unknown: how much rounding of a state, as it adds up in steps, changes switches.g, its conditions. */
+void lag_conditions_find_unknown(LagRun *run, double t, const double *y);
 
 /* What counts as an error of g of one tolerance, by what is unknown of it. */
 double lag_conditions_error(const LagRun *run, double unknown);

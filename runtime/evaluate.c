@@ -114,16 +114,19 @@ void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
     const LagModel *model = run->model;
     const double *q = y, *v = y + model->n;
     const double *in[] = {&t, q, v, run->acceleration, run->multipliers, run->u, run->d, run->c};
+    const int is_live = run->switches.is_live;
     if (model->n_outputs == 0)
         return;
     lag_inputs_at(&run->inputs, t, run->u);
+    if (is_live)
+        lag_switches_settle(run, t, y);
     if (model->outputs_need_acceleration || run->sliding.count > 0) {
         sliding(run, whole, t, q, v, run->acceleration, run->power);
         ++run->motion.evaluations;
-    } else {
-        set_switches(run, t, q, v);
     }
     lag_call(&model->outputs, in, &outputs, run->work);
+    if (is_live)
+        lag_switches_set_free(run);
 }
 
 int lag_kick(LagRun *run, double t, double *y)

@@ -52,14 +52,14 @@ static double *share_of(const LagRun *run, int i) { return &run->d[run->model->n
 
 /* -------- which slide */
 
-/* dg/dt at the present state by the shares in d. */
-static void rates(LagRun *run)
+/* dg/dt at a state by the shares in d. */
+static void rates(LagRun *run, double t, const double *y)
 {
-    const LagMotion *m = &run->motion;
-    const double *y = m->y, *in[] = {&m->t, y, y + m->n, run->switches.slope + m->n, run->u, run->d, run->c};
+    const int n = run->model->n;
+    const double *in[] = {&t, y, y + n, run->switches.slope + n, run->u, run->d, run->c};
     double *out[] = {run->sliding.g, run->sliding.rate};
-    lag_motion_slope(&run->motion, m->t, y, y + m->n, run->switches.slope);
-    lag_inputs_at(&run->inputs, m->t, run->u);
+    lag_motion_slope(&run->motion, t, y, y + n, run->switches.slope);
+    lag_inputs_at(&run->inputs, t, run->u);
     lag_call(&run->model->switches, in, out, run->work);
 }
 
@@ -85,18 +85,18 @@ static void note_noise(LagRun *run)
 }
 
 /* The jumps of all `count` candidates, around shares of 1/2. */
-static void find_jumps(LagRun *run, int count)
+static void find_jumps(LagRun *run, double t, const double *y, int count)
 {
     LagSliding *s = &run->sliding;
     for (int k = 0; k < count; ++k)
         *share_of(run, s->which[k]) = 0.5;
-    rates(run);
+    rates(run, t, y);
     note_noise(run);
     for (int k = 0; k < count; ++k)
         s->middle[k] = s->rate[s->which[k]];
     for (int j = 0; j < count; ++j) {
         *share_of(run, s->which[j]) = 1;
-        rates(run);
+        rates(run, t, y);
         note_noise(run);
         for (int k = 0; k < count; ++k)
             s->jump[k + j * count] = 2 * (s->rate[s->which[k]] - s->middle[k]);
@@ -201,50 +201,47 @@ static int hold(LagRun *run, int count)
     return sliding;
 }
 
-/* What rounding has left of their g goes, by an impulse of what holds them: accelerations are linear in the shares. */
-static void stop(LagRun *run, int count)
-{
-    LagSliding *s = &run->sliding;
-    LagMotion *m = &run->motion;
-    const double *held = run->switches.held;
-    double largest = 0;
-    rates(run);
-    for (int k = 0; k < count; ++k) {
-        s->change[k] = -s->g[s->which[k]];
-        largest = lag_max(fabs(s->change[k]), largest);
-    }
-    if (largest == 0)
-        return;
-    lag_dense_lu_solve(&s->lu, s->change, NULL);
-    for (int with = 0; with <= 1; ++with) {
-        for (int k = 0; k < count; ++k)
-            *share_of(run, s->which[k]) = held[s->which[k]] + with * s->change[k];
-        rates(run);
-        for (int i = 0; i < m->n; ++i)
-            s->slope_before[i] = run->switches.slope[m->n + i] - with * s->slope_before[i];
-    }
-    for (int i = 0; i < m->n; ++i)
-        m->y[m->n + i] += s->slope_before[i];
-    for (int k = 0; k < count; ++k)
-        *share_of(run, s->which[k]) = held[s->which[k]];
-}
-
-void lag_sliding_settle(LagRun *run, const int *candidates)
+void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candidates)
 {
     LagSliding *s = &run->sliding;
     const int count = gather(run, candidates);
     lag_sliding_end(run);
     if (count == 0)
         return;
-    find_jumps(run, count);
+    find_jumps(run, t, y, count);
     const int is_right = pivot(s, count), sliding = hold(run, count);
-    if (!is_right) { /* step control makes the best of it */
+    if (is_right)
+        s->count = sliding;
+    else /* step control makes the best of it */
         lag_sliding_end(run);
-        return;
+}
+
+void lag_sliding_stop(LagRun *run)
+{
+    LagSliding *s = &run->sliding;
+    LagMotion *m = &run->motion;
+    const double *held = run->switches.held;
+    const int count = s->count;
+    double largest = 0;
+    s->count = 0; /* accelerations as the shares say */
+    rates(run, m->t, m->y);
+    for (int k = 0; k < count; ++k) {
+        s->change[k] = -s->g[s->which[k]];
+        largest = lag_max(fabs(s->change[k]), largest);
     }
-    if (sliding > 0)
-        stop(run, sliding);
-    s->count = sliding;
+    lag_dense_lu_solve(&s->lu, s->change, NULL);
+    for (int with = 0; with <= 1 && largest > 0; ++with) {
+        for (int k = 0; k < count; ++k)
+            *share_of(run, s->which[k]) = held[s->which[k]] + with * s->change[k];
+        rates(run, m->t, m->y);
+        for (int i = 0; i < m->n; ++i)
+            s->slope_before[i] = run->switches.slope[m->n + i] - with * s->slope_before[i];
+    }
+    for (int i = 0; i < m->n && largest > 0; ++i)
+        m->y[m->n + i] += s->slope_before[i];
+    for (int k = 0; k < count; ++k)
+        *share_of(run, s->which[k]) = held[s->which[k]];
+    s->count = count;
 }
 
 /* -------- while they slide */
@@ -313,8 +310,8 @@ static int refresh(LagRun *run)
     LagSliding *s = &run->sliding;
     const int count = s->count;
     int acts = 1;
-    s->count = 0; /* accelerations as the shares say */
-    find_jumps(run, count);
+    s->count = 0;
+    find_jumps(run, run->motion.t, run->motion.y, count);
     solve(s, count);
     for (int k = 0; k < count; ++k) {
         *share_of(run, s->which[k]) = s->share[k];

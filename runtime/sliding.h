@@ -28,9 +28,13 @@ void lag_sliding_layout(LagSliding *sliding, const LagModel *model, int size, La
 /* Nothing slides. */
 void lag_sliding_end(LagRun *run);
 
-/* Chooses at the present state what slides among `candidates` (n_switches: 1), whose g is 0 but for rounding: into which, d and
- * what the switches hold; the others go either way. Rates are moved by what rounding left of g. */
-void lag_sliding_settle(LagRun *run, const int *candidates);
+/* Chooses at a state what slides among `candidates` (n_switches: 1), whose g is 0 but for rounding: into which, d and what the
+ * switches hold; the others go either way. */
+void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candidates);
+
+/* What rounding has left of the g of those that slide goes, by an impulse of what holds them on the present state: accelerations are
+ * linear in the shares. */
+void lag_sliding_stop(LagRun *run);
 
 typedef enum { LAG_SHARES_KEPT, LAG_SHARES_CHANGED, LAG_SHARES_LOST } LagShares;
 

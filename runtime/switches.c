@@ -63,6 +63,28 @@ void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
         d[i] = sign_of(s->g_inside[i]);
 }
 
+void lag_switches_settle(LagRun *run, double t, const double *y)
+{
+    LagSwitches *s = &run->switches;
+    s->is_live = 0;
+    lag_switches_set(run, t, y, y + run->model->n);
+    if (!run->model->switches_need_acceleration)
+        return;
+    memcpy(s->held, run->d + run->model->n_modes, (size_t)run->model->n_switches * sizeof *s->held);
+    memcpy(s->g, s->g_inside, (size_t)run->model->n_switches * sizeof *s->g);
+    lag_conditions_find_unknown(run, t, y);
+    for (int i = 0; i < run->model->n_switches; ++i)
+        s->turned[i] = fabs(s->g[i]) <= lag_conditions_error(run, s->unknown[i]);
+    lag_sliding_settle(run, t, y, s->turned);
+    lag_switches_forget(run);
+}
+
+void lag_switches_set_free(LagRun *run)
+{
+    run->switches.is_live = 1;
+    lag_sliding_end(run);
+}
+
 void lag_switches_recall(LagRun *run)
 {
     memcpy(run->d + run->model->n_modes, run->switches.held, (size_t)run->model->n_switches * sizeof *run->d);
@@ -107,7 +129,9 @@ static int let_slide(LagRun *run)
         candidates |= s->turned[i] == CHANGES;
         sliding->allowed[i] = DRIFT * lag_conditions_error(run, s->unknown[i]);
     }
-    lag_sliding_settle(run, s->turned);
+    lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
+    if (sliding->count > 0)
+        lag_sliding_stop(run);
     return candidates;
 }
 
@@ -119,13 +143,13 @@ int lag_switches_enter(LagRun *run)
     s->is_live = s->for_good || s->live_steps > 0 || !run->methods.table->holds_switches;
     run->sliding.count = 0;
     const int turned = choose(run);
-    lag_conditions_find_unknown(run);
+    lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     if (s->is_live)
         lag_sliding_end(run);
     else if (run->model->switches_need_acceleration && let_slide(run))
         lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
     if (run->sliding.count > 0)
-        lag_conditions_find_unknown(run);
+        lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     for (int i = 0; i < run->model->n_switches; ++i)
         if (s->turned[i] && !s->slides[i]) /* what is left of it is rounding */
             s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]);

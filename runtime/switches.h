@@ -38,6 +38,10 @@ int lag_switches_enter(LagRun *run);
 /* Sets them as they are at a state. */
 void lag_switches_set(LagRun *run, double t, const double *q, const double *v);
 
+/* Where no step holds them: sets them as they are at a state, with the shares of what slides; and leaves them to the state again. */
+void lag_switches_settle(LagRun *run, double t, const double *y);
+void lag_switches_set_free(LagRun *run);
+
 /* Sets them as they are held. */
 void lag_switches_recall(LagRun *run);
 
