@@ -18,7 +18,7 @@
 
 enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
 /* A change of shares is rounding below ENOUGH, and below FAINT where the next one is not much smaller. */
-static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 32 * DBL_EPSILON;
+static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 32 * DBL_EPSILON, DRIFT = 10;
 enum { MOST_TRIES = 12, STALE_TRIES = 4, BLOCKS = 8, MOST_SINGLE = 3 };
 
 void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
@@ -30,10 +30,11 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->state = lag_take_ints(arena, most);
     s->next = lag_take_ints(arena, most);
     s->share = lag_take(arena, most);
+    s->strength = lag_take(arena, most);
     s->jump = lag_take(arena, most * most);
     s->middle = lag_take(arena, most);
     s->change = lag_take(arena, most);
-    s->allowed = lag_take(arena, count);
+    s->error = lag_take(arena, count);
     s->g = lag_take(arena, count);
     s->rate = lag_take(arena, count);
     s->state_before = lag_take(arena, whole);
@@ -195,8 +196,10 @@ static int hold(LagRun *run, int count)
         const int i = s->which[k], slides = s->state[k] == SLIDES;
         run->switches.held[i] = *share_of(run, i) = lag_max(0, lag_min(1, s->share[k]));
         run->switches.slides[i] = slides;
-        if (slides)
-            s->which[sliding++] = i;
+        if (!slides)
+            continue;
+        s->strength[sliding] = fabs(s->jump[k + k * count]);
+        s->which[sliding++] = i;
     }
     return sliding;
 }
@@ -322,11 +325,13 @@ static int refresh(LagRun *run)
     return acts;
 }
 
+/* Velocities are known to the tolerance, and to that of what those who hold them make of them in a step. */
 int lag_sliding_lasts(LagRun *run)
 {
     const LagSliding *s = &run->sliding;
+    const double share = DRIFT * run->scale.tolerance * (run->motion.t - run->motion.t_old);
     for (int k = 0; k < s->count; ++k)
-        if (fabs(s->g[s->which[k]]) > s->allowed[s->which[k]])
+        if (fabs(s->g[s->which[k]]) > DRIFT * s->error[s->which[k]] + share * s->strength[k])
             return 0;
     return !s->is_stale || refresh(run);
 }

@@ -11,12 +11,12 @@ typedef struct {
     int count, most; /* switches that slide; no more of them can */
     int *which;      /* most: which they are */
     int *state, *next; /* most: of candidates */
-    double *share;   /* most */
+    double *share, *strength; /* most; the latter: how much all of the jump changes dg/dt */
     double *jump;    /* most x most, column-major: change of dg/dt by a share */
     double *middle;  /* most: dg/dt at the shares 1/2 */
     LagDenseLu lu;   /* of the jump of those that slide */
     double *change;  /* most: of the shares */
-    double *allowed; /* n_switches: how far g may drift from 0 */
+    double *error;   /* n_switches: of g that is one tolerance */
     double *g, *rate;      /* n_switches: at the latest evaluation, of which g is one of the conditions themselves */
     double *state_before, *slope_before; /* size: a moment before */
     double latest;   /* largest of the latest changes */

@@ -17,7 +17,7 @@
 #include "schedule.h"
 
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
-static const double SOON = 1e-3, DRIFT = 10, WRONG_SIDE = 2;
+static const double SOON = 1e-3, WRONG_SIDE = 16;
 enum { HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
 enum { STAYS, CHANGES, TO_0, TO_1 }; /* at the present time; the latter two: what slid goes to that side */
 
@@ -127,7 +127,7 @@ static int let_slide(LagRun *run)
         if (!has_gone && (s->slides[i] || fabs(s->g[i]) <= s->unknown[i]))
             s->turned[i] = CHANGES;
         candidates |= s->turned[i] == CHANGES;
-        sliding->allowed[i] = DRIFT * lag_conditions_error(run, s->unknown[i]);
+        sliding->error[i] = lag_conditions_error(run, s->unknown[i]);
     }
     lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
     if (sliding->count > 0)

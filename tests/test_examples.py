@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy import cos, sin
+from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk
 
 import lagrangia as lag
@@ -201,6 +202,33 @@ def torsion_rotor(t: Array) -> Columns:
     return {"bearing[1].phi": A, "bearing[2].phi": A + z, "twist": z}
 
 
+def stick_slip(t: Array) -> Columns:
+    """It slides with slip = s' - belt < 0, from s0 and v0, until s' = belt; then it sticks until k s = F, and so on:
+
+    s'' - fall s' + k s = F - fall belt,    s = s_e + e^(fall t/2) (A cos w t + B sin w t),    w^2 = k - fall^2/4
+    """
+    k, belt, F, fall = 20, 0.1, 3, 0.5
+    middle, w = (F - fall * belt) / k, np.sqrt(k - fall**2 / 4)
+
+    def swing(x: Array, A: float, B: float) -> Array:
+        return middle + np.exp(fall / 2 * x) * (A * cos(w * x) + B * sin(w * x))
+
+    def slip(x: float, A: float, B: float) -> float:
+        return swing(x, fall / 2 * A + w * B, fall / 2 * B - w * A) - middle - belt
+
+    begin, s0, v0, s = 0.0, 0.0, 0.0, np.empty_like(t)
+    while begin <= t[-1]:
+        ways = s0 - middle, (v0 - fall / 2 * (s0 - middle)) / w
+        until = (0, np.pi / 2 / w) if v0 < belt else (np.pi / w, 2 * np.pi / w)
+        caught = brentq(slip, *until, ways, xtol=1e-15)
+        place = swing(caught, *ways)
+        torn = begin + caught + (F / k - place) / belt
+        slides, sticks = (t >= begin) & (t < begin + caught), (t >= begin + caught) & (t < torn)
+        s[slides], s[sticks] = swing(t[slides] - begin, *ways), place + belt * (t[sticks] - begin - caught)
+        begin, s0, v0 = torn, F / k, belt
+    return {"block.s": s}
+
+
 # The motion magnifies all errors, those of SciPy too: compared until here only.
 CHAOTIC_AFTER = {"chain": 2.0, "double_pendulum": 6.0}
 
@@ -214,6 +242,7 @@ REFERENCES: dict[str, Callable[[Array], Columns]] = {
     "pendulum": pendulum,
     "quarter_car": quarter_car,
     "spring_pendulum": spring_pendulum,
+    "stick_slip": stick_slip,
     "suspended_bar": suspended_bar,
     "torsion_rotor": torsion_rotor,
     "vibration_absorber": vibration_absorber,

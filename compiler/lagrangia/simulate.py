@@ -318,8 +318,7 @@ def explain(scene: Scene, failure: Failure) -> str:
         return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; a singularity "
                 "(a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")
     if failure.status is Status.TOO_MANY_STEPS:
-        return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance; a "
-                "force that jumps with the state, as sign(v) does, may hold it there: make it steep instead, tanh(v/1e-3[m/s])")
+        return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
 
 

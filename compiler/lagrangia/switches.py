@@ -62,7 +62,7 @@ class Switches:
         """Of what does not jump: no part of it is more than the whole, or less than nothing."""
         if self.shares.isdisjoint(symbols_in(condition)):
             return condition
-        return apply(ca.OP_FMIN, apply(ca.OP_FMAX, condition, 0.0), 1.0)
+        return as_expression(apply(ca.OP_FMIN, apply(ca.OP_FMAX, condition, 0.0), 1.0))
 
     def _shared(self, op: int, operands: list[Expression]) -> Expression | None:
         """What CasADi makes of conditions, with shares for conditions."""
@@ -76,8 +76,8 @@ class Switches:
         return as_expression(1.0 - condition)
 
     def _chosen(self, condition: Expression, value: Expression) -> Expression:
-        """A share of nothing is nothing, even of what has no value there. In it the condition holds wholly, so that forces are linear
-        in each share."""
+        """A share of nothing is nothing, even of what has no value there. The condition holds wholly in it, so that forces are
+        linear in each share."""
         shares = [s for s in ca.symvar(condition) if s.__hash__() in self.shares]
         if not shares:
             return as_expression(apply(ca.OP_IF_ELSE_ZERO, condition, value))

@@ -57,9 +57,9 @@ table(x, {x1, x2, ...}, {y1, y2, ...})                   straight lines between 
 step(x) pulse(t, start, width) pulse_train(t, start, width, period) ramp(t, start, duration)
 if c then a else b  in a formula; a condition on time alone, linear in it or in mod and floor of it, is met exactly: the
                     integrator stops there. Where another one in a force changes (a contact, a point of a table along a
-                    coordinate, max, min, abs), a step is found to have gone too far, and the run goes back. But where a force
-                    jumps and holds the motion at its jump (dry friction, sign(v)) steps become endlessly short: make it
-                    steep instead, tanh(v/1e-3[m/s])
+                    coordinate, max, min, abs, sign), a step is found to have gone too far, and the run goes back. A force
+                    that jumps with a velocity (dry friction: sign(v), or if v > 0) may hold the motion there: it sticks, by
+                    that share of the jump which keeps the velocity, until that is not enough
 time, pi
 virtual(x)          zero, but with the virtual displacement of x: says in an equation where its force acts (see Gear)
 

@@ -1,0 +1,212 @@
+"""Dry friction: forces that jump with a velocity, and hold it at their jump."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from fmus import simulated
+from lagrangia.native import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+Write = Callable[[str], lag.Model]
+SOLVERS = ("auto", "taylor", "erk", "erk5", "implicit")
+G = 9.81
+
+# The same friction said in three ways.
+LAWS = {
+    "dissipation": "DryFriction f(F = 5, rate = b.v);",
+    "sign": "AppliedForce f(at = b.center, force = {-5*sign(b.v), 0});",
+    "if": "AppliedForce f(at = b.center, force = {if b.v > 0[m/s] then -5 else 5, 0});",
+}
+
+
+def stopping(law: str) -> str:
+    return f"""model Stopping "swings on a rough plane until it sticks"
+      Block b(m = 2, base = world, s(start = 0.95));
+      Spring k(k = 50, stretch = b.s);
+      {LAWS[law]}
+    end Stopping;"""
+
+
+def stopping_on_paper(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Half swings about +F/k and -F/k in turn, each shorter by 2 F/k, until the spring cannot tear it off."""
+    w, shift, s, begin = 5.0, 0.1, 0.95, 0.0
+    place, rate = np.empty_like(t), np.zeros_like(t)
+    while abs(s) > shift:
+        middle = np.copysign(shift, s)
+        now = (t >= begin) & (t < begin + np.pi / w)
+        place[now] = middle + (s - middle) * np.cos(w * (t[now] - begin))
+        rate[now] = -w * (s - middle) * np.sin(w * (t[now] - begin))
+        s, begin = 2 * middle - s, begin + np.pi / w
+    place[t >= begin] = s
+    return place, rate
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
+def test_a_block_swings_until_it_sticks(scene: Write, law: str, solver: str, tolerance: float) -> None:
+    t = np.linspace(0, 10, 101)
+    run = scene(stopping(law)).simulate(at=t, tolerance=tolerance, solver=solver)
+    place, rate = stopping_on_paper(t)
+    np.testing.assert_allclose(run["b.s"], place, rtol=0, atol=max(5 * tolerance, 1e-12))
+    np.testing.assert_allclose(run["b.v"], rate, rtol=0, atol=max(25 * tolerance, 5e-12))
+    assert run.statistics.rhs_evaluations < 15_000
+
+
+PUSHED = """model Pushed "held by its friction until the load is too large"
+  Block b(m = 1, base = world);
+  Force F = -3*sign(b.v);
+  AppliedForce f(at = b.center, force = {F, 0}), load(at = b.center, force = {4*sin(1[rad/s]*time), 0});
+  output Force holding = F;
+  output Acceleration a = der(b.v);
+end Pushed;"""
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_friction_holds_what_it_can(scene: Write, solver: str) -> None:
+    """At rest it is as large as the load; then v = 4 (cos t1 - cos t) - 3 (t - t1) with 4 sin t1 = 3."""
+    t, torn = np.linspace(0, 1.5, 31), np.arcsin(0.75)
+    run = scene(PUSHED).simulate(at=t, tolerance=1e-9, solver=solver)
+    rests = t < torn
+    np.testing.assert_allclose(run["holding"], np.where(rests, -4 * np.sin(t), -3), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run["a"], np.where(rests, 0, 4 * np.sin(t) - 3), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run["b.v"], np.where(rests, 0, 4 * (np.cos(torn) - np.cos(t)) - 3 * (t - torn)), rtol=0, atol=1e-9)
+    assert run.statistics.events == 1
+
+
+@pytest.mark.parametrize("angle", [10, 25])
+def test_a_block_on_an_incline_stays_or_slides(scene: Write, angle: float) -> None:
+    """It stays where tan(angle) < 0.3."""
+    phi, m, mu = np.radians(angle), 2.0, 0.3
+    model = scene(f"""model Incline
+      Prismatic p(a = world, along = {{cos({angle}[deg]), -sin({angle}[deg])}});
+      PointMass b(m = {m}, center = p.b);
+      DryFriction f(F = {mu * m * G * np.cos(phi)}, rate = p.v);
+    end Incline;""")
+    slope = max(0.0, G * (np.sin(phi) - mu * np.cos(phi)))
+    assert model.simulate(at=[2.0], tolerance=1e-9)["p.s"][-1] == pytest.approx(2 * slope, rel=1e-12, abs=1e-14)
+
+
+ROLLING = """model Rolling "A disc slips on a floor until it rolls: what sticks is the rate of its lowest point"
+  Prismatic x(a = world, along = {1, 0}, v(start = 3));
+  Revolute r(a = x.b);
+  Disc d(m = 2, r = 0.1, center = r.b);
+  DryFriction f(F = 0.2*2*9.81, rate = x.v + 0.1[m]*r.w);
+end Rolling;"""
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_disc_slips_until_it_rolls(scene: Write, solver: str) -> None:
+    """Of a disc I = m r^2/2, so that two thirds of its speed are left."""
+    run = scene(ROLLING).simulate(at=[0.25, 3.0], tolerance=1e-9, solver=solver)
+    rolls = 1 / (0.2 * G)
+    np.testing.assert_allclose(run["x.v"], [3 - 0.2 * G * 0.25, 2], rtol=1e-12)
+    np.testing.assert_allclose(run["r.w"][-1], -20, rtol=1e-12)
+    assert run["x.s"][-1] == pytest.approx(3 * rolls - 0.1 * G * rolls**2 + 2 * (3 - rolls), rel=1e-12)
+
+
+BRAKES = """model Brakes "Two brakes on one shaft, and a clutch between it and another one"
+  World world(gravity = {0, 0});
+  Revolute r1(a = world), r2(a = world, w(start = -5));
+  Disc d1(m = 2, r = 0.2, center = r1.b), d2(m = 1, r = 0.2, center = r2.b);
+  AppliedTorque t(on = r1.b, torque = 8*sin(2[rad/s]*time));
+  TorsionDryFriction b1(tau = 2, a = world, b = r1.b), b2(tau = 3, a = world, rate = 2*r1.w), clutch(tau = 1, a = r2.b, b = r1.b);
+end Brakes;"""
+
+
+def test_brakes_that_hold_the_same_shaft(scene: Write) -> None:
+    """2 + 2*3 are more than 8 sin: nothing moves it, whatever each of them does; the clutch stops the other one in 0.02*5/1 s."""
+    model = scene(BRAKES.replace("8*sin", "7*sin"))
+    run = model.simulate(at=np.linspace(0, 5, 51), tolerance=1e-9)
+    assert np.abs(run["r1.w"]).max() < 1e-12
+    np.testing.assert_allclose(run["r2.w"], np.minimum(-5 + 50 * run["time"], 0), rtol=0, atol=1e-12)
+    slips = scene(BRAKES.replace("8*sin", "20*sin")).simulate(stop=5, tolerance=1e-9)
+    assert np.abs(slips["r1.w"]).max() > 10
+    assert slips.statistics.energy_residual < 1e-8
+
+
+ROD = """model Rod "Two pendulums whose tips rub on a rod between them: what sticks is the rate of a distance"
+  Revolute h[2](a = {world, shift(world, {1.5, 0})}, phi(start = {-1, -2.5}));
+  PointMass p[2](m = {1, 2}, center = {shift(h[i].b, {1, 0}) for i in 1:2});
+  Length d = distance(p[1].center, p[2].center);
+  DryFriction f(F = 4, a = p[1].center, b = p[2].center);
+  output Length gap = d;
+end Rod;"""
+CRANK = """model Crank "A slider crank whose piston rubs until it stops"
+  World     world(gravity = {0, 0});
+  Revolute  O(a = world, phi(start = 0.5, fixed = true), w(start = 10)),
+            pin(a = crank.b, b = rod.a), wrist(a = rod.b, b = piston.center);
+  Prismatic guide(a = world, s(start = 0.4));
+  Bar       crank(m = 1, L = 0.1, a = O.b), rod(m = 0.5, L = 0.3);
+  PointMass piston(m = 2, center = guide.b);
+  AppliedForce f(at = piston.center, force = {15*cos(3[rad/s]*time), 0});
+  DryFriction rub(F = 10, rate = guide.v);
+end Crank;"""
+ROW = """model Row "Blocks on a rough plane in a row of springs, drawn by a belt (R. Burridge, L. Knopoff, 1967)"
+  parameter Integer n = 12;
+  Block b[n](each m = 1, each base = world, s(start = {0.01*sin(7*i) for i in 1:n}));
+  SpringDamper k[n-1](each k = 30, each c = 0.1, stretch = {b[i+1].s - b[i].s for i in 1:n-1});
+  Spring l[n](each k = 5, stretch = {b[i].s - 0.1[m/s]*time for i in 1:n});
+  DryFriction f[n](each F = 1, rate = {b[i].v for i in 1:n});
+end Row;"""
+
+
+@pytest.mark.parametrize(("text", "stop", "most"), [(ROD, 10.0, 8_000), (CRANK, 5.0, 20_000), (ROW, 12.0, 30_000)],
+                         ids=["rod", "crank", "row"])
+@pytest.mark.parametrize("solver", ["auto", "erk5", "implicit"])
+def test_solvers_agree_on_what_sticks(scene: Write, text: str, stop: float, most: int, solver: str) -> None:
+    """Loops, rates of distances, and many at once; the reference comes of another method, a hundred times as tight."""
+    t, model = np.linspace(0, stop, 41), scene(text)
+    best, run = (model.simulate(at=t, tolerance=tol, solver=which) for tol, which in ((1e-10, "erk"), (1e-8, solver)))
+    for column in model.scene.coordinates:
+        size = np.abs(best[column.name]).max()
+        np.testing.assert_allclose(run[column.name], best[column.name], rtol=0, atol=2e-8 * size + 2e-10)
+    assert run.statistics.rhs_evaluations < most
+    assert run.statistics.energy_residual < 1e-7 * run.statistics.energy_scale
+
+
+def test_islands_stick_each_by_itself(scene: Write) -> None:
+    """And rows of the whole know what holds them."""
+    model = scene("""model Islands
+      Block b[3](each m = 1, each base = world, s(start = {0.1, 0.2, 0.3}));
+      Spring k[3](each k = 30, stretch = {b[i].s for i in 1:3});
+      Force F[3] = {-(0.5 + 0.1*i)*sign(b[i].v) for i in 1:3};
+      AppliedForce f[3](at = {b[i].center for i in 1:3}, force = {{F[i], 0} for i in 1:3});
+      output Force holding[3] = F;
+    end Islands;""")
+    apart, together = (model.simulate(at=[0.0, 0.3, 9.0], tolerance=1e-10, solver=solver) for solver in ("islands", "erk"))
+    for k in (1, 2, 3):
+        for name in (f"b[{k}].s", f"b[{k}].v", f"holding[{k}]"):
+            np.testing.assert_allclose(apart[name], together[name], rtol=0, atol=1e-9)
+        assert apart[f"holding[{k}]"][-1] == pytest.approx(30 * apart[f"b[{k}].s"][-1], abs=1e-12)
+
+
+@pytest.mark.parametrize(("kind", "error"), [("CoSimulation", 1e-8), ("ModelExchange", 1e-4)])
+def test_fmus_stick(tmp_path: Path, kind: str, error: float) -> None:
+    path = tmp_path / "stopping.lag"
+    path.write_text(stopping("sign"), encoding="utf-8")
+    t = np.linspace(0, 10, 51)
+    found = simulated(path, "2", kind, ["b.s"], stop_time=10.0, output_interval=0.2, relative_tolerance=1e-9)
+    np.testing.assert_allclose(np.interp(t, found["time"], found["b.s"]), stopping_on_paper(t)[0], rtol=0, atol=error)
+
+
+def test_runs_of_a_sweep_stick(scene: Write) -> None:
+    """A sixth of the mass swings sqrt(6) times as often, and stops at the same place."""
+    sweep = scene(stopping("dissipation")).simulate_many(parameters={"b.m": [1 / 3, 2.0]}, stop=10.0, tolerance=1e-10)
+    np.testing.assert_allclose(sweep["final(b.s)"], 0.05, rtol=0, atol=1e-9)
+
+
+def test_a_sharp_valley(scene: Write) -> None:
+    """A force that jumps with a place holds nothing: V = F |s| is a parabola to each side, of period 4 sqrt(2 m s/F)."""
+    model = scene("""model Valley
+      World world(gravity = {0, 0});
+      Block b(m = 1, base = world, s(start = 1));
+      GeneralSpring g(stretch = b.s, V = 3[N]*abs(b.s));
+    end Valley;""")
+    period = 4 * np.sqrt(2 / 3)
+    run = model.simulate(at=[period / 4, period / 2, 10 * period], tolerance=1e-10)
+    np.testing.assert_allclose(run["b.s"], [0, -1, 1], rtol=0, atol=1e-11)
