@@ -140,7 +140,7 @@ int lag_switches_enter(LagRun *run)
     LagSwitches *s = &run->switches;
     if (run->model->n_switches == 0)
         return 0;
-    s->is_live = s->for_good || s->live_steps > 0 || !run->methods.table->holds_switches;
+    s->is_live = s->live_steps > 0 || !run->methods.table->holds_switches;
     run->sliding.count = 0;
     const int turned = choose(run);
     lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
@@ -168,8 +168,7 @@ int lag_switches_release(LagRun *run)
 
 /* -------- what is done where they change */
 
-/* Notes which change at the present time. One that does so in step after short step is left to step control for a while. */
-static void turn(LagRun *run)
+int lag_switches_note(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     int first = -1;
@@ -179,6 +178,14 @@ static void turn(LagRun *run)
         s->turned[i] = !changes ? STAYS : !s->slides[i] ? CHANGES : has_more ? TO_1 : TO_0;
         first = first < 0 && changes ? i : first;
     }
+    return first;
+}
+
+/* One that changes in step after short step is left to step control for a while. */
+static void turn(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const int first = lag_switches_note(run);
     const double since = run->motion.t - run->motion.t_old;
     const int stands = since <= lag_time_resolution(run->motion.t), is_soon = since < SOON * run->statistics.largest_step;
     s->hurried = stands || (first == s->last && is_soon) ? s->hurried + 1 : 0;

@@ -8,7 +8,6 @@
 
 typedef struct {
     int is_live;    /* they are evaluated with the accelerations: no step holds them */
-    int for_good;   /* whoever runs this asks for that */
     int live_steps; /* steps left to be taken so */
     int spell;      /* so many, the next time that one of them changes to and fro */
     int last;       /* the one that changed latest; -1: none */
@@ -48,6 +47,9 @@ void lag_switches_recall(LagRun *run);
 /* The step being tried cannot be taken with what is held, which has no value (a root of what has become negative): the next attempts
  * go without. Returns 0 where they do already, or something slides. */
 int lag_switches_release(LagRun *run);
+
+/* Notes which conditions have changed at the present state, or change there: segments begin with that. Returns the first; -1: none. */
+int lag_switches_note(LagRun *run);
 
 /* A step of a model with switches was taken: where one changed in it, that becomes the present time, and the segment is over. */
 void lag_switches_watch(LagRun *run);

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
     from lagrangia.pipeline import Compilation
 
-GROUPS = ("time", "state", "slope", "output", "energy", "input", "parameter", "real", "integer", "boolean", "string")
+_CONSTANTS = ("real", "integer", "boolean", "string")
+GROUPS = ("time", "state", "slope", "output", "energy", "input", "parameter", "indicator", *_CONSTANTS)
 _ENERGIES = {"kinetic": "kinetic energy", "potential": "potential energy", "total": "kinetic and potential energy",
              "dissipated": "taken out by dampers since the start", "work": "put in by loads and moving supports since the start",
              "residual": "of the energy account, which is 0 but for errors"}
@@ -201,7 +202,8 @@ class _Names:
             self.states.append(first)
             self.aliases[first] = tuple(rest)
             self.slopes.append(f"der({first})" if others.get(n + k) else f"der({self.states[k]},2)")
-        self.energy = _free("energy", {name.partition(".")[0].partition("[")[0] for name in taken})
+        heads = {name.partition(".")[0].partition("[")[0] for name in taken}
+        self.energy, self.switch = _free("energy", heads), _free("switch", heads)
 
 
 def _free(name: str, taken: set[str]) -> str:
@@ -242,12 +244,15 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
         causality = "parameter" if is_free else "calculatedParameter"
         yield Variable(known.name, "parameter", reference(), causality, "tunable", "exact" if is_free else "calculated",
                        value if is_free else None, known.unit, "", known.description, known.minimum, known.maximum)
+    for k in range(1, 1 + scene.sizes["n_switches"]):
+        yield Variable(f"{names.switch}[{k}]", "indicator", reference(), "local", "continuous", "calculated", None,
+                       description="event indicator: forces bend or jump where it falls to 0")
     yield from _constants(scene, reference)
 
 
 def _constants(scene: Scene, reference: Callable[[], int]) -> Iterator[Variable]:
     groups = {name: _constant_group(value) for name, value in scene.structural.items()}
-    for group in GROUPS[7:]:
+    for group in _CONSTANTS:
         for name in (name for name, found in groups.items() if found == group):
             yield Variable(name, group, reference(), "local", "constant", "exact", scene.structural[name],
                            description="structural: compiled in")

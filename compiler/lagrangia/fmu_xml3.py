@@ -82,7 +82,8 @@ def _structure(model: FmuModel) -> str:
     outputs = [(v, known_when_running(model, v.name, True)) for v in model.of("output")]
     slopes = [(v, known_when_running(model, v.name, True)) for v in model.of("slope")]
     parts = [*_unknowns(model, "Output", outputs), *_unknowns(model, "ContinuousStateDerivative", slopes),
-             *_unknowns(model, "InitialUnknown", initial_unknowns(model))]
+             *_unknowns(model, "InitialUnknown", initial_unknowns(model)),
+             *(element("EventIndicator", {"valueReference": v.reference}, indent=2) for v in model.of("indicator"))]
     return element("ModelStructure", {}, *parts)
 
 

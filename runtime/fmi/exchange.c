@@ -15,6 +15,7 @@
 
 #include "instance.h"
 
+#include "conditions.h"
 #include "evaluate.h"
 #include "function.h"
 #include "schedule.h"
@@ -152,7 +153,44 @@ LagAnswer lag_instance_nominals(LagInstance *s, double *nominal, size_t count)
     return answer;
 }
 
+/* Above 0 as long as the equations hold, with what is rounding around it. */
+LagAnswer lag_instance_indicators(LagInstance *s)
+{
+    LagRun *run = s->run;
+    if (!run || s->model->n_switches == 0)
+        return LAG_ANSWER_OK;
+    const LagSwitches *switches = &run->switches;
+    lag_conditions(run, s->vital.t, s->x, switches->g_inside, switches->rate_inside);
+    for (int i = 0; i < s->model->n_switches; ++i)
+        s->indicators[i] = lag_depth(switches, i, switches->g_inside) + switches->unknown[i];
+    return LAG_ANSWER_OK;
+}
+
+LagAnswer lag_instance_get_indicators(LagInstance *s, double *indicators, size_t count)
+{
+    if (count != (size_t)s->model->n_switches || (count > 0 && !indicators))
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "there are %d event indicators, not %lu",
+                                s->model->n_switches, (unsigned long)count);
+    LagAnswer answer = lag_instance_settle(s);
+    if (answer == LAG_ANSWER_OK)
+        answer = lag_instance_indicators(s);
+    if (answer == LAG_ANSWER_OK && count > 0)
+        memcpy(indicators, s->indicators, count * sizeof *indicators);
+    return answer;
+}
+
 /* ---------------------------------------------------------------- completed steps and events */
+
+/* The run stands at a state (q, v). */
+static void stand_at(LagInstance *s, double t, const double *x)
+{
+    LagMotion *motion = &s->run->motion;
+    motion->t = motion->t_old = t;
+    memset(motion->y, 0, (size_t)motion->size * sizeof *motion->y);
+    memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);
+    memcpy(motion->y, x, 2 * (size_t)motion->n * sizeof *x);
+    lag_switches_forget(s->run);
+}
 
 void lag_exchange_note(LagInstance *s)
 {
@@ -217,10 +255,7 @@ static int account_by_run(LagInstance *s, double *sum)
     LagRun *run = s->run;
     const int n = run->model->n;
     int done = 0;
-    run->motion.t = run->motion.t_old = s->vital.last_time;
-    memset(run->motion.y, 0, (size_t)run->motion.size * sizeof *run->motion.y);
-    memset(run->motion.carry, 0, (size_t)run->motion.size * sizeof *run->motion.carry);
-    memcpy(run->motion.y, s->last, 2 * (size_t)n * sizeof *s->last);
+    stand_at(s, s->vital.last_time, s->last);
     run->segment_over = 0;
     run->segment_end = fmax(run->segment_end, s->vital.t); /* events are the importer's */
     if (lag_segment_evaluate(run) != LAG_OK || lag_run_advance(run, &s->vital.t, 1, s->row, &done, 0) != LAG_OK)
@@ -228,6 +263,8 @@ static int account_by_run(LagInstance *s, double *sum)
     const double *account = s->row + 1 + 2 * n + run->model->n_outputs + 3;
     sum[0] = account[0];
     sum[1] = account[1];
+    stand_at(s, s->vital.t, s->x);
+    lag_switches_enter(run);
     return 1;
 }
 
@@ -259,18 +296,43 @@ static int is_astray(LagInstance *s)
     return 0;
 }
 
+/* Whether a condition is another one than the equations hold, whatever the importer does about indicators. */
+static int has_switched_at(LagInstance *s)
+{
+    lag_instance_indicators(s);
+    for (int i = 0; i < s->model->n_switches; ++i)
+        if (s->indicators[i] < 0)
+            return 1;
+    return 0;
+}
+
 LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
 {
     const LagAnswer answer = lag_instance_settle(s);
+    const int has_switched = answer == LAG_ANSWER_OK && has_switched_at(s);
     lag_scale_note(&s->run->scale, s->x);
     keep_account(s);
-    *needs_event = answer == LAG_ANSWER_OK && (s->vital.t >= s->run->segment_end || is_astray(s));
+    *needs_event = answer == LAG_ANSWER_OK && (has_switched || s->vital.t >= s->run->segment_end || is_astray(s));
     return answer;
 }
 
 static double next_event(LagInstance *s)
 {
     return lag_schedule_next(s->model->n_events, s->model->event_kind, s->run->event_a, s->run->event_b, s->vital.t);
+}
+
+/* What the equations hold from now on, and what slides. Returns whether rates were moved for it. */
+static int switch_over(LagInstance *s)
+{
+    LagRun *run = s->run;
+    const size_t size = 2 * (size_t)s->model->n * sizeof *s->x;
+    stand_at(s, s->vital.t, s->x);
+    if (s->model->n_switches > 0)
+        lag_switches_note(run);
+    lag_switches_enter(run);
+    const int is_moved = memcmp(s->x, run->motion.y, size) != 0;
+    memcpy(s->x, run->motion.y, size);
+    return is_moved;
 }
 
 /* The modes after this time, and the impulses that come with them; a state that has gone astray is brought back. */
@@ -284,17 +346,17 @@ static int begin_segment(LagInstance *s)
     lag_segment_enter(run);
     const int kicked = lag_kick(run, s->vital.t, s->x), astray = is_astray(s);
     if (astray) {
-        memcpy(run->motion.y, s->x, size);
-        memset(run->motion.carry, 0, size);
+        stand_at(s, s->vital.t, s->x);
         lag_scale_note(&run->scale, s->x);
         lag_project_present(run);
         memcpy(s->x, run->motion.y, size);
     }
+    const int is_moved = switch_over(s);
     lag_energies(run, s->vital.t, s->x, after);
     if (!astray) /* what projecting adds or takes is an error, and shows as one */
         s->vital.work += after[2] - before[2];
     lag_instance_forget(s);
-    return astray || kicked;
+    return astray || kicked || is_moved;
 }
 
 LagAnswer lag_instance_update_discrete(LagInstance *s, LagEventInfo *info)

@@ -332,12 +332,9 @@ fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx
 
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni)
 {
-    (void)eventIndicators;
     if (!exchanges(c, LAG_CALL_GET_CONTINUOUS, "fmi2GetEventIndicators"))
         return fmi2Error;
-    if (ni == 0)
-        return fmi2OK;
-    return status(lag_instance_log(core(c), LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "there are no event indicators"));
+    return status(lag_instance_get_indicators(core(c), eventIndicators, ni));
 }
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx)

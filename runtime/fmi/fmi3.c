@@ -394,10 +394,9 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 
 
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators)
 {
-    (void)eventIndicators;
     if (!exchanges(instance, LAG_CALL_GET_CONTINUOUS, "fmi3GetEventIndicators"))
         return fmi3Error;
-    return nEventIndicators == 0 ? fmi3OK : error(instance, "there are no event indicators");
+    return status(lag_instance_get_indicators(core(instance), eventIndicators, nEventIndicators));
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[], size_t nContinuousStates)
@@ -420,7 +419,7 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventI
         return fmi3Error;
     if (!nEventIndicators)
         return no_place(instance);
-    *nEventIndicators = 0;
+    *nEventIndicators = (size_t)lag_fmu_count(&lag_fmu, LAG_GROUP_INDICATOR);
     return fmi3OK;
 }
 

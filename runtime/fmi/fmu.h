@@ -15,6 +15,7 @@ enum {
     LAG_GROUP_ENERGY,    /* LAG_ENERGIES */
     LAG_GROUP_INPUT,
     LAG_GROUP_PARAMETER,
+    LAG_GROUP_INDICATOR, /* n_switches: above 0 as long as steps may hold them */
     LAG_GROUP_REAL,      /* constants */
     LAG_GROUP_INTEGER,
     LAG_GROUP_BOOLEAN,

@@ -80,6 +80,7 @@ struct LagInstance {
     double *power;           /* n_power */
     double *last, *last_slope, *last_power; /* at the last completed step */
     double *scratch, *projected; /* not saved */
+    double *indicators;          /* n_switches */
     double *row, *mask, *table, *directions, *work;
 };
 
@@ -129,6 +130,9 @@ LagAnswer lag_instance_set_time(LagInstance *instance, double t);
 LagAnswer lag_instance_set_states(LagInstance *instance, const double *x, size_t count);
 LagAnswer lag_instance_get_states(LagInstance *instance, double *x, size_t count);
 LagAnswer lag_instance_get_slopes(LagInstance *instance, double *slope, size_t count);
+/* Event indicators, into `indicators`; and for an importer. */
+LagAnswer lag_instance_indicators(LagInstance *instance);
+LagAnswer lag_instance_get_indicators(LagInstance *instance, double *indicators, size_t count);
 LagAnswer lag_instance_nominals(LagInstance *instance, double *nominal, size_t count);
 LagAnswer lag_instance_completed_step(LagInstance *instance, int *needs_event);
 /* Also of Co-Simulation with events. */

@@ -24,6 +24,7 @@ int lag_fmu_count(const LagFmu *fmu, int group)
     case LAG_GROUP_ENERGY: return LAG_ENERGIES;
     case LAG_GROUP_INPUT: return m->n_inputs;
     case LAG_GROUP_PARAMETER: return m->n_parameters;
+    case LAG_GROUP_INDICATOR: return m->n_switches;
     case LAG_GROUP_REAL: return fmu->n_reals;
     case LAG_GROUP_INTEGER: return fmu->n_integers;
     case LAG_GROUP_BOOLEAN: return fmu->n_booleans;
@@ -86,7 +87,6 @@ LagAnswer lag_instance_begin(LagInstance *s)
     if (vital->has_started)
         return LAG_ANSWER_OK;
     run->started = 0;
-    run->switches.for_good = s->kind == LAG_MODEL_EXCHANGE; /* steps are the importer's */
     run->motion.t = vital->start; /* where the inputs begin */
     LagStatus status = lag_run_set_parameters(run, s->given, s->mask);
     if (check_parameters(s) != LAG_ANSWER_OK)
@@ -204,6 +204,10 @@ static LagAnswer get_from(LagInstance *s, int group, int index, double *value)
         *value = s->energies[index];
         break;
     case LAG_GROUP_INPUT: *value = s->u[index]; break;
+    case LAG_GROUP_INDICATOR:
+        answer = lag_instance_indicators(s);
+        *value = s->indicators[index];
+        break;
     case LAG_GROUP_PARAMETER: *value = s->run ? lag_run_parameters(s->run)[index] : s->given[index]; break;
     default: *value = s->fmu->reals[index]; break;
     }
