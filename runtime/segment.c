@@ -81,6 +81,8 @@ LagStatus lag_segment_evaluate(LagRun *run)
     if (run->methods.solver != LAG_SOLVER_LINEAR && run->methods.solver != LAG_SOLVER_ISLANDS) /* these have no units of error */
         look_ahead(run);
     run->step = first_step(run, is_bend);
+    if (is_bend) /* steps before were of another motion */
+        run->calm_step = fmin(run->calm_step, run->step);
     run->is_starting = 1;
     run->methods.table->restart(run->methods.self, motion);
     lag_scale_set_step(&run->scale, run->step, run->methods.solver == LAG_SOLVER_IMPLICIT);
