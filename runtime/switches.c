@@ -36,7 +36,7 @@ void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagAre
 
 void lag_switches_forget(LagRun *run) { memset(run->switches.turned, 0, (size_t)run->model->n_switches * sizeof(int)); }
 
-void lag_switches_reset(LagRun *run)
+void lag_switches_start_anew(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     s->is_live = s->live_steps = s->hurried = 0;
@@ -44,8 +44,14 @@ void lag_switches_reset(LagRun *run)
     s->unlooked = 0;
     s->spell = FIRST_SPELL;
     s->last = -1;
-    memset(s->held, 0, (size_t)run->model->n_switches * sizeof *s->held);
     lag_switches_forget(run);
+}
+
+void lag_switches_reset(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    lag_switches_start_anew(run);
+    memset(s->held, 0, (size_t)run->model->n_switches * sizeof *s->held);
     lag_sliding_end(run);
 }
 
@@ -155,6 +161,24 @@ int lag_switches_enter(LagRun *run)
             s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]);
     lag_switches_forget(run);
     return turned;
+}
+
+void lag_switches_keep(const LagRun *run, double *kept)
+{
+    for (int i = 0; i < run->model->n_switches; ++i)
+        kept[i] = run->switches.slides[i] ? NAN : run->switches.held[i];
+}
+
+void lag_switches_resume(LagRun *run, const double *kept)
+{
+    LagSwitches *s = &run->switches;
+    for (int i = 0; i < run->model->n_switches; ++i) {
+        s->turned[i] = isnan(kept[i]);
+        s->held[i] = s->turned[i] ? 0.5 : kept[i];
+    }
+    lag_switches_recall(run);
+    lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
+    lag_switches_forget(run);
 }
 
 int lag_switches_release(LagRun *run)

@@ -28,6 +28,9 @@ void lag_switches_layout(LagSwitches *switches, const LagModel *model, int size,
 /* A run starts. */
 void lag_switches_reset(LagRun *run);
 
+/* The same but for what is held and slides: it goes on from another state. */
+void lag_switches_start_anew(LagRun *run);
+
 /* Those that were to change do not, since the present time is another one. */
 void lag_switches_forget(LagRun *run);
 
@@ -43,6 +46,10 @@ void lag_switches_set_free(LagRun *run);
 
 /* Sets them as they are held. */
 void lag_switches_recall(LagRun *run);
+
+/* What is held: a number for each, NaN for what slides; and that again, at the present state. */
+void lag_switches_keep(const LagRun *run, double *kept);
+void lag_switches_resume(LagRun *run, const double *kept);
 
 /* The step being tried cannot be taken with what is held, which has no value (a root of what has become negative): the next attempts
  * go without. Returns 0 where they do already, or something slides. */

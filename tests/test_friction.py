@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from fmpy import read_model_description
 from fmus import simulated
 from lagrangia.native import find_compiler
 
@@ -185,13 +186,29 @@ def test_islands_stick_each_by_itself(scene: Write) -> None:
         assert apart[f"holding[{k}]"][-1] == pytest.approx(30 * apart[f"b[{k}].s"][-1], abs=1e-12)
 
 
-@pytest.mark.parametrize(("kind", "error"), [("CoSimulation", 1e-8), ("ModelExchange", 1e-4)])
-def test_fmus_stick(tmp_path: Path, kind: str, error: float) -> None:
-    path = tmp_path / "stopping.lag"
-    path.write_text(stopping("sign"), encoding="utf-8")
-    t = np.linspace(0, 10, 51)
-    found = simulated(path, "2", kind, ["b.s"], stop_time=10.0, output_interval=0.2, relative_tolerance=1e-9)
-    np.testing.assert_allclose(np.interp(t, found["time"], found["b.s"]), stopping_on_paper(t)[0], rtol=0, atol=error)
+@pytest.mark.parametrize("version", ["2", "3"])
+@pytest.mark.parametrize(("kind", "error"), [("CoSimulation", 1e-8), ("ModelExchange", 1e-6)])
+@pytest.mark.parametrize(("text", "name", "stop"), [(stopping("sign"), "b.s", 10.0), (CRANK, "guide.s", 4.0)], ids=["block", "crank"])
+@pytest.mark.parametrize("rows", [20, 2000])
+def test_fmus_stick(tmp_path: Path, version: str, kind: str, error: float, text: str, name: str, stop: float, rows: int) -> None:
+    """Importers find by event indicators where it sticks and is torn off."""
+    path, t = tmp_path / "scene.lag", np.linspace(0, stop, 21)
+    path.write_text(text, encoding="utf-8")
+    found = simulated(path, version, kind, [name], stop_time=stop, output_interval=stop / rows, relative_tolerance=1e-9)
+    own = lag.load(path).simulate(at=t, tolerance=1e-11)[name]
+    np.testing.assert_allclose(np.interp(t, found["time"], found[name]), own, rtol=0, atol=error)
+
+
+def test_fmus_tell_of_their_switches(tmp_path: Path) -> None:
+    """As many indicators as conditions, and the checker agrees with what is said of them."""
+    path = tmp_path / "scene.lag"
+    path.write_text(CRANK, encoding="utf-8")
+    for version in ("2", "3"):
+        fmu = tmp_path / f"scene{version}.fmu"
+        lag.load(path).export_fmu(fmu, fmi=version)
+        description = read_model_description(fmu)
+        assert description.numberOfEventIndicators == 1
+        assert "switch[1]" in [variable.name for variable in description.modelVariables]
 
 
 def test_runs_of_a_sweep_stick(scene: Write) -> None:

@@ -25,14 +25,22 @@
 static const double FARTHEST = 1e-7; /* correction of a position, of its nominal value, that is left to the stabilisation */
 static const double CLOSE = 1e-6; /* of the accelerations: the polynomial between two completed steps is the motion */
 
+/* The state on the constraints that equations and conditions are those of. */
+static double *projected_at(LagInstance *s, double t, const double *x)
+{
+    if (s->model->n > 0)
+        memcpy(s->projected, x, 2 * (size_t)s->model->n * sizeof *x);
+    if (s->model->n_multipliers > 0 && s->kind == LAG_MODEL_EXCHANGE)
+        lag_project_inside(s->run, t, s->projected);
+    return s->projected;
+}
+
 /* Slopes that lead back to the constraints; 1 when all are finite. */
 static int held_slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
 {
     const int n = s->model->n;
     const double k = s->fmu->stabilisation;
-    double *projected = s->projected, probe = 0;
-    memcpy(projected, x, 2 * (size_t)n * sizeof *x);
-    lag_project_inside(s->run, t, projected);
+    double *projected = projected_at(s, t, x), probe = 0;
     memcpy(slope, projected + n, (size_t)n * sizeof *slope);
     if (!lag_accelerations(s->run, t, projected, slope, slope + n, power))
         return 0;
@@ -160,7 +168,7 @@ LagAnswer lag_instance_indicators(LagInstance *s)
     if (!run || s->model->n_switches == 0)
         return LAG_ANSWER_OK;
     const LagSwitches *switches = &run->switches;
-    lag_conditions(run, s->vital.t, s->x, switches->g_inside, switches->rate_inside);
+    lag_conditions(run, s->vital.t, projected_at(s, s->vital.t, s->x), switches->g_inside, switches->rate_inside);
     for (int i = 0; i < s->model->n_switches; ++i)
         s->indicators[i] = lag_depth(switches, i, switches->g_inside) + switches->unknown[i];
     return LAG_ANSWER_OK;
@@ -189,7 +197,7 @@ static void stand_at(LagInstance *s, double t, const double *x)
     memset(motion->y, 0, (size_t)motion->size * sizeof *motion->y);
     memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);
     memcpy(motion->y, x, 2 * (size_t)motion->n * sizeof *x);
-    lag_switches_forget(s->run);
+    lag_switches_start_anew(s->run);
 }
 
 void lag_exchange_note(LagInstance *s)
@@ -255,17 +263,17 @@ static int account_by_run(LagInstance *s, double *sum)
     LagRun *run = s->run;
     const int n = run->model->n;
     int done = 0;
+    lag_switches_keep(run, s->switches);
     stand_at(s, s->vital.last_time, s->last);
     run->segment_over = 0;
     run->segment_end = fmax(run->segment_end, s->vital.t); /* events are the importer's */
-    if (lag_segment_evaluate(run) != LAG_OK || lag_run_advance(run, &s->vital.t, 1, s->row, &done, 0) != LAG_OK)
-        return 0;
+    const int is_known = lag_segment_evaluate(run) == LAG_OK && lag_run_advance(run, &s->vital.t, 1, s->row, &done, 0) == LAG_OK;
     const double *account = s->row + 1 + 2 * n + run->model->n_outputs + 3;
     sum[0] = account[0];
     sum[1] = account[1];
-    stand_at(s, s->vital.t, s->x);
-    lag_switches_enter(run);
-    return 1;
+    stand_at(s, s->vital.t, projected_at(s, s->vital.t, s->x));
+    lag_switches_resume(run, s->switches);
+    return is_known;
 }
 
 static void keep_account(LagInstance *s)
@@ -326,12 +334,15 @@ static int switch_over(LagInstance *s)
 {
     LagRun *run = s->run;
     const size_t size = 2 * (size_t)s->model->n * sizeof *s->x;
-    stand_at(s, s->vital.t, s->x);
-    if (s->model->n_switches > 0)
-        lag_switches_note(run);
+    if (s->model->n_switches == 0)
+        return 0;
+    const double *projected = projected_at(s, s->vital.t, s->x);
+    stand_at(s, s->vital.t, projected);
+    lag_switches_note(run);
     lag_switches_enter(run);
-    const int is_moved = memcmp(s->x, run->motion.y, size) != 0;
-    memcpy(s->x, run->motion.y, size);
+    const int is_moved = memcmp(projected, run->motion.y, size) != 0;
+    if (is_moved)
+        memcpy(s->x, run->motion.y, size);
     return is_moved;
 }
 

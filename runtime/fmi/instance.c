@@ -105,6 +105,7 @@ static void layout(LagInstance *s, LagArena *arena)
     s->scratch = lag_take(arena, 5 * n);
     s->projected = lag_take(arena, 2 * n + (size_t)m->n_power);
     s->indicators = lag_take(arena, (size_t)m->n_switches);
+    s->switches = lag_take(arena, (size_t)m->n_switches);
     s->row = lag_take(arena, (size_t)lag_run_row_width(m));
     s->mask = lag_take(arena, (size_t)m->n_parameters);
     s->table = lag_take(arena, 2 * (1 + inputs));

@@ -80,7 +80,7 @@ struct LagInstance {
     double *power;           /* n_power */
     double *last, *last_slope, *last_power; /* at the last completed step */
     double *scratch, *projected; /* not saved */
-    double *indicators;          /* n_switches */
+    double *indicators, *switches; /* n_switches; the latter: what is held */
     double *row, *mask, *table, *directions, *work;
 };
 
