@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 
 import lagrangia as lag
-from fmpy import read_model_description
 from fmus import simulated
 from lagrangia.native import find_compiler
 
@@ -188,7 +188,8 @@ def test_islands_stick_each_by_itself(scene: Write) -> None:
 
 @pytest.mark.parametrize("version", ["2", "3"])
 @pytest.mark.parametrize(("kind", "error"), [("CoSimulation", 1e-8), ("ModelExchange", 1e-6)])
-@pytest.mark.parametrize(("text", "name", "stop"), [(stopping("sign"), "b.s", 10.0), (CRANK, "guide.s", 4.0)], ids=["block", "crank"])
+@pytest.mark.parametrize(("text", "name", "stop"), [(stopping("sign"), "b.s", 10.0), (CRANK, "guide.s", 4.0)],
+                         ids=["block", "crank"])
 @pytest.mark.parametrize("rows", [20, 2000])
 def test_fmus_stick(tmp_path: Path, version: str, kind: str, error: float, text: str, name: str, stop: float, rows: int) -> None:
     """Importers find by event indicators where it sticks and is torn off."""
