@@ -60,6 +60,7 @@ LagStatus lag_step(LagRun *run)
 {
     if (!lag_stiffness_turn(run))
         return lag_fail(run, LAG_NOT_FINITE, -1, 0, 0);
+    lag_switches_resolve(run);
     if (run->segment_over) {
         const LagStatus status = lag_segment_next(run);
         if (status != LAG_OK)

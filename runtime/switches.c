@@ -222,10 +222,10 @@ static void turn(LagRun *run)
     s->last = -1;
 }
 
-static void watch_live(LagRun *run)
+void lag_switches_resolve(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    if (s->live_steps == 0 || --s->live_steps > 0)
+    if (!s->is_live || s->live_steps > 0 || !run->methods.table->holds_switches)
         return;
     lag_switches_enter(run);
     run->segment_over |= run->sliding.count > 0; /* what is held now is another motion */
@@ -250,8 +250,9 @@ static void watch_held(LagRun *run)
 
 void lag_switches_watch(LagRun *run)
 {
-    if (run->switches.is_live)
-        watch_live(run);
-    else
+    LagSwitches *s = &run->switches;
+    if (!s->is_live)
         watch_held(run);
+    else if (s->live_steps > 0)
+        --s->live_steps;
 }

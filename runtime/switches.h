@@ -58,6 +58,9 @@ int lag_switches_release(LagRun *run);
 /* Notes which conditions have changed at the present state, or change there: segments begin with that. Returns the first; -1: none. */
 int lag_switches_note(LagRun *run);
 
+/* A step is to be taken, after the last of those without held switches. */
+void lag_switches_resolve(LagRun *run);
+
 /* A step of a model with switches was taken: where one changed in it, that becomes the present time, and the segment is over. */
 void lag_switches_watch(LagRun *run);
 
