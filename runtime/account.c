@@ -38,6 +38,14 @@ void lag_account_note(LagRun *run, const double *y, double *entries)
 
 void lag_account_glance(LagRun *run) { total(run); }
 
+void lag_account_weigh(LagRun *run)
+{
+    const int counts = run->sliding.count > 0 && run->model->n_power > 0;
+    if (counts)
+        lag_account_glance(run);
+    run->motion.energy = counts ? lag_max(run->statistics.energy_scale, run->statistics.energy_stored) : 0;
+}
+
 void lag_account_open(LagRun *run) { run->energy_before = total(run); }
 
 void lag_account_close(LagRun *run)

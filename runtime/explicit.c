@@ -172,6 +172,20 @@ LAG_UNROLLED double estimate(const LagExplicit *s, LagMotion *m, const LagTablea
     return tableau->caution * share * sqrt(fine_squares / moving);
 }
 
+/* The largest error of the energy quadratures, in units of the tolerance. */
+static double energy_error(const LagExplicit *s, const LagMotion *m, const LagTableau *tableau, double h, const LagScale *scale)
+{
+    const LagTableauRow *row = tableau->error;
+    double largest = 0;
+    for (int i = 2 * m->n; i < m->size; ++i) {
+        double sum = 0;
+        for (int j = 0; j < row->count; ++j)
+            sum += row->weight[j] * s->k[row->column[j]][i];
+        largest = fmax(fabs(h * sum) / (scale->tolerance * fmax(fabs(m->other[i]), m->energy)), largest);
+    }
+    return largest;
+}
+
 static void restart(void *self, LagMotion *m)
 {
     LagExplicit *s = self;
@@ -206,7 +220,9 @@ LAG_UNROLLED double attempt(LagExplicit *s, LagMotion *m, const LagTableau *tabl
         *worst = m->n + lag_first_not_finite(s->k[tableau->stages] + m->n, m->n);
         return INFINITY;
     }
-    const double error = estimate(s, m, tableau, h, scale, worst);
+    double error = estimate(s, m, tableau, h, scale, worst);
+    if (m->energy > 0)
+        error = fmax(energy_error(s, m, tableau, h, scale), error);
     return error >= 0 ? error : INFINITY;
 }
 

@@ -74,6 +74,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
     const int is_bend = lag_switches_enter(run);
     if (run->sliding.count > 0 && !run->methods.table->slides)
         lag_stiffness_pass(run);
+    lag_account_weigh(run);
     if (!lag_motion_slope(motion, motion->t, motion->y, motion->y + n, motion->slope)) {
         run->segment_over = 1;
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);

@@ -73,6 +73,7 @@ LagStatus lag_step(LagRun *run)
         lag_stiffness_watch(run);
         if (run->model->n_switches > 0) {
             lag_switches_watch(run);
+            lag_account_weigh(run);
             note_state(run);
         }
     }
