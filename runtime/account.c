@@ -44,6 +44,7 @@ void lag_account_weigh(LagRun *run)
     if (counts)
         lag_account_glance(run);
     run->motion.energy = counts ? lag_max(run->statistics.energy_scale, run->statistics.energy_stored) : 0;
+    run->motion.strength = counts ? run->sliding.energy : 0;
 }
 
 void lag_account_open(LagRun *run) { run->energy_before = total(run); }

@@ -176,12 +176,13 @@ LAG_UNROLLED double estimate(const LagExplicit *s, LagMotion *m, const LagTablea
 static double energy_error(const LagExplicit *s, const LagMotion *m, const LagTableau *tableau, double h, const LagScale *scale)
 {
     const LagTableauRow *row = tableau->error;
+    const double energy = fmax(m->energy, h * h * m->strength);
     double largest = 0;
     for (int i = 2 * m->n; i < m->size; ++i) {
         double sum = 0;
         for (int j = 0; j < row->count; ++j)
             sum += row->weight[j] * s->k[row->column[j]][i];
-        largest = fmax(fabs(h * sum) / (scale->tolerance * fmax(fabs(m->other[i]), m->energy)), largest);
+        largest = fmax(fabs(h * sum) / (scale->tolerance * fmax(fabs(m->other[i]), energy)), largest);
     }
     return largest;
 }

@@ -25,7 +25,8 @@ typedef struct {
     double *other, *other_carry; /* the state at t_old, or the new one while a step is tried */
     double *slope;               /* dy/dt where a segment begins */
     double *point, *sum;         /* scratch */
-    double energy;               /* the size of it where errors of its quadratures limit steps; 0: they do not */
+    double energy, strength;     /* its size, at any time and by the square of a step, where errors of its quadratures limit
+                                  * steps; 0: they do not */
     int64_t evaluations, dense_outputs;
 } LagMotion;
 

@@ -12,14 +12,15 @@
 #include <math.h>
 #include <string.h>
 
+#include "evaluate.h"
 #include "extremes.h"
 #include "function.h"
 #include "state.h"
 
 enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
 /* A change of shares is rounding below ENOUGH, and below FAINT where the next one is not much smaller. */
-static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 32 * DBL_EPSILON, DRIFT = 10;
-enum { MOST_TRIES = 12, STALE_TRIES = 4, BLOCKS = 8, MOST_SINGLE = 3 };
+static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 32 * DBL_EPSILON, NOISE = DBL_EPSILON, DRIFT = 10;
+enum { MOST_TRIES = 12, BLOCKS = 8, MOST_SINGLE = 3 };
 
 void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
 {
@@ -37,6 +38,8 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->error = lag_take(arena, count);
     s->g = lag_take(arena, count);
     s->rate = lag_take(arena, count);
+    s->noise = lag_take(arena, most);
+    s->state_here = lag_take(arena, whole);
     s->state_before = lag_take(arena, whole);
     s->slope_before = lag_take(arena, whole);
     lag_dense_lu_layout(&s->lu, s->most, 0, arena);
@@ -44,7 +47,8 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
 
 void lag_sliding_end(LagRun *run)
 {
-    run->sliding.count = run->sliding.is_stale = 0;
+    run->sliding.count = 0;
+    run->sliding.energy = 0;
     memset(run->switches.slides, 0, (size_t)run->model->n_switches * sizeof *run->switches.slides);
 }
 
@@ -83,6 +87,18 @@ static void note_noise(LagRun *run)
         scale->onset[i] = lag_max(UNKNOWN * fabs(run->switches.slope[n + i]), scale->onset[i]);
         scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
     }
+}
+
+/* The kinetic energy of rates that the latest accelerations would make in a second. */
+static void note_energy(LagRun *run, double t, const double *y)
+{
+    LagSliding *s = &run->sliding;
+    const size_t size = (size_t)run->model->n * sizeof *y;
+    double energies[3];
+    memcpy(s->state_here, y, size);
+    memcpy(s->state_here + run->model->n, run->switches.slope + run->model->n, size);
+    lag_energies(run, t, s->state_here, energies);
+    s->energy = fabs(energies[0]);
 }
 
 /* The jumps of all `count` candidates, around shares of 1/2. */
@@ -199,6 +215,7 @@ static int hold(LagRun *run, int count)
         if (!slides)
             continue;
         s->strength[sliding] = fabs(s->jump[k + k * count]);
+        s->noise[sliding] = NOISE * size_of(s, count, k);
         s->which[sliding++] = i;
     }
     return sliding;
@@ -212,6 +229,7 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
     if (count == 0)
         return;
     find_jumps(run, t, y, count);
+    note_energy(run, t, y); /* by the latest jump */
     const int is_right = pivot(s, count), sliding = hold(run, count);
     if (is_right)
         s->count = sliding;
@@ -256,28 +274,52 @@ static double find_change(LagRun *run, double t, const double *q, const double *
     const double *in[] = {&t, q, v, a, run->u, run->d, run->c};
     double *out[] = {s->g, s->rate}, largest = 0;
     lag_call(&run->model->switches, in, out, run->work);
-    for (int k = 0; k < s->count; ++k)
-        s->change[k] = -s->rate[s->which[k]];
+    for (int k = 0; k < s->count; ++k) {
+        const double rate = s->rate[s->which[k]];
+        s->change[k] = fabs(rate) <= s->noise[k] ? 0 : -rate; /* the jump may be rounding, too */
+    }
     lag_dense_lu_solve(&s->lu, s->change, NULL);
     for (int k = 0; k < s->count; ++k)
         largest = fabs(s->change[k]) <= largest ? largest : fabs(s->change[k]); /* what is no number stays */
     return largest;
 }
 
+/* The jumps of those that slide, and the shares by them, at a state. */
+static void refresh(LagRun *run, double t, const double *y)
+{
+    LagSliding *s = &run->sliding;
+    const int count = s->count;
+    s->count = 0; /* accelerations as the shares say */
+    find_jumps(run, t, y, count);
+    for (int k = 0; k < count; ++k)
+        s->state[k] = SLIDES;
+    solve(s, count);
+    for (int k = 0; k < count; ++k)
+        *share_of(run, s->which[k]) = s->share[k];
+    s->count = count;
+}
+
 LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q, const double *v, const double *a)
 {
     LagSliding *s = &run->sliding;
+    const size_t size = (size_t)run->model->n * sizeof *q;
     const double change = find_change(run, t, q, v, a);
-    s->is_stale |= tries > STALE_TRIES;
     if (change <= ENOUGH || (tries > 0 && change < FAINT && change > SLOW * s->latest))
         return LAG_SHARES_KEPT;
     if (!(change < INFINITY) || tries == MOST_TRIES) {
         lag_switches_recall(run);
         return LAG_SHARES_LOST;
     }
+    const int is_slow = tries > 0 && change * pow(change / s->latest, s->count + 1) > ENOUGH;
     s->latest = change;
-    for (int k = 0; k < s->count; ++k)
-        *share_of(run, s->which[k]) += s->change[k];
+    if (is_slow) {
+        memcpy(s->state_here, q, size);
+        memcpy(s->state_here + run->model->n, v, size);
+        refresh(run, t, s->state_here);
+    } else {
+        for (int k = 0; k < s->count; ++k)
+            *share_of(run, s->which[k]) += s->change[k];
+    }
     return LAG_SHARES_CHANGED;
 }
 
@@ -307,24 +349,6 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
     }
 }
 
-/* The jumps of those that slide, as they are now. Returns whether they still act on their own velocities. */
-static int refresh(LagRun *run)
-{
-    LagSliding *s = &run->sliding;
-    const int count = s->count;
-    int acts = 1;
-    s->count = 0;
-    find_jumps(run, run->motion.t, run->motion.y, count);
-    solve(s, count);
-    for (int k = 0; k < count; ++k) {
-        *share_of(run, s->which[k]) = s->share[k];
-        acts &= s->state[k] == SLIDES;
-    }
-    s->count = count;
-    s->is_stale = 0;
-    return acts;
-}
-
 /* Velocities are known to the tolerance, and to that of what those who hold them make of them in a step. */
 int lag_sliding_lasts(LagRun *run)
 {
@@ -333,5 +357,5 @@ int lag_sliding_lasts(LagRun *run)
     for (int k = 0; k < s->count; ++k)
         if (fabs(s->g[s->which[k]]) > DRIFT * s->error[s->which[k]] + share * s->strength[k])
             return 0;
-    return !s->is_stale || refresh(run);
+    return 1;
 }

@@ -16,11 +16,13 @@ typedef struct {
     double *middle;  /* most: dg/dt at the shares 1/2 */
     LagDenseLu lu;   /* of the jump of those that slide */
     double *change;  /* most: of the shares */
+    double *noise;   /* most: dg/dt that is rounding */
     double *error;   /* n_switches: of g that is one tolerance */
     double *g, *rate;      /* n_switches: at the latest evaluation, of which g is one of the conditions themselves */
-    double *state_before, *slope_before; /* size: a moment before */
+    double *state_here; /* size */
+    double *state_before, *slope_before; /* the same a moment before */
     double latest;   /* largest of the latest changes */
-    int is_stale;    /* evaluations take many */
+    double energy;   /* of what the jumps would set in motion in a second */
 } LagSliding;
 
 void lag_sliding_layout(LagSliding *sliding, const LagModel *model, int size, LagArena *arena);
