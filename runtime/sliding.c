@@ -19,7 +19,7 @@
 
 enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
 /* A change of shares is rounding below ENOUGH, and below FAINT where the next one is not much smaller. */
-static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 32 * DBL_EPSILON, NOISE = DBL_EPSILON, DRIFT = 10;
+static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 32 * DBL_EPSILON, NOISE = DBL_EPSILON, VANISHED = 1e-10, DRIFT = 10;
 enum { MOST_TRIES = 12, BLOCKS = 8, MOST_SINGLE = 3 };
 
 void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
@@ -31,11 +31,13 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->state = lag_take_ints(arena, most);
     s->next = lag_take_ints(arena, most);
     s->share = lag_take(arena, most);
+    s->share_here = lag_take(arena, most);
     s->strength = lag_take(arena, most);
     s->jump = lag_take(arena, most * most);
     s->middle = lag_take(arena, most);
     s->change = lag_take(arena, most);
     s->error = lag_take(arena, count);
+    s->most_jump = lag_take(arena, count);
     s->g = lag_take(arena, count);
     s->rate = lag_take(arena, count);
     s->noise = lag_take(arena, most);
@@ -47,7 +49,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
 
 void lag_sliding_end(LagRun *run)
 {
-    run->sliding.count = 0;
+    run->sliding.count = run->sliding.is_lost = 0;
     run->sliding.energy = 0;
     memset(run->switches.slides, 0, (size_t)run->model->n_switches * sizeof *run->switches.slides);
 }
@@ -78,25 +80,21 @@ static int gather(LagRun *run, const int *candidates)
     return count;
 }
 
-/* What slides is held by the difference of accelerations like these: they tell what of it is rounding. */
-static void note_noise(LagRun *run)
-{
-    const int n = run->model->n;
-    LagScale *scale = &run->scale;
-    for (int i = 0; i < n; ++i) {
-        scale->onset[i] = lag_max(UNKNOWN * fabs(run->switches.slope[n + i]), scale->onset[i]);
-        scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
-    }
-}
-
-/* The kinetic energy of rates that the latest accelerations would make in a second. */
-static void note_energy(LagRun *run, double t, const double *y)
+/* Takes notice of the latest accelerations, those with one jump: rounding of what slides is that of a difference of such ones, and its
+ * energies have the size of what they would set in motion. */
+static void note_jump(LagRun *run, double t, const double *y)
 {
     LagSliding *s = &run->sliding;
-    const size_t size = (size_t)run->model->n * sizeof *y;
+    LagScale *scale = &run->scale;
+    const int n = run->model->n;
+    const double *a = run->switches.slope + n;
     double energies[3];
-    memcpy(s->state_here, y, size);
-    memcpy(s->state_here + run->model->n, run->switches.slope + run->model->n, size);
+    for (int i = 0; i < n; ++i) {
+        scale->onset[i] = lag_max(UNKNOWN * fabs(a[i]), scale->onset[i]);
+        scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
+    }
+    memcpy(s->state_here, y, (size_t)n * sizeof *y);
+    memcpy(s->state_here + n, a, (size_t)n * sizeof *a);
     lag_energies(run, t, s->state_here, energies);
     s->energy = fabs(energies[0]);
 }
@@ -108,20 +106,22 @@ static void find_jumps(LagRun *run, double t, const double *y, int count)
     for (int k = 0; k < count; ++k)
         *share_of(run, s->which[k]) = 0.5;
     rates(run, t, y);
-    note_noise(run);
     for (int k = 0; k < count; ++k)
         s->middle[k] = s->rate[s->which[k]];
     for (int j = 0; j < count; ++j) {
         *share_of(run, s->which[j]) = 1;
         rates(run, t, y);
-        note_noise(run);
         for (int k = 0; k < count; ++k)
             s->jump[k + j * count] = 2 * (s->rate[s->which[k]] - s->middle[k]);
         *share_of(run, s->which[j]) = 0.5;
     }
     for (int k = 0; k < count; ++k) {
+        double *jump = &s->jump[k + k * count], *most = &s->most_jump[s->which[k]];
+        *most = lag_max(fabs(*jump), *most);
         s->share[k] = run->switches.held[s->which[k]];
-        s->state[k] = s->jump[k + k * count] < 0 ? SLIDES : GIVEN;
+        const int rests = run->switches.slides[s->which[k]] && fabs(*jump) + fabs(s->middle[k]) < VANISHED * *most;
+        *jump = rests ? -VANISHED * *most : *jump; /* nothing holds it, or need to: friction may come again */
+        s->state[k] = *jump < 0 ? SLIDES : GIVEN;
     }
 }
 
@@ -225,11 +225,13 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
 {
     LagSliding *s = &run->sliding;
     const int count = gather(run, candidates);
+    s->count = 0; /* accelerations as the shares say */
+    if (count > 0)
+        find_jumps(run, t, y, count);
     lag_sliding_end(run);
     if (count == 0)
         return;
-    find_jumps(run, t, y, count);
-    note_energy(run, t, y); /* by the latest jump */
+    note_jump(run, t, y);
     const int is_right = pivot(s, count), sliding = hold(run, count);
     if (is_right)
         s->count = sliding;
@@ -306,13 +308,14 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     const double change = find_change(run, t, q, v, a);
     if (change <= ENOUGH || (tries > 0 && change < FAINT && change > SLOW * s->latest))
         return LAG_SHARES_KEPT;
-    if (!(change < INFINITY) || tries == MOST_TRIES) {
+    const int is_slow = tries > 0 && change * pow(change / s->latest, s->count + 1) > ENOUGH, was_lost = tries == 0 && s->is_lost;
+    s->is_lost = !was_lost && (!(change < INFINITY) || tries == MOST_TRIES);
+    if (s->is_lost) {
         lag_switches_recall(run);
         return LAG_SHARES_LOST;
     }
-    const int is_slow = tries > 0 && change * pow(change / s->latest, s->count + 1) > ENOUGH;
     s->latest = change;
-    if (is_slow) {
+    if (is_slow || was_lost) { /* the jumps that are known may be those of nowhere */
         memcpy(s->state_here, q, size);
         memcpy(s->state_here + run->model->n, v, size);
         refresh(run, t, s->state_here);
@@ -338,14 +341,14 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
     const int n = run->model->n;
     const double moment = MOMENT * span;
     for (int k = 0; k < s->count; ++k)
-        s->share[k] = *share_of(run, s->which[k]);
+        s->share_here[k] = *share_of(run, s->which[k]);
     for (int i = 0; i < 2 * n; ++i)
         s->state_before[i] = y[i] - moment * slope[i];
     lag_motion_slope(&run->motion, t - moment, s->state_before, s->state_before + n, s->slope_before);
     for (int k = 0; k < s->count; ++k) {
         double *share = share_of(run, s->which[k]);
-        rate[s->which[k]] = (1 - 2 * s->share[k]) * (s->share[k] - *share) / moment;
-        *share = s->share[k];
+        rate[s->which[k]] = (1 - 2 * s->share_here[k]) * (s->share_here[k] - *share) / moment;
+        *share = s->share_here[k];
     }
 }
 

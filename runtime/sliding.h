@@ -18,10 +18,13 @@ typedef struct {
     double *change;  /* most: of the shares */
     double *noise;   /* most: dg/dt that is rounding */
     double *error;   /* n_switches: of g that is one tolerance */
+    double *most_jump; /* n_switches: change of dg/dt by the own share, the largest so far */
     double *g, *rate;      /* n_switches: at the latest evaluation, of which g is one of the conditions themselves */
     double *state_here; /* size */
+    double *share_here; /* most */
     double *state_before, *slope_before; /* the same a moment before */
     double latest;   /* largest of the latest changes */
+    int is_lost;     /* the latest evaluation found no shares */
     double energy;   /* of what the jumps would set in motion in a second */
 } LagSliding;
 

@@ -147,6 +147,8 @@ int lag_switches_enter(LagRun *run)
     if (run->model->n_switches == 0)
         return 0;
     s->is_live = s->live_steps > 0 || !run->methods.table->holds_switches;
+    if (run->sliding.count > 0) /* what is torn off begins to move from rest */
+        lag_sliding_stop(run);
     run->sliding.count = 0;
     const int turned = choose(run);
     lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
