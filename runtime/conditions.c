@@ -3,8 +3,8 @@
 #include <float.h>
 #include <string.h>
 
+#include "evaluate.h"
 #include "extremes.h"
-#include "function.h"
 
 static const double SOME_TIME = 1e-3; /* where no step tells of one */
 enum { PATTERNS = 3, ROUNDINGS = 256 };
@@ -12,12 +12,10 @@ enum { PATTERNS = 3, ROUNDINGS = 256 };
 void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate)
 {
     const int n = run->model->n;
-    double *slope = run->switches.slope, *out[] = {g, rate};
-    const double *in[] = {&t, y, y + n, slope + n, run->u, run->d, run->c};
+    double *slope = run->switches.slope;
     if (run->sliding.count > 0)
         lag_motion_slope(&run->motion, t, y, y + n, slope);
-    lag_inputs_at(&run->inputs, t, run->u);
-    lag_call(&run->model->switches, in, out, run->work);
+    lag_conditions_by(run, t, y, y + n, slope + n, g, rate);
     lag_sliding_margins(run, g);
 }
 

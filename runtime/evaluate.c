@@ -111,6 +111,15 @@ int lag_flow(void *context, LagFlowPart part, const double *q, const double *v_o
     return lag_call(functions[part], in, &result, run->work) == 0 && all_finite(result, model->n);
 }
 
+void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate)
+{
+    const double *in[] = {&t, q, v, a, run->u, run->u_slope, run->d, run->c};
+    double *out[] = {g, rate};
+    lag_inputs_at(&run->inputs, t, run->u);
+    lag_inputs_slope(&run->inputs, run->u_slope);
+    lag_call(&run->model->switches, in, out, run->work);
+}
+
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
 {
     const LagModel *model = run->model;

@@ -16,6 +16,9 @@ int lag_flow(void *run, LagFlowPart part, const double *q, const double *v_or_p,
  * jump where supports do. Returns whether they did. */
 int lag_kick(LagRun *run, double t, double *y);
 
+/* Conditions of switches g and their rates by the accelerations a (n). */
+void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate);
+
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs);
 void lag_energies(LagRun *run, double t, const double *y, double *energies);
 

@@ -108,7 +108,7 @@ struct LagModel {
     LagFunction nearest;
     /* t, q, v, u, d, c, d_before -> dv: what the impulse of supports whose rate jumps at an event does; absent where none does. */
     LagFunction kick;
-    LagFunction switches;   /* t, q, v, a, u, modes, c  -> g, dg/dt     n_switches each */
+    LagFunction switches;   /* t, q, v, a, u, du/dt, modes, c -> g, dg/dt   n_switches each */
 
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */

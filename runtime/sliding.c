@@ -14,7 +14,6 @@
 
 #include "evaluate.h"
 #include "extremes.h"
-#include "function.h"
 #include "state.h"
 
 enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
@@ -63,11 +62,8 @@ static double *share_of(const LagRun *run, int i) { return &run->d[run->model->n
 static void rates(LagRun *run, double t, const double *y)
 {
     const int n = run->model->n;
-    const double *in[] = {&t, y, y + n, run->switches.slope + n, run->u, run->d, run->c};
-    double *out[] = {run->sliding.g, run->sliding.rate};
     lag_motion_slope(&run->motion, t, y, y + n, run->switches.slope);
-    lag_inputs_at(&run->inputs, t, run->u);
-    lag_call(&run->model->switches, in, out, run->work);
+    lag_conditions_by(run, t, y, y + n, run->switches.slope + n, run->sliding.g, run->sliding.rate);
 }
 
 static int gather(LagRun *run, const int *candidates)
@@ -273,9 +269,8 @@ void lag_sliding_stop(LagRun *run)
 static double find_change(LagRun *run, double t, const double *q, const double *v, const double *a)
 {
     LagSliding *s = &run->sliding;
-    const double *in[] = {&t, q, v, a, run->u, run->d, run->c};
-    double *out[] = {s->g, s->rate}, largest = 0;
-    lag_call(&run->model->switches, in, out, run->work);
+    double largest = 0;
+    lag_conditions_by(run, t, q, v, a, s->g, s->rate);
     for (int k = 0; k < s->count; ++k) {
         const double rate = s->rate[s->which[k]];
         s->change[k] = fabs(rate) <= s->noise[k] ? 0 : -rate; /* the jump may be rounding, too */

@@ -13,7 +13,7 @@
 #include "conditions.h"
 #include "crossing.h"
 #include "extremes.h"
-#include "function.h"
+#include "evaluate.h"
 #include "schedule.h"
 
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
@@ -62,9 +62,8 @@ static double sign_of(double g) { return g > 0 ? 1 : g < 0 ? 0 : 0.5; }
 void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
 {
     LagSwitches *s = &run->switches;
-    double *d = run->d + run->model->n_modes, *out[] = {s->g_inside, s->rate_inside};
-    const double *in[] = {&t, q, v, s->slope + run->model->n, run->u, run->d, run->c};
-    lag_call(&run->model->switches, in, out, run->work);
+    double *d = run->d + run->model->n_modes;
+    lag_conditions_by(run, t, q, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
     for (int i = 0; i < run->model->n_switches; ++i)
         d[i] = sign_of(s->g_inside[i]);
 }

@@ -74,6 +74,7 @@ ORDER = """
     null_space
     constrained_motion
     motion
+    holding
     switches
     jacobians
     released

@@ -120,8 +120,8 @@ def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, 
     if "regular" in found:
         table["regular"] = ca.Function("regular", state, found["regular"], labels, ["a", "power", "doubt"])
     if switches.places:
-        table["switches"] = ca.Function("switches", [t, q, v, a, u, d, c], found["switches"], [*labels[:3], "a", *labels[3:]],
-                                        ["g", "rate"])
+        table["switches"] = ca.Function("switches", [t, q, v, a, u, switches.slopes, d, c], found["switches"],
+                                        [*labels[:3], "a", "u", "du", "d", "c"], ["g", "rate"])
     multipliers = motion.constrained.symbols if motion.constrained else ca.SX(0, 1)
     full = [t, q, v, a, multipliers, u, held_d, c]
     return table | _implicit_function(jacobian, found["jacobian"], full, [*labels[:3], "a", "lambda", *labels[3:]])

@@ -1,11 +1,16 @@
 """Numbers for the values of expressions: what is the same has one number, however its expression was built."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 import casadi as ca
 
+from lagrangia.scalars import Expression, as_expression, operate
+
 _COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
 _Key = tuple[float, ...]
+Make = Callable[[int, list[int], list[Expression]], Expression | None]
 
 
 @dataclass
@@ -53,3 +58,27 @@ class Numbering:
     def _negative(self, number: int) -> int:
         op, *operands = self.keys[number]
         return self.of_number(-operands[0]) if op == ca.OP_CONST else self._numbered((ca.OP_NEG, number))
+
+
+def rebuilt(expressions: Sequence[ca.SX], numbering: Numbering, make: Make) -> list[ca.SX]:
+    """The expressions made anew, with what `make` gives for an instruction, unless that is None."""
+    column = ca.vertcat(ca.SX(0, 1), *(e.nz[:] for e in expressions))
+    symbols = ca.symvar(column)
+    function = ca.Function("rebuilt", symbols, [column])
+    held: list[tuple[int, Expression]] = [(0, as_expression(0.0))] * max(1, function.sz_w())
+    results = [as_expression(0.0)] * column.numel()
+    for k in range(function.n_instructions()):
+        op, inputs, outputs = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
+        if op == ca.OP_INPUT:
+            held[outputs[0]] = numbering.of_symbol(symbols[inputs[0]]), as_expression(symbols[inputs[0]])
+        elif op == ca.OP_CONST:
+            number = function.instruction_constant(k)
+            held[outputs[0]] = numbering.of_number(number), as_expression(number)
+        elif op == ca.OP_OUTPUT:
+            results[outputs[1]] = held[inputs[0]][1]
+        else:
+            numbers, operands = [held[place][0] for place in inputs], [held[place][1] for place in inputs]
+            made = make(op, numbers, operands)
+            held[outputs[0]] = numbering.of(op, numbers), operate(op, operands) if made is None else made
+    rest = iter(results)
+    return [ca.SX(e.sparsity(), ca.vertcat(ca.SX(0, 1), *islice(rest, e.nnz()))) for e in expressions]

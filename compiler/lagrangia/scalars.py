@@ -4,7 +4,7 @@
 than two. ca.SX.binary goes straight to it. Expressions are ca.SX in every other respect.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -79,6 +79,11 @@ def apply_to_one(operation: int, x: ca.SX) -> Expression:
     made = _unary(operation, x)
     made.__class__ = Expression
     return made  # type: ignore[no-any-return]
+
+
+def operate(operation: int, operands: Sequence[Any]) -> Expression:
+    """One of CasADi's OP_... of one operand or two."""
+    return as_expression(apply_to_one(operation, *operands) if len(operands) == 1 else apply(operation, *operands))
 
 
 def _wrapped(x: Any) -> Expression:

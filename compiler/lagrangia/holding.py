@@ -1,0 +1,124 @@
+"""Switches in place of what conditions say. Where they may be shares of a jump, forces are made linear in each of them."""
+
+from collections.abc import Mapping, Sequence
+
+import casadi as ca
+
+from lagrangia.numbering import Numbering
+from lagrangia.scalars import Expression, apply, as_expression, operate, symbols_in
+
+RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
+_JUMPS = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN)
+_SIGNS = (ca.OP_FABS, ca.OP_SIGN)
+_PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
+_NOTHING = frozenset[int]()
+Pair = tuple[int, int]  # the numbers of a and b, the smaller one first
+
+
+def pair_of(numbering: Numbering, op: int, numbers: list[int]) -> Pair | None:
+    """What an operation compares: a with b, or with 0."""
+    if op in _SIGNS:
+        numbers = [numbers[0], numbering.of_number(0.0)]
+    elif op not in RELATIONS:
+        return None
+    a, b = sorted(numbers)
+    return (a, b) if a != b else None
+
+
+class Holding:
+    """`places`: the symbols of switches; `shares`: the hashes of those that may be between 0 and 1."""
+
+    def __init__(self, places: Mapping[Pair, Expression], shares: frozenset[int], numbering: Numbering) -> None:
+        self.places, self.shares, self.numbering = places, shares, numbering
+        self.symbols = {s.__hash__(): s for s in places.values()}
+        self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
+        self.absolute = dict[int, tuple[Pair, int]]()  # numbers of |x|, with that of x
+        self.products = dict[int, tuple[list[int], list[Expression]]]()  # their numbers, with those of the factors
+
+    def made(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression:
+        """An instruction with switches for its conditions."""
+        pair = pair_of(self.numbering, op, numbers)
+        if pair is not None and pair in self.places:
+            return self._switched(op, numbers, operands, pair)
+        if op == ca.OP_MUL:
+            self.products[self.numbering.of(op, numbers)] = numbers, operands
+        quotient = self._quotient(numbers, operands) if op == ca.OP_DIV else None
+        return self._combined(op, operands) if quotient is None else quotient
+
+    def _switched(self, op: int, numbers: list[int], operands: list[Expression], pair: Pair) -> Expression:
+        is_positive = self.places[pair]  # a > b, where a has the smaller number
+        if op == ca.OP_FABS:
+            self.absolute[self.numbering.of(op, numbers)] = pair, numbers[0]
+        if op not in _JUMPS:
+            is_positive = self._bounded(is_positive)
+        if op == ca.OP_SIGN:
+            return self._sign(pair, numbers[0])
+        if op == ca.OP_FABS:
+            return as_expression((2 * is_positive - 1 if numbers[0] == pair[0] else 1 - 2 * is_positive) * operands[0])
+        is_less = is_positive if numbers[1] == pair[0] else self._opposite(is_positive)
+        if op in _JUMPS:
+            return self._noted(is_less, self._shares_in(is_less))
+        smaller, larger = operands if op == ca.OP_FMIN else operands[::-1]
+        return as_expression(self._chosen(is_less, smaller) + self._chosen(self._opposite(is_less), larger))
+
+    def _sign(self, pair: Pair, number: int) -> Expression:
+        """Of the value with this number."""
+        is_positive = self.places[pair]
+        sign = as_expression(2 * is_positive - 1 if number == pair[0] else 1 - 2 * is_positive)
+        return self._noted(sign, self._shares_in(sign))
+
+    def _quotient(self, numbers: list[int], operands: list[Expression]) -> Expression | None:
+        """x/|x| and c x/|x|, whose values at 0 nobody knows."""
+        above, below = numbers
+        if below not in self.absolute:
+            return None
+        pair, x = self.absolute[below]
+        if above == x:
+            return self._sign(pair, x)
+        factors, values = self.products.get(above, ([], operands))
+        if x not in factors:
+            return None
+        return self._combined(ca.OP_MUL, [values[1 - factors.index(x)], self._sign(pair, x)])
+
+    def _combined(self, op: int, operands: Sequence[Expression]) -> Expression:
+        """Products of what jumps with one share are linear in it, as its square is where it is 0 or 1."""
+        found = [self._jumps_of(x) for x in operands]
+        common = found[0] & found[1] if op in _PRODUCTS else found[0] if op == ca.OP_SQ else _NOTHING
+        if not common:
+            return self._noted(self._plain(op, operands), _NOTHING.union(*found))
+        share = self.symbols[min(common)]
+        whole, none = (self._combined(op, [self._with(x, share, value) for x in operands]) for value in (1, 0))
+        return self._noted(as_expression(none + share * (whole - none)), _NOTHING.union(*found))
+
+    def _with(self, x: Expression, share: Expression, value: int) -> Expression:
+        rest = self._jumps_of(x) - {share.__hash__()}
+        return self._noted(as_expression(ca.substitute(x, share, value)), rest)
+
+    def _plain(self, op: int, operands: Sequence[Expression]) -> Expression:
+        if op == ca.OP_NOT:
+            return self._opposite(operands[0])
+        return self._chosen(*operands) if op == ca.OP_IF_ELSE_ZERO else operate(op, operands)
+
+    def _opposite(self, condition: Expression) -> Expression:
+        return as_expression(1.0 - condition) if self._shares_in(condition) else operate(ca.OP_NOT, [condition])
+
+    def _chosen(self, condition: Expression, value: Expression) -> Expression:
+        """A share of nothing is nothing, even of what has no value there."""
+        return operate(ca.OP_IF_ELSE_ZERO, [condition, condition * value if self._shares_in(condition) else value])
+
+    def _bounded(self, condition: Expression) -> Expression:
+        """Of what does not jump: no part of it is more than the whole, or less than nothing."""
+        if not self._shares_in(condition):
+            return condition
+        return as_expression(apply(ca.OP_FMIN, apply(ca.OP_FMAX, condition, 0.0), 1.0))
+
+    def _shares_in(self, x: Expression) -> frozenset[int]:
+        return self.shares & symbols_in(x)
+
+    def _jumps_of(self, x: Expression) -> frozenset[int]:
+        return self.jumps[x.__hash__()][1] if x.__hash__() in self.jumps else _NOTHING
+
+    def _noted(self, x: Expression, jumps: frozenset[int]) -> Expression:
+        if jumps:
+            self.jumps[x.__hash__()] = x, jumps
+        return x
