@@ -31,7 +31,6 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->next = lag_take_ints(arena, most);
     s->share = lag_take(arena, most);
     s->share_here = lag_take(arena, most);
-    s->strength = lag_take(arena, most);
     s->jump = lag_take(arena, most * most);
     s->middle = lag_take(arena, most);
     s->change = lag_take(arena, most);
@@ -210,7 +209,6 @@ static int hold(LagRun *run, int count)
         run->switches.slides[i] = slides;
         if (!slides)
             continue;
-        s->strength[sliding] = fabs(s->jump[k + k * count]);
         s->noise[sliding] = NOISE * size_of(s, count, k);
         s->which[sliding++] = i;
     }
@@ -235,6 +233,13 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
         lag_sliding_end(run);
 }
 
+/* Velocities are known to the tolerance, and to that of what those who hold them make of them in a step. */
+double lag_sliding_drift(const LagRun *run, int i)
+{
+    const LagSliding *s = &run->sliding;
+    return DRIFT * (s->error[i] + run->scale.tolerance * run->scale.step * s->most_jump[i]);
+}
+
 void lag_sliding_stop(LagRun *run)
 {
     LagSliding *s = &run->sliding;
@@ -242,21 +247,24 @@ void lag_sliding_stop(LagRun *run)
     const double *held = run->switches.held;
     const int count = s->count;
     double largest = 0;
+    int jumps = 0;
     s->count = 0; /* accelerations as the shares say */
     rates(run, m->t, m->y);
     for (int k = 0; k < count; ++k) {
         s->change[k] = -s->g[s->which[k]];
         largest = lag_max(fabs(s->change[k]), largest);
+        jumps |= fabs(s->change[k]) > LAG_SLIDING_FAR * lag_sliding_drift(run, s->which[k]);
     }
+    const int has_rest = largest > 0 && !jumps;
     lag_dense_lu_solve(&s->lu, s->change, NULL);
-    for (int with = 0; with <= 1 && largest > 0; ++with) {
+    for (int with = 0; with <= 1 && has_rest; ++with) {
         for (int k = 0; k < count; ++k)
             *share_of(run, s->which[k]) = held[s->which[k]] + with * s->change[k];
         rates(run, m->t, m->y);
         for (int i = 0; i < m->n; ++i)
             s->slope_before[i] = run->switches.slope[m->n + i] - with * s->slope_before[i];
     }
-    for (int i = 0; i < m->n && largest > 0; ++i)
+    for (int i = 0; i < m->n && has_rest; ++i)
         m->y[m->n + i] += s->slope_before[i];
     for (int k = 0; k < count; ++k)
         *share_of(run, s->which[k]) = held[s->which[k]];
@@ -347,13 +355,11 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
     }
 }
 
-/* Velocities are known to the tolerance, and to that of what those who hold them make of them in a step. */
 int lag_sliding_lasts(LagRun *run)
 {
     const LagSliding *s = &run->sliding;
-    const double share = DRIFT * run->scale.tolerance * (run->motion.t - run->motion.t_old);
     for (int k = 0; k < s->count; ++k)
-        if (fabs(s->g[s->which[k]]) > DRIFT * s->error[s->which[k]] + share * s->strength[k])
+        if (fabs(s->g[s->which[k]]) > lag_sliding_drift(run, s->which[k]))
             return 0;
     return 1;
 }

@@ -11,7 +11,7 @@ typedef struct {
     int count, most; /* switches that slide; no more of them can */
     int *which;      /* most: which they are */
     int *state, *next; /* most: of candidates */
-    double *share, *strength; /* most; the latter: how much all of the jump changes dg/dt */
+    double *share;   /* most */
     double *jump;    /* most x most, column-major: change of dg/dt by a share */
     double *middle;  /* most: dg/dt at the shares 1/2 */
     LagDenseLu lu;   /* of the jump of those that slide */
@@ -52,6 +52,10 @@ void lag_sliding_margins(const LagRun *run, double *g);
 
 /* The same and its rates, at a state whose slope is known; `span`: a time in which little changes. */
 void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const double *slope, double span, double *rate);
+
+/* How far g of switch i may go from 0 while it slides; FAR times as far where its velocity has jumped, as inputs do. */
+double lag_sliding_drift(const LagRun *run, int i);
+#define LAG_SLIDING_FAR 10
 
 /* A step was taken. Returns 0 where those that slide should be chosen anew: their g have drifted. */
 int lag_sliding_lasts(LagRun *run);

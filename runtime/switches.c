@@ -129,7 +129,8 @@ static int let_slide(LagRun *run)
     int candidates = 0;
     for (int i = 0; i < run->model->n_switches; ++i) {
         const int has_gone = s->turned[i] == TO_0 || s->turned[i] == TO_1;
-        if (!has_gone && (s->slides[i] || fabs(s->g[i]) <= s->unknown[i]))
+        const double drift = s->slides[i] ? LAG_SLIDING_FAR * lag_sliding_drift(run, i) : 0;
+        if (!has_gone && fabs(s->g[i]) <= lag_max(drift, s->unknown[i]))
             s->turned[i] = CHANGES;
         candidates |= s->turned[i] == CHANGES;
         sliding->error[i] = lag_conditions_error(run, s->unknown[i]);

@@ -26,6 +26,7 @@ _ENERGIES = {"kinetic": "kinetic energy", "potential": "potential energy", "tota
              "residual": "of the energy account, which is 0 but for errors"}
 _DRIFT_RATE = 100  # stabilisation: times in an experiment in which an error of the constraints falls to 1/e
 _ROUNDING = 1e-12  # of positions: what moves no further in the experiment stands still
+_NOTHING = 1e-14  # what has stuck all the time is rounding
 _SMALLEST_NOMINAL = 1e-3  # of the largest of its kind
 
 
@@ -152,6 +153,7 @@ def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[
         return [0.0] * (2 * scene.n), (1.0,) * (2 * scene.n)
     states = rows[:, 1 : 1 + 2 * scene.n]
     largest = np.abs(states).max(axis=0) if scene.n else np.zeros(0)
+    largest[largest < _NOTHING] = 0.0
     own = scene.coordinate_kind[: scene.n]  # the others are of coordinates that these give
     kinds = np.array([*own, *(-1 - kind for kind in own)])
     for kind in set(own):  # rates of what stands still are rounding

@@ -304,14 +304,15 @@ static int is_astray(LagInstance *s)
     return 0;
 }
 
-/* Whether a condition is another one than the equations hold, whatever the importer does about indicators. */
+/* Whether a condition is another one than the equations hold, whatever the importer does about indicators, or what slides has been
+ * drawn away by an input. */
 static int has_switched_at(LagInstance *s)
 {
     lag_instance_indicators(s);
     for (int i = 0; i < s->model->n_switches; ++i)
         if (s->indicators[i] < 0)
             return 1;
-    return 0;
+    return !lag_sliding_lasts(s->run);
 }
 
 LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
