@@ -18,7 +18,7 @@
 
 enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
 /* A change of shares is rounding below ENOUGH, and below FAINT where the next one is not much smaller. */
-static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 32 * DBL_EPSILON, NOISE = DBL_EPSILON, VANISHED = 1e-10, DRIFT = 10;
+static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, ROUNDING = 1e-12, MOMENT = 1e-6, UNKNOWN = 32 * DBL_EPSILON, NOISE = DBL_EPSILON, VANISHED = 1e-10, MOST_RATIO = 0.9, DRIFT = 10;
 enum { MOST_TRIES = 12, BLOCKS = 8, MOST_SINGLE = 3 };
 
 void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
@@ -304,6 +304,16 @@ static void refresh(LagRun *run, double t, const double *y)
     s->count = count;
 }
 
+/* The jump of the only one that slides, by the secant: forces are linear in its share. Returns 0 where it does not tell. */
+static int learn(LagSliding *s, double ratio)
+{
+    if (s->count != 1 || !(fabs(ratio) < MOST_RATIO))
+        return 0;
+    s->lu.re[0] /= 1 - ratio; /* the inverse of its jump */
+    s->change[0] /= 1 - ratio;
+    return 1;
+}
+
 LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q, const double *v, const double *a)
 {
     LagSliding *s = &run->sliding;
@@ -317,8 +327,9 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
         lag_switches_recall(run);
         return LAG_SHARES_LOST;
     }
+    const double ratio = s->change[0] / s->first;
     s->latest = change;
-    if (is_slow || was_lost) { /* the jumps that are known may be those of nowhere */
+    if (was_lost || (is_slow && !learn(s, ratio))) { /* the jumps that are known may be those of nowhere */
         memcpy(s->state_here, q, size);
         memcpy(s->state_here + run->model->n, v, size);
         refresh(run, t, s->state_here);
@@ -326,6 +337,7 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
         for (int k = 0; k < s->count; ++k)
             *share_of(run, s->which[k]) += s->change[k];
     }
+    s->first = s->change[0];
     return LAG_SHARES_CHANGED;
 }
 

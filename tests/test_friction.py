@@ -156,7 +156,7 @@ ROW = """model Row "Blocks on a rough plane in a row of springs, drawn by a belt
 end Row;"""
 
 
-@pytest.mark.parametrize(("text", "stop", "most"), [(ROD, 10.0, 8_000), (CRANK, 5.0, 20_000), (ROW, 12.0, 30_000)],
+@pytest.mark.parametrize(("text", "stop", "most"), [(ROD, 10.0, 15_000), (CRANK, 5.0, 20_000), (ROW, 12.0, 30_000)],
                          ids=["rod", "crank", "row"])
 @pytest.mark.parametrize("solver", ["auto", "erk5", "implicit"])
 def test_solvers_agree_on_what_sticks(scene: Write, text: str, stop: float, most: int, solver: str) -> None:
