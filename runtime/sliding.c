@@ -304,6 +304,16 @@ static void refresh(LagRun *run, double t, const double *y)
     s->count = count;
 }
 
+/* Whether their rates have vanished, which they do not where a jump has. */
+static int are_kept(const LagRun *run)
+{
+    const LagSliding *s = &run->sliding;
+    for (int k = 0; k < s->count; ++k)
+        if (fabs(s->rate[s->which[k]]) > s->noise[k] + FAINT * s->most_jump[s->which[k]])
+            return 0;
+    return 1;
+}
+
 /* The jump of the only one that slides, by the secant: forces are linear in its share. Returns 0 where it does not tell. */
 static int learn(LagSliding *s, double ratio)
 {
@@ -319,7 +329,8 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     LagSliding *s = &run->sliding;
     const size_t size = (size_t)run->model->n * sizeof *q;
     const double change = find_change(run, t, q, v, a);
-    if (change <= ENOUGH || (tries > 0 && change < FAINT && change > SLOW * s->latest))
+    const int is_settled = change <= ENOUGH || (tries > 0 && change < FAINT && change > SLOW * s->latest);
+    if (is_settled && are_kept(run))
         return LAG_SHARES_KEPT;
     const int is_slow = tries > 0 && change * pow(change / s->latest, s->count + 1) > ENOUGH, was_lost = tries == 0 && s->is_lost;
     s->is_lost = !was_lost && (!(change < INFINITY) || tries == MOST_TRIES);
@@ -329,7 +340,7 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     }
     const double ratio = s->change[0] / s->first;
     s->latest = change;
-    if (was_lost || (is_slow && !learn(s, ratio))) { /* the jumps that are known may be those of nowhere */
+    if (was_lost || is_settled || (is_slow && !learn(s, ratio))) { /* the jumps that are known may be those of nowhere */
         memcpy(s->state_here, q, size);
         memcpy(s->state_here + run->model->n, v, size);
         refresh(run, t, s->state_here);
