@@ -30,12 +30,24 @@ typedef struct {
 
 void lag_sliding_layout(LagSliding *sliding, const LagModel *model, int size, LagArena *arena);
 
+/* A run starts. */
+void lag_sliding_reset(LagRun *run);
+
 /* Nothing slides. */
 void lag_sliding_end(LagRun *run);
+
+/* The share in d of switch i. */
+double *lag_share(const LagRun *run, int i);
+
+/* dg/dt at a state by the shares in d, while none is corrected: into `rate`. */
+void lag_sliding_rates(LagRun *run, double t, const double *y);
 
 /* Chooses at a state what slides among `candidates` (n_switches: 1), whose g is 0 but for rounding: into which, d and what the
  * switches hold; the others go either way. */
 void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candidates);
+
+/* How dg/dt of those that slide depends on their shares at a state, and the shares by that. */
+void lag_sliding_refresh(LagRun *run, double t, const double *y);
 
 /* What rounding has left of the g of those that slide goes, by an impulse of what holds them on the present state: accelerations are
  * linear in the shares. */

@@ -52,7 +52,7 @@ void lag_switches_reset(LagRun *run)
     LagSwitches *s = &run->switches;
     lag_switches_start_anew(run);
     memset(s->held, 0, (size_t)run->model->n_switches * sizeof *s->held);
-    lag_sliding_end(run);
+    lag_sliding_reset(run);
 }
 
 /* -------- what is held */
@@ -200,7 +200,7 @@ int lag_switches_note(LagRun *run)
     int first = -1;
     lag_conditions(run, run->motion.t, run->motion.y, s->g, s->rate);
     for (int i = 0; i < run->model->n_switches; ++i) {
-        const int changes = lag_depth(s, i, s->g) <= 0, has_more = run->d[run->model->n_modes + i] > 0.5;
+        const int changes = lag_depth(s, i, s->g) <= 0, has_more = *lag_share(run, i) > 0.5;
         s->turned[i] = !changes ? STAYS : !s->slides[i] ? CHANGES : has_more ? TO_1 : TO_0;
         first = first < 0 && changes ? i : first;
     }

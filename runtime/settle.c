@@ -1,0 +1,210 @@
+/* Which slide. Rates of g are linear in the shares s of the jumps, as accelerations are in forces:  dg/dt = r + W s.  Each that slides
+ * has dg/dt = 0 with 0 < s < 1; the others leave g = 0 to the side that they are on: dg/dt <= 0 with s = 0, dg/dt >= 0 with s = 1. Which
+ * do what is found by principal pivoting: first all that are wrong at once, then one at a time, the least first (K.G. Murty, Note on a
+ * Bard-type scheme for solving the complementarity problem, Opsearch 11 (1974)). Where two hold the same velocity each takes the same
+ * share.
+ */
+#include "sliding.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "evaluate.h"
+#include "extremes.h"
+#include "state.h"
+
+enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
+enum { BLOCKS = 8, MOST_SINGLE = 3 };
+/* What of dg/dt is rounding, by its terms: in the choice, and while they slide; what of accelerations is; the share of the largest jump
+ * so far that is none. */
+static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON, UNKNOWN = 32 * DBL_EPSILON, VANISHED = 1e-10;
+
+void lag_sliding_rates(LagRun *run, double t, const double *y)
+{
+    const int n = run->model->n;
+    lag_motion_slope(&run->motion, t, y, y + n, run->switches.slope);
+    lag_conditions_by(run, t, y, y + n, run->switches.slope + n, run->sliding.g, run->sliding.rate);
+}
+
+static int gather(LagRun *run, const int *candidates)
+{
+    LagSliding *s = &run->sliding;
+    int count = 0;
+    for (int i = 0; i < run->model->n_switches && count < s->most; ++i)
+        if (candidates[i] == 1)
+            s->which[count++] = i;
+    return count;
+}
+
+/* Takes notice of the latest accelerations, those with one jump: rounding of what slides is that of a difference of such ones, and its
+ * energies have the size of what they would set in motion. */
+static void note_jump(LagRun *run, double t, const double *y)
+{
+    LagSliding *s = &run->sliding;
+    LagScale *scale = &run->scale;
+    const int n = run->model->n;
+    const double *a = run->switches.slope + n;
+    double energies[3];
+    for (int i = 0; i < n; ++i) {
+        scale->onset[i] = lag_max(UNKNOWN * fabs(a[i]), scale->onset[i]);
+        scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
+    }
+    memcpy(s->state_here, y, (size_t)n * sizeof *y);
+    memcpy(s->state_here + n, a, (size_t)n * sizeof *a);
+    lag_energies(run, t, s->state_here, energies);
+    s->energy = fabs(energies[0]);
+}
+
+/* The jumps of all `count` candidates, around shares of 1/2. */
+static void find_jumps(LagRun *run, double t, const double *y, int count)
+{
+    LagSliding *s = &run->sliding;
+    for (int k = 0; k < count; ++k)
+        *lag_share(run, s->which[k]) = 0.5;
+    lag_sliding_rates(run, t, y);
+    for (int k = 0; k < count; ++k)
+        s->middle[k] = s->rate[s->which[k]];
+    for (int j = 0; j < count; ++j) {
+        *lag_share(run, s->which[j]) = 1;
+        lag_sliding_rates(run, t, y);
+        for (int k = 0; k < count; ++k)
+            s->jump[k + j * count] = 2 * (s->rate[s->which[k]] - s->middle[k]);
+        *lag_share(run, s->which[j]) = 0.5;
+    }
+    for (int k = 0; k < count; ++k) {
+        double *jump = &s->jump[k + k * count], *most = &s->most_jump[s->which[k]];
+        *most = lag_max(fabs(*jump), *most);
+        s->share[k] = run->switches.held[s->which[k]];
+        const int rests = run->switches.slides[s->which[k]] && fabs(*jump) + fabs(s->middle[k]) < VANISHED * *most;
+        *jump = rests ? -VANISHED * *most : *jump; /* nothing holds it, or need to: friction may come again */
+        s->state[k] = *jump < 0 ? SLIDES : GIVEN;
+    }
+}
+
+/* dg/dt of candidate k by those that do not slide alone, or by all. */
+static double rate_of(const LagSliding *s, int count, int k, int by_all)
+{
+    double rate = s->middle[k];
+    for (int j = 0; j < count; ++j)
+        if (by_all || s->state[j] != SLIDES)
+            rate += s->jump[k + j * count] * (s->share[j] - 0.5);
+    return rate;
+}
+
+/* The size of its terms, which tells what of it is rounding. */
+static double size_of(const LagSliding *s, int count, int k)
+{
+    double size = fabs(s->middle[k]);
+    for (int j = 0; j < count; ++j)
+        size += fabs(s->jump[k + j * count]);
+    return size;
+}
+
+/* Shares of those that slide. */
+static void solve(LagSliding *s, int count)
+{
+    int free = 0;
+    for (int k = 0; k < count; ++k)
+        free += s->state[k] == SLIDES;
+    s->lu.size = free;
+    for (int k = 0, row = 0; k < count; ++k) {
+        if (s->state[k] != SLIDES)
+            continue;
+        s->change[row] = -rate_of(s, count, k, 0);
+        for (int j = 0, column = 0; j < count; ++j)
+            if (s->state[j] == SLIDES)
+                s->lu.re[row + free * column++] = s->jump[k + j * count];
+        ++row;
+    }
+    lag_dense_lu_factor(&s->lu);
+    lag_dense_lu_solve(&s->lu, s->change, NULL);
+    for (int k = 0, row = 0; k < count; ++k)
+        if (s->state[k] == SLIDES)
+            s->share[k] = 0.5 + s->change[row++];
+}
+
+/* The state that candidate k should have instead of its own; the same where it is right. */
+static int better(const LagSliding *s, int count, int k)
+{
+    const double rate = rate_of(s, count, k, 1), rounding = ROUNDING * size_of(s, count, k);
+    switch (s->state[k]) {
+    case LOW: return rate > rounding ? SLIDES : LOW;
+    case HIGH: return rate < -rounding ? SLIDES : HIGH;
+    case SLIDES:
+        if (fabs(rate) > rounding) /* others hold what it would: its own velocity is to be another one */
+            return rate > 0 ? HIGH : LOW;
+        return s->share[k] < 0 ? LOW : s->share[k] > 1 ? HIGH : SLIDES;
+    default: return GIVEN;
+    }
+}
+
+/* Finds the states and shares; returns whether they are right. */
+static int pivot(LagSliding *s, int count)
+{
+    const int most = BLOCKS + MOST_SINGLE * count;
+    int changes = 1;
+    for (int turn = 0; changes > 0 && turn < most; ++turn) {
+        solve(s, count);
+        changes = 0;
+        for (int k = 0; k < count; ++k) {
+            s->next[k] = turn < BLOCKS || changes == 0 ? better(s, count, k) : s->state[k];
+            changes += s->next[k] != s->state[k];
+        }
+        for (int k = 0; k < count; ++k) {
+            s->state[k] = s->next[k];
+            if (s->state[k] == LOW || s->state[k] == HIGH)
+                s->share[k] = s->state[k] == HIGH;
+        }
+    }
+    return changes == 0;
+}
+
+/* Shares into d and what the switches hold, and those that slide to the front of `which`. Returns how many do. */
+static int hold(LagRun *run, int count)
+{
+    LagSliding *s = &run->sliding;
+    int sliding = 0;
+    for (int k = 0; k < count; ++k) {
+        const int i = s->which[k], slides = s->state[k] == SLIDES;
+        run->switches.held[i] = *lag_share(run, i) = lag_max(0, lag_min(1, s->share[k]));
+        run->switches.slides[i] = slides;
+        if (!slides)
+            continue;
+        s->noise[sliding] = NOISE * size_of(s, count, k);
+        s->which[sliding++] = i;
+    }
+    return sliding;
+}
+
+void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candidates)
+{
+    LagSliding *s = &run->sliding;
+    const int count = gather(run, candidates);
+    s->count = 0; /* accelerations as the shares say */
+    if (count > 0)
+        find_jumps(run, t, y, count);
+    lag_sliding_end(run);
+    if (count == 0)
+        return;
+    note_jump(run, t, y);
+    const int is_right = pivot(s, count), sliding = hold(run, count);
+    if (is_right)
+        s->count = sliding;
+    else /* step control makes the best of it */
+        lag_sliding_end(run);
+}
+
+void lag_sliding_refresh(LagRun *run, double t, const double *y)
+{
+    LagSliding *s = &run->sliding;
+    const int count = s->count;
+    s->count = 0; /* accelerations as the shares say */
+    find_jumps(run, t, y, count);
+    for (int k = 0; k < count; ++k)
+        s->state[k] = SLIDES;
+    solve(s, count);
+    for (int k = 0; k < count; ++k)
+        *lag_share(run, s->which[k]) = s->share[k];
+    s->count = count;
+}
