@@ -59,7 +59,9 @@ if c then a else b  in a formula; a condition on time alone, linear in it or in 
                     integrator stops there. Where another one in a force changes (a contact, a point of a table along a
                     coordinate, max, min, abs, sign), a step is found to have gone too far, and the run goes back. A force
                     that jumps with a velocity (dry friction: sign(v), or if v > 0) may hold the motion there: it sticks, by
-                    that share of the jump which keeps the velocity, until that is not enough
+                    that share of the jump which keeps the velocity, until that is not enough.
+                    Friction that turns with a velocity in the plane, F*v/norm(v), jumps with no one number, and comes to
+                    rest only where it is made smooth: F*v/sqrt(dot(v, v) + vs^2)
 time, pi
 virtual(x)          zero, but with the virtual displacement of x: says in an equation where its force acts (see Gear)
 
