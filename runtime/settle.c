@@ -18,7 +18,7 @@ enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not a
 enum { BLOCKS = 8, MOST_SINGLE = 3 };
 /* What of dg/dt is rounding, by its terms: in the choice, and while they slide; what of accelerations is; the share of the largest jump
  * so far that is none. */
-static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON, UNKNOWN = 32 * DBL_EPSILON, VANISHED = 1e-10;
+static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON, UNKNOWN = 1024 * DBL_EPSILON, VANISHED = 1e-10;
 
 void lag_sliding_rates(LagRun *run, double t, const double *y)
 {

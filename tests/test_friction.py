@@ -181,6 +181,7 @@ end Swinging;"""
 @pytest.mark.parametrize(("force", "end"), [
     ("-4[N]*sign(a.v)*(1.3 + 0.3*sign(a.v))", -0.04),  # 6.4 N one way, 4 N the other
     ("-4[N]*a.v/abs(a.v)", 0.2),
+    ("-4[N]*sign(a.v)^3*sign(a.v)^2", 0.2),
     ("if a.v > 0[m/s] and time < 3 then -4.5[N] elseif a.v > 0[m/s] then -1[N] else 2[N]", 0.05),
     ("if a.v > 0[m/s] then (if a.s < 0[m] then -4[N] else -6[N]) else 4[N]", np.sqrt(0.21) - 0.3),
     ("-4[N]*sign(a.v)*(1 + 0.5*exp(-abs(a.v)/1e-4[m/s]))", 0.2),

@@ -151,7 +151,8 @@ class _Walk:
         if op in (ca.OP_ADD, ca.OP_SUB):
             return self._sum(terms[0], terms[1] if op == ca.OP_ADD else _negative(terms[1]))
         if op == ca.OP_DIV and terms[0].base is None:
-            top = self.constants.named(as_expression(_over(terms[0].factor, terms[1].factor)))
+            quotient = _over(terms[0].factor, terms[1].factor)
+            top = self.constants.named(as_expression(1.0 if quotient is None else quotient))
             return _Term(top / terms[1].base, None, terms[1].sign)
         rule = _RULES.get(op)
         made = rule(*terms) if rule is not None else None

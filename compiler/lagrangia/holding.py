@@ -119,6 +119,6 @@ class Holding:
         return self.jumps[x.__hash__()][1] if x.__hash__() in self.jumps else _NOTHING
 
     def _noted(self, x: Expression, jumps: frozenset[int]) -> Expression:
-        if jumps:
-            self.jumps[x.__hash__()] = x, jumps
+        if left := jumps & symbols_in(x):
+            self.jumps[x.__hash__()] = x, left
         return x
