@@ -37,21 +37,21 @@ static int gather(LagRun *run, const int *candidates)
     return count;
 }
 
-/* Takes notice of the latest accelerations, those with one jump: rounding of what slides is that of a difference of such ones, and its
- * energies have the size of what they would set in motion. */
+/* Takes notice of accelerations without the jumps, in slope_without, and of the latest ones, with one: rounding of what slides is that
+ * of a difference of such ones, and its energies have the size of what the jump would set in motion. */
 static void note_jump(LagRun *run, double t, const double *y)
 {
     LagSliding *s = &run->sliding;
     LagScale *scale = &run->scale;
     const int n = run->model->n;
-    const double *a = run->switches.slope + n;
+    const double *with = run->switches.slope + n, *without = s->slope_without + n;
     double energies[3];
     for (int i = 0; i < n; ++i) {
-        scale->onset[i] = lag_max(UNKNOWN * fabs(a[i]), scale->onset[i]);
+        scale->onset[i] = lag_max(UNKNOWN * lag_max(fabs(with[i]), fabs(without[i])), scale->onset[i]);
         scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
+        s->state_here[i] = y[i];
+        s->state_here[n + i] = 2 * (with[i] - without[i]);
     }
-    memcpy(s->state_here, y, (size_t)n * sizeof *y);
-    memcpy(s->state_here + n, a, (size_t)n * sizeof *a);
     lag_energies(run, t, s->state_here, energies);
     s->energy = fabs(energies[0]);
 }
@@ -63,6 +63,7 @@ static void find_jumps(LagRun *run, double t, const double *y, int count)
     for (int k = 0; k < count; ++k)
         *lag_share(run, s->which[k]) = 0.5;
     lag_sliding_rates(run, t, y);
+    memcpy(s->slope_without, run->switches.slope, 2 * (size_t)run->model->n * sizeof *y);
     for (int k = 0; k < count; ++k)
         s->middle[k] = s->rate[s->which[k]];
     for (int j = 0; j < count; ++j) {

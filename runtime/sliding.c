@@ -38,6 +38,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->state_here = lag_take(arena, whole);
     s->state_before = lag_take(arena, whole);
     s->slope_before = lag_take(arena, whole);
+    s->slope_without = lag_take(arena, whole);
     lag_dense_lu_layout(&s->lu, s->most, 0, arena);
 }
 

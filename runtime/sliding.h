@@ -23,6 +23,7 @@ typedef struct {
     double *state_here; /* size */
     double *share_here; /* most */
     double *state_before, *slope_before; /* the same a moment before */
+    double *slope_without; /* and without jumps */
     double latest, first; /* of the latest changes: the largest, and the first one */
     int is_lost;     /* the latest evaluation found no shares */
     double energy;   /* of what the jumps would set in motion in a second */

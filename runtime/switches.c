@@ -6,6 +6,7 @@
  */
 #include "switches.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -17,7 +18,7 @@
 #include "schedule.h"
 
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
-static const double SOON = 1e-3, WRONG_SIDE = 16;
+static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
 enum { HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
 enum { STAYS, CHANGES, TO_0, TO_1 }; /* at the present time; the latter two: what slid goes to that side */
 
@@ -200,7 +201,7 @@ int lag_switches_note(LagRun *run)
     int first = -1;
     lag_conditions(run, run->motion.t, run->motion.y, s->g, s->rate);
     for (int i = 0; i < run->model->n_switches; ++i) {
-        const int changes = lag_depth(s, i, s->g) <= 0, has_more = *lag_share(run, i) > 0.5;
+        const int changes = lag_depth(s, i, s->g) <= (s->slides[i] ? END_OF_SHARE : 0), has_more = *lag_share(run, i) > 0.5;
         s->turned[i] = !changes ? STAYS : !s->slides[i] ? CHANGES : has_more ? TO_1 : TO_0;
         first = first < 0 && changes ? i : first;
     }
