@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -107,6 +108,17 @@ def test_a_reference_that_takes_too_long_is_refused(monkeypatch: pytest.MonkeyPa
     problem = build_problem(lag.load(CASES / "stiff_spring_pendulum.lag"), stop=1000.0)
     with pytest.raises(NoReference, match="too long"):
         find_reference(problem, seconds=0.3)
+
+
+def test_what_sticks_has_no_reference(scene: Callable[[str], lag.Model]) -> None:
+    """The integrators of others take shorter and shorter steps there."""
+    model = scene("""model Stopping
+      Block b(m = 2, base = world, s(start = 0.95));
+      Spring k(k = 50, stretch = b.s);
+      DryFriction f(F = 5, rate = b.v);
+    end Stopping;""")
+    with pytest.raises(NoReference, match="too long"):
+        find_reference(build_problem(model, stop=10.0), seconds=0.5)
 
 
 # -------------------------------------------------------------------- solvers

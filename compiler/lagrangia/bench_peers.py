@@ -5,7 +5,9 @@ what is timed: the integration from the start to the last output time, and nothi
 the run returned.
 """
 
+import math
 import shlex
+import time
 from array import array
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -160,16 +162,18 @@ def compiled(function: ca.Function, level: str = _LEVEL) -> ca.Function:
 # -------------------------------------------------------------------- SciPy
 
 
-def prepare_scipy(method: str, problem: Problem, tolerance: float) -> Prepared:
-    """The equations, and for implicit methods their Jacobian, are compiled and called through pointers."""
+def prepare_scipy(method: str, problem: Problem, tolerance: float, seconds: float = math.inf) -> Prepared:
+    """The equations, and for implicit methods their Jacobian, are compiled and called through pointers. A run that takes longer
+    than `seconds` raises TimeoutError."""
     from scipy.integrate import solve_ivp
 
     is_implicit = method == "Radau"
     pieces = [(p, Pointer(compiled(p.slope)), {"jac": _jacobian(p)} if is_implicit else {}) for p in problem.pieces]
 
     def run(_: Any) -> Any:
-        y, portions = problem.start, []
-        for piece, slope, extra in pieces:
+        y, portions, deadline = problem.start, [], time.perf_counter() + seconds
+        for piece, pointer, extra in pieces:
+            slope = pointer if seconds == math.inf else _until(deadline, pointer)
             found = solve_ivp(slope, (piece.begin, piece.end), y, method, t_eval=piece.grid, rtol=max(tolerance, 2.3e-14),
                               atol=tolerance, **extra)
             if not found.success:
@@ -179,6 +183,15 @@ def prepare_scipy(method: str, problem: Problem, tolerance: float) -> Prepared:
         return portions
 
     return Prepared(run, lambda portions: problem.collect([states.T for states in portions]))
+
+
+def _until(deadline: float, slope: "Pointer") -> "Callable[..., NDArray[Any]]":
+    def limited(*values: Any) -> "NDArray[Any]":
+        if time.perf_counter() > deadline:
+            raise TimeoutError
+        return slope(*values)
+
+    return limited
 
 
 def _jacobian(piece: Piece) -> "Callable[[float, NDArray[Any]], NDArray[Any]]":
