@@ -179,12 +179,12 @@ class _Run:
         table, n = self.compilation.functions.table, self.n
         now, target = getattr(self, "segment", (times[0], times[0]))
         d = self._modes(now, target)
-        rows = []
+        rhs, outputs_of, rows = live("rhs", table), live("outputs", table), []
         for t, y in zip(times, states.T, strict=True):
             q, v, e = y[:n], y[n : 2 * n], y[2 * n :]
             u = self._inputs(t, now, target)
-            a, _, multipliers = live("rhs", table)(t, q, v, u, d, self.c)
-            outputs = live("outputs", table)(t, q, v, a, multipliers, u, d, self.c)
+            a, _, multipliers = rhs(t, q, v, u, d, self.c)
+            outputs = outputs_of(t, q, v, a, multipliers, u, d, self.c)
             energies = table["energies"](t, q, v, u, d, self.c)
             rows.append(np.concatenate([[t], q, v, np.array(outputs).ravel(), np.array(energies).ravel(),
                                         e if e.size else [0.0, self.given]]))

@@ -8,11 +8,10 @@ parameters change sign and factor, and cost nothing until a sum needs the value.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
 
 import casadi as ca
 
-from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, symbol, symbols_in
+from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, operate, symbol, symbols_in
 
 _MOST_OPERATIONS = 6_000  # 25 us each, and saves 5 % of a chain: large scenes are better compiled sooner
 _MOVES = (ca.OP_INPUT, ca.OP_CONST)
@@ -147,7 +146,7 @@ class _Walk:
 
     def _made(self, op: int, terms: list[_Term]) -> _Term:
         if all(term.base is None for term in terms):
-            return _Term(None, _applied(op, [as_expression(term.factor) for term in terms]))
+            return _Term(None, operate(op, [as_expression(term.factor) for term in terms]))
         if op in (ca.OP_ADD, ca.OP_SUB):
             return self._sum(terms[0], terms[1] if op == ca.OP_ADD else _negative(terms[1]))
         if op == ca.OP_DIV and terms[0].base is None:
@@ -157,7 +156,7 @@ class _Walk:
         rule = _RULES.get(op)
         made = rule(*terms) if rule is not None else None
         if made is None:
-            return _Term(_applied(op, [self.value(term) for term in terms]))
+            return _Term(operate(op, [self.value(term) for term in terms]))
         return _Term(made.base, None, -made.sign) if made.factor is not None and made.factor.is_minus_one() else made
 
     def _sum(self, a: _Term, b: _Term) -> _Term:
@@ -170,10 +169,6 @@ class _Walk:
         if a.sign == b.sign:
             return _Term(x + y, factor, a.sign)
         return _Term(x - y if a.sign > 0 else y - x, factor)
-
-
-def _applied(op: int, values: list[Any]) -> Expression:
-    return apply_to_one(op, values[0]) if len(values) == 1 else apply(op, *values)
 
 
 def _opposite(x: Expression) -> Expression:
