@@ -9,7 +9,7 @@
 static const double SOME_TIME = 1e-3; /* where no step tells of one */
 enum { PATTERNS = 3, ROUNDINGS = 256 };
 
-void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate)
+static void look_at(LagRun *run, double t, const double *y, double *g, double *rate)
 {
     const int n = run->model->n;
     double *slope = run->switches.slope;
@@ -17,6 +17,36 @@ void lag_conditions(LagRun *run, double t, const double *y, double *g, double *r
         lag_motion_slope(&run->motion, t, y, y + n, slope);
     lag_conditions_by(run, t, y, y + n, slope + n, g, rate);
     lag_sliding_margins(run, g);
+}
+
+/* Conditions that are not asked for, which none but events have where switches are live. */
+static void set_far(LagRun *run, double *g, double *rate)
+{
+    LagSwitches *s = &run->switches;
+    const LagModel *model = run->model;
+    const int first = lag_when(model, 0);
+    for (int i = 0; i < model->n_switches; ++i) {
+        const int is_far = i < first ? s->is_live : i < first + model->n_whens ? s->slides[i + model->n_whens] : !s->slides[i];
+        if (is_far) {
+            g[i] = s->held[i] > 0 ? 1 : -1;
+            rate[i] = 0;
+        }
+    }
+}
+
+void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate)
+{
+    look_at(run, t, y, g, rate);
+    if (run->model->n_whens > 0)
+        set_far(run, g, rate);
+}
+
+void lag_conditions_of_events(LagRun *run, double *g, double *rate)
+{
+    const LagMotion *m = &run->motion;
+    if (run->model->switches_need_acceleration)
+        lag_motion_slope(&run->motion, m->t, m->y, m->y + m->n, run->switches.slope);
+    lag_conditions_by(run, m->t, m->y, m->y + m->n, run->switches.slope + m->n, g, rate);
 }
 
 void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g, double *rate)
@@ -36,14 +66,15 @@ void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
     const int n = run->model->n;
     const double share = ROUNDINGS * DBL_EPSILON / run->scale.tolerance;
     memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
+    look_at(run, t, y, s->g_begin, s->rate_begin); /* which the next step begins with anew */
     for (int pattern = 0; pattern < PATTERNS; ++pattern) {
         for (int i = 0; i < 2 * n; ++i) {
             const double sign = (i >> pattern) % 2 == 0 ? 1 : -1;
             s->state[i] = y[i] + sign * share * lag_scale_unit(&run->scale, i, y, y);
         }
-        lag_conditions(run, t, s->state, s->g_inside, s->rate_inside);
+        look_at(run, t, s->state, s->g_inside, s->rate_inside);
         for (int i = 0; i < run->model->n_switches; ++i)
-            s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g[i]), s->unknown[i]);
+            s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g_begin[i]), s->unknown[i]);
     }
 }
 

@@ -5,9 +5,15 @@
 
 #include "state.h"
 
+/* The last 2 n_whens conditions are those of events and, again in their order, what rests at them, whose g is the rate of the
+ * event's. While it rests the event is not asked for; where nothing does, that is said to be far from everything. */
+
 /* g and its rates (n_switches) at a state (q, v); without accelerations, rates that depend on them are none. */
 void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate);
 void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g, double *rate);
+
+/* The same at the present state, and nothing is said to be far. */
+void lag_conditions_of_events(LagRun *run, double *g, double *rate);
 
 /* Into switches.unknown: how much rounding of a state, as it adds up in steps, changes switches.g, its conditions. */
 void lag_conditions_find_unknown(LagRun *run, double t, const double *y);

@@ -27,8 +27,12 @@ double lag_crossing_time(const LagRun *run, double share)
     return share < 1 ? m->t_old + share * (m->t - m->t_old) : m->t;
 }
 
-/* Whether a condition has changed for sure. What rests at the corner of a spring is on both its sides by rounding, again and again. */
-static int is_beyond(const LagSwitches *s, int i, double depth) { return depth < -s->unknown[i]; }
+/* Whether a condition has changed for sure. What rests at the corner of a spring is on both its sides by rounding, again and again;
+ * what rests at a contact is held. */
+static int is_beyond(const LagRun *run, int i, double depth)
+{
+    return depth < (lag_is_event(run->model, i) ? 0 : -run->switches.unknown[i]);
+}
 
 /* s->state and s->g_inside there. */
 static void look_at(LagRun *run, double x)
@@ -113,7 +117,7 @@ static double find_dip(LagRun *run, int i, Part part)
         if (share < 0)
             return -1;
         const double here = depth_at(run, i, x);
-        if (is_beyond(s, i, here))
+        if (is_beyond(run, i, here))
             return x;
         const double pace = h * pace_at(run, i, x);
         if (pace < 0) {
@@ -142,8 +146,8 @@ static double find_root(LagRun *run, int i, double low, double high)
         *(here >= 0 ? &low : &high) = x;
         *(here >= 0 ? &a : &b) = here;
     }
-    if (a < 0)
-        return begin;
+    if (a < 0) /* an event comes a moment later, where what has just left is back */
+        return lag_is_event(run->model, i) ? begin + ldexp(high - begin, -HALVINGS) : begin;
     int side = 0; /* that moved last: the value at the other one counts half when it stays again */
     for (int k = 1; k <= MOST_ITERATIONS && high - low > enough; ++k) {
         const double half = low + (high - low) / 2, guess = high - (high - low) * (b / (b - a));
@@ -164,7 +168,7 @@ static double find_in_part(LagRun *run, Part part)
     const LagSwitches *s = &run->switches;
     double first = LAG_NOWHERE;
     for (int i = 0; i < run->model->n_switches; ++i) {
-        const double high = is_beyond(s, i, lag_depth(s, i, s->g)) ? part.high : find_dip(run, i, part);
+        const double high = is_beyond(run, i, lag_depth(s, i, s->g)) ? part.high : find_dip(run, i, part);
         if (high < 0 || (first < high && depth_at(run, i, first) >= 0))
             continue;
         first = find_root(run, i, part.low, fmin(first, high));

@@ -60,9 +60,12 @@ struct LagModel {
     int n_initial_positions; /* so many of the initial equations come first and depend on positions alone */
     int n_lost; /* coordinates that others give, and that start values are stated for: they follow q, their rates v, at the start */
     int n_switches; /* conditions on the state, which steps hold: they follow the modes in d, 1 where g > 0 and 0 where g < 0 */
+    int n_whens;    /* events of conditions: the last of the switches are these, and as many for what rests at them: conditions.h */
+    int n_resets;   /* rates that they reset, by impulses that follow the switches in d: forces of 1 when a way is looked for */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
+    const int *reset_places;    /* 2 n_resets: the event of each, and whether it is a contact, where what rests is held */
     int outputs_need_acceleration; /* a or lambda */
     int switches_need_acceleration;
     const int *linear_pattern;     /* NULL unless the equations are linear: see linear_system.h */
@@ -109,6 +112,7 @@ struct LagModel {
     /* t, q, v, u, d, c, d_before -> dv: what the impulse of supports whose rate jumps at an event does; absent where none does. */
     LagFunction kick;
     LagFunction switches;   /* t, q, v, a, u, du/dt, modes, c -> g, dg/dt   n_switches each */
+    LagFunction resets;     /* t, q, v, u, modes, c -> rates, and what they become at their events   n_resets each */
 
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */

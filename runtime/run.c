@@ -16,7 +16,7 @@ static size_t work_size(const LagModel *model)
                                       &model->events, &model->modes, &model->rhs, &model->outputs, &model->energies,
                                       &model->place, &model->steer, &model->jacobian, &model->tangent, &model->velocity,
                                       &model->force, &model->regular, &model->residual, &model->nearest,
-                                      &model->kick, &model->switches};
+                                      &model->kick, &model->switches, &model->resets};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -32,7 +32,7 @@ static void layout(LagRun *run, LagArena *arena)
     run->c = lag_take(arena, (size_t)model->n_hoisted);
     run->u = lag_take(arena, (size_t)model->n_inputs);
     run->u_slope = lag_take(arena, (size_t)model->n_inputs);
-    run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches));
+    run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches + model->n_resets));
     run->d_before = lag_take(arena, (size_t)model->n_modes);
     run->event_a = lag_take(arena, events);
     run->event_b = lag_take(arena, events);
@@ -55,6 +55,7 @@ static void layout(LagRun *run, LagArena *arena)
     lag_stiffness_layout(&run->stiffness, model->n, run->motion.size, arena);
     lag_switches_layout(&run->switches, model, run->motion.size, arena);
     lag_sliding_layout(&run->sliding, model, run->motion.size, arena);
+    lag_impacts_layout(&run->impacts, model, run->motion.size, arena);
     lag_methods_layout(&run->methods, &run->settings, model, &run->motion, arena);
 }
 

@@ -10,6 +10,7 @@
 #include "schedule.h"
 
 static const double FIRST_PART = 0.1; /* of what is left: no first step is longer */
+static const double BOUNCE = 1.25; /* of the time that one takes: no first step after it is longer */
 static const double MILD = 10; /* steps in which accelerations change by about themselves */
 
 /* A time inside the segment, away from its ends, where modes are sure not to be just changing. */
@@ -68,6 +69,7 @@ static void look_ahead(LagRun *run)
 
 LagStatus lag_segment_evaluate(LagRun *run)
 {
+    const LagModel *model = run->model;
     LagMotion *motion = &run->motion;
     const int n = motion->n;
     motion->t_old = motion->t;
@@ -82,6 +84,8 @@ LagStatus lag_segment_evaluate(LagRun *run)
     if (run->methods.solver != LAG_SOLVER_LINEAR && run->methods.solver != LAG_SOLVER_ISLANDS) /* these have no units of error */
         look_ahead(run);
     run->step = first_step(run, is_bend);
+    if (model->n_whens > 0) /* a short bounce is seen in a short step */
+        run->step = fmin(run->step, BOUNCE * run->impacts.back);
     if (is_bend) /* steps before were of another motion */
         run->calm_step = fmin(run->calm_step, run->step);
     run->is_starting = 1;
@@ -95,6 +99,9 @@ LagStatus lag_segment_next(LagRun *run)
     lag_account_open(run);
     lag_segment_enter(run);
     lag_kick(run, run->motion.t, run->motion.y);
+    const LagStatus status = lag_impacts_strike(run);
+    if (status != LAG_OK)
+        return status;
     lag_project_present(run);
     lag_account_close(run);
     ++run->statistics.events;

@@ -19,6 +19,7 @@ enum { BLOCKS = 8, MOST_SINGLE = 3 };
 /* What of dg/dt is rounding, by its terms: in the choice, and while they slide; what of accelerations is; the share of the largest jump
  * so far that is none. */
 static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON, UNKNOWN = 1024 * DBL_EPSILON, VANISHED = 1e-10;
+static const double LITTLE = 1e-3; /* of a contact's own rate: it hardly moves this one */
 
 void lag_sliding_rates(LagRun *run, double t, const double *y)
 {
@@ -56,29 +57,54 @@ static void note_jump(LagRun *run, double t, const double *y)
     s->energy = fabs(energies[0]);
 }
 
-/* The jumps of all `count` candidates, around shares of 1/2. */
+/* How much another share of candidate j changes all rates, by the share: into its column. */
+static void probe(LagRun *run, double t, const double *y, int count, int j, double change)
+{
+    LagSliding *s = &run->sliding;
+    *lag_share(run, s->which[j]) = s->base[j] + change;
+    lag_sliding_rates(run, t, y);
+    for (int k = 0; k < count; ++k)
+        s->jump[k + j * count] = (s->rate[s->which[k]] - s->middle[k]) / change;
+    *lag_share(run, s->which[j]) = s->base[j];
+}
+
+/* A force of contact j that makes a difference to one of the rates. */
+static double needed_of(const LagSliding *s, int count, int j)
+{
+    double needed = 0;
+    for (int k = 0; k < count; ++k)
+        if (fabs(s->jump[k + j * count]) > LITTLE * fabs(s->jump[j + j * count]))
+            needed = lag_max(fabs(s->middle[k] / s->jump[k + j * count]), needed);
+    return needed > 0 && needed < INFINITY ? needed : 1;
+}
+
+/* The jumps of all `count` candidates, around shares of 1/2; of contacts from no force on, by one of the size that is needed. */
 static void find_jumps(LagRun *run, double t, const double *y, int count)
 {
     LagSliding *s = &run->sliding;
-    for (int k = 0; k < count; ++k)
-        *lag_share(run, s->which[k]) = 0.5;
+    for (int k = 0; k < count; ++k) {
+        const int is_jump = lag_may_have_all(run, s->which[k]);
+        s->base[k] = is_jump ? 0.5 : 0;
+        s->limit[k] = is_jump ? 1 : INFINITY;
+        *lag_share(run, s->which[k]) = s->base[k];
+    }
     lag_sliding_rates(run, t, y);
     memcpy(s->slope_without, run->switches.slope, 2 * (size_t)run->model->n * sizeof *y);
     for (int k = 0; k < count; ++k)
         s->middle[k] = s->rate[s->which[k]];
     for (int j = 0; j < count; ++j) {
-        *lag_share(run, s->which[j]) = 1;
-        lag_sliding_rates(run, t, y);
-        for (int k = 0; k < count; ++k)
-            s->jump[k + j * count] = 2 * (s->rate[s->which[k]] - s->middle[k]);
-        *lag_share(run, s->which[j]) = 0.5;
+        const int is_jump = lag_may_have_all(run, s->which[j]);
+        probe(run, t, y, count, j, is_jump ? 0.5 : 1);
+        s->unit[j] = is_jump ? 1 : needed_of(s, count, j);
+        if (s->unit[j] != 1)
+            probe(run, t, y, count, j, s->unit[j]);
     }
     for (int k = 0; k < count; ++k) {
         double *jump = &s->jump[k + k * count], *most = &s->most_jump[s->which[k]];
-        *most = lag_max(fabs(*jump), *most);
+        *most = lag_max(fabs(*jump) * s->unit[k], *most);
         s->share[k] = run->switches.held[s->which[k]];
-        const int rests = run->switches.slides[s->which[k]] && fabs(*jump) + fabs(s->middle[k]) < VANISHED * *most;
-        *jump = rests ? -VANISHED * *most : *jump; /* nothing holds it, or need to: friction may come again */
+        const int rests = run->switches.slides[s->which[k]] && fabs(*jump) * s->unit[k] + fabs(s->middle[k]) < VANISHED * *most;
+        *jump = rests ? -VANISHED * *most / s->unit[k] : *jump; /* nothing holds it, or need to: friction may come again */
         s->state[k] = *jump < 0 ? SLIDES : GIVEN;
     }
 }
@@ -89,7 +115,7 @@ static double rate_of(const LagSliding *s, int count, int k, int by_all)
     double rate = s->middle[k];
     for (int j = 0; j < count; ++j)
         if (by_all || s->state[j] != SLIDES)
-            rate += s->jump[k + j * count] * (s->share[j] - 0.5);
+            rate += s->jump[k + j * count] * (s->share[j] - s->base[j]);
     return rate;
 }
 
@@ -98,7 +124,7 @@ static double size_of(const LagSliding *s, int count, int k)
 {
     double size = fabs(s->middle[k]);
     for (int j = 0; j < count; ++j)
-        size += fabs(s->jump[k + j * count]);
+        size += fabs(s->jump[k + j * count] * s->unit[j]);
     return size;
 }
 
@@ -122,7 +148,7 @@ static void solve(LagSliding *s, int count)
     lag_dense_lu_solve(&s->lu, s->change, NULL);
     for (int k = 0, row = 0; k < count; ++k)
         if (s->state[k] == SLIDES)
-            s->share[k] = 0.5 + s->change[row++];
+            s->share[k] = s->base[k] + s->change[row++];
 }
 
 /* The state that candidate k should have instead of its own; the same where it is right. */
@@ -134,8 +160,8 @@ static int better(const LagSliding *s, int count, int k)
     case HIGH: return rate < -rounding ? SLIDES : HIGH;
     case SLIDES:
         if (fabs(rate) > rounding) /* others hold what it would: its own velocity is to be another one */
-            return rate > 0 ? HIGH : LOW;
-        return s->share[k] < 0 ? LOW : s->share[k] > 1 ? HIGH : SLIDES;
+            return rate < 0 ? LOW : s->limit[k] < INFINITY ? HIGH : SLIDES;
+        return s->share[k] < 0 ? LOW : s->share[k] > s->limit[k] ? HIGH : SLIDES;
     default: return GIVEN;
     }
 }
@@ -168,7 +194,7 @@ static int hold(LagRun *run, int count)
     int sliding = 0;
     for (int k = 0; k < count; ++k) {
         const int i = s->which[k], slides = s->state[k] == SLIDES;
-        run->switches.held[i] = *lag_share(run, i) = lag_max(0, lag_min(1, s->share[k]));
+        run->switches.held[i] = *lag_share(run, i) = lag_max(0, lag_min(s->limit[k], s->share[k]));
         run->switches.slides[i] = slides;
         if (!slides)
             continue;

@@ -34,6 +34,9 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->most_jump = lag_take(arena, count);
     s->g = lag_take(arena, count);
     s->rate = lag_take(arena, count);
+    s->unit = lag_take(arena, most);
+    s->base = lag_take(arena, most);
+    s->limit = lag_take(arena, most);
     s->noise = lag_take(arena, most);
     s->state_here = lag_take(arena, whole);
     s->state_before = lag_take(arena, whole);
@@ -62,6 +65,8 @@ void lag_sliding_end(LagRun *run)
 }
 
 double *lag_share(const LagRun *run, int i) { return &run->d[run->model->n_modes + i]; }
+
+int lag_may_have_all(const LagRun *run, int i) { return i < lag_when(run->model, 0); }
 
 /* Velocities are known to the tolerance, and to that of what those who hold them make of them in a step. */
 double lag_sliding_drift(const LagRun *run, int i)
@@ -114,8 +119,10 @@ static double find_change(LagRun *run, double t, const double *q, const double *
         s->change[k] = fabs(rate) <= s->noise[k] ? 0 : -rate; /* the jump may be rounding, too */
     }
     lag_dense_lu_solve(&s->lu, s->change, NULL);
-    for (int k = 0; k < s->count; ++k)
-        largest = fabs(s->change[k]) <= largest ? largest : fabs(s->change[k]); /* what is no number stays */
+    for (int k = 0; k < s->count; ++k) {
+        const double change = fabs(s->change[k]) / s->unit[k];
+        largest = change <= largest ? largest : change; /* what is no number stays */
+    }
     return largest;
 }
 
@@ -172,7 +179,7 @@ void lag_sliding_margins(const LagRun *run, double *g)
     const LagSliding *s = &run->sliding;
     for (int k = 0; k < s->count; ++k) {
         const double share = *lag_share(run, s->which[k]);
-        g[s->which[k]] = share * (1 - share);
+        g[s->which[k]] = lag_may_have_all(run, s->which[k]) ? share * (1 - share) : share / s->unit[k];
     }
 }
 
@@ -188,16 +195,24 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
     lag_motion_slope(&run->motion, t - moment, s->state_before, s->state_before + n, s->slope_before);
     for (int k = 0; k < s->count; ++k) {
         double *share = lag_share(run, s->which[k]);
-        rate[s->which[k]] = (1 - 2 * s->share_here[k]) * (s->share_here[k] - *share) / moment;
+        const double by_share = lag_may_have_all(run, s->which[k]) ? 1 - 2 * s->share_here[k] : 1 / s->unit[k];
+        rate[s->which[k]] = by_share * (s->share_here[k] - *share) / moment;
         *share = s->share_here[k];
     }
+}
+
+/* Whether the position of what rests at a contact has drifted. */
+static int has_left(const LagRun *run, int i)
+{
+    const int event = i - run->model->n_whens;
+    return !lag_may_have_all(run, i) && fabs(run->sliding.g[event]) > run->sliding.error[event];
 }
 
 int lag_sliding_lasts(LagRun *run)
 {
     const LagSliding *s = &run->sliding;
     for (int k = 0; k < s->count; ++k)
-        if (fabs(s->g[s->which[k]]) > lag_sliding_drift(run, s->which[k]))
+        if (fabs(s->g[s->which[k]]) > lag_sliding_drift(run, s->which[k]) || has_left(run, s->which[k]))
             return 0;
     return 1;
 }

@@ -16,6 +16,8 @@ typedef struct {
     double *middle;  /* most: dg/dt at the shares 1/2 */
     LagDenseLu lu;   /* of the jump of those that slide */
     double *change;  /* most: of the shares */
+    double *base, *limit; /* most: the share that jumps are measured from, 1/2 or 0, and the largest one, 1 or infinity */
+    double *unit;    /* most: what shares are measured by; 1 but for contacts */
     double *noise;   /* most: dg/dt that is rounding */
     double *error;   /* n_switches: of g that is one tolerance */
     double *most_jump; /* n_switches: change of dg/dt by the own share, the largest so far */
@@ -37,8 +39,11 @@ void lag_sliding_reset(LagRun *run);
 /* Nothing slides. */
 void lag_sliding_end(LagRun *run);
 
-/* The share in d of switch i. */
+/* The share in d of switch i; of a contact, the force in N that holds it. */
 double *lag_share(const LagRun *run, int i);
+
+/* Whether a share ends at 1, as that of a jump does: contacts push with any force, and do not pull. */
+int lag_may_have_all(const LagRun *run, int i);
 
 /* dg/dt at a state by the shares in d, while none is corrected: into `rate`. */
 void lag_sliding_rates(LagRun *run, double t, const double *y);

@@ -3,6 +3,7 @@
 #define LAG_STATE_H
 
 #include "assemble.h"
+#include "impacts.h"
 #include "inputs.h"
 #include "methods.h"
 #include "project.h"
@@ -41,6 +42,7 @@ struct LagRun {
     LagStiffness stiffness;
     LagSwitches switches;
     LagSliding sliding;
+    LagImpacts impacts;
 
     int started;
     int is_starting;      /* no step since the segment began was as long as it could be */

@@ -20,7 +20,6 @@
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
 static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
 enum { HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
-enum { STAYS, CHANGES, TO_0, TO_1 }; /* at the present time; the latter two: what slid goes to that side */
 
 void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
 {
@@ -65,7 +64,7 @@ void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
     LagSwitches *s = &run->switches;
     double *d = run->d + run->model->n_modes;
     lag_conditions_by(run, t, q, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
-    for (int i = 0; i < run->model->n_switches; ++i)
+    for (int i = 0; i < lag_when(run->model, 0); ++i)
         d[i] = sign_of(s->g_inside[i]);
 }
 
@@ -80,7 +79,7 @@ void lag_switches_settle(LagRun *run, double t, const double *y)
     memcpy(s->g, s->g_inside, (size_t)run->model->n_switches * sizeof *s->g);
     lag_conditions_find_unknown(run, t, y);
     for (int i = 0; i < run->model->n_switches; ++i)
-        s->turned[i] = fabs(s->g[i]) <= lag_conditions_error(run, s->unknown[i]);
+        s->turned[i] = i < lag_when(run->model, 0) && fabs(s->g[i]) <= lag_conditions_error(run, s->unknown[i]);
     lag_sliding_settle(run, t, y, s->turned);
     lag_switches_forget(run);
 }
@@ -96,17 +95,18 @@ void lag_switches_recall(LagRun *run)
     memcpy(run->d + run->model->n_modes, run->switches.held, (size_t)run->model->n_switches * sizeof *run->d);
 }
 
-/* What changes now, and what is neither, goes the way that it is going. Returns whether something changes. */
+/* What changes now, and what is neither, goes the way that it is going: but for events, which are to come where they are neither.
+ * Returns whether something changes. */
 static int choose(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    const int count = run->model->n_switches;
+    const int count = run->model->n_switches, first = lag_when(run->model, 0);
     const double *y = run->motion.y;
     int turned = 0, undecided = 0;
     lag_conditions(run, run->motion.t, y, s->g, s->rate);
     for (int i = 0; i < count; ++i) {
-        const double changed = s->turned[i] == CHANGES ? 1 - s->held[i] : s->turned[i] == TO_1;
-        s->held[i] = s->turned[i] ? changed : sign_of(s->g[i]);
+        const double changed = s->turned[i] == LAG_CHANGES ? 1 - s->held[i] : s->turned[i] == LAG_TO_1;
+        s->held[i] = s->turned[i] ? changed : i < first ? sign_of(s->g[i]) : s->g[i] > s->unknown[i];
         turned |= s->turned[i];
         undecided |= s->held[i] == 0.5;
     }
@@ -127,15 +127,18 @@ static int let_slide(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     LagSliding *sliding = &run->sliding;
+    const int first = lag_when(run->model, 0);
     int candidates = 0;
-    for (int i = 0; i < run->model->n_switches; ++i) {
-        const int has_gone = s->turned[i] == TO_0 || s->turned[i] == TO_1;
+    for (int i = 0; i < run->model->n_switches; ++i)
+        sliding->error[i] = lag_conditions_error(run, s->unknown[i]);
+    for (int i = 0; i < first && !s->is_live; ++i) {
+        const int has_gone = s->turned[i] == LAG_TO_0 || s->turned[i] == LAG_TO_1;
         const double drift = s->slides[i] ? LAG_SLIDING_FAR * lag_sliding_drift(run, i) : 0;
         if (!has_gone && fabs(s->g[i]) <= lag_max(drift, s->unknown[i]))
-            s->turned[i] = CHANGES;
-        candidates |= s->turned[i] == CHANGES;
-        sliding->error[i] = lag_conditions_error(run, s->unknown[i]);
+            s->turned[i] = LAG_CHANGES;
+        candidates |= s->turned[i] == LAG_CHANGES;
     }
+    candidates |= lag_impacts_find_rest(run);
     lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
     if (sliding->count > 0)
         lag_sliding_stop(run);
@@ -155,7 +158,7 @@ int lag_switches_enter(LagRun *run)
     lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     if (s->is_live)
         lag_sliding_end(run);
-    else if (run->model->switches_need_acceleration && let_slide(run))
+    if ((!s->is_live || run->model->n_whens > 0) && run->model->switches_need_acceleration && let_slide(run))
         lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
     if (run->sliding.count > 0)
         lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
@@ -199,10 +202,16 @@ int lag_switches_note(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     int first = -1;
-    lag_conditions(run, run->motion.t, run->motion.y, s->g, s->rate);
+    if (run->model->n_whens > 0)
+        lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
+    else
+        lag_conditions(run, run->motion.t, run->motion.y, s->g, s->rate);
     for (int i = 0; i < run->model->n_switches; ++i) {
-        const int changes = lag_depth(s, i, s->g) <= (s->slides[i] ? END_OF_SHARE : 0), has_more = *lag_share(run, i) > 0.5;
-        s->turned[i] = !changes ? STAYS : !s->slides[i] ? CHANGES : has_more ? TO_1 : TO_0;
+        const double depth = lag_depth(s, i, s->g);
+        const int changes = lag_is_event(run->model, i) ? depth < -s->unknown[i] || (depth <= 0 && lag_depth(s, i, s->rate) < 0)
+                                     : depth <= (s->slides[i] ? END_OF_SHARE : 0);
+        const int has_more = lag_may_have_all(run, i) && *lag_share(run, i) > 0.5;
+        s->turned[i] = !changes ? LAG_STAYS : !s->slides[i] ? LAG_CHANGES : has_more ? LAG_TO_1 : LAG_TO_0;
         first = first < 0 && changes ? i : first;
     }
     return first;
@@ -212,10 +221,10 @@ int lag_switches_note(LagRun *run)
 static void turn(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    const int first = lag_switches_note(run);
+    const int first = lag_switches_note(run), is_event = first >= lag_when(run->model, 0);
     const double since = run->motion.t - run->motion.t_old;
     const int stands = since <= lag_time_resolution(run->motion.t), is_soon = since < SOON * run->statistics.largest_step;
-    s->hurried = stands || (first == s->last && is_soon) ? s->hurried + 1 : 0;
+    s->hurried = !is_event && (stands || (first == s->last && is_soon)) ? s->hurried + 1 : 0;
     s->last = first;
     if (s->hurried < HURRY)
         return;
@@ -254,8 +263,9 @@ static void watch_held(LagRun *run)
 void lag_switches_watch(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    if (!s->is_live)
+    const int is_live = s->is_live;
+    if (!is_live || run->model->n_whens > 0)
         watch_held(run);
-    else if (s->live_steps > 0)
+    if (is_live && s->live_steps > 0)
         --s->live_steps;
 }

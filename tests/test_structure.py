@@ -58,6 +58,7 @@ ORDER = """
     harmonics
     collected
     parameters
+    impacts
     constraints
     initial
     orthogonal

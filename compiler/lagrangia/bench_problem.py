@@ -96,8 +96,8 @@ def build_problem(model: Model, *, stop: float | None = None, points: int = 10,
     values = check_values(model.scene, given)
     model = model.suited(values)
     table = model.compilation.functions.table
-    if "kick" in table:
-        fail("L0909", "not supported yet: to compare integrators on a scene whose supports jump, or their rates", None,
+    if "kick" in table or "resets" in table:
+        fail("L0909", "not supported yet: to compare integrators on a scene whose rates or supports jump", None,
              "they would have to be told of the impulses; lag simulate takes them into account")
     p = np.array(table["parameters"](values.parameters, values.mask))
     corners = [float(t) for t in switching_times(model.compilation, whole, p)]

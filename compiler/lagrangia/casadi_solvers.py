@@ -46,6 +46,9 @@ def casadi_refusal(compilation: Compilation) -> tuple[str, str] | None:
     if compilation.motion.constrained:
         return ("not supported yet: constraints that stay in the equations, with CasADi's integrators",
                 "closed loops and the like need the run time: a C compiler (pip install ziglang)")
+    if "resets" in compilation.functions.table:
+        return ("not supported yet: events that reset rates, with CasADi's integrators",
+                "the run time takes them: a C compiler (pip install ziglang)")
     if "initial" in compilation.functions.table:
         return ("not supported yet: initial equations to be solved, with CasADi's integrators",
                 "give the start values of coordinates and rates, or install a C compiler (pip install ziglang)")

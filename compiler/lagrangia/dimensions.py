@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from lagrangia.diagnostics import LagError, Report, Span
-from lagrangia.flat import Equation, FlatModel, Variable
+from lagrangia.flat import Equation, FlatModel, Variable, When
 from lagrangia.folding import fold
 from lagrangia.names import FRAME_FUNCTIONS
 from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpression, Local, Number, Ref, String, Time, Unary
@@ -53,6 +53,8 @@ def check_dimensions(model: FlatModel) -> FlatModel:
         checker.guard(checker.check_frame, frames.right)
     for equation in (*model.constraints, *model.initial_equations):
         checker.guard(checker.check_equation, equation)
+    for when in model.whens:
+        checker.guard(checker.check_when, when)
     for energy in model.energies:
         wanted = _WATT if energy.kind == "dissipation" else _JOULE
         what = "a dissipation function" if energy.kind == "dissipation" else f"a {energy.kind} energy"
@@ -121,6 +123,11 @@ class _Checker:
 
     def check_equation(self, equation: Equation) -> None:
         self.same(self.quantity(equation.left), self.quantity(equation.right), equation.span, "be equal")
+
+    def check_when(self, when: When) -> None:
+        self._require_condition(when.condition, None)
+        for reset in when.resets:
+            self.same(self.quantity(reset.rate), self.quantity(reset.value), reset.span, "be equal")
 
     def declared(self, variable: Variable) -> Quantity:
         return Quantity(parse_unit(variable.unit).dimension) if variable.unit else ANY
@@ -289,7 +296,7 @@ class _Checker:
             case "sqrt":
                 base = found[0].dimension
                 return ANY if base is None else Quantity(power(base, Fraction(1, 2)), found[0].is_soft)
-            case "abs" | "norm" | "floor" | "ceil" | "rotate" | "virtual" | "element":
+            case "abs" | "norm" | "floor" | "ceil" | "rotate" | "virtual" | "element" | "pre":
                 return found[0]
             case "sign":
                 return PURE

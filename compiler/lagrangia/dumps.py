@@ -71,6 +71,9 @@ def _flat(compilation: Compilation) -> str:
     lines += [f"{_text(e.left)} = {_text(e.right)}" for e in model.constraints]
     lines += [f"{e.kind} {e.component}: {_text(e.value)}" for e in model.energies]
     lines += [f"work {w.component}: {_text(w.force)} on {_text(w.position)}" for w in model.works]
+    for when in model.whens:
+        resets = "; ".join(f"{_text(reset.rate)} becomes {_text(reset.value)}" for reset in when.resets)
+        lines.append(f"when {_text(when.condition)}: {resets}")
     lines += [f"initially {_text(e.left)} = {_text(e.right)}" for e in model.initial_equations]
     return "\n".join(lines)
 

@@ -344,6 +344,11 @@ def _item(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) 
     return vector[int(k) - 1]
 
 
+def _before(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:
+    """pre(x): x before the event, where it is read in any case."""
+    return arguments[0]
+
+
 def _virtual(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:
     """virtual(x): zero, but that its virtual displacement is that of x."""
     return _map(evaluator.virtual or (lambda x: 0.0), arguments[0])
@@ -352,5 +357,5 @@ def _virtual(evaluator: Evaluator, arguments: list[Value], level: int, span: Spa
 _VECTOR_FUNCTIONS: Mapping[str, Callable[[Evaluator, list[Value], int, Span], Value]] = {
     "dot": _dot, "cross": _cross, "norm": _norm, "rotate": _rotate, "min": _extreme("fmin"), "max": _extreme("fmax"),
     "sum": _total, "product": _product_of, "table": _table, "element": _item,
-    "virtual": _virtual,
+    "virtual": _virtual, "pre": _before,
 }

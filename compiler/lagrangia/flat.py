@@ -95,6 +95,28 @@ class Work:
 
 
 @dataclass(frozen=True)
+class Reset:
+    """`reinit(rate, value)`: the rate is to have this value after the event."""
+
+    rate: Flat
+    value: Flat
+    span: Span
+
+
+@dataclass(frozen=True)
+class When:
+    """`when condition then ... end when`: what happens at the moment at which the condition comes true."""
+
+    condition: Flat
+    resets: tuple[Reset, ...]
+    component: str
+    span: Span
+
+    def expressions(self) -> tuple[Flat, ...]:
+        return (self.condition, *(x for reset in self.resets for x in (reset.rate, reset.value)))
+
+
+@dataclass(frozen=True)
 class Experiment:
     start: float = 0.0
     stop: float = 1.0
@@ -113,6 +135,7 @@ class FlatModel:
     energies: tuple[Energy, ...]
     works: tuple[Work, ...]
     initial_equations: tuple[Equation, ...]
+    whens: tuple[When, ...]
     functions: Mapping[str, FlatFunction]
     structural: Mapping[str, float | bool | str]
     experiment: Experiment

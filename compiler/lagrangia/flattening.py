@@ -7,7 +7,20 @@ from typing import Any
 from lagrangia.algorithms import FlatFunction, flatten_function
 from lagrangia.classes import ClassTable
 from lagrangia.diagnostics import LagError, Report, Source, Span, fail, nearest, suggest
-from lagrangia.flat import Energy, Equation, Experiment, FlatModel, Frame, FrameEquation, Kind, Variable, Work, is_frame
+from lagrangia.flat import (
+    Energy,
+    Equation,
+    Experiment,
+    FlatModel,
+    Frame,
+    FrameEquation,
+    Kind,
+    Reset,
+    Variable,
+    When,
+    Work,
+    is_frame,
+)
 from lagrangia.folding import fold
 from lagrangia.given import a_number
 from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
@@ -59,6 +72,8 @@ class _Flattening:
         self.energies: list[Energy] = []
         self.works: list[Work] = []
         self.initial: list[Equation] = []
+        self.whens: list[When] = []
+        self.resets: list[Reset] = []  # of the `when` that is being read
         self.structural: dict[str, float | bool | str] = {}
 
     def flatten(self, overrides: Mapping[str, Any]) -> FlatModel:
@@ -75,7 +90,8 @@ class _Flattening:
         self.report.raise_errors()
         model = FlatModel(
             definition.name, definition.description, self.variables, self.frames, tuple(self.frame_equations), bound,
-            tuple(self.energies), tuple(self.works), tuple(self.initial), self.functions, self.structural,
+            tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
+            self.structural,
             self._experiment(definition.annotation, Scope(root)), definition.name_span,
         )
         return replace(model, warnings=tuple(find_unread(model, root, self.table).diagnostics))
@@ -259,11 +275,15 @@ class _Flattening:
                 chosen = then if self.names.boolean(condition, scope, "the condition of an if block") else otherwise
                 for part in chosen:
                     self._clause(kind, part, scope)
+            case Equality() if kind == "when":
+                fail("L0222", "what happens at an event is said by reinit", clause.span, "write: reinit(der(x), value);")
             case Equality(left, right, _, _) if kind == "initial":
                 self.initial.append(Equation(self.names.flatten(left, scope), self.names.flatten(right, scope), place))
             case Equality(left, right, _, _):
                 sides = self.names.flatten(left, scope), self.names.flatten(right, scope)
                 self._add_equation(*sides, scope.instance.path, place)
+            case CallEquation(call, _) if kind == "when":
+                self._add_reset(call, scope, place)
             case CallEquation(call, _):
                 self._add_call(call, scope, place)
             case EnergyTerm(what, value, _, _):
@@ -271,8 +291,8 @@ class _Flattening:
             case WorkTerm(force, position, _, _):
                 flat = self.names.flatten(force, scope), self.names.flatten(position, scope)
                 self.works.append(Work(*flat, scope.instance.path, place))
-            case WhenBlock(_, _, span):
-                fail("L0901", "not supported yet: when (state events)", span)
+            case WhenBlock() if kind == "equation":
+                self._add_when(clause, scope, place)
             case _:
                 fail("L0222", "an algorithm belongs into a function", clause.span)
 
@@ -289,7 +309,9 @@ class _Flattening:
         if not isinstance(call, Call):
             fail("L0222", "this is no equation", span, "an equation has a '=' between two expressions")
         if call.function != "connect":
-            if call.function in ("assert", "reinit", "terminate"):
+            if call.function == "reinit":
+                fail("L0222", "reinit stands in a when", span, "write: when x < 0 then reinit(der(x), value); end when;")
+            if call.function in ("assert", "terminate"):
                 fail("L0901", f"not supported yet: {call.function}", span)
             near = nearest(call.function, ["connect"])
             fail("L0222", f"{call.function}(...) is no equation", span,
@@ -302,6 +324,24 @@ class _Flattening:
                 fail("L0221", "connect joins frames, this is none", end.span,
                      "a frame is a port, as bar.a, or shift(...) or turn(...) of one")
         self.frame_equations.append(FrameEquation(ends[0], ends[1], span))
+
+    def _add_when(self, block: WhenBlock, scope: Scope, place: Span) -> None:
+        condition = self.names.flatten(block.condition, scope)
+        self.resets = []
+        for part in block.body:
+            self._clause("when", part, scope)
+        if not self.resets and not self.report.errors:
+            fail("L0222", "nothing happens here", block.span, "write: reinit(der(x), value);")
+        self.whens.append(When(condition, tuple(self.resets), scope.instance.path, place))
+
+    def _add_reset(self, call: Expression, scope: Scope, span: Span) -> None:
+        if not isinstance(call, Call) or call.function != "reinit":
+            fail("L0222", "what happens at an event is said by reinit", span, "write: reinit(der(x), value);")
+        if len(call.arguments) != 2 or call.named:
+            fail("L0215", f"reinit takes a rate and its value, not {len(call.arguments)} arguments", span,
+                 "write: reinit(der(x), value);")
+        rate, value = (self.names.flatten(argument, scope) for argument in call.arguments)
+        self.resets.append(Reset(rate, value, span))
 
     def _bind_variables(self) -> tuple[Equation, ...]:
         """Equations `y = expression` of variables without a binding become their bindings; the others are constraints."""

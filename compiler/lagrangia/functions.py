@@ -62,12 +62,13 @@ def build_functions(
     found, c, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": switches.hold([y]), "energies": [energy],
         **_constrained(motion, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
-        "switches": [switches.values, switches.rates]}, motion.p)
+        "switches": [switches.values, switches.rates], "resets": [motion.impacts.rates, motion.impacts.wanted]}, motion.p)
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = kinematics.algebra.mode_symbols
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
-    full, all_labels = [t, q, v, a, symbols, u, ca.vertcat(d, switches.symbols), c], [*labels[:3], "a", "lambda", *labels[3:]]
+    full = [t, q, v, a, symbols, u, ca.vertcat(d, switches.symbols, motion.impacts.impulses), c]
+    all_labels = [*labels[:3], "a", "lambda", *labels[3:]]
     table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
         "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
@@ -84,7 +85,8 @@ def build_functions(
     if not jacobian.values:
         refused["implicit"] = "not supported yet: implicit steps of so many coordinates that all act on each other"
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs,
-                     patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
+                     patterns | {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places}, refused,
+                     jacobian.sizes, pays)
 
 
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
@@ -95,7 +97,7 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     found, c, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), **_constrained(motion, ca.SX(0, 1), switches),
         "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
-        "switches": [switches.values, switches.rates]}, motion.p)
+        "switches": [switches.values, switches.rates], "resets": [motion.impacts.rates, motion.impacts.wanted]}, motion.p)
     d = kinematics.algebra.mode_symbols
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
     given, mask, p = all_parameters(kinematics, motion.p.numel())
@@ -114,14 +116,16 @@ def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, 
                         c: ca.SX) -> dict[str, ca.Function]:
     """What steps evaluate, with switches held: they follow the modes in `d`."""
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
-    held_d = ca.vertcat(d, switches.symbols)
+    held_d = ca.vertcat(d, switches.symbols, motion.impacts.impulses)
     state, labels = [t, q, v, u, held_d, c], ["t", "q", "v", "u", "d", "c"]
     table = {"rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"])}
     if "regular" in found:
         table["regular"] = ca.Function("regular", state, found["regular"], labels, ["a", "power", "doubt"])
-    if switches.places:
+    if switches.symbols.numel():
         table["switches"] = ca.Function("switches", [t, q, v, a, u, switches.slopes, d, c], found["switches"],
                                         [*labels[:3], "a", "u", "du", "d", "c"], ["g", "rate"])
+    if motion.impacts.places:
+        table["resets"] = ca.Function("resets", [t, q, v, u, d, c], found["resets"], labels, ["rate", "wanted"])
     multipliers = motion.constrained.symbols if motion.constrained else ca.SX(0, 1)
     full = [t, q, v, a, multipliers, u, held_d, c]
     return table | _implicit_function(jacobian, found["jacobian"], full, [*labels[:3], "a", "lambda", *labels[3:]])
@@ -185,6 +189,8 @@ def _power(motion: Motion, source: ca.SX) -> ca.SX:
 def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,
                 motion: Motion) -> tuple[dict[str, tuple[int, ...]], dict[str, str], bool]:
     """The patterns of a linear scene, why the solver `linear` cannot run one that is none, and whether `auto` takes it."""
+    if motion.impacts.places:
+        return {}, {"linear": "rates are reset at events"}, False
     form = find_linear_form(kinematics, motion)
     if not isinstance(form, LinearForm):
         return {}, {"linear": form}, False

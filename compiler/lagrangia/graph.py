@@ -132,6 +132,7 @@ class _Building:
         stated: list[tuple[Iterable[Flat], str, Span]] = [((e.left, e.right), "an equation", e.span) for e in equations]
         stated += [((e.value,), f"a {e.kind} energy", e.span) for e in model.energies]
         stated += [((w.force, w.position), "a force", w.span) for w in model.works]
+        stated += [(when.expressions(), "an event", when.span) for when in model.whens]
         stated += [((v.start,), "a start value", v.start.span) for v in model.variables.values() if v.start is not None]
         for expressions, what, span in stated:
             for joint in self._joints_of_reactions(expressions):
@@ -157,6 +158,8 @@ class _Building:
             yield energy.value
         for work in model.works:
             yield from (work.force, work.position)
+        for when in model.whens:
+            yield from when.expressions()
 
     def _joints_of_reactions(self, expressions: Iterable[Flat]) -> list[str]:
         found = leaves(expressions, self.bindings)
@@ -266,6 +269,7 @@ class _Building:
         model = self.model
         roots: list[Flat] = [e.value for e in model.energies] + [x for w in model.works for x in (w.force, w.position)]
         roots += [x for e in (*model.initial_equations, *model.constraints) for x in (e.left, e.right)]
+        roots += [x for when in model.whens for x in when.expressions()]
         roots += [v.binding for v in model.variables.values() if v.is_output and v.binding is not None]
         return self._read_frames(roots)
 

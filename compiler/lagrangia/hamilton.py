@@ -36,6 +36,8 @@ def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Ener
     if energies.loads:
         work = energies.loads[0].statement
         return f"{work.component or 'a force'} puts energy in ({work.span})"
+    if motion.impacts.places:
+        return f"rates are reset at events ({kinematics.graph.model.whens[0].span})"
     if supports:
         return f"{supports[0].child} is moved in time ({supports[0].span})"
     for name, span in moved_in_time(kinematics, constraints):

@@ -22,7 +22,7 @@ from lagrangia.energies import evaluate_energies
 from lagrangia.kinematics import Kinematics
 from lagrangia.kkt import factor
 from lagrangia.motion import Motion, generalised_force, mass_matrix, solve_mass
-from lagrangia.parameters import default_parameters
+from lagrangia.parameters import usual_parameters
 
 _NOTHING = 1e-6  # of the size of its terms: an impulse that is rounding
 
@@ -82,7 +82,7 @@ def _impulse_of_dampers(kinematics: Kinematics, q: ca.SX, v: ca.SX, modes: ca.SX
 def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, modes: ca.SX, before: ca.SX) -> bool:
     """Whether there is an impulse at some event, with parameters and positions like any others: ramps go on where they were.
     It is compared with its `size`, that of its terms, there and at a time when all modes change at once."""
-    t, (p, numbers) = kinematics.symbols.time, _usual_parameters(kinematics)
+    t, (p, numbers) = kinematics.symbols.time, usual_parameters(kinematics)
     in_force = ca.Function("modes", [t, p], [ca.vertcat(*[mode.value for mode in kinematics.algebra.modes])])
     known = ca.vertcat(t, p, modes, before)
     others = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(ca.vertcat(impulse, size)) if not ca.depends_on(known, x)])
@@ -99,13 +99,6 @@ def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, modes: ca.SX, bef
         if found > _NOTHING * max(own, usual):
             return True
     return False
-
-
-def _usual_parameters(kinematics: Kinematics) -> tuple[ca.SX, NDArray[np.float64]]:
-    """The symbols of all parameters, and values beside those that are declared; none is 0."""
-    p, declared = default_parameters(kinematics)
-    values = np.array(declared).ravel()
-    return p, np.where(values == 0, 1.0, values) * np.random.default_rng(1).uniform(0.7, 1.3, values.size)
 
 
 def _event_times(kinematics: Kinematics, p: ca.SX, numbers: NDArray[np.float64]) -> Iterator[float]:

@@ -7,7 +7,7 @@ dT/dv. The accelerations come from the dense M, or by elimination along the tree
 in which everything is collected that cancels; what counts fewer nodes is taken.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import casadi as ca
@@ -23,6 +23,7 @@ from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
 from lagrangia.evenness import is_even
 from lagrangia.forces import forces_of_loops
+from lagrangia.impacts import Impacts
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.partition import Partition
@@ -65,6 +66,7 @@ class Motion:
     way: str  # "dense", "tree", "collected", "constrained", "constrained along the tree" or "independent coordinates"
     counted: dict[str, int]  # nodes of each way, where there was a choice
     collected: Collected | None = None  # where that is the way
+    impacts: Impacts = field(default_factory=Impacts)  # whose forces are among those in h
 
     @cached_property
     def nodes(self) -> dict[str, int]:
@@ -73,18 +75,18 @@ class Motion:
 
 
 def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constraints, for_any_mass: bool = False,
-                 partition: Partition | None = None) -> Motion:
+                 partition: Partition | None = None, impacts: Impacts | None = None) -> Motion:
     """`for_any_mass`: formulas that hold where parameters make M singular or uneven, too; they cost half as much again.
-    `partition`: of the coordinates of closed loops, used where it saves operations.
+    `partition`: of the coordinates of closed loops, used where it saves operations. `impacts`: whose forces act as well.
 
     Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates and joints.
     """
     symbols = kinematics.symbols
     q, v, a = (ca.vertcat(ca.SX(0, 1), *s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
     t, tau = symbols.time, symbols.tau
-    if q.numel() == 0 and not all_reactions(kinematics.graph):
-        fail("L0505", "nothing can move: the scene has no coordinate", kinematics.graph.model.span,
-             "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
+    _require_coordinates(kinematics)
+    impacts = impacts or Impacts()
+    energies = replace(energies, loads=energies.loads + impacts.loads)
     bodies = find_bodies(kinematics, energies)
     T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
     slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
@@ -111,7 +113,13 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     names = kinematics.graph.model.variables
     p, u = (_stack(kinematics, [n for n, x in names.items() if x.kind == kind]) for kind in ("parameter", "input"))
     return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, counted,
-                  short.inertia if short is not None and way == "collected" else None)
+                  short.inertia if short is not None and way == "collected" else None, impacts)
+
+
+def _require_coordinates(kinematics: Kinematics) -> None:
+    if not kinematics.symbols.positions and not all_reactions(kinematics.graph):
+        fail("L0505", "nothing can move: the scene has no coordinate", kinematics.graph.model.span,
+             "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
 
 
 def mass_matrix(motion: Motion) -> ca.SX:

@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from typing import NoReturn
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from lagrangia.algebra import Scalar
 from lagrangia.diagnostics import Span, fail
@@ -43,6 +45,13 @@ def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:
         return p, ca.DM(0, 1)
     given, mask, values = all_parameters(kinematics, p.numel())
     return p, ca.evalf(ca.substitute(values, ca.vertcat(given, mask), ca.DM.zeros(2 * p.numel())))
+
+
+def usual_parameters(kinematics: Kinematics) -> tuple[ca.SX, NDArray[np.float64]]:
+    """The symbols of all parameters, and values beside those that are declared; none is 0."""
+    p, declared = default_parameters(kinematics)
+    values = np.array(declared).ravel()
+    return p, np.where(values == 0, 1.0, values) * np.random.default_rng(1).uniform(0.7, 1.3, values.size)
 
 
 def at_declared_values(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:

@@ -45,7 +45,7 @@ class Compilation:
     kinematics: "Kinematics"
     constraints: "Constraints"
     energies: "Energies"
-    motion: "Motion"
+    motion: "Motion"  # without what happens at events
     initial: "InitialConditions"
     functions: "Functions"
     scene: "Scene"
@@ -62,36 +62,36 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
     from lagrangia.hamilton import build_hamilton, energy_flow, is_separable
+    from lagrangia.impacts import find_impacts
     from lagrangia.initial import build_initial
     from lagrangia.kinematics import build_kinematics
     from lagrangia.motion import build_motion
     from lagrangia.partition import find_partition
     from lagrangia.scenes import build_scene, divide
 
-    seconds: dict[str, float] = {}
+    took: dict[str, float] = {}
     with deep_recursion(), _without_collections():
-        with _timed(seconds, "syntax, flat"):
+        with _timed(took, "syntax, flat"):
             syntax, flat = flatten_file(path, model, structural)
             flat = check_dimensions(flat)
-        with _timed(seconds, "graph, kinematics, energies"):
+        with _timed(took, "graph, kinematics, energies"):
             kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
             energies = build_energies(kinematics)
-        with _timed(seconds, "motion"):
+        with _timed(took, "motion"):
             initial = build_initial(kinematics, constraints)
-            partition = find_partition(kinematics, constraints, initial)
-            motion = build_motion(kinematics, energies, constraints, for_any_mass, partition)
-        with _timed(seconds, "functions"):
-            flow = energy_flow(kinematics, constraints, energies, motion)
-            hamilton = None if flow or is_separable(motion) else build_hamilton(kinematics, motion)
-            functions = build_functions(kinematics, motion, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
-        with _timed(seconds, "freedom"):
+            made_of = kinematics, energies, constraints, for_any_mass, find_partition(kinematics, constraints, initial)
+            motion, impacts = build_motion(*made_of), find_impacts(kinematics)
+            run = build_motion(*made_of, impacts) if impacts.places else motion
+        with _timed(took, "functions"):
+            flow = energy_flow(kinematics, constraints, energies, run)
+            hamilton = None if flow or is_separable(run) else build_hamilton(kinematics, run)
+            functions = build_functions(kinematics, run, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
+        with _timed(took, "freedom"):
             is_still = is_held_still(kinematics, motion, constraints, initial, functions)
-        with _timed(seconds, "scene"):
-            refused = {"conservative": flow} if flow else {}
-            whole = build_scene(kinematics, motion, initial, functions, is_still, refused)
-            scene = divide(whole, kinematics, motion, initial)
-    return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, initial, functions, scene,
-                       seconds)
+        with _timed(took, "scene"):
+            whole = build_scene(kinematics, run, initial, functions, is_still, {"conservative": flow} if flow else {})
+            scene = divide(whole, kinematics, run, initial)
+    return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, initial, functions, scene, took)
 
 
 def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, ...]:

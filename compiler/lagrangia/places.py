@@ -45,6 +45,8 @@ def _statements(kinematics: Kinematics) -> Iterator[Flat]:
     """Forces, energies, equations, shifts and turns."""
     for work in kinematics.graph.model.works:
         yield from (work.force, work.position)
+    for when in kinematics.graph.model.whens:
+        yield from when.expressions()
     yield from (energy.value for energy in kinematics.graph.model.energies)
     yield from _moving(kinematics)
 

@@ -61,7 +61,7 @@ class Released:
             pose = free.pose(inertia.frame, 0)
             positions += [pose.x, pose.y, pose.phi]
             forces += [force for _, force in inertial_reaction(self.kinematics, inertia)]
-        for load in energies.loads:
+        for load in (*energies.loads, *self.motion.impacts.loads_in(free)):
             positions += load.position
             forces += [-f for f in load.force]
         total = ca.jtimes(ca.vertcat(*positions), shift, ca.vertcat(*forces), True)

@@ -77,6 +77,8 @@ def _whole(motion: Motion) -> tuple[str, list[tuple[int, ...]]]:
     """Why a scene is not divided; its islands."""
     if motion.q.numel() > MOST_COORDINATES:
         return f"not supported yet: islands of more than {MOST_COORDINATES} coordinates", []
+    if motion.impacts.places:
+        return "not supported yet: islands of scenes with events that reset rates", []
     groups = find_islands(motion)
     if len(groups) > MOST_ISLANDS:
         return f"not supported yet: more than {MOST_ISLANDS} islands", []
@@ -111,6 +113,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "n": n, "n_parameters": n_parameters, "n_hoisted": functions.table["hoist"].numel_out(0), "n_inputs": n_inputs,
         "n_modes": n_modes, "n_events": len(functions.event_kinds), "n_power": functions.n_power, **_of_switches(functions),
         **_of_constraints(motion.constrained), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
+        "n_whens": motion.impacts.conditions.numel(), "n_resets": motion.impacts.rates.numel(),
         "has_corners": int(has_corners(motion)),
     }
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])

@@ -47,10 +47,12 @@ def has_corners(motion: Motion) -> bool:
 
 
 def find_switches(motion: Motion) -> Switches:
-    """Those of the conditions in the forces that the state decides, or time in a way that is not known beforehand."""
-    if not has_corners(motion):
-        return Switches()
+    """Those of the conditions in the forces that the state decides, or time in a way that is not known beforehand; behind them
+    those of events, each once for itself and once for its rate, which is kept at 0 in contact."""
     numbering, found = Numbering(), dict[Pair, Expression]()
+    events = motion.impacts.conditions
+    if not has_corners(motion) and not events.numel():
+        return Switches()
     moving = symbols_in(ca.vertcat(motion.t, motion.q, motion.v, motion.u))
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
@@ -63,13 +65,18 @@ def find_switches(motion: Motion) -> Switches:
             found[pair] = g
 
     rebuilt([motion.h], numbering, note)
-    values = ca.vertcat(ca.SX(0, 1), *found.values())
     slopes = ca.SX.sym("du", motion.u.numel())
-    rates = ca.jtimes(values, ca.vertcat(motion.q, motion.v, motion.t, motion.u), ca.vertcat(motion.v, motion.a, 1, slopes))
+
+    def rates_of(x: ca.SX) -> ca.SX:
+        return ca.jtimes(x, ca.vertcat(motion.q, motion.v, motion.t, motion.u), ca.vertcat(motion.v, motion.a, 1, slopes))
+
+    paces = motion.impacts.may_rest * rates_of(events)
+    values = ca.vertcat(ca.SX(0, 1), *found.values(), events, paces)
     places, velocities = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}, symbols_in(motion.v)
     shares = frozenset(s.__hash__() for s, g in zip(places.values(), found.values(), strict=True)
                        if not velocities.isdisjoint(symbols_in(g)))
-    return Switches(ca.vertcat(ca.SX(0, 1), *places.values()), values, rates, slopes, places, shares, numbering)
+    symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", events.numel()), motion.impacts.forces)
+    return Switches(symbols, values, rates_of(values), slopes, places, shares, numbering)
 
 
 def live(name: str, functions: Mapping[str, ca.Function]) -> ca.Function:

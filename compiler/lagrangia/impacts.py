@@ -1,0 +1,185 @@
+"""Kinematics -> what happens at events of `when`: impulses that give rates new values, and the forces of what stays in contact.
+
+A reset of the rate of x is an impulse that works on x, as a force does that is infinite for no time,
+M dv = sum_j (dx_j/dq)^T L_j, and what holds the scene gives impulses of its own. Where several events come at once their
+impulses are found together.
+
+A condition is positive where it is true: g = b - a of a < b. A reset is that of a contact where the rate of x is that of g but
+for a factor, and is to be 0 where it is 0: der(x) = -e der(x). What rests there is kept from g > 0 by a force along -g.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangia.algebra import Scalar, rate_of, value_of
+from lagrangia.diagnostics import fail
+from lagrangia.energies import Load
+from lagrangia.evaluation import scalars_of
+from lagrangia.flat import FlatModel, Reset, When, Work
+from lagrangia.kinematics import Kinematics
+from lagrangia.parameters import usual_parameters
+from lagrangia.tree import Binary, Boolean, Call, Flat, FrameRef, Number, Ref, Unary
+
+_SAME = 1e-9  # relative difference of what is the same but for rounding
+_COMPARED = ("<", "<=", ">", ">=")
+_NONE = ca.SX(0, 1)
+Numbers = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Impacts:
+    """w conditions and r resets. `places` has for each reset that of its condition, and whether it is that of a contact."""
+
+    conditions: ca.SX = _NONE  # (w,): g, of t, q, v, u, p and modes
+    rates: ca.SX = _NONE  # (r,): of what is reset
+    wanted: ca.SX = _NONE  # (r,): after the event
+    forces: ca.SX = _NONE  # (w,): symbols of the forces along -g
+    impulses: ca.SX = _NONE  # (r,): symbols of forces on what is reset
+    places: tuple[int, ...] = ()
+    loads: tuple[Load, ...] = ()
+    may_rest: ca.DM = field(default_factory=lambda: ca.DM(0, 1))  # (w,): 1 for those of contacts
+
+    def loads_in(self, kinematics: Kinematics) -> tuple[Load, ...]:
+        """The same where positions are others."""
+        value = kinematics.evaluator.value
+        return tuple(Load(x.force, tuple(scalars_of(value(x.statement.position))), x.statement) for x in self.loads)
+
+
+def find_impacts(kinematics: Kinematics) -> Impacts:
+    """Raises LagError L0225 for a condition that never comes true, or for what is no rate, L0303, L0501."""
+    whens = kinematics.graph.model.whens
+    if not whens:
+        return Impacts()
+    found = [_Event(kinematics, when) for when in whens]
+    places = [(k, is_contact) for k, event in enumerate(found) for is_contact in event.contacts]
+    forces, impulses = ca.SX.sym("contact", len(found)), ca.SX.sym("impulse", len(places))
+    strengths = iter(impulses.elements())
+    loads = [load for event, force in zip(found, forces.elements(), strict=True) for load in event.loads(force, strengths)]
+    conditions, rates, wanted = (ca.vertcat(_NONE, *parts) for parts in (
+        [event.g for event in found], [x for event in found for x in event.rates], [x for event in found for x in event.wanted]))
+    return Impacts(conditions, rates, wanted, forces, impulses, tuple(int(x) for pair in places for x in pair), tuple(loads),
+                   ca.DM([float(any(event.contacts)) for event in found]))
+
+
+class _Event:
+    """One `when`, evaluated."""
+
+    def __init__(self, kinematics: Kinematics, when: When) -> None:
+        self.kinematics, self.when = kinematics, when
+        self.level = _level(when.condition)
+        self.g = self._expression(kinematics.evaluator.value(self.level))
+        self.positions = [_position(reset, kinematics.graph.model) for reset in when.resets]
+        self.rates, self.wanted = list[ca.SX](), list[ca.SX]()
+        for reset, position in zip(when.resets, self.positions, strict=True):
+            self._add(reset, position)
+        self._check()
+        self.contacts = [self._is_contact(rate, value) for rate, value in zip(self.rates, self.wanted, strict=True)]
+
+    def _expression(self, x: Scalar) -> ca.SX:
+        return ca.substitute(ca.SX(x), self.kinematics.symbols.tau, ca.SX(1))
+
+    def _add(self, reset: Reset, position: Flat) -> None:
+        evaluator = self.kinematics.evaluator
+        moving, wanted = scalars_of(evaluator.value(position, 1)), scalars_of(evaluator.value(reset.value))
+        if len(moving) != len(wanted):
+            fail("L0303", f"{_counted(len(wanted))} for {_counted(len(moving))}", reset.span)
+        self.rates += [self._expression(value_of(rate_of(x))) for x in moving]
+        self.wanted += [self._expression(x) for x in wanted]
+
+    def _check(self) -> None:
+        symbols, rates = self.kinematics.symbols, ca.vertcat(_NONE, *self.rates)
+        accelerations = ca.vertcat(_NONE, *symbols.accelerations.values())
+        known = ca.vertcat(self.kinematics.algebra.state, symbols.time)
+        if not ca.depends_on(self.g, known):
+            fail("L0225", "this is true or false for good, and no event", self.when.condition.span,
+                 "compare what moves, as x < 0")
+        if ca.depends_on(ca.vertcat(self.g, *self.wanted), accelerations):
+            fail("L0501", "an event cannot depend on accelerations", self.when.span)
+        for reset, rate in zip(self.when.resets, rates.elements(), strict=False):
+            if not ca.depends_on(rate, ca.vertcat(_NONE, *symbols.rates.values())):
+                fail("L0225", "this is given in time, and cannot be reset", reset.rate.span,
+                     "name a rate that the motion decides")
+
+    def loads(self, force: ca.SX, impulses: Iterator[ca.SX]) -> Iterator[Load]:
+        """`force` along -g where there is a contact, and a force for each reset."""
+        value, component, span = self.kinematics.evaluator.value, self.when.component, self.when.span
+        unit = Number(1.0, None, span)
+        if any(self.contacts):
+            work = Work(unit, Unary("-", self.level, span), component, span)
+            yield Load((force,), tuple(scalars_of(value(work.position))), work)
+        for position in self.positions:
+            moved = tuple(scalars_of(value(position)))
+            yield Load(tuple(next(impulses) for _ in moved), moved, Work(unit, position, component, span))
+
+    def _is_contact(self, rate: ca.SX, wanted: ca.SX) -> bool:
+        """By numbers: at two states, with parameters beside those that are declared."""
+        symbols, condition = self.kinematics.symbols, self.when.condition
+        q, v = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
+        if not isinstance(condition, Binary) or condition.operator not in _COMPARED or ca.depends_on(self.g, v):
+            return False
+        p, numbers = usual_parameters(self.kinematics)
+        pace = ca.jtimes(self.g, ca.vertcat(q, symbols.time), ca.vertcat(v, 1))
+        results = [pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))]
+        others = [x for x in ca.symvar(ca.vertcat(pace, rate, wanted)) if not ca.depends_on(x, ca.vertcat(q, v, symbols.time, p))]
+        look = ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], results)
+        return all(_turns_back(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
+
+
+def _turns_back(look: ca.Function, p: Numbers, random: np.random.Generator) -> bool:
+    """Whether, at a random state, the rate of what is reset is that of the condition but for a factor, and 0 is reset to 0."""
+    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
+
+    def at(v: Numbers) -> list[Numbers]:
+        return [np.array(x).ravel() for x in look(v, known, p)]
+
+    (pace,), (rate,), _, slope, own = at(v)
+    square = np.dot(own, own)
+    if not (np.isfinite([pace, rate, *slope, *own]).all() and square > 0 and np.dot(slope, slope) > 0):
+        return False
+    factor, size = np.dot(slope, own) / square, np.abs(own) @ np.abs(v) + abs(rate)
+    (wanted,) = at(v - own * rate / square)[2]
+    return bool(np.linalg.norm(slope - factor * own) <= _SAME * np.linalg.norm(slope)
+                and abs(pace - factor * rate) <= _SAME * abs(factor) * size and abs(wanted) <= _SAME * size)
+
+
+def _level(node: Flat) -> Flat:
+    """Positive where a condition is true: continuous, as what it compares is."""
+    match node:
+        case Binary(("<" | "<="), left, right, span):
+            return Binary("-", right, left, span)
+        case Binary((">" | ">="), left, right, span):
+            return Binary("-", left, right, span)
+        case Binary("and" | "or" as operator, left, right, span):
+            return Call("min" if operator == "and" else "max", (_level(left), _level(right)), (), span)
+        case Unary("not", operand, span):
+            return Unary("-", _level(operand), span)
+        case Boolean(value, span):
+            return Number(1.0 if value else -1.0, None, span)
+    fail("L0225", "an event comes where a comparison comes true: this is none that does", node.span,
+         "compare with <, <=, > or >=, as x < 0; conditions go together with and, or, not")
+
+
+def _position(reset: Reset, model: FlatModel) -> Flat:
+    """That of which a rate is reset."""
+    node = reset.rate
+    while isinstance(node, Ref) and not node.index and (variable := model.variables[node.name]).kind == "variable":
+        assert variable.binding is not None
+        node = variable.binding
+    match node:
+        case Call("der", (position,), _, _) if not (isinstance(position, Call) and position.function == "der"):
+            return position
+        case FrameRef(name, "v", index, span):
+            return FrameRef(name, "r", index, span)
+        case FrameRef(name, "w", _, span):
+            return FrameRef(name, "phi", (), span)
+    fail("L0225", "reinit sets a rate, this is none", reset.rate.span,
+         "write: reinit(der(x), value), for any position or angle x")
+
+
+def _counted(n: int) -> str:
+    return "one value" if n == 1 else f"{n} values"
+

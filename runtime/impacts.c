@@ -1,0 +1,349 @@
+/* Impulses act for no time, so that positions and all other forces stay as they are: M dv = sum_j J_j^T L_j, with the rates J v of
+ * what is reset. Ways M^-1 J_j^T are differences of accelerations with a force and without it, which knows of constraints and
+ * of singular positions all that steps know.
+ *
+ * Contacts push and do not pull: of several at once those are left out that would. One contact brings about the next (Newton's
+ * cradle), until nothing approaches (E.J. Routh, Dynamics of a system of rigid bodies, I (1905), ch. VIII). What bounces back
+ * slower than the tolerance tells of stays.
+ */
+#include "impacts.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "conditions.h"
+#include "evaluate.h"
+#include "extremes.h"
+#include "function.h"
+#include "schedule.h"
+#include "state.h"
+
+/* Forces that a way is looked for with are so much larger than all others. */
+static const double LARGE = 1024;
+/* A bounce shorter than so many times what tells times apart is none. */
+static const double SHORT = 256, LOW = 1.0 / 64; /* of what is unknown of positions, which is that of many steps */
+/* Contacts that bring each other about so many times come to rest. */
+enum { MOST_ROUNDS = 1000, MOST_AT_ONCE = 1000 };
+
+void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena *arena)
+{
+    const size_t resets = (size_t)model->n_resets, whole = resets > 0 ? (size_t)size : 0;
+    s->fires = lag_take_ints(arena, (size_t)model->n_whens);
+    s->which = lag_take_ints(arena, resets);
+    s->rate = lag_take(arena, resets);
+    s->wanted = lag_take(arena, resets);
+    s->rate_after = lag_take(arena, resets);
+    s->way = lag_take(arena, resets * (size_t)model->n);
+    s->impulse = lag_take(arena, resets);
+    s->state = lag_take(arena, whole);
+    s->slope = lag_take(arena, whole);
+    s->slope_without = lag_take(arena, whole);
+    lag_dense_lu_layout(&s->lu, model->n_resets, 0, arena);
+}
+
+static int event_of(const LagModel *model, int reset) { return model->reset_places[2 * reset]; }
+
+static int is_contact(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1]; }
+
+static double *impulse_in_d(const LagRun *run, int reset) { return &run->d[run->model->n_modes + run->model->n_switches + reset]; }
+
+/* -------- ways */
+
+static double largest_of(const double *x, int n)
+{
+    double largest = 0;
+    for (int i = 0; i < n; ++i)
+        largest = lag_max(fabs(x[i]), largest);
+    return largest;
+}
+
+/* slope - slope_without with a force on what is reset, in s->slope. */
+static void difference(LagRun *run, int reset, double force)
+{
+    LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    *impulse_in_d(run, reset) = force;
+    lag_motion_slope(&run->motion, run->motion.t, run->motion.y, run->motion.y + n, s->slope);
+    *impulse_in_d(run, reset) = 0;
+    for (int i = n; i < 2 * n; ++i)
+        s->slope[i] -= s->slope_without[i];
+}
+
+/* Accelerations are linear in the force: it is made large enough for the others not to count. */
+static void find_way(LagRun *run, int reset, double *way)
+{
+    LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    double force = 1;
+    difference(run, reset, force);
+    const double size = largest_of(s->slope + n, n), other = largest_of(s->slope_without + n, n);
+    if (size > 0 && other > 0) {
+        force = ldexp(1, ilogb(LARGE * other / size));
+        difference(run, reset, force);
+    }
+    for (int i = 0; i < n; ++i)
+        way[i] = s->slope[n + i] / force;
+}
+
+/* Rates of what is reset, and what they are to become, at rates v[n]. */
+static void look_at(LagRun *run, const double *v, double *rate, double *wanted)
+{
+    const double *in[] = {&run->motion.t, run->motion.y, v, run->u, run->d, run->c};
+    double *out[] = {rate, wanted};
+    lag_inputs_at(&run->inputs, run->motion.t, run->u);
+    lag_call(&run->model->resets, in, out, run->work);
+}
+
+/* The ways of the `count` resets in s->which, and what they do to each other, into the matrix of s->lu. */
+static void find_ways(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    lag_motion_slope(&run->motion, run->motion.t, run->motion.y, run->motion.y + n, s->slope_without);
+    for (int k = 0; k < count; ++k)
+        find_way(run, s->which[k], s->way + (size_t)k * (size_t)n);
+}
+
+static void fill_matrix(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    memset(s->state, 0, (size_t)n * sizeof *s->state);
+    look_at(run, s->state, s->impulse, s->rate_after); /* rates that supports have */
+    s->lu.size = count;
+    for (int j = 0; j < count; ++j) {
+        look_at(run, s->way + (size_t)j * (size_t)n, s->rate_after, s->lu.scale);
+        for (int i = 0; i < count; ++i)
+            s->lu.re[i + count * j] = s->rate_after[s->which[i]] - s->impulse[s->which[i]];
+    }
+}
+
+/* -------- impulses */
+
+/* The impulses that reset the rates of s->which, into s->impulse by their places there. */
+static void solve(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    find_ways(run, count);
+    fill_matrix(run, count);
+    for (int i = 0; i < count; ++i)
+        s->impulse[i] = s->wanted[s->which[i]] - s->rate[s->which[i]];
+    lag_dense_lu_factor(&s->lu);
+    lag_dense_lu_solve(&s->lu, s->impulse, NULL);
+}
+
+/* Leaves out the contact that pulls most. Returns whether one did. */
+static int leave_out(LagRun *run, int *count)
+{
+    LagImpacts *s = &run->impacts;
+    int worst = -1;
+    double most = 0;
+    for (int i = 0; i < *count; ++i) {
+        const double work = s->impulse[i] * (s->wanted[s->which[i]] - s->rate[s->which[i]]);
+        if (is_contact(run->model, s->which[i]) && work < most) {
+            most = work;
+            worst = i;
+        }
+    }
+    if (worst < 0 || *count == 1)
+        return 0;
+    memmove(s->which + worst, s->which + worst + 1, (size_t)(*count - worst - 1) * sizeof *s->which);
+    --*count;
+    return 1;
+}
+
+/* The energy that impulses take, by Kelvin's theorem (each works along the mean of its rates before and after), is dissipated;
+ * what they add is work. */
+static void count_energy(LagRun *run, int count)
+{
+    const LagImpacts *s = &run->impacts;
+    double lost = 0;
+    look_at(run, run->motion.y + run->model->n, s->rate_after, s->lu.scale);
+    for (int i = 0; i < count; ++i)
+        lost -= s->impulse[i] * (s->rate[s->which[i]] + s->rate_after[s->which[i]]) / 2;
+    if (run->model->n_power != 2 || !(lost > 0))
+        return;
+    run->motion.y[2 * run->model->n] += lost;
+    run->energy_before -= lost;
+}
+
+static void reset(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    double *v = run->motion.y + model->n;
+    int count = 0;
+    for (int j = 0; j < model->n_resets; ++j)
+        if (s->fires[event_of(model, j)])
+            s->which[count++] = j;
+    solve(run, count);
+    while (leave_out(run, &count))
+        solve(run, count);
+    for (int k = 0; k < count; ++k)
+        for (int i = 0; i < model->n; ++i)
+            v[i] += s->way[i + k * model->n] * s->impulse[k];
+    memset(run->motion.carry + model->n, 0, (size_t)model->n * sizeof *v);
+    count_energy(run, count);
+}
+
+/* -------- which events */
+
+/* Whether what leaves contact k so fast cannot be told from what rests: too slow, back too soon, or not higher than rounding. */
+static int stays(const LagRun *run, int k, double speed)
+{
+    const LagSwitches *s = &run->switches;
+    const int i = lag_when(run->model, k), rests = lag_contact(run->model, k);
+    const double returns = s->rate[rests];
+    return speed <= lag_conditions_error(run, s->unknown[rests]) || 2 * speed <= SHORT * lag_time_resolution(run->motion.t) * returns
+        || speed * speed <= 2 * returns * LOW * s->unknown[i];
+}
+
+/* What rates become; `is_over`: contacts that do not end come to rest. */
+static void read_wanted(LagRun *run, int is_over)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    look_at(run, run->motion.y + model->n, s->rate, s->wanted);
+    for (int j = 0; j < model->n_resets; ++j) {
+        const int k = event_of(model, j);
+        const double speed = fabs(run->switches.rate[lag_when(model, k)] * s->wanted[j] / s->rate[j]);
+        if (is_contact(model, j) && s->fires[k] && (is_over || stays(run, k, speed)))
+            s->wanted[j] = 0;
+    }
+}
+
+static int has_contact(const LagModel *model, int k)
+{
+    for (int j = 0; j < model->n_resets; ++j)
+        if (event_of(model, j) == k && is_contact(model, j))
+            return 1;
+    return 0;
+}
+
+/* Contacts that touch and approach. Returns whether there are some. */
+static int find_contacts(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    LagSwitches *switches = &run->switches;
+    const LagModel *model = run->model;
+    int found = 0;
+    lag_conditions_of_events(run, switches->g, switches->rate);
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int i = lag_when(model, k), rests = lag_contact(model, k);
+        const double near = lag_conditions_error(run, switches->unknown[i]);
+        const int touches = switches->slides[rests] || (switches->held[i] == 0 && fabs(switches->g[i]) <= near);
+        s->fires[k] = has_contact(model, k) && touches
+            && switches->rate[i] > lag_conditions_error(run, switches->unknown[rests]);
+        found |= s->fires[k];
+    }
+    return found;
+}
+
+/* Events whose conditions have come true: of contacts those that approach. */
+static int find_turned(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    LagSwitches *switches = &run->switches;
+    const LagModel *model = run->model;
+    int found = 0;
+    lag_conditions_of_events(run, switches->g, switches->rate);
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int i = lag_when(model, k), has_come = switches->turned[i] == LAG_CHANGES && switches->held[i] == 0;
+        s->fires[k] = has_come && (!has_contact(model, k) || switches->rate[i] > 0);
+        if (has_come)
+            switches->turned[i] = has_contact(model, k) ? LAG_TO_0 : LAG_TO_1;
+        found |= s->fires[k];
+    }
+    return found;
+}
+
+/* -------- what rests */
+
+/* Contacts that slide whose positions have drifted: their resets into s->which. Returns how many there are. */
+static int find_drifted(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const LagSwitches *switches = &run->switches;
+    const LagModel *model = run->model;
+    int count = 0;
+    for (int j = 0, last = -1; j < model->n_resets; ++j) {
+        const int k = event_of(model, j), i = lag_when(model, k);
+        if (k == last || !is_contact(model, j) || !switches->slides[lag_contact(model, k)])
+            continue;
+        last = k;
+        if (fabs(switches->g[i]) > switches->unknown[i])
+            s->which[count++] = j;
+    }
+    return count;
+}
+
+/* Moves positions along the ways of their impulses: none is left, on the shortest way in the metric of masses. */
+static void put_back(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    LagSwitches *switches = &run->switches;
+    LagMotion *m = &run->motion;
+    const int n = m->n, count = find_drifted(run);
+    if (count == 0)
+        return;
+    find_ways(run, count);
+    memset(s->state, 0, (size_t)n * sizeof *s->state);
+    lag_conditions_by(run, m->t, m->y, s->state, switches->slope + n, switches->g, switches->rate_inside);
+    s->lu.size = count;
+    for (int j = 0; j < count; ++j) {
+        lag_conditions_by(run, m->t, m->y, s->way + j * n, switches->slope + n, switches->g, switches->rate);
+        for (int i = 0; i < count; ++i) {
+            const int place = lag_when(run->model, event_of(run->model, s->which[i]));
+            s->lu.re[i + count * j] = switches->rate[place] - switches->rate_inside[place];
+            s->impulse[i] = -switches->g[place];
+        }
+    }
+    lag_dense_lu_factor(&s->lu);
+    lag_dense_lu_solve(&s->lu, s->impulse, NULL);
+    for (int k = 0; k < count; ++k)
+        for (int i = 0; i < n; ++i)
+            m->y[i] += s->way[i + k * n] * s->impulse[k];
+}
+
+LagStatus lag_impacts_strike(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const int sliding = run->sliding.count;
+    if (run->model->n_whens == 0)
+        return LAG_OK;
+    run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
+    int fire = find_turned(run);
+    for (int rounds = 0; fire; ++rounds) {
+        read_wanted(run, rounds >= MOST_ROUNDS);
+        reset(run);
+        fire = rounds < 2 * MOST_ROUNDS && find_contacts(run);
+    }
+    put_back(run);
+    run->sliding.count = sliding;
+    const int stands = run->motion.t - run->motion.t_old <= lag_time_resolution(run->motion.t);
+    s->at_once = stands ? s->at_once + 1 : 0;
+    return s->at_once < MOST_AT_ONCE ? LAG_OK : lag_fail(run, LAG_STEP_TOO_SMALL, -1, 0, 0);
+}
+
+int lag_impacts_find_rest(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const LagModel *model = run->model;
+    int found = 0;
+    run->impacts.back = INFINITY;
+    if (model->n_whens > 0)
+        lag_conditions_of_events(run, s->g_inside, s->rate_inside);
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int i = lag_when(model, k), rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
+        const int touches = s->slides[rests] || (s->held[i] == 0 && fabs(s->g_inside[i]) <= run->sliding.error[i]);
+        const double leaves = -s->rate_inside[i], returns = s->rate_inside[rests];
+        if (!has_contact(model, k) || !touches)
+            continue;
+        if (!has_left && fabs(leaves) <= run->sliding.error[rests])
+            s->turned[rests] = LAG_CHANGES;
+        else if (leaves > 0 && returns > 0)
+            run->impacts.back = lag_min(2 * leaves / returns, run->impacts.back);
+        found |= s->turned[rests] == LAG_CHANGES;
+    }
+    return found;
+}

@@ -1,0 +1,36 @@
+/* Impacts: where a condition of an event has come true, rates are reset by impulses. */
+#ifndef LAG_IMPACTS_H
+#define LAG_IMPACTS_H
+
+#include "dense_lu.h"
+#include "model.h"
+#include "run.h"
+
+typedef struct {
+    int *fires;      /* n_whens: those whose rates are reset now */
+    int *which;      /* n_resets: the resets of these */
+    double *rate, *wanted, *rate_after; /* n_resets */
+    double *way;     /* n_resets x n: change of the rates by an impulse of 1 */
+    double *impulse; /* n_resets */
+    double *state, *slope, *slope_without; /* size */
+    LagDenseLu lu;   /* changes of what is reset by impulses of 1 */
+    double back;     /* the time in which the first of the contacts that were just left is back, at the present accelerations */
+    int at_once;     /* events in a row between which no time passed */
+} LagImpacts;
+
+void lag_impacts_layout(LagImpacts *impacts, const LagModel *model, int size, LagArena *arena);
+
+/* At the present state: resets the rates of events that switches.turned tells of, and of contacts that these bring about. Returns
+ * LAG_OK, or a failure where such events do not end. */
+LagStatus lag_impacts_strike(LagRun *run);
+
+/* Contacts that touch, but for rounding, and neither approach nor leave: into switches.turned, of what rests at them. Returns whether
+ * there are some. */
+int lag_impacts_find_rest(LagRun *run);
+
+/* The place among the switches of the condition of event k, and of what rests at it; whether switch i is the former. */
+static inline int lag_when(const LagModel *model, int k) { return model->n_switches - 2 * model->n_whens + k; }
+static inline int lag_contact(const LagModel *model, int k) { return model->n_switches - model->n_whens + k; }
+static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_when(model, 0) && i < lag_contact(model, 0); }
+
+#endif
