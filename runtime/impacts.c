@@ -194,7 +194,7 @@ static int stays(const LagRun *run, int k, double speed)
     const LagSwitches *s = &run->switches;
     const int i = lag_when(run->model, k), rests = lag_contact(run->model, k);
     const double returns = s->rate[rests];
-    return speed <= lag_conditions_error(run, s->unknown[rests]) || 2 * speed <= SHORT * lag_time_resolution(run->motion.t) * returns
+    return speed <= run->sliding.error[rests] || 2 * speed <= SHORT * lag_time_resolution(run->motion.t) * returns
         || speed * speed <= 2 * returns * LOW * s->unknown[i];
 }
 
@@ -220,6 +220,14 @@ static int has_contact(const LagModel *model, int k)
     return 0;
 }
 
+/* Whether contact k is closed, but for the tolerance; g: all conditions. */
+static int touches(const LagRun *run, int k, const double *g)
+{
+    const LagSwitches *s = &run->switches;
+    const int i = lag_when(run->model, k);
+    return s->slides[lag_contact(run->model, k)] || (s->held[i] == 0 && fabs(g[i]) <= run->sliding.error[i]);
+}
+
 /* Contacts that touch and approach. Returns whether there are some. */
 static int find_contacts(LagRun *run)
 {
@@ -230,10 +238,7 @@ static int find_contacts(LagRun *run)
     lag_conditions_of_events(run, switches->g, switches->rate);
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = lag_when(model, k), rests = lag_contact(model, k);
-        const double near = lag_conditions_error(run, switches->unknown[i]);
-        const int touches = switches->slides[rests] || (switches->held[i] == 0 && fabs(switches->g[i]) <= near);
-        s->fires[k] = has_contact(model, k) && touches
-            && switches->rate[i] > lag_conditions_error(run, switches->unknown[rests]);
+        s->fires[k] = has_contact(model, k) && touches(run, k, switches->g) && switches->rate[i] > run->sliding.error[rests];
         found |= s->fires[k];
     }
     return found;
@@ -259,7 +264,8 @@ static int find_turned(LagRun *run)
 
 /* -------- what rests */
 
-/* Contacts that slide whose positions have drifted: their resets into s->which. Returns how many there are. */
+/* Contacts whose positions have drifted while they slid, or were found late: their resets into s->which. Returns how many there
+ * are. */
 static int find_drifted(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
@@ -268,10 +274,11 @@ static int find_drifted(LagRun *run)
     int count = 0;
     for (int j = 0, last = -1; j < model->n_resets; ++j) {
         const int k = event_of(model, j), i = lag_when(model, k);
-        if (k == last || !is_contact(model, j) || !switches->slides[lag_contact(model, k)])
+        if (k == last || !is_contact(model, j))
             continue;
         last = k;
-        if (fabs(switches->g[i]) > switches->unknown[i])
+        const int has_drifted = switches->slides[lag_contact(model, k)] && switches->g[i] < 0, is_late = switches->g[i] > 0;
+        if ((has_drifted || (is_late && switches->held[i] == 0)) && fabs(switches->g[i]) > LOW * switches->unknown[i])
             s->which[count++] = j;
     }
     return count;
@@ -335,9 +342,8 @@ int lag_impacts_find_rest(LagRun *run)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = lag_when(model, k), rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
-        const int touches = s->slides[rests] || (s->held[i] == 0 && fabs(s->g_inside[i]) <= run->sliding.error[i]);
         const double leaves = -s->rate_inside[i], returns = s->rate_inside[rests];
-        if (!has_contact(model, k) || !touches)
+        if (!has_contact(model, k) || !touches(run, k, s->g_inside))
             continue;
         if (!has_left && fabs(leaves) <= run->sliding.error[rests])
             s->turned[rests] = LAG_CHANGES;

@@ -19,7 +19,7 @@ enum { BLOCKS = 8, MOST_SINGLE = 3 };
 /* What of dg/dt is rounding, by its terms: in the choice, and while they slide; what of accelerations is; the share of the largest jump
  * so far that is none. */
 static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON, UNKNOWN = 1024 * DBL_EPSILON, VANISHED = 1e-10;
-static const double LITTLE = 1e-3; /* of a contact's own rate: it hardly moves this one */
+static const double LITTLE = 1e-3; /* of the largest change of an acceleration by a contact */
 
 void lag_sliding_rates(LagRun *run, double t, const double *y)
 {
@@ -68,14 +68,17 @@ static void probe(LagRun *run, double t, const double *y, int count, int j, doub
     *lag_share(run, s->which[j]) = s->base[j];
 }
 
-/* A force of contact j that makes a difference to one of the rates. */
-static double needed_of(const LagSliding *s, int count, int j)
+/* A force of a contact that changes accelerations by as much as they are without it; those with it, 1, are the latest. */
+static double force_of_size(const LagRun *run)
 {
-    double needed = 0;
-    for (int k = 0; k < count; ++k)
-        if (fabs(s->jump[k + j * count]) > LITTLE * fabs(s->jump[j + j * count]))
-            needed = lag_max(fabs(s->middle[k] / s->jump[k + j * count]), needed);
-    return needed > 0 && needed < INFINITY ? needed : 1;
+    const double *without = run->sliding.slope_without, *with = run->switches.slope;
+    double most = 0, change = 0;
+    for (int i = run->model->n; i < 2 * run->model->n; ++i)
+        change = lag_max(fabs(with[i] - without[i]), change);
+    for (int i = run->model->n; i < 2 * run->model->n; ++i)
+        if (fabs(with[i] - without[i]) > LITTLE * change)
+            most = lag_max(fabs(without[i] / (with[i] - without[i])), most);
+    return most > 0 ? most : 1;
 }
 
 /* The jumps of all `count` candidates, around shares of 1/2; of contacts from no force on, by one of the size that is needed. */
@@ -95,7 +98,7 @@ static void find_jumps(LagRun *run, double t, const double *y, int count)
     for (int j = 0; j < count; ++j) {
         const int is_jump = lag_may_have_all(run, s->which[j]);
         probe(run, t, y, count, j, is_jump ? 0.5 : 1);
-        s->unit[j] = is_jump ? 1 : needed_of(s, count, j);
+        s->unit[j] = is_jump ? 1 : force_of_size(run);
         if (s->unit[j] != 1)
             probe(run, t, y, count, j, s->unit[j]);
     }

@@ -163,7 +163,7 @@ int lag_switches_enter(LagRun *run)
     if (run->sliding.count > 0)
         lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     for (int i = 0; i < run->model->n_switches; ++i)
-        if (s->turned[i] && !s->slides[i]) /* what is left of it is rounding */
+        if (s->turned[i] && !s->slides[i] && !lag_is_event(run->model, i)) /* what is left of it is rounding */
             s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]);
     lag_switches_forget(run);
     return turned;

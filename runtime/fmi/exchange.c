@@ -330,16 +330,21 @@ static double next_event(LagInstance *s)
     return lag_schedule_next(s->model->n_events, s->model->event_kind, s->run->event_a, s->run->event_b, s->vital.t);
 }
 
-/* What the equations hold from now on, and what slides. Returns whether rates were moved for it. */
+/* What the equations hold from now on, and what slides; rates are reset. Returns whether the state was moved for it. */
 static int switch_over(LagInstance *s)
 {
     LagRun *run = s->run;
-    const size_t size = 2 * (size_t)s->model->n * sizeof *s->x;
+    const size_t n = (size_t)s->model->n, size = 2 * n * sizeof *s->x;
     if (s->model->n_switches == 0)
         return 0;
     const double *projected = projected_at(s, s->vital.t, s->x);
     stand_at(s, s->vital.t, projected);
     lag_switches_note(run);
+    lag_impacts_strike(run);
+    if (s->model->n_power == 2) {
+        s->vital.dissipated += run->motion.y[2 * n];
+        s->vital.work += run->motion.y[2 * n];
+    }
     lag_switches_enter(run);
     const int is_moved = memcmp(projected, run->motion.y, size) != 0;
     if (is_moved)
