@@ -188,6 +188,11 @@ static void reset(LagRun *run)
 
 /* -------- which events */
 
+double lag_impacts_margin(const LagRun *run, int i)
+{
+    return run->impacts.coarse > 0 ? run->impacts.coarse * run->sliding.error[i] : LOW * run->switches.unknown[i];
+}
+
 /* Whether what leaves contact k so fast cannot be told from what rests: too slow, back too soon, or not higher than rounding. */
 static int stays(const LagRun *run, int k, double speed)
 {
@@ -195,7 +200,7 @@ static int stays(const LagRun *run, int k, double speed)
     const int i = lag_when(run->model, k), rests = lag_contact(run->model, k);
     const double returns = s->rate[rests];
     return speed <= run->sliding.error[rests] || 2 * speed <= SHORT * lag_time_resolution(run->motion.t) * returns
-        || speed * speed <= 2 * returns * LOW * s->unknown[i];
+        || speed * speed <= 2 * returns * lag_impacts_margin(run, i);
 }
 
 /* What rates become; `is_over`: contacts that do not end come to rest. */
@@ -226,6 +231,12 @@ static int touches(const LagRun *run, int k, const double *g)
     const LagSwitches *s = &run->switches;
     const int i = lag_when(run->model, k);
     return s->slides[lag_contact(run->model, k)] || (s->held[i] == 0 && fabs(g[i]) <= run->sliding.error[i]);
+}
+
+int lag_impacts_is_inside(const LagRun *run, int i, double g)
+{
+    const int k = i - lag_when(run->model, 0), is_event = lag_is_event(run->model, i);
+    return g > (is_event && has_contact(run->model, k) ? run->sliding.error[i] : 0);
 }
 
 /* Contacts that touch and approach. Returns whether there are some. */
@@ -341,15 +352,18 @@ int lag_impacts_find_rest(LagRun *run)
     if (model->n_whens > 0)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
-        const int i = lag_when(model, k), rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
-        const double leaves = -s->rate_inside[i], returns = s->rate_inside[rests];
-        if (!has_contact(model, k) || !touches(run, k, s->g_inside))
-            continue;
-        if (!has_left && fabs(leaves) <= run->sliding.error[rests])
+        const int rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
+        const double slow = s->slides[rests] ? LAG_SLIDING_FAR * lag_sliding_drift(run, rests) : run->sliding.error[rests];
+        const double leaves = -s->rate_inside[lag_when(model, k)], returns = s->rate_inside[rests];
+        const int is_closed = has_contact(model, k) && touches(run, k, s->g_inside);
+        if (is_closed && !has_left && fabs(leaves) <= slow) {
             s->turned[rests] = LAG_CHANGES;
-        else if (leaves > 0 && returns > 0)
+            found = 1;
+            continue;
+        }
+        s->held[rests] = *lag_share(run, rests) = 0;
+        if (is_closed && leaves > 0 && returns > 0)
             run->impacts.back = lag_min(2 * leaves / returns, run->impacts.back);
-        found |= s->turned[rests] == LAG_CHANGES;
     }
     return found;
 }

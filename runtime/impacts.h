@@ -14,6 +14,7 @@ typedef struct {
     double *impulse; /* n_resets */
     double *state, *slope, *slope_without; /* size */
     LagDenseLu lu;   /* changes of what is reset by impulses of 1 */
+    double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */
     double back;     /* the time in which the first of the contacts that were just left is back, at the present accelerations */
     int at_once;     /* events in a row between which no time passed */
 } LagImpacts;
@@ -23,6 +24,12 @@ void lag_impacts_layout(LagImpacts *impacts, const LagModel *model, int size, La
 /* At the present state: resets the rates of events that switches.turned tells of, and of contacts that these bring about. Returns
  * LAG_OK, or a failure where such events do not end. */
 LagStatus lag_impacts_strike(LagRun *run);
+
+/* Whether the condition i of an event is true, so that it cannot come: for sure, if it is a contact that would be passed. */
+int lag_impacts_is_inside(const LagRun *run, int i, double g);
+
+/* How far condition i of an event may be on without being taken for it. */
+double lag_impacts_margin(const LagRun *run, int i);
 
 /* Contacts that touch, but for rounding, and neither approach nor leave: into switches.turned, of what rests at them. Returns whether
  * there are some. */

@@ -72,7 +72,8 @@ int lag_may_have_all(const LagRun *run, int i) { return i < lag_when(run->model,
 double lag_sliding_drift(const LagRun *run, int i)
 {
     const LagSliding *s = &run->sliding;
-    return DRIFT * (s->error[i] + run->scale.tolerance * run->scale.step * s->most_jump[i]);
+    const double error = lag_may_have_all(run, i) ? s->error[i] : lag_max(1, run->impacts.coarse) * s->error[i];
+    return DRIFT * (error + run->scale.tolerance * run->scale.step * s->most_jump[i]);
 }
 
 void lag_sliding_stop(LagRun *run)
@@ -205,7 +206,7 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
 static int has_left(const LagRun *run, int i)
 {
     const int event = i - run->model->n_whens;
-    return !lag_may_have_all(run, i) && fabs(run->sliding.g[event]) > run->sliding.error[event];
+    return !lag_may_have_all(run, i) && fabs(run->sliding.g[event]) > lag_max(1, run->impacts.coarse) * run->sliding.error[event];
 }
 
 int lag_sliding_lasts(LagRun *run)

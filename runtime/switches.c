@@ -95,6 +95,14 @@ void lag_switches_recall(LagRun *run)
     memcpy(run->d + run->model->n_modes, run->switches.held, (size_t)run->model->n_switches * sizeof *run->d);
 }
 
+static void find_unknown(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
+    for (int i = 0; i < run->model->n_switches && run->model->switches_need_acceleration; ++i)
+        run->sliding.error[i] = lag_conditions_error(run, s->unknown[i]);
+}
+
 /* What changes now, and what is neither, goes the way that it is going: but for events, which are to come where they are neither.
  * Returns whether something changes. */
 static int choose(LagRun *run)
@@ -105,14 +113,18 @@ static int choose(LagRun *run)
     int turned = 0, undecided = 0;
     lag_conditions(run, run->motion.t, y, s->g, s->rate);
     for (int i = 0; i < count; ++i) {
-        const double changed = s->turned[i] == LAG_CHANGES ? 1 - s->held[i] : s->turned[i] == LAG_TO_1;
-        s->held[i] = s->turned[i] ? changed : i < first ? sign_of(s->g[i]) : s->g[i] > s->unknown[i];
+        if (s->turned[i])
+            s->held[i] = s->turned[i] == LAG_CHANGES ? 1 - s->held[i] : s->turned[i] == LAG_TO_1;
+        else if (i < first)
+            s->held[i] = sign_of(s->g[i]);
+        else if (!s->slides[i])
+            s->held[i] = lag_impacts_is_inside(run, i, s->g[i]);
         turned |= s->turned[i];
-        undecided |= s->held[i] == 0.5;
+        undecided |= i < first && s->held[i] == 0.5;
     }
     lag_switches_recall(run);
     lag_conditions_with_rates(run, run->motion.t, y, s->g, s->rate);
-    for (int i = 0; i < count; ++i)
+    for (int i = 0; i < first; ++i)
         if (s->held[i] == 0.5)
             s->held[i] = s->rate[i] > 0;
     lag_switches_recall(run);
@@ -129,8 +141,6 @@ static int let_slide(LagRun *run)
     LagSliding *sliding = &run->sliding;
     const int first = lag_when(run->model, 0);
     int candidates = 0;
-    for (int i = 0; i < run->model->n_switches; ++i)
-        sliding->error[i] = lag_conditions_error(run, s->unknown[i]);
     for (int i = 0; i < first && !s->is_live; ++i) {
         const int has_gone = s->turned[i] == LAG_TO_0 || s->turned[i] == LAG_TO_1;
         const double drift = s->slides[i] ? LAG_SLIDING_FAR * lag_sliding_drift(run, i) : 0;
@@ -154,8 +164,8 @@ int lag_switches_enter(LagRun *run)
     if (run->sliding.count > 0) /* what is torn off begins to move from rest */
         lag_sliding_stop(run);
     run->sliding.count = 0;
+    find_unknown(run);
     const int turned = choose(run);
-    lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     if (s->is_live)
         lag_sliding_end(run);
     if ((!s->is_live || run->model->n_whens > 0) && run->model->switches_need_acceleration && let_slide(run))

@@ -170,7 +170,8 @@ LagAnswer lag_instance_indicators(LagInstance *s)
     const LagSwitches *switches = &run->switches;
     lag_conditions(run, s->vital.t, projected_at(s, s->vital.t, s->x), switches->g_inside, switches->rate_inside);
     for (int i = 0; i < s->model->n_switches; ++i)
-        s->indicators[i] = lag_depth(switches, i, switches->g_inside) + switches->unknown[i];
+        s->indicators[i] = lag_depth(switches, i, switches->g_inside)
+            + (lag_is_event(s->model, i) ? lag_impacts_margin(run, i) : switches->unknown[i]);
     return LAG_ANSWER_OK;
 }
 
@@ -330,6 +331,15 @@ static double next_event(LagInstance *s)
     return lag_schedule_next(s->model->n_events, s->model->event_kind, s->run->event_a, s->run->event_b, s->vital.t);
 }
 
+/* How far off the importer's states may be, by what an error of ours is. */
+static double coarseness(const LagInstance *s)
+{
+    double most = 1;
+    for (int i = 0; i < s->model->n; ++i)
+        most = fmax(s->vital.tolerance * s->fmu->nominal[i] / lag_scale_unit(&s->run->scale, i, s->x, s->x), most);
+    return isfinite(most) ? most : 1;
+}
+
 /* What the equations hold from now on, and what slides; rates are reset. Returns whether the state was moved for it. */
 static int switch_over(LagInstance *s)
 {
@@ -339,6 +349,7 @@ static int switch_over(LagInstance *s)
         return 0;
     const double *projected = projected_at(s, s->vital.t, s->x);
     stand_at(s, s->vital.t, projected);
+    run->impacts.coarse = coarseness(s);
     lag_switches_note(run);
     lag_impacts_strike(run);
     if (s->model->n_power == 2) {
