@@ -26,8 +26,11 @@ static void set_far(LagRun *run, double *g, double *rate)
     const LagModel *model = run->model;
     const int first = lag_when(model, 0);
     for (int i = 0; i < model->n_switches; ++i) {
-        const int is_far = i < first ? s->is_live : i < first + model->n_whens ? s->slides[i + model->n_whens] : !s->slides[i];
-        if (is_far) {
+        if (lag_is_event(model, i)) {
+            const int rests = s->slides[lag_contact(model, i - first)];
+            g[i] = rests ? -(g[i] + lag_impacts_reach(run, i)) : g[i];
+            rate[i] = rests ? -rate[i] : rate[i];
+        } else if (i < first ? s->is_live : !s->slides[i]) {
             g[i] = s->held[i] > 0 ? 1 : -1;
             rate[i] = 0;
         }

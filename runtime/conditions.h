@@ -5,8 +5,9 @@
 
 #include "state.h"
 
-/* The last 2 n_whens conditions are those of events and, again in their order, what rests at them, whose g is the rate of the
- * event's. While it rests the event is not asked for; where nothing does, that is said to be far from everything. */
+/* The last 3 n_whens conditions are those of events; the gaps of contacts, positive where they are passed; and the rates of these,
+ * which slide where something rests. What is not asked for is said to be far from everything: gaps, and what does not rest. While
+ * something rests the event is not that it comes, but that the condition fails. */
 
 /* g and its rates (n_switches) at a state (q, v); without accelerations, rates that depend on them are none. */
 void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate);

@@ -4,7 +4,7 @@
  *
  * Contacts push and do not pull: of several at once those are left out that would. One contact brings about the next (Newton's
  * cradle), until nothing approaches (E.J. Routh, Dynamics of a system of rigid bodies, I (1905), ch. VIII). What bounces back
- * slower than the tolerance tells of stays.
+ * slower than the tolerance tells of stays. Other events come when a reset makes their conditions true, too.
  */
 #include "impacts.h"
 
@@ -20,15 +20,18 @@
 
 /* Forces that a way is looked for with are so much larger than all others. */
 static const double LARGE = 1024;
+/* What rests has left where its condition fails by so many tolerances. */
+static const double REACH = 4;
 /* A bounce shorter than so many times what tells times apart is none. */
 static const double SHORT = 256, LOW = 1.0 / 64; /* of what is unknown of positions, which is that of many steps */
-/* Contacts that bring each other about so many times come to rest. */
-enum { MOST_ROUNDS = 1000, MOST_AT_ONCE = 1000 };
+/* Events that bring each other about so many times, or come again without time passing, do not end. */
+enum { MOST_ROUNDS = 100000, MOST_AT_ONCE = 1000 };
 
 void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena *arena)
 {
     const size_t resets = (size_t)model->n_resets, whole = resets > 0 ? (size_t)size : 0;
     s->fires = lag_take_ints(arena, (size_t)model->n_whens);
+    s->is_on = lag_take_ints(arena, (size_t)model->n_whens);
     s->which = lag_take_ints(arena, resets);
     s->rate = lag_take(arena, resets);
     s->wanted = lag_take(arena, resets);
@@ -39,6 +42,13 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->slope = lag_take(arena, whole);
     s->slope_without = lag_take(arena, whole);
     lag_dense_lu_layout(&s->lu, model->n_resets, 0, arena);
+}
+
+void lag_impacts_reset(LagRun *run)
+{
+    run->impacts.coarse = 0;
+    run->impacts.at_once = 0;
+    run->impacts.back = INFINITY;
 }
 
 static int event_of(const LagModel *model, int reset) { return model->reset_places[2 * reset]; }
@@ -193,26 +203,28 @@ double lag_impacts_margin(const LagRun *run, int i)
     return run->impacts.coarse > 0 ? run->impacts.coarse * run->sliding.error[i] : LOW * run->switches.unknown[i];
 }
 
+double lag_impacts_reach(const LagRun *run, int i) { return REACH * lag_max(1, run->impacts.coarse) * run->sliding.error[i]; }
+
 /* Whether what leaves contact k so fast cannot be told from what rests: too slow, back too soon, or not higher than rounding. */
 static int stays(const LagRun *run, int k, double speed)
 {
     const LagSwitches *s = &run->switches;
-    const int i = lag_when(run->model, k), rests = lag_contact(run->model, k);
+    const int rests = lag_contact(run->model, k);
     const double returns = s->rate[rests];
     return speed <= run->sliding.error[rests] || 2 * speed <= SHORT * lag_time_resolution(run->motion.t) * returns
-        || speed * speed <= 2 * returns * lag_impacts_margin(run, i);
+        || speed * speed <= 2 * returns * lag_impacts_margin(run, lag_gap(run->model, k));
 }
 
-/* What rates become; `is_over`: contacts that do not end come to rest. */
-static void read_wanted(LagRun *run, int is_over)
+/* What rates become. */
+static void read_wanted(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
     const LagModel *model = run->model;
     look_at(run, run->motion.y + model->n, s->rate, s->wanted);
     for (int j = 0; j < model->n_resets; ++j) {
         const int k = event_of(model, j);
-        const double speed = fabs(run->switches.rate[lag_when(model, k)] * s->wanted[j] / s->rate[j]);
-        if (is_contact(model, j) && s->fires[k] && (is_over || stays(run, k, speed)))
+        const double speed = fabs(run->switches.rate[lag_gap(model, k)] * s->wanted[j] / s->rate[j]);
+        if (is_contact(model, j) && s->fires[k] && stays(run, k, speed))
             s->wanted[j] = 0;
     }
 }
@@ -229,8 +241,9 @@ static int has_contact(const LagModel *model, int k)
 static int touches(const LagRun *run, int k, const double *g)
 {
     const LagSwitches *s = &run->switches;
-    const int i = lag_when(run->model, k);
-    return s->slides[lag_contact(run->model, k)] || (s->held[i] == 0 && fabs(g[i]) <= run->sliding.error[i]);
+    const int i = lag_when(run->model, k), gap = lag_gap(run->model, k);
+    const int is_closed = s->slides[lag_contact(run->model, k)] || fabs(g[gap]) <= run->sliding.error[gap];
+    return is_closed && s->held[i] == 0 && g[i] >= -lag_impacts_reach(run, i);
 }
 
 int lag_impacts_is_inside(const LagRun *run, int i, double g)
@@ -239,8 +252,11 @@ int lag_impacts_is_inside(const LagRun *run, int i, double g)
     return g > (is_event && has_contact(run->model, k) ? run->sliding.error[i] : 0);
 }
 
-/* Contacts that touch and approach. Returns whether there are some. */
-static int find_contacts(LagRun *run)
+/* Whether a condition is true; where it is neither, whether it is about to be. */
+static int is_true(const LagSwitches *s, int i) { return fabs(s->g[i]) > s->unknown[i] ? s->g[i] > 0 : s->rate[i] > 0; }
+
+/* Events whose conditions have come true, and contacts that are closed and approach. Returns whether there are some. */
+static int find_events(LagRun *run, int is_first)
 {
     LagImpacts *s = &run->impacts;
     LagSwitches *switches = &run->switches;
@@ -248,29 +264,30 @@ static int find_contacts(LagRun *run)
     int found = 0;
     lag_conditions_of_events(run, switches->g, switches->rate);
     for (int k = 0; k < model->n_whens; ++k) {
-        const int i = lag_when(model, k), rests = lag_contact(model, k);
-        s->fires[k] = has_contact(model, k) && touches(run, k, switches->g) && switches->rate[i] > run->sliding.error[rests];
+        const int i = lag_when(model, k), comes = is_first && switches->turned[i] == LAG_CHANGES && switches->held[i] == 0;
+        if (has_contact(model, k)) {
+            const double slow = is_first ? 0 : run->sliding.error[lag_contact(model, k)];
+            s->fires[k] = (is_first ? comes : touches(run, k, switches->g)) && switches->rate[lag_gap(model, k)] > slow;
+            switches->turned[i] = comes ? LAG_TO_0 : switches->turned[i];
+        } else {
+            const int is_now = comes || is_true(switches, i);
+            s->fires[k] = is_first ? comes : is_now && !s->is_on[k];
+            s->is_on[k] = is_first && !comes ? switches->held[i] > 0 : is_now;
+        }
         found |= s->fires[k];
     }
     return found;
 }
 
-/* Events whose conditions have come true: of contacts those that approach. */
-static int find_turned(LagRun *run)
+/* What conditions of events that are no contacts have become. */
+static void note_events(LagRun *run)
 {
-    LagImpacts *s = &run->impacts;
-    LagSwitches *switches = &run->switches;
-    const LagModel *model = run->model;
-    int found = 0;
-    lag_conditions_of_events(run, switches->g, switches->rate);
-    for (int k = 0; k < model->n_whens; ++k) {
-        const int i = lag_when(model, k), has_come = switches->turned[i] == LAG_CHANGES && switches->held[i] == 0;
-        s->fires[k] = has_come && (!has_contact(model, k) || switches->rate[i] > 0);
-        if (has_come)
-            switches->turned[i] = has_contact(model, k) ? LAG_TO_0 : LAG_TO_1;
-        found |= s->fires[k];
+    LagSwitches *s = &run->switches;
+    for (int k = 0; k < run->model->n_whens; ++k) {
+        const int i = lag_when(run->model, k), is_on = run->impacts.is_on[k];
+        if (!has_contact(run->model, k) && (s->turned[i] || is_on != (s->held[i] > 0)))
+            s->turned[i] = is_on ? LAG_TO_1 : LAG_TO_0;
     }
-    return found;
 }
 
 /* -------- what rests */
@@ -284,12 +301,13 @@ static int find_drifted(LagRun *run)
     const LagModel *model = run->model;
     int count = 0;
     for (int j = 0, last = -1; j < model->n_resets; ++j) {
-        const int k = event_of(model, j), i = lag_when(model, k);
+        const int k = event_of(model, j), gap = lag_gap(model, k);
         if (k == last || !is_contact(model, j))
             continue;
         last = k;
-        const int has_drifted = switches->slides[lag_contact(model, k)] && switches->g[i] < 0, is_late = switches->g[i] > 0;
-        if ((has_drifted || (is_late && switches->held[i] == 0)) && fabs(switches->g[i]) > LOW * switches->unknown[i])
+        const int is_late = switches->turned[lag_when(model, k)] == LAG_TO_0, rests = switches->slides[lag_contact(model, k)];
+        const double g = rests || (is_late && switches->g[gap] > 0) ? switches->g[gap] : 0;
+        if (fabs(g) > LOW * switches->unknown[gap] && switches->g[lag_when(model, k)] >= -lag_impacts_reach(run, lag_when(model, k)))
             s->which[count++] = j;
     }
     return count;
@@ -311,7 +329,7 @@ static void put_back(LagRun *run)
     for (int j = 0; j < count; ++j) {
         lag_conditions_by(run, m->t, m->y, s->way + j * n, switches->slope + n, switches->g, switches->rate);
         for (int i = 0; i < count; ++i) {
-            const int place = lag_when(run->model, event_of(run->model, s->which[i]));
+            const int place = lag_gap(run->model, event_of(run->model, s->which[i]));
             s->lu.re[i + count * j] = switches->rate[place] - switches->rate_inside[place];
             s->impulse[i] = -switches->g[place];
         }
@@ -327,20 +345,22 @@ LagStatus lag_impacts_strike(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
     const int sliding = run->sliding.count;
+    int rounds = 0;
     if (run->model->n_whens == 0)
         return LAG_OK;
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
-    int fire = find_turned(run);
-    for (int rounds = 0; fire; ++rounds) {
-        read_wanted(run, rounds >= MOST_ROUNDS);
+    for (int fire = find_events(run, 1); fire && rounds < MOST_ROUNDS; ++rounds) {
+        read_wanted(run);
         reset(run);
-        fire = rounds < 2 * MOST_ROUNDS && find_contacts(run);
+        fire = find_events(run, 0);
     }
+    if (rounds > 0)
+        note_events(run);
     put_back(run);
     run->sliding.count = sliding;
     const int stands = run->motion.t - run->motion.t_old <= lag_time_resolution(run->motion.t);
     s->at_once = stands ? s->at_once + 1 : 0;
-    return s->at_once < MOST_AT_ONCE ? LAG_OK : lag_fail(run, LAG_STEP_TOO_SMALL, -1, 0, 0);
+    return rounds < MOST_ROUNDS && s->at_once < MOST_AT_ONCE ? LAG_OK : lag_fail(run, LAG_EVENTS_GO_ON, -1, 0, 0);
 }
 
 int lag_impacts_find_rest(LagRun *run)
@@ -354,7 +374,7 @@ int lag_impacts_find_rest(LagRun *run)
     for (int k = 0; k < model->n_whens; ++k) {
         const int rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
         const double slow = s->slides[rests] ? LAG_SLIDING_FAR * lag_sliding_drift(run, rests) : run->sliding.error[rests];
-        const double leaves = -s->rate_inside[lag_when(model, k)], returns = s->rate_inside[rests];
+        const double leaves = -s->rate_inside[lag_gap(model, k)], returns = s->rate_inside[rests];
         const int is_closed = has_contact(model, k) && touches(run, k, s->g_inside);
         if (is_closed && !has_left && fabs(leaves) <= slow) {
             s->turned[rests] = LAG_CHANGES;

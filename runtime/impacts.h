@@ -8,6 +8,7 @@
 
 typedef struct {
     int *fires;      /* n_whens: those whose rates are reset now */
+    int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
     int *which;      /* n_resets: the resets of these */
     double *rate, *wanted, *rate_after; /* n_resets */
     double *way;     /* n_resets x n: change of the rates by an impulse of 1 */
@@ -21,6 +22,9 @@ typedef struct {
 
 void lag_impacts_layout(LagImpacts *impacts, const LagModel *model, int size, LagArena *arena);
 
+/* A run starts. */
+void lag_impacts_reset(LagRun *run);
+
 /* At the present state: resets the rates of events that switches.turned tells of, and of contacts that these bring about. Returns
  * LAG_OK, or a failure where such events do not end. */
 LagStatus lag_impacts_strike(LagRun *run);
@@ -28,16 +32,19 @@ LagStatus lag_impacts_strike(LagRun *run);
 /* Whether the condition i of an event is true, so that it cannot come: for sure, if it is a contact that would be passed. */
 int lag_impacts_is_inside(const LagRun *run, int i, double g);
 
-/* How far condition i of an event may be on without being taken for it. */
+/* How far condition i of an event may be on without being taken for it; and how far off, without what rests having left. */
 double lag_impacts_margin(const LagRun *run, int i);
+double lag_impacts_reach(const LagRun *run, int i);
 
 /* Contacts that touch, but for rounding, and neither approach nor leave: into switches.turned, of what rests at them. Returns whether
  * there are some. */
 int lag_impacts_find_rest(LagRun *run);
 
-/* The place among the switches of the condition of event k, and of what rests at it; whether switch i is the former. */
-static inline int lag_when(const LagModel *model, int k) { return model->n_switches - 2 * model->n_whens + k; }
+/* The places among the switches of event k: of its condition, of the gap of a contact, of what rests there. Whether switch i is the
+ * first of them. */
+static inline int lag_when(const LagModel *model, int k) { return model->n_switches - 3 * model->n_whens + k; }
+static inline int lag_gap(const LagModel *model, int k) { return model->n_switches - 2 * model->n_whens + k; }
 static inline int lag_contact(const LagModel *model, int k) { return model->n_switches - model->n_whens + k; }
-static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_when(model, 0) && i < lag_contact(model, 0); }
+static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_when(model, 0) && i < lag_gap(model, 0); }
 
 #endif

@@ -60,7 +60,7 @@ struct LagModel {
     int n_initial_positions; /* so many of the initial equations come first and depend on positions alone */
     int n_lost; /* coordinates that others give, and that start values are stated for: they follow q, their rates v, at the start */
     int n_switches; /* conditions on the state, which steps hold: they follow the modes in d, 1 where g > 0 and 0 where g < 0 */
-    int n_whens;    /* events of conditions: the last of the switches are these, and as many for what rests at them: conditions.h */
+    int n_whens;    /* events of conditions: the last of the switches are theirs, three of each: conditions.h */
     int n_resets;   /* rates that they reset, by impulses that follow the switches in d: forces of 1 when a way is looked for */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */

@@ -205,8 +205,8 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
 /* Whether the position of what rests at a contact has drifted. */
 static int has_left(const LagRun *run, int i)
 {
-    const int event = i - run->model->n_whens;
-    return !lag_may_have_all(run, i) && fabs(run->sliding.g[event]) > lag_max(1, run->impacts.coarse) * run->sliding.error[event];
+    const int gap = i - run->model->n_whens;
+    return !lag_may_have_all(run, i) && fabs(run->sliding.g[gap]) > lag_max(1, run->impacts.coarse) * run->sliding.error[gap];
 }
 
 int lag_sliding_lasts(LagRun *run)

@@ -16,7 +16,8 @@ typedef enum {
     LAG_NOT_STARTED,
     LAG_BAD_SETTINGS,
     LAG_BAD_INPUTS, /* input times are not ascending or not finite */
-    LAG_OUT_OF_MEMORY
+    LAG_OUT_OF_MEMORY,
+    LAG_EVENTS_GO_ON /* events that reset rates bring each other about without end */
 } LagStatus;
 
 typedef struct {

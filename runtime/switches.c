@@ -53,6 +53,7 @@ void lag_switches_reset(LagRun *run)
     lag_switches_start_anew(run);
     memset(s->held, 0, (size_t)run->model->n_switches * sizeof *s->held);
     lag_sliding_reset(run);
+    lag_impacts_reset(run);
 }
 
 /* -------- what is held */

@@ -5,11 +5,12 @@ M dv = sum_j (dx_j/dq)^T L_j, and what holds the scene gives impulses of its own
 impulses are found together.
 
 A condition is positive where it is true: g = b - a of a < b. A reset is that of a contact where the rate of x is that of g but
-for a factor, and is to be 0 where it is 0: der(x) = -e der(x). What rests there is kept from g > 0 by a force along -g.
+for a factor, and what approaches is turned back or stopped: der(x) = -e der(x). What rests there is kept from g > 0 by a force
+along -g.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -35,13 +36,13 @@ class Impacts:
     """w conditions and r resets. `places` has for each reset that of its condition, and whether it is that of a contact."""
 
     conditions: ca.SX = _NONE  # (w,): g, of t, q, v, u, p and modes
+    gaps: ca.SX = _NONE  # (w,): g of the comparison that is a contact, 0 where none is
     rates: ca.SX = _NONE  # (r,): of what is reset
     wanted: ca.SX = _NONE  # (r,): after the event
-    forces: ca.SX = _NONE  # (w,): symbols of the forces along -g
+    forces: ca.SX = _NONE  # (w,): symbols of the forces along -gaps
     impulses: ca.SX = _NONE  # (r,): symbols of forces on what is reset
     places: tuple[int, ...] = ()
     loads: tuple[Load, ...] = ()
-    may_rest: ca.DM = field(default_factory=lambda: ca.DM(0, 1))  # (w,): 1 for those of contacts
 
     def loads_in(self, kinematics: Kinematics) -> tuple[Load, ...]:
         """The same where positions are others."""
@@ -59,10 +60,10 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
     forces, impulses = ca.SX.sym("contact", len(found)), ca.SX.sym("impulse", len(places))
     strengths = iter(impulses.elements())
     loads = [load for event, force in zip(found, forces.elements(), strict=True) for load in event.loads(force, strengths)]
-    conditions, rates, wanted = (ca.vertcat(_NONE, *parts) for parts in (
-        [event.g for event in found], [x for event in found for x in event.rates], [x for event in found for x in event.wanted]))
-    return Impacts(conditions, rates, wanted, forces, impulses, tuple(int(x) for pair in places for x in pair), tuple(loads),
-                   ca.DM([float(any(event.contacts)) for event in found]))
+    conditions, gaps, rates, wanted = (ca.vertcat(_NONE, *parts) for parts in (
+        [event.g for event in found], [event.gap for event in found], [x for event in found for x in event.rates],
+        [x for event in found for x in event.wanted]))
+    return Impacts(conditions, gaps, rates, wanted, forces, impulses, tuple(int(x) for pair in places for x in pair), tuple(loads))
 
 
 class _Event:
@@ -70,14 +71,20 @@ class _Event:
 
     def __init__(self, kinematics: Kinematics, when: When) -> None:
         self.kinematics, self.when = kinematics, when
+        model = kinematics.graph.model
+        self.inputs = ca.vertcat(_NONE, *[x for name, v in model.variables.items() if v.kind == "input"
+                                          for x in scalars_of(kinematics.symbols.values[name])])
         self.level = _level(when.condition)
         self.g = self._expression(kinematics.evaluator.value(self.level))
-        self.positions = [_position(reset, kinematics.graph.model) for reset in when.resets]
+        self.positions = [_position(reset, model) for reset in when.resets]
         self.rates, self.wanted = list[ca.SX](), list[ca.SX]()
         for reset, position in zip(when.resets, self.positions, strict=True):
             self._add(reset, position)
         self._check()
-        self.contacts = [self._is_contact(rate, value) for rate, value in zip(self.rates, self.wanted, strict=True)]
+        found = [self._find_contact(rate, value) for rate, value in zip(self.rates, self.wanted, strict=True)]
+        self.contacts = [contact is not None for contact in found]
+        self.contact = next((_level(contact) for contact in found if contact is not None), None)
+        self.gap = ca.SX(0) if self.contact is None else self._expression(kinematics.evaluator.value(self.contact))
 
     def _expression(self, x: Scalar) -> ca.SX:
         return ca.substitute(ca.SX(x), self.kinematics.symbols.tau, ca.SX(1))
@@ -99,30 +106,40 @@ class _Event:
                  "compare what moves, as x < 0")
         if ca.depends_on(ca.vertcat(self.g, *self.wanted), accelerations):
             fail("L0501", "an event cannot depend on accelerations", self.when.span)
+        for reset, position in zip(self.when.resets, self.positions, strict=True):
+            moved = ca.vertcat(*scalars_of(self.kinematics.evaluator.value(position)), 0)
+            if self.inputs.numel() and ca.depends_on(moved, self.inputs):
+                fail("L0908", "not supported yet: an input in what is reset", reset.span, "its rate is not known here")
         for reset, rate in zip(self.when.resets, rates.elements(), strict=False):
             if not ca.depends_on(rate, ca.vertcat(_NONE, *symbols.rates.values())):
                 fail("L0225", "this is given in time, and cannot be reset", reset.rate.span,
                      "name a rate that the motion decides")
 
     def loads(self, force: ca.SX, impulses: Iterator[ca.SX]) -> Iterator[Load]:
-        """`force` along -g where there is a contact, and a force for each reset."""
+        """`force` along the gap where there is a contact, and a force for each reset."""
         value, component, span = self.kinematics.evaluator.value, self.when.component, self.when.span
         unit = Number(1.0, None, span)
-        if any(self.contacts):
-            work = Work(unit, Unary("-", self.level, span), component, span)
+        if self.contact is not None:
+            work = Work(unit, Unary("-", self.contact, span), component, span)
             yield Load((force,), tuple(scalars_of(value(work.position))), work)
         for position in self.positions:
             moved = tuple(scalars_of(value(position)))
             yield Load(tuple(next(impulses) for _ in moved), moved, Work(unit, position, component, span))
 
-    def _is_contact(self, rate: ca.SX, wanted: ca.SX) -> bool:
+    def _find_contact(self, rate: ca.SX, wanted: ca.SX) -> Flat | None:
+        """The comparison, of those that all have to be true, whose contact this reset is."""
+        value = self.kinematics.evaluator.value
+        return next((node for node in _compared(self.when.condition)
+                     if self._turns_back(self._expression(value(_level(node))), rate, wanted)), None)
+
+    def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> bool:
         """By numbers: at two states, with parameters beside those that are declared."""
-        symbols, condition = self.kinematics.symbols, self.when.condition
+        symbols = self.kinematics.symbols
         q, v = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
-        if not isinstance(condition, Binary) or condition.operator not in _COMPARED or ca.depends_on(self.g, v):
+        if ca.depends_on(g, v):
             return False
         p, numbers = usual_parameters(self.kinematics)
-        pace = ca.jtimes(self.g, ca.vertcat(q, symbols.time), ca.vertcat(v, 1))
+        pace = ca.jtimes(g, ca.vertcat(q, symbols.time), ca.vertcat(v, 1))
         results = [pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))]
         others = [x for x in ca.symvar(ca.vertcat(pace, rate, wanted)) if not ca.depends_on(x, ca.vertcat(q, v, symbols.time, p))]
         look = ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], results)
@@ -130,7 +147,8 @@ class _Event:
 
 
 def _turns_back(look: ca.Function, p: Numbers, random: np.random.Generator) -> bool:
-    """Whether, at a random state, the rate of what is reset is that of the condition but for a factor, and 0 is reset to 0."""
+    """Whether, at a random state, the rate of what is reset is that of the condition but for a factor, 0 is reset to 0, and what
+    approaches does not do so afterwards."""
     v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
 
     def at(v: Numbers) -> list[Numbers]:
@@ -141,9 +159,21 @@ def _turns_back(look: ca.Function, p: Numbers, random: np.random.Generator) -> b
     if not (np.isfinite([pace, rate, *slope, *own]).all() and square > 0 and np.dot(slope, slope) > 0):
         return False
     factor, size = np.dot(slope, own) / square, np.abs(own) @ np.abs(v) + abs(rate)
-    (wanted,) = at(v - own * rate / square)[2]
+    (still,), (turned,) = at(v - own * rate / square)[2], at(v + own * (np.sign(factor) - rate) / square)[2]
     return bool(np.linalg.norm(slope - factor * own) <= _SAME * np.linalg.norm(slope)
-                and abs(pace - factor * rate) <= _SAME * abs(factor) * size and abs(wanted) <= _SAME * size)
+                and abs(pace - factor * rate) <= _SAME * abs(factor) * size
+                and abs(still) <= _SAME * size and turned * np.sign(factor) <= _SAME * size)
+
+
+def _compared(node: Flat) -> Iterator[Flat]:
+    """The comparisons that all have to be true."""
+    match node:
+        case Binary("and", left, right, _):
+            yield from (*_compared(left), *_compared(right))
+        case Binary(operator, _, _, _) if operator in _COMPARED:
+            yield node
+        case Unary("not", Binary(operator, _, _, _), _) if operator in _COMPARED:
+            yield node
 
 
 def _level(node: Flat) -> Flat:

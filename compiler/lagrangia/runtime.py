@@ -35,6 +35,7 @@ class Status(IntEnum):
     BAD_SETTINGS = 9
     BAD_INPUTS = 10
     OUT_OF_MEMORY = 11
+    EVENTS_GO_ON = 12
 
 
 _STATUS = tuple(Status)

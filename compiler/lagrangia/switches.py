@@ -48,7 +48,7 @@ def has_corners(motion: Motion) -> bool:
 
 def find_switches(motion: Motion) -> Switches:
     """Those of the conditions in the forces that the state decides, or time in a way that is not known beforehand; behind them
-    those of events, each once for itself and once for its rate, which is kept at 0 in contact."""
+    those of events, the gaps of those that are contacts, and the rates of these, which are kept at 0 where something rests."""
     numbering, found = Numbering(), dict[Pair, Expression]()
     events = motion.impacts.conditions
     if not has_corners(motion) and not events.numel():
@@ -70,12 +70,12 @@ def find_switches(motion: Motion) -> Switches:
     def rates_of(x: ca.SX) -> ca.SX:
         return ca.jtimes(x, ca.vertcat(motion.q, motion.v, motion.t, motion.u), ca.vertcat(motion.v, motion.a, 1, slopes))
 
-    paces = motion.impacts.may_rest * rates_of(events)
-    values = ca.vertcat(ca.SX(0, 1), *found.values(), events, paces)
+    gaps = motion.impacts.gaps
+    values = ca.vertcat(ca.SX(0, 1), *found.values(), events, gaps, rates_of(gaps))
     places, velocities = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}, symbols_in(motion.v)
     shares = frozenset(s.__hash__() for s, g in zip(places.values(), found.values(), strict=True)
                        if not velocities.isdisjoint(symbols_in(g)))
-    symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", events.numel()), motion.impacts.forces)
+    symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
     return Switches(symbols, values, rates_of(values), slopes, places, shares, numbering)
 
 
