@@ -20,12 +20,13 @@
 
 /* Forces that a way is looked for with are so much larger than all others. */
 static const double LARGE = 1024;
+static const double MOMENT = 1e-3; /* s */
 /* What rests has left where its condition fails by so many tolerances. */
 static const double REACH = 4;
 /* A bounce shorter than so many times what tells times apart is none. */
 static const double SHORT = 256, LOW = 1.0 / 64; /* of what is unknown of positions, which is that of many steps */
 /* Events that bring each other about so many times, or come again without time passing, do not end. */
-enum { MOST_ROUNDS = 100000, MOST_AT_ONCE = 1000 };
+enum { MOST_ROUNDS = 100000, MOST_AT_ONCE = 1000, PATTERNS = 3 };
 
 void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena *arena)
 {
@@ -246,6 +247,50 @@ static int touches(const LagRun *run, int k, const double *g)
     return is_closed && s->held[i] == 0 && g[i] >= -lag_impacts_reach(run, i);
 }
 
+/* How much one tolerance of positions changes conditions and gaps, and one of rates what rests, for a pattern of signs. Rates may
+ * jump with positions (|x|): these are left as they are for them. */
+static void note_errors(LagRun *run, int pattern)
+{
+    LagSwitches *s = &run->switches;
+    const LagModel *model = run->model;
+    const LagMotion *m = &run->motion;
+    double *state = run->impacts.state, *slope = s->slope + m->n;
+    for (int i = 0; i < 2 * m->n; ++i)
+        state[i] = m->y[i] + ((i >> pattern) % 2 == 0 ? 1 : -1) * lag_scale_unit(&run->scale, i, m->y, m->y);
+    lag_conditions_by(run, m->t, state, m->y + m->n, slope, s->g_inside, s->rate_inside);
+    lag_conditions_by(run, m->t, m->y, state + m->n, slope, s->rate_begin, s->rate_inside);
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int places[] = {lag_when(model, k), lag_gap(model, k), lag_contact(model, k)};
+        for (int j = 0; j < 3; ++j) {
+            const double moved = j < 2 ? s->g_inside[places[j]] : s->rate_begin[places[j]];
+            double *error = &run->sliding.error[places[j]];
+            *error = lag_max(fabs(moved - s->g_begin[places[j]]), *error);
+        }
+    }
+}
+
+/* At the start nothing may have a size yet: accelerations tell of one by what they do in a moment. */
+void lag_impacts_find_errors(LagRun *run)
+{
+    const LagModel *model = run->model;
+    const int first = lag_when(model, 0);
+    LagSwitches *s = &run->switches;
+    double *error = run->sliding.error;
+    if (model->n_whens == 0 || !model->switches_need_acceleration)
+        return;
+    memset(error + first, 0, (size_t)(model->n_switches - first) * sizeof *error);
+    lag_conditions_of_events(run, s->g_begin, s->rate);
+    for (int pattern = 0; pattern < PATTERNS; ++pattern)
+        note_errors(run, pattern);
+    for (int k = 0; k < model->n_whens && !run->started; ++k) {
+        const int i = lag_when(model, k), gap = lag_gap(model, k), rests = lag_contact(model, k);
+        const double speed = run->scale.tolerance * MOMENT * fabs(s->rate[rests]);
+        error[i] = lag_max(speed * MOMENT, error[i]);
+        error[gap] = lag_max(speed * MOMENT, error[gap]);
+        error[rests] = lag_max(speed, error[rests]);
+    }
+}
+
 int lag_impacts_is_inside(const LagRun *run, int i, double g)
 {
     const int k = i - lag_when(run->model, 0), is_event = lag_is_event(run->model, i);
@@ -349,6 +394,7 @@ LagStatus lag_impacts_strike(LagRun *run)
     if (run->model->n_whens == 0)
         return LAG_OK;
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
+    lag_impacts_find_errors(run);
     for (int fire = find_events(run, 1); fire && rounds < MOST_ROUNDS; ++rounds) {
         read_wanted(run);
         reset(run);

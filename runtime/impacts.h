@@ -29,6 +29,9 @@ void lag_impacts_reset(LagRun *run);
  * LAG_OK, or a failure where such events do not end. */
 LagStatus lag_impacts_strike(LagRun *run);
 
+/* At the present state: into sliding.error, what one tolerance of it makes of the conditions of contacts. */
+void lag_impacts_find_errors(LagRun *run);
+
 /* Whether the condition i of an event is true, so that it cannot come: for sure, if it is a contact that would be passed. */
 int lag_impacts_is_inside(const LagRun *run, int i, double g);
 

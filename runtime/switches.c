@@ -102,6 +102,7 @@ static void find_unknown(LagRun *run)
     lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     for (int i = 0; i < run->model->n_switches && run->model->switches_need_acceleration; ++i)
         run->sliding.error[i] = lag_conditions_error(run, s->unknown[i]);
+    lag_impacts_find_errors(run);
 }
 
 /* What changes now, and what is neither, goes the way that it is going: but for events, which are to come where they are neither.
