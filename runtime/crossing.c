@@ -31,7 +31,7 @@ double lag_crossing_time(const LagRun *run, double share)
  * what rests at a contact is held. */
 static int is_beyond(const LagRun *run, int i, double depth)
 {
-    return depth < (lag_is_event(run->model, i) ? 0 : -run->switches.unknown[i]);
+    return depth < -(lag_is_event(run->model, i) ? lag_slack(run->model, &run->impacts, i) : run->switches.unknown[i]);
 }
 
 /* s->state and s->g_inside there. */

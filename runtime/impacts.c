@@ -33,6 +33,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     const size_t resets = (size_t)model->n_resets, whole = resets > 0 ? (size_t)size : 0;
     s->fires = lag_take_ints(arena, (size_t)model->n_whens);
     s->is_on = lag_take_ints(arena, (size_t)model->n_whens);
+    s->slack = lag_take(arena, (size_t)model->n_whens);
     s->which = lag_take_ints(arena, resets);
     s->rate = lag_take(arena, resets);
     s->wanted = lag_take(arena, resets);
@@ -422,6 +423,7 @@ int lag_impacts_find_rest(LagRun *run)
         const double slow = s->slides[rests] ? LAG_SLIDING_FAR * lag_sliding_drift(run, rests) : run->sliding.error[rests];
         const double leaves = -s->rate_inside[lag_gap(model, k)], returns = s->rate_inside[rests];
         const int is_closed = has_contact(model, k) && touches(run, k, s->g_inside);
+        run->impacts.slack[k] = is_closed && fabs(leaves) <= slow ? run->sliding.error[lag_when(model, k)] : 0;
         if (is_closed && !has_left && fabs(leaves) <= slow) {
             s->turned[rests] = LAG_CHANGES;
             found = 1;

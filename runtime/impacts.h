@@ -16,6 +16,7 @@ typedef struct {
     double *state, *slope, *slope_without; /* size */
     LagDenseLu lu;   /* changes of what is reset by impulses of 1 */
     double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */
+    double *slack;   /* n_whens: how far what rests may pass, which others hold, without being an event */
     double back;     /* the time in which the first of the contacts that were just left is back, at the present accelerations */
     int at_once;     /* events in a row between which no time passed */
 } LagImpacts;
@@ -49,5 +50,8 @@ static inline int lag_when(const LagModel *model, int k) { return model->n_switc
 static inline int lag_gap(const LagModel *model, int k) { return model->n_switches - 2 * model->n_whens + k; }
 static inline int lag_contact(const LagModel *model, int k) { return model->n_switches - model->n_whens + k; }
 static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_when(model, 0) && i < lag_gap(model, 0); }
+
+/* How far the condition i of an event may be beyond its place at least, before it comes. */
+static inline double lag_slack(const LagModel *model, const LagImpacts *s, int i) { return s->slack[i - lag_when(model, 0)]; }
 
 #endif

@@ -19,6 +19,7 @@ enum { BLOCKS = 8, MOST_SINGLE = 3 };
 /* What of dg/dt is rounding, by its terms: in the choice, and while they slide; what of accelerations is; the share of the largest jump
  * so far that is none. */
 static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON, UNKNOWN = 1024 * DBL_EPSILON, VANISHED = 1e-10;
+static const double NO_FORCE = 1e-13; /* of a force of the size of others: what others hold, a contact does not */
 static const double LITTLE = 1e-3; /* of the largest change of an acceleration by a contact */
 
 void lag_sliding_rates(LagRun *run, double t, const double *y)
@@ -99,6 +100,7 @@ static void find_jumps(LagRun *run, double t, const double *y, int count)
         const int is_jump = lag_may_have_all(run, s->which[j]);
         probe(run, t, y, count, j, is_jump ? 0.5 : 1);
         s->unit[j] = is_jump ? 1 : force_of_size(run);
+        s->least[j] = is_jump ? 0 : NO_FORCE * s->unit[j];
         if (s->unit[j] != 1)
             probe(run, t, y, count, j, s->unit[j]);
     }
@@ -164,7 +166,7 @@ static int better(const LagSliding *s, int count, int k)
     case SLIDES:
         if (fabs(rate) > rounding) /* others hold what it would: its own velocity is to be another one */
             return rate < 0 ? LOW : s->limit[k] < INFINITY ? HIGH : SLIDES;
-        return s->share[k] < 0 ? LOW : s->share[k] > s->limit[k] ? HIGH : SLIDES;
+        return s->share[k] < s->least[k] ? LOW : s->share[k] > s->limit[k] ? HIGH : SLIDES;
     default: return GIVEN;
     }
 }

@@ -36,6 +36,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->rate = lag_take(arena, count);
     s->unit = lag_take(arena, most);
     s->base = lag_take(arena, most);
+    s->least = lag_take(arena, most);
     s->limit = lag_take(arena, most);
     s->noise = lag_take(arena, most);
     s->state_here = lag_take(arena, whole);

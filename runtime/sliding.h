@@ -16,7 +16,7 @@ typedef struct {
     double *middle;  /* most: dg/dt at the shares 1/2 */
     LagDenseLu lu;   /* of the jump of those that slide */
     double *change;  /* most: of the shares */
-    double *base, *limit; /* most: the share that jumps are measured from, 1/2 or 0, and the largest one, 1 or infinity */
+    double *base, *least, *limit; /* most: the share that jumps are measured from, 1/2 or 0; the least and the largest that slide */
     double *unit;    /* most: what shares are measured by; 1 but for contacts */
     double *noise;   /* most: dg/dt that is rounding */
     double *error;   /* n_switches: of g that is one tolerance */

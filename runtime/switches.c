@@ -210,6 +210,14 @@ int lag_switches_release(LagRun *run)
 
 /* -------- what is done where they change */
 
+/* Whether an event comes here, where switches.rate tells which way its condition goes. */
+static int has_come(const LagRun *run, int i, double depth)
+{
+    const LagSwitches *s = &run->switches;
+    const double slack = lag_slack(run->model, &run->impacts, i);
+    return depth < -lag_max(s->unknown[i], slack) || (depth <= -slack && lag_depth(s, i, s->rate) < 0);
+}
+
 int lag_switches_note(LagRun *run)
 {
     LagSwitches *s = &run->switches;
@@ -220,8 +228,7 @@ int lag_switches_note(LagRun *run)
         lag_conditions(run, run->motion.t, run->motion.y, s->g, s->rate);
     for (int i = 0; i < run->model->n_switches; ++i) {
         const double depth = lag_depth(s, i, s->g);
-        const int changes = lag_is_event(run->model, i) ? depth < -s->unknown[i] || (depth <= 0 && lag_depth(s, i, s->rate) < 0)
-                                     : depth <= (s->slides[i] ? END_OF_SHARE : 0);
+        const int changes = lag_is_event(run->model, i) ? has_come(run, i, depth) : depth <= (s->slides[i] ? END_OF_SHARE : 0);
         const int has_more = lag_may_have_all(run, i) && *lag_share(run, i) > 0.5;
         s->turned[i] = !changes ? LAG_STAYS : !s->slides[i] ? LAG_CHANGES : has_more ? LAG_TO_1 : LAG_TO_0;
         first = first < 0 && changes ? i : first;
