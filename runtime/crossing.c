@@ -139,15 +139,17 @@ static double find_root(LagRun *run, int i, double low, double high)
 {
     const LagSwitches *s = &run->switches;
     const LagMotion *m = &run->motion;
+    const int is_event = lag_is_event(run->model, i);
     const double enough = fmax(ROUNDING, lag_time_resolution(m->t) / (m->t - m->t_old)), begin = low;
     double a = lag_depth(s, i, s->g_begin), b = depth_at(run, i, high);
+    const double end = high;
     for (int k = 1; a < 0 && k <= HALVINGS; ++k) {
-        const double x = begin + ldexp(high - begin, -k), here = depth_at(run, i, x);
+        const double x = begin + ldexp((is_event ? end : high) - begin, -k), here = depth_at(run, i, x);
         *(here >= 0 ? &low : &high) = x;
         *(here >= 0 ? &a : &b) = here;
     }
     if (a < 0) /* an event comes a moment later, where what has just left is back */
-        return lag_is_event(run->model, i) ? begin + ldexp(high - begin, -HALVINGS) : begin;
+        return is_event ? high : begin;
     int side = 0; /* that moved last: the value at the other one counts half when it stays again */
     for (int k = 1; k <= MOST_ITERATIONS && high - low > enough; ++k) {
         const double half = low + (high - low) / 2, guess = high - (high - low) * (b / (b - a));

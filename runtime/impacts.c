@@ -207,13 +207,10 @@ double lag_impacts_margin(const LagRun *run, int i)
 
 double lag_impacts_reach(const LagRun *run, int i) { return REACH * lag_max(1, run->impacts.coarse) * run->sliding.error[i]; }
 
-/* Whether what leaves contact k so fast cannot be told from what rests: too slow, back too soon, or not higher than rounding. */
-static int stays(const LagRun *run, int k, double speed)
+/* Whether what leaves contact k so fast, and is drawn back so, cannot be told from what rests: too slow, back too soon, or not higher than rounding. */
+static int stays(const LagRun *run, int k, double speed, double returns)
 {
-    const LagSwitches *s = &run->switches;
-    const int rests = lag_contact(run->model, k);
-    const double returns = s->rate[rests];
-    return speed <= run->sliding.error[rests] || 2 * speed <= SHORT * lag_time_resolution(run->motion.t) * returns
+    return speed <= run->sliding.error[lag_contact(run->model, k)] || 2 * speed <= SHORT * lag_time_resolution(run->motion.t) * returns
         || speed * speed <= 2 * returns * lag_impacts_margin(run, lag_gap(run->model, k));
 }
 
@@ -226,7 +223,7 @@ static void read_wanted(LagRun *run)
     for (int j = 0; j < model->n_resets; ++j) {
         const int k = event_of(model, j);
         const double speed = fabs(run->switches.rate[lag_gap(model, k)] * s->wanted[j] / s->rate[j]);
-        if (is_contact(model, j) && s->fires[k] && stays(run, k, speed))
+        if (is_contact(model, j) && s->fires[k] && stays(run, k, speed, run->switches.rate[lag_contact(model, k)]))
             s->wanted[j] = 0;
     }
 }
@@ -423,8 +420,9 @@ int lag_impacts_find_rest(LagRun *run)
         const double slow = s->slides[rests] ? LAG_SLIDING_FAR * lag_sliding_drift(run, rests) : run->sliding.error[rests];
         const double leaves = -s->rate_inside[lag_gap(model, k)], returns = s->rate_inside[rests];
         const int is_closed = has_contact(model, k) && touches(run, k, s->g_inside);
-        run->impacts.slack[k] = is_closed && fabs(leaves) <= slow ? run->sliding.error[lag_when(model, k)] : 0;
-        if (is_closed && !has_left && fabs(leaves) <= slow) {
+        const int stands = is_closed && (fabs(leaves) <= slow || (leaves > 0 && stays(run, k, leaves, returns)));
+        run->impacts.slack[k] = stands ? run->sliding.error[lag_when(model, k)] : 0;
+        if (stands && !has_left) {
             s->turned[rests] = LAG_CHANGES;
             found = 1;
             continue;

@@ -90,7 +90,8 @@ void lag_sliding_stop(LagRun *run)
     for (int k = 0; k < count; ++k) {
         s->change[k] = -s->g[s->which[k]];
         largest = lag_max(fabs(s->change[k]), largest);
-        jumps |= fabs(s->change[k]) > LAG_SLIDING_FAR * lag_sliding_drift(run, s->which[k]);
+        const int comes_to_rest = !lag_may_have_all(run, s->which[k]) && run->switches.turned[s->which[k]] == LAG_CHANGES;
+        jumps |= !comes_to_rest && fabs(s->change[k]) > LAG_SLIDING_FAR * lag_sliding_drift(run, s->which[k]);
     }
     lag_dense_lu_solve(&s->lu, s->change, NULL);
     for (int k = 0; k < count; ++k)
