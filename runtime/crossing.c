@@ -19,7 +19,7 @@ static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON;
 static const double EARLY = 0.38, LATE = 0.73, ROUGH = 0.02, NARROWEST = 1.0 / 512, MOST_PARTS = 0.25;
 /* Steps are looked at so when they have become so much longer, or so many were not. */
 static const double LONGER = 1.2;
-enum { LOOK_AGAIN = 8, PAUSE = 256, HALVINGS = 12, MOST_ITERATIONS = 100, DIP_ITERATIONS = 6, PATIENCE = 5 };
+enum { LOOK_AGAIN = 8, PAUSE = 256, HALVINGS = 12, MOST_HALVINGS = 40, MOST_ITERATIONS = 100, DIP_ITERATIONS = 6, PATIENCE = 5 };
 
 double lag_crossing_time(const LagRun *run, double share)
 {
@@ -143,7 +143,7 @@ static double find_root(LagRun *run, int i, double low, double high)
     const double enough = fmax(ROUNDING, lag_time_resolution(m->t) / (m->t - m->t_old)), begin = low;
     double a = lag_depth(s, i, s->g_begin), b = depth_at(run, i, high);
     const double end = high;
-    for (int k = 1; a < 0 && k <= HALVINGS; ++k) {
+    for (int k = 1; a < 0 && k <= (is_event ? MOST_HALVINGS : HALVINGS); ++k) {
         const double x = begin + ldexp((is_event ? end : high) - begin, -k), here = depth_at(run, i, x);
         *(here >= 0 ? &low : &high) = x;
         *(here >= 0 ? &a : &b) = here;

@@ -21,6 +21,8 @@
 /* Forces that a way is looked for with are so much larger than all others. */
 static const double LARGE = 1024;
 static const double MOMENT = 1e-3; /* s */
+/* Of the time that a bounce takes at the accelerations after the impact: no first step is longer. */
+static const double BOUNCE = 1.25;
 /* What rests has left where its condition fails by so many tolerances. */
 static const double REACH = 4;
 /* A bounce shorter than so many times what tells times apart is none. */
@@ -50,7 +52,7 @@ void lag_impacts_reset(LagRun *run)
 {
     run->impacts.coarse = 0;
     run->impacts.at_once = 0;
-    run->impacts.back = INFINITY;
+    run->impacts.seen = INFINITY;
 }
 
 static int event_of(const LagModel *model, int reset) { return model->reset_places[2 * reset]; }
@@ -236,13 +238,12 @@ static int has_contact(const LagModel *model, int k)
     return 0;
 }
 
-/* Whether contact k is closed, but for the tolerance; g: all conditions. */
-static int touches(const LagRun *run, int k, const double *g)
+/* Whether something rests at contact k, or it is closed but for `near`; g: all conditions. */
+static int is_closed(const LagRun *run, int k, const double *g, double near)
 {
     const LagSwitches *s = &run->switches;
-    const int i = lag_when(run->model, k), gap = lag_gap(run->model, k);
-    const int is_closed = s->slides[lag_contact(run->model, k)] || fabs(g[gap]) <= run->sliding.error[gap];
-    return is_closed && s->held[i] == 0 && g[i] >= -lag_impacts_reach(run, i);
+    const int i = lag_when(run->model, k), touches = s->slides[lag_contact(run->model, k)] || g[lag_gap(run->model, k)] >= -near;
+    return touches && s->held[i] == 0 && g[i] >= -lag_impacts_reach(run, i);
 }
 
 /* How much one tolerance of positions changes conditions and gaps, and one of rates what rests, for a pattern of signs. Rates may
@@ -292,7 +293,9 @@ void lag_impacts_find_errors(LagRun *run)
 int lag_impacts_is_inside(const LagRun *run, int i, double g)
 {
     const int k = i - lag_when(run->model, 0), is_event = lag_is_event(run->model, i);
-    return g > (is_event && has_contact(run->model, k) ? run->sliding.error[i] : 0);
+    if (!is_event || !has_contact(run->model, k))
+        return g > 0;
+    return g > run->sliding.error[i] && (!run->started || run->switches.held[i] > 0);
 }
 
 /* Whether a condition is true; where it is neither, whether it is about to be. */
@@ -310,7 +313,8 @@ static int find_events(LagRun *run, int is_first)
         const int i = lag_when(model, k), comes = is_first && switches->turned[i] == LAG_CHANGES && switches->held[i] == 0;
         if (has_contact(model, k)) {
             const double slow = is_first ? 0 : run->sliding.error[lag_contact(model, k)];
-            s->fires[k] = (is_first ? comes : touches(run, k, switches->g)) && switches->rate[lag_gap(model, k)] > slow;
+            const double near = lag_max(switches->unknown[lag_gap(model, k)], lag_impacts_margin(run, lag_gap(model, k)));
+            s->fires[k] = (is_first ? comes : is_closed(run, k, switches->g, near)) && switches->rate[lag_gap(model, k)] > slow;
             switches->turned[i] = comes ? LAG_TO_0 : switches->turned[i];
         } else {
             const int is_now = comes || is_true(switches, i);
@@ -335,25 +339,32 @@ static void note_events(LagRun *run)
 
 /* -------- what rests */
 
-/* Contacts whose positions have drifted while they slid, or were found late: their resets into s->which. Returns how many there
- * are. */
+/* Whether the position of contact k has drifted while it slid, or it was found late. */
+static int has_drifted(const LagRun *run, int k)
+{
+    const LagSwitches *s = &run->switches;
+    const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), rests = s->slides[lag_contact(run->model, k)];
+    const double g = rests || (s->turned[i] == LAG_TO_0 && s->g[gap] > 0) ? s->g[gap] : 0;
+    return fabs(g) > LOW * s->unknown[gap] && s->g[i] >= -lag_impacts_reach(run, i);
+}
+
+/* Where a contact has drifted, all that are closed are gathered, which it must not be pushed through: their resets into s->which.
+ * Returns how many there are. */
 static int find_drifted(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
-    const LagSwitches *switches = &run->switches;
     const LagModel *model = run->model;
-    int count = 0;
+    int count = 0, some = 0;
     for (int j = 0, last = -1; j < model->n_resets; ++j) {
-        const int k = event_of(model, j), gap = lag_gap(model, k);
+        const int k = event_of(model, j);
         if (k == last || !is_contact(model, j))
             continue;
         last = k;
-        const int is_late = switches->turned[lag_when(model, k)] == LAG_TO_0, rests = switches->slides[lag_contact(model, k)];
-        const double g = rests || (is_late && switches->g[gap] > 0) ? switches->g[gap] : 0;
-        if (fabs(g) > LOW * switches->unknown[gap] && switches->g[lag_when(model, k)] >= -lag_impacts_reach(run, lag_when(model, k)))
+        some |= has_drifted(run, k);
+        if (has_drifted(run, k) || is_closed(run, k, run->switches.g, run->sliding.error[lag_gap(model, k)]))
             s->which[count++] = j;
     }
-    return count;
+    return some ? count : 0;
 }
 
 /* Moves positions along the ways of their impulses: none is left, on the shortest way in the metric of masses. */
@@ -412,24 +423,36 @@ int lag_impacts_find_rest(LagRun *run)
     LagSwitches *s = &run->switches;
     const LagModel *model = run->model;
     int found = 0;
-    run->impacts.back = INFINITY;
     if (model->n_whens > 0)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
         const int rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
         const double slow = s->slides[rests] ? LAG_SLIDING_FAR * lag_sliding_drift(run, rests) : run->sliding.error[rests];
         const double leaves = -s->rate_inside[lag_gap(model, k)], returns = s->rate_inside[rests];
-        const int is_closed = has_contact(model, k) && touches(run, k, s->g_inside);
-        const int stands = is_closed && (fabs(leaves) <= slow || (leaves > 0 && stays(run, k, leaves, returns)));
-        run->impacts.slack[k] = stands ? run->sliding.error[lag_when(model, k)] : 0;
+        const int touches = has_contact(model, k) && is_closed(run, k, s->g_inside, run->sliding.error[lag_gap(model, k)]);
+        const int stands = touches && (fabs(leaves) <= slow || (leaves > 0 && stays(run, k, leaves, returns)));
+        run->impacts.slack[k] = stands ? s->unknown[lag_when(model, k)] : 0;
         if (stands && !has_left) {
             s->turned[rests] = LAG_CHANGES;
             found = 1;
-            continue;
-        }
-        s->held[rests] = *lag_share(run, rests) = 0;
-        if (is_closed && leaves > 0 && returns > 0)
-            run->impacts.back = lag_min(2 * leaves / returns, run->impacts.back);
+        } else
+            s->held[rests] = *lag_share(run, rests) = 0;
     }
     return found;
+}
+
+void lag_impacts_foresee(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const LagModel *model = run->model;
+    double *seen = &run->impacts.seen;
+    *seen = INFINITY;
+    if (model->n_whens > 0)
+        lag_conditions_of_events(run, s->g_inside, s->rate_inside);
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int is_open = has_contact(model, k) && !s->slides[lag_contact(model, k)];
+        const double leaves = -s->rate_inside[lag_gap(model, k)], returns = s->rate_inside[lag_contact(model, k)];
+        if (is_open && is_closed(run, k, s->g_inside, run->sliding.error[lag_gap(model, k)]) && leaves > 0 && returns > 0)
+            *seen = lag_min(run->motion.t + BOUNCE * 2 * leaves / returns, *seen);
+    }
 }

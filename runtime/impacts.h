@@ -17,7 +17,7 @@ typedef struct {
     LagDenseLu lu;   /* changes of what is reset by impulses of 1 */
     double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */
     double *slack;   /* n_whens: how far what rests may pass, which others hold, without being an event */
-    double back;     /* the time in which the first of the contacts that were just left is back, at the present accelerations */
+    double seen;     /* the time up to which the next step may go, so that a short bounce is seen in it */
     int at_once;     /* events in a row between which no time passed */
 } LagImpacts;
 
@@ -33,7 +33,7 @@ LagStatus lag_impacts_strike(LagRun *run);
 /* At the present state: into sliding.error, what one tolerance of it makes of the conditions of contacts. */
 void lag_impacts_find_errors(LagRun *run);
 
-/* Whether the condition i of an event is true, so that it cannot come: for sure, if it is a contact that would be passed. */
+/* Whether the condition i of an event is true, so that it cannot come: contacts that are open stay so, or would be passed. */
 int lag_impacts_is_inside(const LagRun *run, int i, double g);
 
 /* How far condition i of an event may be on without being taken for it; and how far off, without what rests having left. */
@@ -43,6 +43,9 @@ double lag_impacts_reach(const LagRun *run, int i);
 /* Contacts that touch, but for rounding, and neither approach nor leave: into switches.turned, of what rests at them. Returns whether
  * there are some. */
 int lag_impacts_find_rest(LagRun *run);
+
+/* How long the next step may be: impacts.seen. */
+void lag_impacts_foresee(LagRun *run);
 
 /* The places among the switches of event k: of its condition, of the gap of a contact, of what rests there. Whether switch i is the
  * first of them. */

@@ -10,7 +10,6 @@
 #include "schedule.h"
 
 static const double FIRST_PART = 0.1; /* of what is left: no first step is longer */
-static const double BOUNCE = 1.25; /* of the time that one takes: no first step after it is longer */
 static const double MILD = 10; /* steps in which accelerations change by about themselves */
 
 /* A time inside the segment, away from its ends, where modes are sure not to be just changing. */
@@ -69,7 +68,6 @@ static void look_ahead(LagRun *run)
 
 LagStatus lag_segment_evaluate(LagRun *run)
 {
-    const LagModel *model = run->model;
     LagMotion *motion = &run->motion;
     const int n = motion->n;
     motion->t_old = motion->t;
@@ -84,8 +82,6 @@ LagStatus lag_segment_evaluate(LagRun *run)
     if (run->methods.solver != LAG_SOLVER_LINEAR && run->methods.solver != LAG_SOLVER_ISLANDS) /* these have no units of error */
         look_ahead(run);
     run->step = first_step(run, is_bend);
-    if (model->n_whens > 0) /* a short bounce is seen in a short step */
-        run->step = fmin(run->step, BOUNCE * run->impacts.back);
     if (is_bend) /* steps before were of another motion */
         run->calm_step = fmin(run->calm_step, run->step);
     run->is_starting = 1;

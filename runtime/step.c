@@ -15,6 +15,8 @@ double lag_step_smallest(double t) { return lag_max(4 * DBL_EPSILON * fabs(t), D
 double lag_step_end(const LagRun *run, double h)
 {
     const double t = run->motion.t, limit = lag_min(run->segment_end, run->settings.t_stop), left = limit - t;
+    if (run->impacts.seen > t && h > run->impacts.seen - t)
+        return lag_min(run->impacts.seen, limit);
     if (h >= left)
         return limit;
     return t + (2 * h > left ? left / 2 : h);

@@ -174,6 +174,7 @@ int lag_switches_enter(LagRun *run)
         lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
     if (run->sliding.count > 0)
         lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
+    lag_impacts_foresee(run);
     for (int i = 0; i < run->model->n_switches; ++i)
         if (s->turned[i] && !s->slides[i] && !lag_is_event(run->model, i)) /* what is left of it is rounding */
             s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]);
