@@ -3,6 +3,7 @@
 The first line of each model says what is wrong with it. Only commands are called here, as a user would call them.
 """
 
+import random
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -10,12 +11,15 @@ from pathlib import Path
 import pytest
 
 from lagrangia.cli import WRONG, main
+from lagrangia.diagnostics import LagError, Source
 from lagrangia.expectations import SPOKEN
 from lagrangia.folders import data_folder
 from lagrangia.pipeline import flatten_file, read_files
+from lagrangia.syntax import parse
 
 FOLDER = Path(__file__).parent / "errors"
 MODELS = sorted(FOLDER.glob("*.lag"))
+LIBRARY = sorted((data_folder("models") / "library").glob("*.lag"))
 # Words of the compiler's inside, which nobody who writes models should meet.
 INNER_WORDS = re.compile(r"__|Traceback|lagrangia|\b(?:ANON|Flat\w*|FrameRef|Slot|[LR]PAR|[LR]SQB|Token|None|prefix|NAME)\b")
 
@@ -55,6 +59,23 @@ def test_every_pattern_of_the_grammar_has_a_spoken_name() -> None:
     grammar = (data_folder("grammar") / "lag.lark").read_text(encoding="utf-8")
     patterns = {name for name in re.findall(r"^([A-Z_]+)(?:\.\d+)?:", grammar, re.MULTILINE) if name != "COMMENT"}
     assert sorted(patterns - SPOKEN.keys()) == []
+
+
+@pytest.mark.parametrize("file", LIBRARY, ids=lambda file: file.stem)
+def test_a_fault_of_the_text_is_told_once(file: Path) -> None:
+    """One, two or three signs are taken away or replaced: no more is told than was broken."""
+    text, chance = file.read_text(encoding="utf-8"), random.Random(file.stem)
+    signs = [sign.start() for sign in re.finditer(r"[;,=()\[\]{}]", text)]
+    for _ in range(100):
+        count = chance.randint(1, 3)
+        places = sorted(chance.sample(signs, count), reverse=True)
+        broken = text
+        for place in places:
+            broken = broken[:place] + chance.choice(("", "?", ")", "= =", "+;")) + broken[place + 1 :]
+        try:
+            parse(Source(file.name, broken))
+        except LagError as error:
+            assert len(error.diagnostics) <= count, broken
 
 
 # Told by `lag simulate` only (tests/test_hostile.py), a warning (below), or about bytes that no file of text can hold.

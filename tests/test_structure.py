@@ -28,6 +28,7 @@ ORDER = """
     units
     values
     tree
+    recovery
     expectations
     syntax
     classes

@@ -1,13 +1,12 @@
 """Text that does not parse -> what was expected there, in words, and what is likely to be meant."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import NoReturn
 
 from lark import Lark, Token
-from lark.exceptions import UnexpectedCharacters, UnexpectedToken
 
-from lagrangia.diagnostics import Source, Span, fail, suggest
+from lagrangia.diagnostics import LagError, Report, Source, Span, suggest
+from lagrangia.recovery import Stop, find_stops
 
 # Terminals that are patterns; the others are said as they are written.
 SPOKEN = {
@@ -41,83 +40,62 @@ _ENERGIES = ("kinetic", "potential", "dissipation", "work")
 _CLOSES = {")": "(", "]": "[", "}": "{"}
 
 
-@dataclass(frozen=True)
-class Stop:
-    """Where parsing stopped: the text that did not fit, the tokens before it, and the terminals that would have fitted."""
-
-    source: Source
-    span: Span
-    before: tuple[Token, ...]
-    accepted: frozenset[str]
-
-    @property
-    def word(self) -> str:
-        return self.span.text
-
-    @property
-    def is_first_of_line(self) -> bool:
-        begin = self.source.text.rfind("\n", 0, self.span.start) + 1
-        return bool(self.before) and (self.before[-1].end_pos or 0) <= begin
-
-    def last(self, count: int) -> tuple[str, ...]:
-        """Types of the tokens just before."""
-        return tuple(token.type for token in self.before[-count:])
-
-
 def refuse(source: Source, parser: Lark) -> NoReturn:
     """Raise the LagError (L0103 to L0105, L0901) for a text that the parser refuses. It is parsed once more, token by token."""
-    stop = _find_stop(source, parser)
-    _refuse_unsupported(source, stop)
-    if source.text.startswith("/*", stop.span.start):
-        begin = Span(source, stop.span.start, stop.span.start + 2)
-        fail("L0104", "this comment has no end", begin, "a comment that begins with /* ends with */")
-    if stop.word == '"':
-        fail("L0104", "this text has no closing quote", stop.span)
-    if not stop.word:
+    report = Report()
+    for stop in find_stops(source, parser):
+        _tell(report, _widened(stop), parser)
+    raise LagError(report.errors)
+
+
+def _tell(report: Report, stop: Stop, parser: Lark) -> None:
+    if _tell_unsupported(report, stop):
+        return
+    if stop.source.text.startswith("/*", stop.span.start):
+        begin = Span(stop.source, stop.span.start, stop.span.start + 2)
+        report.error("L0104", "this comment has no end", begin, "a comment that begins with /* ends with */")
+    elif stop.word == '"':
+        report.error("L0104", "this text has no closing quote", stop.span)
+    elif not stop.word:
         label = _label(stop, parser, "after this, expected")
-        fail("L0105", "the file ends too early", _end_of(source, stop), *_end_hints(stop), label=label)
-    if "SEMICOLON" in stop.accepted and stop.is_first_of_line and stop.word not in _CLOSES:
-        fail("L0103", "a ';' is missing", _end_of(source, stop), label="after this")
-    fail("L0103", f"unexpected '{shortened(stop.word)}'", stop.span, *_hints(stop), label=_label(stop, parser, "expected"))
+        report.error("L0105", "the file ends too early", _end_of(stop), *_end_hints(stop), label=label)
+    elif stop.lacks_semicolon:
+        report.error("L0103", "a ';' is missing", _end_of(stop), label="after this")
+    else:
+        report.error("L0103", f"unexpected '{shortened(stop.word)}'", stop.span, *_hints(stop),
+                     label=_label(stop, parser, "expected"))
 
 
-def _refuse_unsupported(source: Source, stop: Stop) -> None:
+def _tell_unsupported(report: Report, stop: Stop) -> bool:
     """What is Modelica's, but not ours; it was read as a type or a name."""
     said = [token for token in stop.before[-3:] if token.type != "STRING"]
     last = [token for token in said[-2:] if token.type == "NAME"]
     foreign = next((token for token in last if token in _UNSUPPORTED), None)
     if len(last) == 2 and last[0] in _CLASSES:
         foreign = last[0]
-    if foreign is not None:
-        is_class = foreign in _CLASSES
-        place = Span(source, foreign.start_pos or 0, foreign.end_pos or 0)
-        fail("L0901", f"not supported yet: {f'a {foreign} inside another class' if is_class else foreign}", place,
-             "classes stand side by side in the file" if is_class else "declare the component with the type it has")
+    if foreign is None:
+        return False
+    is_class = foreign in _CLASSES
+    place = Span(stop.source, foreign.start_pos or 0, foreign.end_pos or 0)
+    report.error("L0901", f"not supported yet: {f'a {foreign} inside another class' if is_class else foreign}", place,
+                 "classes stand side by side in the file" if is_class else "declare the component with the type it has")
+    return True
 
 
-def _find_stop(source: Source, parser: Lark) -> Stop:
-    interactive = parser.parse_interactive(source.text)
-    before: list[Token] = []
-    start = end = len(source.text)
-    try:
-        for token in interactive.iter_parse():
-            before.append(token)
-    except UnexpectedToken as error:
-        start, end = error.token.start_pos or 0, error.token.end_pos or 0
-    except UnexpectedCharacters as error:
-        start, end = error.pos_in_stream or 0, (error.pos_in_stream or 0) + 1
+def _widened(stop: Stop) -> Stop:
+    """With the character before or behind it, where both are a sign of another language."""
+    start = stop.span.start
     for first, last in ((start - 1, start + 1), (start, start + 2)):
-        if source.text[max(0, first) : last] in _FOREIGN:
-            start, end = max(0, first), last
-            break
-    earlier = tuple(token for token in before if token.end_pos is not None and token.end_pos <= start)
-    return Stop(source, Span(source, start, end), earlier, frozenset(interactive.accepts()))  # type: ignore[no-untyped-call]
+        if stop.source.text[max(0, first) : last] in _FOREIGN:
+            before = tuple(token for token in stop.before if token.end_pos is not None and token.end_pos <= max(0, first))
+            return Stop(stop.source, Span(stop.source, max(0, first), last), before, stop.accepted)
+    return stop
 
 
-def _end_of(source: Source, stop: Stop) -> Span:
+def _end_of(stop: Stop) -> Span:
     """The last character before the stop that is no space."""
     end = stop.before[-1].end_pos if stop.before else 1
-    return Span(source, max(0, (end or 1) - 1), end or 1)
+    return Span(stop.source, max(0, (end or 1) - 1), end or 1)
 
 
 # -------------------------------------------------------------------- what was expected

@@ -9,9 +9,8 @@ from typing import Any, cast
 
 import lark
 from lark import Lark, Token, Transformer, UnexpectedInput, v_args
-from lark.exceptions import VisitError
 
-from lagrangia.diagnostics import LagError, Source, Span, fail
+from lagrangia.diagnostics import Report, Source, Span, fail
 from lagrangia.expectations import refuse, shortened
 from lagrangia.folders import data_folder
 from lagrangia.store import find_kept, keep, key_of
@@ -66,13 +65,11 @@ def parse(source: Source) -> Syntax:
     _check_text(source)
     try:
         tree = _parser().parse(source.text)
-        items = _Nodes(source).transform(tree)
-    except VisitError as error:
-        if isinstance(error.orig_exc, LagError):
-            raise error.orig_exc from None
-        raise
     except UnexpectedInput:
         refuse(source, _parser())
+    nodes = _Nodes(source)
+    items = nodes.transform(tree)
+    nodes.report.raise_errors()
     imports = tuple(item for item in items if isinstance(item, ImportFile))
     classes = tuple(item for item in items if isinstance(item, ClassDefinition))
     return Syntax(source, imports, classes)
@@ -130,6 +127,7 @@ class _Nodes(Transformer[Token, Any]):
     def __init__(self, source: Source) -> None:
         super().__init__()
         self.source = source
+        self.report = Report()
 
     def _span(self, meta: Any) -> Span:
         return Span(self.source, getattr(meta, "start_pos", 0), getattr(meta, "end_pos", 0))
@@ -151,8 +149,8 @@ class _Nodes(Transformer[Token, Any]):
         kind, name, *rest = head[1:] if is_partial else head
         end_name = rest[-1]
         if str(end_name) != str(name):
-            fail("L0106", f"'{name}' ends as '{end_name}'", self._token_span(end_name), f"write: end {name};",
-                 label=f"expected {name}")
+            self.report.error("L0106", f"'{name}' ends as '{end_name}'", self._token_span(end_name), f"write: end {name};",
+                              label=f"expected {name}")
         description = rest[0] if len(rest) > 1 else None
         elements: list[Declaration | Extends] = []
         annotation: tuple[Argument, ...] = ()
@@ -202,7 +200,7 @@ class _Nodes(Transformer[Token, Any]):
     def declarator(self, meta: Any, children: list[Any]) -> tuple[Any, ...]:
         name, dimensions, arguments, binding, condition, description, annotation = children
         if str(name) in _RESERVED:
-            fail("L0108", f"'{name}' is a word of the language and cannot be a name", self._token_span(name))
+            self.report.error("L0108", f"'{name}' is a word of the language and cannot be a name", self._token_span(name))
         return (_name(name), dimensions, arguments, binding, condition, _text(description), self._span(meta),
                 self._token_span(name), annotation[1] if annotation else ())
 
@@ -292,8 +290,9 @@ class _Nodes(Transformer[Token, Any]):
 
     def chain(self, meta: Any, children: list[Any]) -> Expression:
         if len(children) > 2 * _LONGEST_CHAIN:
-            fail("L0102", f"more than {_LONGEST_CHAIN} operands in a row", self._span(meta),
-                 "use sum(... for i in 1:n), or name parts of it with variables")
+            self.report.error("L0102", f"more than {_LONGEST_CHAIN} operands in a row", self._span(meta),
+                              "use sum(... for i in 1:n), or name parts of it with variables")
+            return cast(Expression, children[0])
         return self._fold(children[0], iter(children[1:]))
 
     def signed_chain(self, meta: Any, children: list[Any]) -> Expression:
@@ -323,11 +322,10 @@ class _Nodes(Transformer[Token, Any]):
         value, unit = str(children[0])[:-1].split("[")
         return self._number(value.strip(), unit.strip(), self._span(meta))
 
-    @staticmethod
-    def _number(text: str, unit: str | None, span: Span) -> Number:
+    def _number(self, text: str, unit: str | None, span: Span) -> Number:
         value = float(text)
         if value == float("inf"):
-            fail("L0107", f"{shortened(text)} is too large for a number", span, "the largest is 1.8e308")
+            self.report.error("L0107", f"{shortened(text)} is too large for a number", span, "the largest is 1.8e308")
         return Number(value, unit, span, text.isdigit())
 
     def string(self, meta: Any, children: list[Any]) -> String:

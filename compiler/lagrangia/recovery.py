@@ -1,0 +1,284 @@
+"""Text that does not parse -> where parsing stops. After each stop it goes on where a statement, a section or a class begins.
+
+Better too few stops than a wrong one: what may be a consequence of an earlier stop is passed over.
+"""
+
+import re
+from collections.abc import Iterator
+from copy import copy
+from dataclasses import dataclass, field
+from itertools import product
+
+from lark import Lark, Token
+from lark.exceptions import UnexpectedCharacters, UnexpectedToken
+from lark.parsers.lalr_interactive_parser import InteractiveParser
+
+from lagrangia.diagnostics import Source, Span
+
+_MOST_TOLD = 10
+_MOST_STOPS = 100  # with those that are passed over
+_BLOCKS = ("for", "if", "when")
+_CLOSERS = (")", "]", "}")
+_SECTIONS = {"VISIBILITY": "public", "EQUATION": "equation", "ALGORITHM": "algorithm", "__ANON_0": "energy"}
+# What the text is made of, as far as it says where a statement ends: words, texts and comments as a whole.
+_LANDMARKS = re.compile(
+    r"""(?P<skipped>//[^\n]* | /\*.*?\*/ | "(?:[^"\\\n]|\\[^\n])*" | '(?:[^'\\\n]|\\[^\n])+' | \.\s*\w+) | (?P<comment>/\*)
+    | (?P<quote>") | (?P<header>\b(?:partial[ \t]+)?(?:model|function|type|record|package)[ \t]+[^\W\d]\w*)
+    | (?P<end>\bend[ \t]+(?!(?:for|if|when)\b)(?P<name>[^\W\d]\w*)) | (?P<inner>\bend\b) | (?P<branch>\belse(?:if)?\b)
+    | (?P<section>\b(?:initial(?:\s+equation)?|equation|algorithm|energy|public|protected)\b)
+    | (?P<open>[(\[{]) | (?P<close>[)\]}]) | (?P<semicolon>;) | \w+""", re.DOTALL | re.VERBOSE)
+_STRUCTURE = ("header", "end", "inner", "section")
+_NO_STATEMENT = (*_STRUCTURE, "branch")
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Where parsing stopped: the text that did not fit, the tokens before it, and the terminals that would have fitted."""
+
+    source: Source
+    span: Span
+    before: tuple[Token, ...]
+    accepted: frozenset[str]
+
+    @property
+    def word(self) -> str:
+        return self.span.text
+
+    @property
+    def is_first_of_line(self) -> bool:
+        begin = self.source.text.rfind("\n", 0, self.span.start) + 1
+        return bool(self.before) and (self.before[-1].end_pos or 0) <= begin
+
+    @property
+    def lacks_semicolon(self) -> bool:
+        return "SEMICOLON" in self.accepted and self.is_first_of_line and self.word not in ("", *_CLOSERS)
+
+    def last(self, count: int) -> tuple[str, ...]:
+        """Types of the tokens just before."""
+        return tuple(token.type for token in self.before[-count:])
+
+
+def find_stops(source: Source, parser: Lark) -> Iterator[Stop]:
+    """The first place where the parser refuses the text, and those after it that are wrong for themselves."""
+    reading = _Reading(source, parser.parse_interactive(source.text))
+    told = 0
+    for _ in range(_MOST_STOPS):
+        stop = reading.read()
+        if stop is None:
+            return
+        moved = reading.fitting_section(stop)
+        if told == 0 or not reading.is_consequence(stop, moved):
+            yield stop
+            told += 1
+            reading.is_faulty = True
+        if told == _MOST_TOLD or not reading.go_on(stop, moved):
+            return
+
+
+@dataclass(frozen=True, eq=False)
+class _Mark:
+    """The parser where a statement may begin, and how many tokens it has read."""
+
+    parser: InteractiveParser
+    count: int
+
+
+@dataclass(frozen=True)
+class _Landing:
+    """A place of the text to go on from, and what stands there."""
+
+    kind: str
+    position: int
+
+
+@dataclass
+class _Reading:
+    """The parser on its way through a text, and the marks it can go back to."""
+
+    source: Source
+    parser: InteractiveParser
+    before: list[Token] = field(default_factory=list)
+    start: int = 0  # of the statement
+    resumed: int = -1  # where it went on after the last stop
+    line: int = 0  # the last one that was skipped
+    is_faulty: bool = False  # a stop was told in this class
+    is_torn: bool = False  # a class was left open
+    is_strange: bool = False  # no word of the language was there
+
+    def __post_init__(self) -> None:
+        state = self.parser.parser_state
+        state.parse_conf = copy(state.parse_conf)
+        state.parse_conf.callbacks = {}  # no tree is made
+        self.file = self.body = self.here = _Mark(_copy(self.parser), 0)
+
+    # -------------------------------------------------------------------- reading
+
+    def read(self) -> Stop | None:
+        """Reads until a token does not fit, or the file ends too early."""
+        start = end = len(self.source.text)
+        is_strange = False
+        try:
+            for token in _tokens(self.parser):
+                if self.is_faulty and token in _BLOCKS and self.before[-1].type == "END":
+                    start, end = token.start_pos or 0, token.end_pos or 0
+                    break  # the block's beginning was skipped; it is no class that is called so
+                self.parser.feed_token(token)
+                self.before.append(token)
+                self._set_mark(token)
+        except UnexpectedToken as error:
+            start, end = error.token.start_pos or 0, error.token.end_pos or 0
+        except UnexpectedCharacters as error:
+            start, end = error.pos_in_stream or 0, (error.pos_in_stream or 0) + 1
+            is_strange = True
+        self.is_strange = is_strange or self.source.text.startswith("/*", start)
+        accepted = frozenset(self.parser.accepts())  # type: ignore[no-untyped-call]
+        if start == end and "$END" in accepted:
+            return None
+        return Stop(self.source, Span(self.source, start, end), tuple(self.before), accepted)
+
+    def _set_mark(self, token: Token) -> None:
+        """Where `end` fits, a statement may begin; where the file may end, a class."""
+        fitting = self.parser.choices()  # type: ignore[no-untyped-call]
+        if "END" not in fitting and "$END" not in fitting:
+            if token.type == "EQUAL" and self.here is self.body and len(self.before) == self.here.count + 1:
+                self.here = self.body = self.file  # type Name = ...; has no body
+            return
+        is_in_file = "$END" in fitting
+        was_in_file = self.here is self.file
+        self.here = _Mark(_copy(self.parser), len(self.before))
+        self.start = token.end_pos or 0
+        if is_in_file:
+            self.file, self.is_faulty = self.here, False
+        if is_in_file or was_in_file:
+            self.body = self.here
+
+    # -------------------------------------------------------------------- judging
+
+    def is_consequence(self, stop: Stop, moved: "_Reading | None") -> bool:
+        """Whether an earlier stop may be the reason of this one."""
+        is_beginning = len(self.before) < self.here.count + 2
+        line, _ = self.source.line_and_column(stop.span.start)
+        if line <= self.line or (is_beginning and self.start == self.resumed):
+            return True
+        if self.here is self.file:
+            return self.is_torn
+        return self.is_faulty and (stop.word == "" or moved is not None or self._first_landmark(stop) in _NO_STATEMENT)
+
+    def _first_landmark(self, stop: Stop) -> str:
+        """What the statement that does not parse begins with."""
+        tokens = self.before[self.here.count :]
+        begin = (tokens[0].start_pos or 0) if tokens else stop.span.start
+        landmark = _LANDMARKS.match(self.source.text, begin)
+        return landmark.lastgroup or "" if landmark else ""
+
+    def fitting_section(self, stop: Stop) -> "_Reading | None":
+        """The statement read in another section, where it parses there: it is not what is wrong."""
+        if self.here is self.file or self.is_strange or self._first_landmark(stop) in _NO_STATEMENT:
+            return None
+        for mark, kind in product(dict.fromkeys((self.here, self.body)), _SECTIONS):
+            trial = _Reading(self.source, _copy(mark.parser), self.before[: mark.count])
+            _set_position(trial.parser, self.start)
+            try:
+                trial.parser.feed_token(Token(kind, _SECTIONS[kind]))
+                for token in _tokens(trial.parser):
+                    trial.parser.feed_token(token)
+                    trial.before.append(token)
+                    if token.type == "SEMICOLON":
+                        return trial
+            except (UnexpectedToken, UnexpectedCharacters):
+                continue
+        return None
+
+    # -------------------------------------------------------------------- going on
+
+    def go_on(self, stop: Stop, moved: "_Reading | None") -> bool:
+        """Goes to where reading can go on; False where there is no such place."""
+        if stop.lacks_semicolon and stop.span.start != self.resumed and self._first_landmark(stop) != "header":
+            semicolon = Token.new_borrow_pos("SEMICOLON", ";", self.before[-1])
+            self.parser.feed_token(semicolon)
+            self._set_mark(semicolon)
+            self._resume(self.parser, stop.span.start)
+            return True
+        if moved is not None:
+            last = moved.before[-1]
+            self.before = moved.before
+            self._resume(moved.parser, last.end_pos or 0)
+            self._set_mark(last)
+            return True
+        landing = self._landing_in_file() if self.here is self.file else self._landing_in_class(stop.span.start)
+        if landing is None:
+            return False
+        self._land(landing)
+        return True
+
+    def _resume(self, parser: InteractiveParser, position: int) -> None:
+        self.parser = parser
+        _set_position(parser, position)
+        self.start = self.resumed = position
+
+    def _land(self, landing: _Landing) -> None:
+        if landing.kind == "header":
+            self.is_torn |= self.here is not self.file
+            self.is_faulty = False
+            self.here = self.body = self.file
+        elif landing.kind in ("end", "section"):
+            self.here = self.body
+        del self.before[self.here.count :]
+        self.line, _ = self.source.line_and_column(landing.position - 1)
+        self._resume(_copy(self.here.parser), landing.position)
+
+    def _landing_in_class(self, stopped: int) -> _Landing | None:
+        """Behind the statement, or at the end, the section or the class that begins before."""
+        depth, name = 0, self.before[self.body.count - 1]
+        behind: _Landing | None = None
+        for landmark in _LANDMARKS.finditer(self.source.text, self.start):
+            kind = landmark.lastgroup or ""
+            depth += (kind == "open") - (kind == "close")
+            if kind == "end" and landmark["name"] != name:
+                kind = "inner"
+            if kind == "comment":
+                return behind
+            if kind == "quote":  # nobody knows where the text ends, but its class does there
+                ends = re.compile(rf"\bend[ \t]+{re.escape(name)}\b").search(self.source.text, landmark.end())
+                return behind or (_Landing("end", ends.start()) if ends else None)
+            if kind in _STRUCTURE and landmark.start() != self.resumed:
+                return behind or _Landing(kind, landmark.start())
+            if depth < 0:
+                behind = None  # a stray ';' in brackets: the statement goes on
+            if kind == "semicolon" and landmark.start() >= stopped:
+                if behind or depth <= 0:
+                    return behind or _Landing(kind, landmark.end())
+                behind, depth = _Landing(kind, landmark.end()), 0
+        return behind
+
+    def _landing_in_file(self) -> _Landing | None:
+        """Behind the end of the class whose beginning is wrong, or at the next class."""
+        is_ended = False
+        for landmark in _LANDMARKS.finditer(self.source.text, self.start):
+            kind = landmark.lastgroup or ""
+            if kind in ("comment", "quote"):
+                return None
+            if kind == "header" and landmark.start() != self.resumed:
+                return _Landing(kind, landmark.start())
+            is_ended |= kind == "end"
+            if is_ended and kind == "semicolon":
+                return _Landing(kind, landmark.end())
+        return None
+
+
+def _copy(parser: InteractiveParser) -> InteractiveParser:
+    copied: InteractiveParser = parser.copy(deepcopy_values=False)  # type: ignore[no-untyped-call]
+    return copied
+
+
+def _tokens(parser: InteractiveParser) -> Iterator[Token]:
+    """The words of the text, each read when the parser has taken the one before."""
+    tokens: Iterator[Token] = parser.lexer_thread.lex(parser.parser_state)  # type: ignore[no-untyped-call]
+    return tokens
+
+
+def _set_position(parser: InteractiveParser, position: int) -> None:
+    """The parser reads on from this character."""
+    state = parser.lexer_thread.state
+    assert state is not None
+    state.line_ctr.char_pos = position
