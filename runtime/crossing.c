@@ -31,7 +31,14 @@ double lag_crossing_time(const LagRun *run, double share)
  * what rests at a contact is held. */
 static int is_beyond(const LagRun *run, int i, double depth)
 {
-    return depth < -(lag_is_event(run->model, i) ? lag_slack(run->model, &run->impacts, i) : run->switches.unknown[i]);
+    return depth < (lag_is_event(run->model, i) ? 0 : -run->switches.unknown[i]);
+}
+
+/* How far condition i is from changing; negative: it has. Events have some slack. */
+static double depth_of(const LagRun *run, int i, const double *g)
+{
+    const double slack = lag_is_event(run->model, i) ? lag_slack(run->model, &run->impacts, i) : 0;
+    return lag_depth(&run->switches, i, g) + slack;
 }
 
 /* s->state and s->g_inside there. */
@@ -46,7 +53,7 @@ static void look_at(LagRun *run, double x)
 static double depth_at(LagRun *run, int i, double x)
 {
     look_at(run, x);
-    return lag_depth(&run->switches, i, run->switches.g_inside);
+    return depth_of(run, i, run->switches.g_inside);
 }
 
 static double pace_at(LagRun *run, int i, double x)
@@ -110,7 +117,7 @@ static double find_dip(LagRun *run, int i, Part part)
 {
     const LagSwitches *s = &run->switches;
     const double h = run->motion.t - run->motion.t_old;
-    double low = part.low, high = part.high, a = lag_depth(s, i, s->g_begin), b = lag_depth(s, i, s->g);
+    double low = part.low, high = part.high, a = depth_of(run, i, s->g_begin), b = depth_of(run, i, s->g);
     double ra = h * lag_depth(s, i, s->rate_begin), rb = h * lag_depth(s, i, s->rate);
     for (int k = 0; k < DIP_ITERATIONS; ++k) {
         const double share = dip_of_tangents(a, b, ra * (high - low), rb * (high - low)), x = low + share * (high - low);
@@ -141,7 +148,7 @@ static double find_root(LagRun *run, int i, double low, double high)
     const LagMotion *m = &run->motion;
     const int is_event = lag_is_event(run->model, i);
     const double enough = fmax(ROUNDING, lag_time_resolution(m->t) / (m->t - m->t_old)), begin = low;
-    double a = lag_depth(s, i, s->g_begin), b = depth_at(run, i, high);
+    double a = depth_of(run, i, s->g_begin), b = depth_at(run, i, high);
     const double end = high;
     for (int k = 1; a < 0 && k <= (is_event ? MOST_HALVINGS : HALVINGS); ++k) {
         const double x = begin + ldexp((is_event ? end : high) - begin, -k), here = depth_at(run, i, x);
@@ -170,7 +177,7 @@ static double find_in_part(LagRun *run, Part part)
     const LagSwitches *s = &run->switches;
     double first = LAG_NOWHERE;
     for (int i = 0; i < run->model->n_switches; ++i) {
-        const double high = is_beyond(run, i, lag_depth(s, i, s->g)) ? part.high : find_dip(run, i, part);
+        const double high = is_beyond(run, i, depth_of(run, i, s->g)) ? part.high : find_dip(run, i, part);
         if (high < 0 || (first < high && depth_at(run, i, first) >= 0))
             continue;
         first = find_root(run, i, part.low, fmin(first, high));

@@ -23,6 +23,7 @@ static const double LARGE = 1024;
 static const double MOMENT = 1e-3; /* s */
 /* Of the time that a bounce takes at the accelerations after the impact: no first step is longer. */
 static const double BOUNCE = 1.25;
+static const double SLACK = 1.0 / 1024; /* of one tolerance: what stands where nothing presses comes no sooner */
 /* What rests has left where its condition fails by so many tolerances. */
 static const double REACH = 4;
 /* A bounce shorter than so many times what tells times apart is none. */
@@ -326,6 +327,23 @@ static int find_events(LagRun *run, int is_first)
     return found;
 }
 
+/* Closed contacts that still approach, slower than can be told, stop together. */
+static void calm(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const LagSwitches *switches = &run->switches;
+    int some = 0;
+    for (int k = 0; k < run->model->n_whens; ++k) {
+        const int gap = lag_gap(run->model, k);
+        s->fires[k] = has_contact(run->model, k) && is_closed(run, k, switches->g, switches->unknown[gap]) && switches->rate[gap] > 0;
+        some |= s->fires[k];
+    }
+    if (!some)
+        return;
+    read_wanted(run);
+    reset(run);
+}
+
 /* What conditions of events that are no contacts have become. */
 static void note_events(LagRun *run)
 {
@@ -407,10 +425,14 @@ LagStatus lag_impacts_strike(LagRun *run)
     for (int fire = find_events(run, 1); fire && rounds < MOST_ROUNDS; ++rounds) {
         read_wanted(run);
         reset(run);
+        if ((rounds & (rounds + 1)) == 0) /* now and then: what was at rest has a speed now */
+            lag_impacts_find_errors(run);
         fire = find_events(run, 0);
     }
-    if (rounds > 0)
+    if (rounds > 0) {
+        calm(run);
         note_events(run);
+    }
     put_back(run);
     run->sliding.count = sliding;
     const int stands = run->motion.t - run->motion.t_old <= lag_time_resolution(run->motion.t);
@@ -426,12 +448,12 @@ int lag_impacts_find_rest(LagRun *run)
     if (model->n_whens > 0)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
-        const int rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
+        const int i = lag_when(model, k), rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
         const double slow = s->slides[rests] ? LAG_SLIDING_FAR * lag_sliding_drift(run, rests) : run->sliding.error[rests];
         const double leaves = -s->rate_inside[lag_gap(model, k)], returns = s->rate_inside[rests];
         const int touches = has_contact(model, k) && is_closed(run, k, s->g_inside, run->sliding.error[lag_gap(model, k)]);
         const int stands = touches && (fabs(leaves) <= slow || (leaves > 0 && stays(run, k, leaves, returns)));
-        run->impacts.slack[k] = stands ? s->unknown[lag_when(model, k)] : 0;
+        run->impacts.slack[k] = stands ? lag_max(s->unknown[i], SLACK * run->sliding.error[i]) : 0;
         if (stands && !has_left) {
             s->turned[rests] = LAG_CHANGES;
             found = 1;

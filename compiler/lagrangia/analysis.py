@@ -232,9 +232,14 @@ class Study:
         self.require_rest(e, pace)
         found = find_rest(self.static_equations(e, pace), self.start[0])
         if found is None:
-            raise RunError("no equilibrium was found from the start values: forces stay unbalanced, or it runs away; "
-                           "try other values with --initial, or look at the start itself with --about start")
+            raise RunError("; ".join(["no equilibrium was found from the start values: forces stay unbalanced, or it runs away",
+                                      "try other values with --initial, or look at the start itself with --about start",
+                                      *self.limits()]))
         return found
+
+    def limits(self) -> list[str]:
+        """What positions of rest are not found for."""
+        return ["what rests at the contact of an event is not looked for"] if self.c.flat.whens else []
 
     def require_rest(self, e: SmallMotion, pace: float) -> None:
         """Raises RunError when a constraint keeps the scene moving, LagError L0916 when it would at other positions."""
@@ -254,7 +259,7 @@ class Study:
         e = self.equations((), outputs)
         pace = self.pace(e)
         self.require_rest(e, pace)
-        notes, asked = [], all_reactions(graph)
+        notes, asked = self.limits(), all_reactions(graph)
         if asked and pace == 0.0 and self.scene.notes["is_driven"]:
             notes.append("reactions are not told while supports move")
             asked = []

@@ -34,8 +34,8 @@ def equilibrium_command(options: Namespace) -> int:
     model, values = _load(options)
     found = model.equilibrium(**values, starts=options.starts)
     if not found.found:
-        raise RunError("no equilibrium was found: from all starts, forces stay unbalanced or it runs away; "
-                       "try other values with --initial, or more --starts")
+        raise RunError("; ".join(["no equilibrium was found: from all starts, forces stay unbalanced or it runs away",
+                                  "try other values with --initial, or more --starts", *found.notes]))
     print(equilibria_text(found))
     if options.output is not None:
         _write(options.output, [_plain(item) for item in found.found])

@@ -145,13 +145,32 @@ def lengths(book: Book) -> list[Node]:
     return [equal(name, Root(book.sum(base))) for base, name in book.presentation.symbols.lengths.items()]
 
 
-def kicks_block(book: Book) -> list[Block]:
-    """What holds where rates of supports jump."""
+def events_block(book: Book) -> list[Block]:
+    """What holds where rates jump."""
+    return [*_kicks(book), *_resets(book)]
+
+
+def _kicks(book: Book) -> list[Block]:
+    """Those of supports."""
     if not book.has_kicks:
         return []
     momentum = book.partial("T", Name("q", "k", 1))
     return [paragraph("A support jumps at times, or its rate: there ", momentum, " stays as it is, but for what holds the scene "
                       "and the impulses of dampers, and the equations hold in between.")]
+
+
+def _resets(book: Book) -> list[Block]:
+    """What rates become at events."""
+    events = book.equations.scene.events
+    if not events:
+        return []
+    lines: list[Inline] = []
+    for event in events:
+        lines += ["; where " if lines else "Where ", book.sum(event.level), " comes to be positive, "]
+        for k, (rate, wanted) in enumerate(event.resets):
+            lines += [", " if k else "", book.sum(rate), " becomes ", book.sum(wanted)]
+    lines += [", by an impulse that works on what it is the rate of. In between the equations hold."]
+    return [paragraph(*lines)]
 
 
 def names_block(book: Book) -> list[Block]:
@@ -209,6 +228,7 @@ def constants_block(book: Book, level: int = 2) -> list[Block]:
     if not book.constants:
         return []
     blocks: list[Block] = [Heading("Constants of the motion", level)] if level else []
+    blocks += [paragraph("Between events:")] if book.equations.scene.events else []
     for c in book.constants:
         if c.name == "momentum":
             assert c.coordinate is not None

@@ -59,6 +59,9 @@ def _require_target(target: str) -> None:
 def _require_smooth(model: "Model", target: str) -> None:
     """Raises LagError L0909 where impulses act, which right-hand sides do not tell of."""
     compilation = model.compilation
+    if whens := compilation.flat.whens:
+        fail("L0909", f"not supported yet: to export a scene to {target} whose rates are reset at events", whens[0].span,
+             "an FMU has the events: --to fmu")
     if "kick" in compilation.functions.table:
         fail("L0909", f"not supported yet: to export a scene to {target} whose supports jump, or their rates",
              place_of_moving_support(compilation.kinematics), "an FMU takes the impulses into account: --to fmu",

@@ -14,8 +14,8 @@ from lagrangia.book import (
     constraints_block,
     coordinates_table,
     equal,
+    events_block,
     generic,
-    kicks_block,
     matrix,
     multiplier_term,
     names_block,
@@ -40,7 +40,7 @@ def opening(book: Book) -> list[Block]:
 
 
 def page(book: Book, blocks: list[Block]) -> Document:
-    return Document(title(book), (*opening(book), *names_block(book), *blocks, *kicks_block(book)))
+    return Document(title(book), (*opening(book), *names_block(book), *blocks, *events_block(book)))
 
 
 # -------------------------------------------------------------------- energies

@@ -63,7 +63,8 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
     conditions, gaps, rates, wanted = (ca.vertcat(_NONE, *parts) for parts in (
         [event.g for event in found], [event.gap for event in found], [x for event in found for x in event.rates],
         [x for event in found for x in event.wanted]))
-    return Impacts(conditions, gaps, rates, wanted, forces, impulses, tuple(int(x) for pair in places for x in pair), tuple(loads))
+    flags = tuple(int(x) for pair in places for x in pair)
+    return Impacts(conditions, gaps, rates, wanted, forces, impulses, flags, tuple(loads))
 
 
 class _Event:
@@ -74,16 +75,16 @@ class _Event:
         model = kinematics.graph.model
         self.inputs = ca.vertcat(_NONE, *[x for name, v in model.variables.items() if v.kind == "input"
                                           for x in scalars_of(kinematics.symbols.values[name])])
-        self.level = _level(when.condition)
+        self.level = level_of(when.condition)
         self.g = self._expression(kinematics.evaluator.value(self.level))
-        self.positions = [_position(reset, model) for reset in when.resets]
+        self.positions = [position_of(reset, model) for reset in when.resets]
         self.rates, self.wanted = list[ca.SX](), list[ca.SX]()
         for reset, position in zip(when.resets, self.positions, strict=True):
             self._add(reset, position)
         self._check()
         found = [self._find_contact(rate, value) for rate, value in zip(self.rates, self.wanted, strict=True)]
         self.contacts = [contact is not None for contact in found]
-        self.contact = next((_level(contact) for contact in found if contact is not None), None)
+        self.contact = next((level_of(contact) for contact in found if contact is not None), None)
         self.gap = ca.SX(0) if self.contact is None else self._expression(kinematics.evaluator.value(self.contact))
 
     def _expression(self, x: Scalar) -> ca.SX:
@@ -130,7 +131,7 @@ class _Event:
         """The comparison, of those that all have to be true, whose contact this reset is."""
         value = self.kinematics.evaluator.value
         return next((node for node in _compared(self.when.condition)
-                     if self._turns_back(self._expression(value(_level(node))), rate, wanted)), None)
+                     if self._turns_back(self._expression(value(level_of(node))), rate, wanted)), None)
 
     def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> bool:
         """By numbers: at two states, with parameters beside those that are declared."""
@@ -176,7 +177,7 @@ def _compared(node: Flat) -> Iterator[Flat]:
             yield node
 
 
-def _level(node: Flat) -> Flat:
+def level_of(node: Flat) -> Flat:
     """Positive where a condition is true: continuous, as what it compares is."""
     match node:
         case Binary(("<" | "<="), left, right, span):
@@ -184,16 +185,16 @@ def _level(node: Flat) -> Flat:
         case Binary((">" | ">="), left, right, span):
             return Binary("-", left, right, span)
         case Binary("and" | "or" as operator, left, right, span):
-            return Call("min" if operator == "and" else "max", (_level(left), _level(right)), (), span)
+            return Call("min" if operator == "and" else "max", (level_of(left), level_of(right)), (), span)
         case Unary("not", operand, span):
-            return Unary("-", _level(operand), span)
+            return Unary("-", level_of(operand), span)
         case Boolean(value, span):
             return Number(1.0 if value else -1.0, None, span)
     fail("L0225", "an event comes where a comparison comes true: this is none that does", node.span,
          "compare with <, <=, > or >=, as x < 0; conditions go together with and, or, not")
 
 
-def _position(reset: Reset, model: FlatModel) -> Flat:
+def position_of(reset: Reset, model: FlatModel) -> Flat:
     """That of which a rate is reset."""
     node = reset.rate
     while isinstance(node, Ref) and not node.index and (variable := model.variables[node.name]).kind == "variable":

@@ -247,11 +247,17 @@ def _time(parts: _Parts) -> Iterable[Need]:
     yield Need("time events", bool(modes), f"{conditions} on time" if modes else "nothing switches",
                _line(place_of_time(parts.kinematics, is_event=True)) if modes else "",
                saving="restarts, and the search for switching times")
-    switches = parts.scene.sizes["n_switches"]
-    yield Need("state events", switches > 0,
-               f"{_counted(switches, 'condition')} on the state in the forces" if switches else "forces bend and jump nowhere",
-               saving="a look at conditions after each step, and restarts")
+    yield _state_events(parts)
     yield _islands(parts)
+
+
+def _state_events(parts: _Parts) -> Need:
+    sizes, whens = parts.scene.sizes, parts.kinematics.graph.model.whens
+    conditions = sizes["n_switches"] - 3 * sizes["n_whens"]
+    found = [f"{_counted(conditions, 'condition')} on the state in the forces"] if conditions else []
+    found += [f"{_counted(len(whens), 'event')} at which rates are reset"] if whens else []
+    return Need("state events", bool(found), ", ".join(found) or "forces bend and jump nowhere",
+                _line(whens[0].span) if whens else "", saving="a look at conditions after each step, and restarts")
 
 
 def _islands(parts: _Parts) -> Need:
@@ -290,6 +296,8 @@ def _integrator(parts: _Parts) -> Need:
 
 def _place_of_refusal(parts: _Parts) -> Span | None:
     """What makes the equations other than linear ones with constant coefficients."""
+    if whens := parts.kinematics.graph.model.whens:
+        return whens[0].span
     if parts.constraints.rows:
         return parts.constraints.rows[0].span
     if parts.turning:

@@ -12,14 +12,15 @@ from typing import Any, cast
 
 import sympy as sp
 
-from lagrangia.algebra import Dual, Scalar, value_of
+from lagrangia.algebra import Dual, Scalar, rate_of, value_of
 from lagrangia.algorithms import FlatFunction
 from lagrangia.casadi_algebra import CasadiAlgebra
 from lagrangia.constraints import Constraints
 from lagrangia.edges import Edge, Step
 from lagrangia.energies import Energies, evaluate_energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of
-from lagrangia.flat import Variable
+from lagrangia.flat import Variable, When
+from lagrangia.impacts import level_of, position_of
 from lagrangia.kinematics import Dependent, Kinematics, Pose, Symbols
 from lagrangia.parameters import scalars
 from lagrangia.sympy_algebra import TIME, Expr, SympyAlgebra, exact_throughout, slope
@@ -60,6 +61,14 @@ class Given:
 
 
 @dataclass(frozen=True)
+class Event:
+    """Where `level` comes to be positive, each rate of `resets` becomes what stands beside it."""
+
+    level: Expr
+    resets: tuple[tuple[Expr, Expr], ...]
+
+
+@dataclass(frozen=True)
 class SymbolicScene:
     """All of a scene in SymPy. Coordinates, rates and accelerations in the order of the CasADi functions."""
 
@@ -76,6 +85,7 @@ class SymbolicScene:
     energies: Energies
     rows: tuple[Expr, ...]
     holonomic: int  # the first so many rows are positions, the others rates
+    events: tuple[Event, ...] = ()
 
     @property
     def given_rates(self) -> list[tuple[Expr, Expr]]:
@@ -102,6 +112,7 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
     symbolic = symbolic.reduced(constraints)
     energies = evaluate_energies(symbolic)
     rows = tuple(exact_throughout(row.value(symbolic, 0)) for row in constraints.rows)
+    events = () if is_small else tuple(_event(symbolic, when) for when in kinematics.graph.model.whens)
     s = symbolic.symbols
     inputs = {label: x for v in kinematics.graph.model.variables.values() if v.kind == "input"
               for label, x in scalars(v.name, s.values[v.name])}
@@ -109,7 +120,17 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
     parameters, given = tuple(symbolic.table.parameters.values()), tuple(symbolic.given.values())
     holonomic = sum(row.is_holonomic for row in constraints.rows)
     return SymbolicScene(symbolic, tuple(s.positions), q, v, a, s.time, inputs, parameters, given, symbolic.dependent_values(),
-                         energies, rows, holonomic)
+                         energies, rows, holonomic, events)
+
+
+def _event(symbolic: "SymbolicKinematics", when: When) -> Event:
+    evaluator, model = symbolic.evaluator, symbolic.graph.model
+    resets = []
+    for reset in when.resets:
+        moving = scalars_of(evaluator.value(position_of(reset, model), 1))
+        wanted = scalars_of(evaluator.value(reset.value))
+        resets += [(exact_throughout(value_of(rate_of(x))), exact_throughout(w)) for x, w in zip(moving, wanted, strict=True)]
+    return Event(exact_throughout(evaluator.value(level_of(when.condition))), tuple(resets))
 
 
 

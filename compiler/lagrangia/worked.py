@@ -8,9 +8,9 @@ from lagrangia.book import (
     constraints_block,
     coordinates_table,
     equal,
+    events_block,
     generic,
     given_functions,
-    kicks_block,
     lengths,
     parameters_table,
     time_derivative,
@@ -37,7 +37,7 @@ def worked_form(book: Book) -> Document:
     for k in range(e.n):
         blocks += _coordinate(book, k)
     blocks += [Heading("The equations of motion", 2), Display(tuple(_equation(book, k) for k in range(e.n)))]
-    blocks += [Heading("In matrix form", 2), *matrix_blocks(book), *kicks_block(book), *constants_block(book)]
+    blocks += [Heading("In matrix form", 2), *matrix_blocks(book), *events_block(book), *constants_block(book)]
     return Document(f"{title(book)}: the equations of motion", tuple(blocks))
 
 

@@ -23,6 +23,7 @@
 #include "state.h"
 
 static const double FARTHEST = 1e-7; /* correction of a position, of its nominal value, that is left to the stabilisation */
+static const double AFTER_EVENTS = 10; /* errors of an importer's first steps, in its tolerances */
 static const double CLOSE = 1e-6; /* of the accelerations: the polynomial between two completed steps is the motion */
 
 /* The state on the constraints that equations and conditions are those of. */
@@ -336,7 +337,7 @@ static double coarseness(const LagInstance *s)
 {
     double most = 1;
     for (int i = 0; i < s->model->n; ++i)
-        most = fmax(s->vital.tolerance * s->fmu->nominal[i] / lag_scale_unit(&s->run->scale, i, s->x, s->x), most);
+        most = fmax(AFTER_EVENTS * s->vital.tolerance * s->fmu->nominal[i] / lag_scale_unit(&s->run->scale, i, s->x, s->x), most);
     return isfinite(most) ? most : 1;
 }
 
