@@ -217,6 +217,17 @@ static int stays(const LagRun *run, int k, double speed, double returns)
         || speed * speed <= 2 * returns * lag_impacts_margin(run, lag_gap(run->model, k));
 }
 
+/* What is left of the speed at which contact k is found late, at the place where it closed. */
+static double lateness(const LagRun *run, int k)
+{
+    const LagSwitches *s = &run->switches;
+    const int gap = lag_gap(run->model, k);
+    const double g = s->g[gap], speed = s->rate[gap], gained = 2 * s->rate[lag_contact(run->model, k)] * g;
+    if (!(g > LOW * s->unknown[gap] && gained > 0))
+        return 1;
+    return gained < speed * speed ? sqrt(1 - gained / (speed * speed)) : 0;
+}
+
 /* What rates become. */
 static void read_wanted(LagRun *run)
 {
@@ -225,8 +236,11 @@ static void read_wanted(LagRun *run)
     look_at(run, run->motion.y + model->n, s->rate, s->wanted);
     for (int j = 0; j < model->n_resets; ++j) {
         const int k = event_of(model, j);
+        if (!is_contact(model, j) || !s->fires[k])
+            continue;
+        s->wanted[j] *= lateness(run, k);
         const double speed = fabs(run->switches.rate[lag_gap(model, k)] * s->wanted[j] / s->rate[j]);
-        if (is_contact(model, j) && s->fires[k] && stays(run, k, speed, run->switches.rate[lag_contact(model, k)]))
+        if (stays(run, k, speed, run->switches.rate[lag_contact(model, k)]))
             s->wanted[j] = 0;
     }
 }
