@@ -19,6 +19,20 @@ static void look_at(LagRun *run, double t, const double *y, double *g, double *r
     lag_sliding_margins(run, g);
 }
 
+/* Of contact k: the event comes where its gap has closed and all else holds; while something rests, it is over where all else fails. */
+static void set_contact(LagRun *run, int k, double *g, double *rate)
+{
+    const LagModel *model = run->model;
+    const int i = lag_when(model, k), gap = lag_gap(model, k);
+    if (run->switches.slides[lag_contact(model, k)]) {
+        g[i] = -g[i];
+        rate[i] = -rate[i];
+    } else if (g[gap] < g[i]) {
+        g[i] = g[gap];
+        rate[i] = rate[gap];
+    }
+}
+
 /* Conditions that are not asked for, which none but events have where switches are live. */
 static void set_far(LagRun *run, double *g, double *rate)
 {
@@ -27,9 +41,8 @@ static void set_far(LagRun *run, double *g, double *rate)
     const int first = lag_when(model, 0);
     for (int i = 0; i < model->n_switches; ++i) {
         if (lag_is_event(model, i)) {
-            const int rests = s->slides[lag_contact(model, i - first)];
-            g[i] = rests ? -(g[i] + lag_impacts_reach(run, i)) : g[i];
-            rate[i] = rests ? -rate[i] : rate[i];
+            if (run->impacts.has_contact[i - first])
+                set_contact(run, i - first, g, rate);
         } else if (i < first ? s->is_live : !s->slides[i]) {
             g[i] = s->held[i] > 0 ? 1 : -1;
             rate[i] = 0;
@@ -78,6 +91,10 @@ void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
         look_at(run, t, s->state, s->g_inside, s->rate_inside);
         for (int i = 0; i < run->model->n_switches; ++i)
             s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g_begin[i]), s->unknown[i]);
+    }
+    for (int k = 0; k < run->model->n_whens; ++k) { /* the events of contacts are those of their gaps, too */
+        double *unknown = &s->unknown[lag_when(run->model, k)];
+        *unknown = lag_max(s->unknown[lag_gap(run->model, k)], *unknown);
     }
 }
 

@@ -5,9 +5,9 @@
 
 #include "state.h"
 
-/* The last 3 n_whens conditions are those of events; the gaps of contacts, positive where they are passed; and the rates of these,
- * which slide where something rests. What is not asked for is said to be far from everything: gaps, and what does not rest. While
- * something rests the event is not that it comes, but that the condition fails. */
+/* The last 3 n_whens conditions are those of events (of contacts all but the gap); the gaps of contacts, positive where they are
+ * passed; and the rates of these, which slide where something rests. What is not asked for is said to be far from everything: gaps,
+ * and what does not rest. While something rests it is asked whether all but the gap still holds. */
 
 /* g and its rates (n_switches) at a state (q, v); without accelerations, rates that depend on them are none. */
 void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate);

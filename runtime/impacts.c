@@ -24,8 +24,6 @@ static const double MOMENT = 1e-3; /* s */
 /* Of the time that a bounce takes at the accelerations after the impact: no first step is longer. */
 static const double BOUNCE = 1.25;
 static const double SLACK = 1.0 / 1024; /* of one tolerance: what stands where nothing presses comes no sooner */
-/* What rests has left where its condition fails by so many tolerances. */
-static const double REACH = 4;
 /* A bounce shorter than so many times what tells times apart is none. */
 static const double SHORT = 256, LOW = 1.0 / 64; /* of what is unknown of positions, which is that of many steps */
 /* Events that bring each other about so many times, or come again without time passing, do not end. */
@@ -35,6 +33,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
 {
     const size_t resets = (size_t)model->n_resets, whole = resets > 0 ? (size_t)size : 0;
     s->fires = lag_take_ints(arena, (size_t)model->n_whens);
+    s->has_contact = lag_take_ints(arena, (size_t)model->n_whens);
     s->is_on = lag_take_ints(arena, (size_t)model->n_whens);
     s->slack = lag_take(arena, (size_t)model->n_whens);
     s->which = lag_take_ints(arena, resets);
@@ -49,16 +48,18 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     lag_dense_lu_layout(&s->lu, model->n_resets, 0, arena);
 }
 
+static int event_of(const LagModel *model, int reset) { return model->reset_places[2 * reset]; }
+
+static int is_contact(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1]; }
+
 void lag_impacts_reset(LagRun *run)
 {
+    for (int j = 0; j < run->model->n_resets; ++j)
+        run->impacts.has_contact[event_of(run->model, j)] |= is_contact(run->model, j);
     run->impacts.coarse = 0;
     run->impacts.at_once = 0;
     run->impacts.seen = INFINITY;
 }
-
-static int event_of(const LagModel *model, int reset) { return model->reset_places[2 * reset]; }
-
-static int is_contact(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1]; }
 
 static double *impulse_in_d(const LagRun *run, int reset) { return &run->d[run->model->n_modes + run->model->n_switches + reset]; }
 
@@ -208,7 +209,6 @@ double lag_impacts_margin(const LagRun *run, int i)
     return run->impacts.coarse > 0 ? run->impacts.coarse * run->sliding.error[i] : LOW * run->switches.unknown[i];
 }
 
-double lag_impacts_reach(const LagRun *run, int i) { return REACH * lag_max(1, run->impacts.coarse) * run->sliding.error[i]; }
 
 /* Whether what leaves contact k so fast, and is drawn back so, cannot be told from what rests: too slow, back too soon, or not higher than rounding. */
 static int stays(const LagRun *run, int k, double speed, double returns)
@@ -245,20 +245,12 @@ static void read_wanted(LagRun *run)
     }
 }
 
-static int has_contact(const LagModel *model, int k)
-{
-    for (int j = 0; j < model->n_resets; ++j)
-        if (event_of(model, j) == k && is_contact(model, j))
-            return 1;
-    return 0;
-}
-
 /* Whether something rests at contact k, or it is closed but for `near`; g: all conditions. */
 static int is_closed(const LagRun *run, int k, const double *g, double near)
 {
     const LagSwitches *s = &run->switches;
-    const int i = lag_when(run->model, k), touches = s->slides[lag_contact(run->model, k)] || g[lag_gap(run->model, k)] >= -near;
-    return touches && s->held[i] == 0 && g[i] >= -lag_impacts_reach(run, i);
+    const int touches = s->slides[lag_contact(run->model, k)] || g[lag_gap(run->model, k)] >= -near;
+    return touches && s->held[lag_when(run->model, k)] == 0 && g[lag_when(run->model, k)] >= 0;
 }
 
 /* How much one tolerance of positions changes conditions and gaps, and one of rates what rests, for a pattern of signs. Rates may
@@ -308,9 +300,9 @@ void lag_impacts_find_errors(LagRun *run)
 int lag_impacts_is_inside(const LagRun *run, int i, double g)
 {
     const int k = i - lag_when(run->model, 0), is_event = lag_is_event(run->model, i);
-    if (!is_event || !has_contact(run->model, k))
+    if (!is_event || !run->impacts.has_contact[k])
         return g > 0;
-    return g > run->sliding.error[i] && (!run->started || run->switches.held[i] > 0);
+    return g > run->sliding.error[lag_gap(run->model, k)] && (!run->started || run->switches.held[i] > 0);
 }
 
 /* Whether a condition is true; where it is neither, whether it is about to be. */
@@ -326,7 +318,7 @@ static int find_events(LagRun *run, int is_first)
     lag_conditions_of_events(run, switches->g, switches->rate);
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = lag_when(model, k), comes = is_first && switches->turned[i] == LAG_CHANGES && switches->held[i] == 0;
-        if (has_contact(model, k)) {
+        if (run->impacts.has_contact[k]) {
             const double slow = is_first ? 0 : run->sliding.error[lag_contact(model, k)];
             const double near = lag_max(switches->unknown[lag_gap(model, k)], lag_impacts_margin(run, lag_gap(model, k)));
             s->fires[k] = (is_first ? comes : is_closed(run, k, switches->g, near)) && switches->rate[lag_gap(model, k)] > slow;
@@ -349,7 +341,7 @@ static void calm(LagRun *run)
     int some = 0;
     for (int k = 0; k < run->model->n_whens; ++k) {
         const int gap = lag_gap(run->model, k);
-        s->fires[k] = has_contact(run->model, k) && is_closed(run, k, switches->g, switches->unknown[gap]) && switches->rate[gap] > 0;
+        s->fires[k] = run->impacts.has_contact[k] && is_closed(run, k, switches->g, switches->unknown[gap]) && switches->rate[gap] > 0;
         some |= s->fires[k];
     }
     if (!some)
@@ -364,7 +356,7 @@ static void note_events(LagRun *run)
     LagSwitches *s = &run->switches;
     for (int k = 0; k < run->model->n_whens; ++k) {
         const int i = lag_when(run->model, k), is_on = run->impacts.is_on[k];
-        if (!has_contact(run->model, k) && (s->turned[i] || is_on != (s->held[i] > 0)))
+        if (!run->impacts.has_contact[k] && (s->turned[i] || is_on != (s->held[i] > 0)))
             s->turned[i] = is_on ? LAG_TO_1 : LAG_TO_0;
     }
 }
@@ -377,7 +369,7 @@ static int has_drifted(const LagRun *run, int k)
     const LagSwitches *s = &run->switches;
     const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), rests = s->slides[lag_contact(run->model, k)];
     const double g = rests || (s->turned[i] == LAG_TO_0 && s->g[gap] > 0) ? s->g[gap] : 0;
-    return fabs(g) > LOW * s->unknown[gap] && s->g[i] >= -lag_impacts_reach(run, i);
+    return fabs(g) > LOW * s->unknown[gap] && s->g[i] >= 0;
 }
 
 /* Where a contact has drifted, all that are closed are gathered, which it must not be pushed through: their resets into s->which.
@@ -462,12 +454,12 @@ int lag_impacts_find_rest(LagRun *run)
     if (model->n_whens > 0)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
-        const int i = lag_when(model, k), rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
+        const int gap = lag_gap(model, k), rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
         const double slow = s->slides[rests] ? LAG_SLIDING_FAR * lag_sliding_drift(run, rests) : run->sliding.error[rests];
-        const double leaves = -s->rate_inside[lag_gap(model, k)], returns = s->rate_inside[rests];
-        const int touches = has_contact(model, k) && is_closed(run, k, s->g_inside, run->sliding.error[lag_gap(model, k)]);
+        const double leaves = -s->rate_inside[gap], returns = s->rate_inside[rests];
+        const int touches = run->impacts.has_contact[k] && is_closed(run, k, s->g_inside, run->sliding.error[gap]);
         const int stands = touches && (fabs(leaves) <= slow || (leaves > 0 && stays(run, k, leaves, returns)));
-        run->impacts.slack[k] = stands ? lag_max(s->unknown[i], SLACK * run->sliding.error[i]) : 0;
+        run->impacts.slack[k] = stands ? lag_max(s->unknown[gap], SLACK * run->sliding.error[gap]) : 0;
         if (stands && !has_left) {
             s->turned[rests] = LAG_CHANGES;
             found = 1;
@@ -486,7 +478,7 @@ void lag_impacts_foresee(LagRun *run)
     if (model->n_whens > 0)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
-        const int is_open = has_contact(model, k) && !s->slides[lag_contact(model, k)];
+        const int is_open = run->impacts.has_contact[k] && !s->slides[lag_contact(model, k)];
         const double leaves = -s->rate_inside[lag_gap(model, k)], returns = s->rate_inside[lag_contact(model, k)];
         if (is_open && is_closed(run, k, s->g_inside, run->sliding.error[lag_gap(model, k)]) && leaves > 0 && returns > 0)
             *seen = lag_min(run->motion.t + BOUNCE * 2 * leaves / returns, *seen);

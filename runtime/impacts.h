@@ -8,6 +8,7 @@
 
 typedef struct {
     int *fires;      /* n_whens: those whose rates are reset now */
+    int *has_contact; /* n_whens: one of its resets is that of a contact */
     int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
     int *which;      /* n_resets: the resets of these */
     double *rate, *wanted, *rate_after; /* n_resets */
@@ -36,9 +37,9 @@ void lag_impacts_find_errors(LagRun *run);
 /* Whether the condition i of an event is true, so that it cannot come: contacts that are open stay so, or would be passed. */
 int lag_impacts_is_inside(const LagRun *run, int i, double g);
 
-/* How far condition i of an event may be on without being taken for it; and how far off, without what rests having left. */
+/* How far condition i of an event may be on without being taken for it. */
 double lag_impacts_margin(const LagRun *run, int i);
-double lag_impacts_reach(const LagRun *run, int i);
+
 
 /* Contacts that touch, but for rounding, and neither approach nor leave: into switches.turned, of what rests at them. Returns whether
  * there are some. */

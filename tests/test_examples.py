@@ -229,10 +229,29 @@ def stick_slip(t: Array) -> Columns:
     return {"block.s": s}
 
 
+def bouncing_ball(t: Array) -> Columns:
+    """Parabolas between bounces, each with e times the speed: on the table, whose edge it leaves at rest, then on the floor."""
+    e, H, x_edge, y, u = 0.7, 0.8, 1.8, 1.3, 0.6
+    place, begin = np.empty_like(t), 0.0
+    for level, end in ((H, x_edge / u), (0.0, np.inf)):
+        fall = np.sqrt(2 * (y - level) / g)
+        now = (t >= begin) & (t < end)
+        place[now] = y - g * (t[now] - begin) ** 2 / 2
+        begin, v = begin + fall, e * g * fall
+        while v > 1e-15:
+            now = (t >= begin) & (t < end)
+            place[now] = level + v * (t[now] - begin) - g * (t[now] - begin) ** 2 / 2
+            begin, v = begin + 2 * v / g, e * v
+        place[(t >= begin) & (t < end)] = level
+        begin, y = end, level
+    return {"x.s": u * t, "y.s": place}
+
+
 # The motion magnifies all errors, those of SciPy too: compared until here only.
 CHAOTIC_AFTER = {"chain": 2.0, "double_pendulum": 6.0}
 
 REFERENCES: dict[str, Callable[[Array], Columns]] = {
+    "bouncing_ball": bouncing_ball,
     "cart_pole": cart_pole,
     "chain": chain,
     "disc_and_block": disc_and_block,

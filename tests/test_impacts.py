@@ -282,8 +282,9 @@ def test_events_without_end_are_told(scene: Write) -> None:
 
 @pytest.mark.parametrize(("version", "kind", "error"), [("2", "CoSimulation", 1e-7), ("3", "CoSimulation", 1e-7),
                                                         ("2", "ModelExchange", 2e-6), ("3", "ModelExchange", 2e-6)])
-@pytest.mark.parametrize(("text", "name", "stop"), [(BALL, "p.s", 5.0), (SHAKEN.replace("Real e = 0;", "Real e = 0.3;"), "p.s", 2.0),
-                                                    (FOUR_BAR, "h[1].phi", 2.0)], ids=["ball", "table", "linkage"])
+@pytest.mark.parametrize(("text", "name", "stop"), [
+    (BALL, "p.s", 5.0), (SHAKEN.replace("Real e = 0;", "Real e = 0.3;"), "p.s", 2.0), (FOUR_BAR, "h[1].phi", 2.0),
+], ids=["ball", "table", "linkage"])
 def test_fmus_have_impacts(tmp_path: Path, scene: Write, version: str, kind: str, error: float, text: str, name: str,
                            stop: float) -> None:
     path = tmp_path / "impact.lag"

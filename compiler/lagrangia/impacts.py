@@ -35,7 +35,7 @@ Numbers = NDArray[np.float64]
 class Impacts:
     """w conditions and r resets. `places` has for each reset that of its condition, and whether it is that of a contact."""
 
-    conditions: ca.SX = _NONE  # (w,): g, of t, q, v, u, p and modes
+    conditions: ca.SX = _NONE  # (w,): g, of t, q, v, u, p and modes; of contacts that of all else which has to be true
     gaps: ca.SX = _NONE  # (w,): g of the comparison that is a contact, 0 where none is
     rates: ca.SX = _NONE  # (r,): of what is reset
     wanted: ca.SX = _NONE  # (r,): after the event
@@ -84,8 +84,13 @@ class _Event:
         self._check()
         found = [self._find_contact(rate, value) for rate, value in zip(self.rates, self.wanted, strict=True)]
         self.contacts = [contact is not None for contact in found]
-        self.contact = next((level_of(contact) for contact in found if contact is not None), None)
-        self.gap = ca.SX(0) if self.contact is None else self._expression(kinematics.evaluator.value(self.contact))
+        self.contact: Flat | None = None
+        self.gap = ca.SX(0)
+        for contact in (contact for contact in found if contact is not None):
+            self.contact, others = level_of(contact), [level_of(x) for x in _parts(when.condition) if x is not contact]
+            value = kinematics.evaluator.value
+            self.gap, *guards = (self._expression(value(level)) for level in (self.contact, *others))
+            self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
 
     def _expression(self, x: Scalar) -> ca.SX:
         return ca.substitute(ca.SX(x), self.kinematics.symbols.tau, ca.SX(1))
@@ -128,10 +133,10 @@ class _Event:
             yield Load(tuple(next(impulses) for _ in moved), moved, Work(unit, position, component, span))
 
     def _find_contact(self, rate: ca.SX, wanted: ca.SX) -> Flat | None:
-        """The comparison, of those that all have to be true, whose contact this reset is."""
+        """The comparison, of what all has to be true, whose contact this reset is."""
         value = self.kinematics.evaluator.value
-        return next((node for node in _compared(self.when.condition)
-                     if self._turns_back(self._expression(value(level_of(node))), rate, wanted)), None)
+        return next((node for node in _parts(self.when.condition) if _is_comparison(node)
+                     and self._turns_back(self._expression(value(level_of(node))), rate, wanted)), None)
 
     def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> bool:
         """By numbers: at two states, with parameters beside those that are declared."""
@@ -166,15 +171,18 @@ def _turns_back(look: ca.Function, p: Numbers, random: np.random.Generator) -> b
                 and abs(still) <= _SAME * size and turned * np.sign(factor) <= _SAME * size)
 
 
-def _compared(node: Flat) -> Iterator[Flat]:
-    """The comparisons that all have to be true."""
-    match node:
-        case Binary("and", left, right, _):
-            yield from (*_compared(left), *_compared(right))
-        case Binary(operator, _, _, _) if operator in _COMPARED:
-            yield node
-        case Unary("not", Binary(operator, _, _, _), _) if operator in _COMPARED:
-            yield node
+def _parts(node: Flat) -> Iterator[Flat]:
+    """What all has to be true."""
+    if isinstance(node, Binary) and node.operator == "and":
+        yield from (*_parts(node.left), *_parts(node.right))
+    else:
+        yield node
+
+
+def _is_comparison(node: Flat) -> bool:
+    if isinstance(node, Unary) and node.operator == "not":
+        return _is_comparison(node.operand)
+    return isinstance(node, Binary) and node.operator in _COMPARED
 
 
 def level_of(node: Flat) -> Flat:

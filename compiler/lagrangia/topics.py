@@ -28,6 +28,9 @@ kinetic, potential         terms of T and V in J;  dissipation: of D in W (the i
 work F on r                a term of the virtual work: F in N on a position, N.m on an angle
 expression = expression    between positions: a constraint. Linear ones (rolling, gears, prescribed motion) remove a coordinate;
                            the others, and closed loops of joints, are kept exactly. Linear in der(...): nonholonomic.
+when x < 0 then            an event, where the condition comes true: the rate of any position or angle x gets the value,
+  reinit(der(x), value);   by an impulse that works on x: what else jumps follows from masses, joints and loops; see also
+end when;                  `lag help events`
 hinge.reaction             in outputs: force (2), in world axes, of a joint or a tie (Gear, Belt, Link, Rope) on its port b, or on
                            its last frame when it has no b; hinge.reaction_torque: about that frame's origin. What is bound to a
                            joint's coordinate (stretch = guide.s, a Rack, a Motion, equations of coordinates) acts through the
@@ -44,7 +47,33 @@ equation for i in 1:n-1 loop connect(link[i].b, link[i+1].a); end for;
 A literal may carry a unit: 30[deg], 1.5[kN/m]. A bare number takes the unit of its place. Dimensions are checked.
 Gravity is {0, -9.81} unless the scene declares World world(gravity = {0, 0}). A body that is joined to nothing floats with
 coordinates of its own, named after its frame: bar.center.x, bar.center.y, bar.center.phi. Ground is always written: a = world.
-See also: lag help library, functions, units.
+See also: lag help library, functions, events, units.
+"""
+
+_EVENTS = """\
+    when ball.center.y < 0 then
+      reinit(ball.center.v[2], -0.8*pre(ball.center.v[2]));
+    end when;
+
+The event comes at the moment at which the condition becomes true, found in the dense output of the steps. Conditions compare
+with <, <=, > or >= (positions, velocities, time), and go together with and, or, not; one that is true at the start has not come.
+
+reinit(rate, value)   the rate is that of anything that the motion decides: der(x) of a position, a distance or an angle,
+                      frame.v[1], frame.w, or a variable bound to one; value may read pre(rate), all as before the event. It is
+                      reached by impulses L on what is reset, M dv = sum_j (dx_j/dq)^T L_j: constraints, joints and other
+                      coordinates answer. Several in one `when`, or of events at the same moment, are found together.
+Contacts              where the rate of the condition itself is turned back or stopped, as der(gap) by -e*pre(der(gap)) when
+                      gap < 0. They push and never pull, one impact brings about the next (Newton's cradle), and bounces too
+                      small to be told from none come to rest: a force that only pushes holds them, until the motion leaves.
+                      Stop and TorsionStop of the library are contacts of any distance or angle. Friction does not feel the
+                      impulse, and dry friction beside a contact has the force that it is given.
+                      Impacts of several contacts at once have no one answer in rigid bodies: here those that approach are struck
+                      together, then those that approach after that.
+when gap < 0 and x < edge then ...    a contact with an edge. With `or` nothing is held that rests.
+
+Energy that impulses take is dissipated, what they add is work. FMUs have the events, in both kinds and versions; exports to
+other languages, the solvers linear, conservative and islands, and CasADi's integrators refuse them, as they have none.
+Positions of rest and small motion (lag equilibrium, modes, linearize) do not look for contacts.
 """
 
 _FUNCTIONS = """\
@@ -332,6 +361,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "language": ("models, frames, energies: the language on one page", lambda: _LANGUAGE),
     "library": ("the components and what they state", _library),
     "functions": ("mathematical functions, sources in time, your own functions", lambda: _FUNCTIONS),
+    "events": ("events that reset rates: impacts, contacts, kicks", lambda: _EVENTS),
     "units": ("units and dimensions", lambda: _UNITS),
     "solver": ("how a scene is run, tolerance, cache, environment", lambda: _SOLVER),
     "sweep": ("many runs: values, measures, failures, going on, clusters", lambda: _SWEEP),

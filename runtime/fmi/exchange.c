@@ -162,6 +162,15 @@ LagAnswer lag_instance_nominals(LagInstance *s, double *nominal, size_t count)
     return answer;
 }
 
+/* Of a contact that of its gap; while something rests, none. */
+static double event_margin(const LagRun *run, int i)
+{
+    const int k = i - lag_when(run->model, 0);
+    if (!run->impacts.has_contact[k])
+        return lag_impacts_margin(run, i);
+    return run->switches.slides[lag_contact(run->model, k)] ? run->switches.unknown[i] : lag_impacts_margin(run, lag_gap(run->model, k));
+}
+
 /* Above 0 as long as the equations hold, with what is rounding around it. */
 LagAnswer lag_instance_indicators(LagInstance *s)
 {
@@ -172,7 +181,7 @@ LagAnswer lag_instance_indicators(LagInstance *s)
     lag_conditions(run, s->vital.t, projected_at(s, s->vital.t, s->x), switches->g_inside, switches->rate_inside);
     for (int i = 0; i < s->model->n_switches; ++i)
         s->indicators[i] = lag_depth(switches, i, switches->g_inside)
-            + (lag_is_event(s->model, i) ? lag_impacts_margin(run, i) : switches->unknown[i]);
+            + (lag_is_event(s->model, i) ? event_margin(run, i) : switches->unknown[i]);
     return LAG_ANSWER_OK;
 }
 
