@@ -31,29 +31,16 @@ void lag_impacts_reset(LagRun *run);
  * LAG_OK, or a failure where such events do not end. */
 LagStatus lag_impacts_strike(LagRun *run);
 
-/* At the present state: into sliding.error, what one tolerance of it makes of the conditions of contacts. */
-void lag_impacts_find_errors(LagRun *run);
-
-/* Whether the condition i of an event is true, so that it cannot come: contacts that are open stay so, or would be passed. */
-int lag_impacts_is_inside(const LagRun *run, int i, double g);
-
-/* How far condition i of an event may be on without being taken for it. */
-double lag_impacts_margin(const LagRun *run, int i);
-
-
-/* Contacts that touch, but for rounding, and neither approach nor leave: into switches.turned, of what rests at them. Returns whether
- * there are some. */
-int lag_impacts_find_rest(LagRun *run);
-
-/* How long the next step may be: impacts.seen. */
-void lag_impacts_foresee(LagRun *run);
-
 /* The places among the switches of event k: of its condition, of the gap of a contact, of what rests there. Whether switch i is the
  * first of them. */
 static inline int lag_when(const LagModel *model, int k) { return model->n_switches - 3 * model->n_whens + k; }
 static inline int lag_gap(const LagModel *model, int k) { return model->n_switches - 2 * model->n_whens + k; }
 static inline int lag_contact(const LagModel *model, int k) { return model->n_switches - model->n_whens + k; }
 static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_when(model, 0) && i < lag_gap(model, 0); }
+
+/* The event of a reset, and whether the reset is that of a contact. */
+static inline int lag_event_of(const LagModel *model, int reset) { return model->reset_places[2 * reset]; }
+static inline int lag_is_contact(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1]; }
 
 /* How far the condition i of an event may be beyond its place at least, before it comes. */
 static inline double lag_slack(const LagModel *model, const LagImpacts *s, int i) { return s->slack[i - lag_when(model, 0)]; }

@@ -12,6 +12,7 @@
 
 #include "advance.h"
 #include "conditions.h"
+#include "contacts.h"
 #include "crossing.h"
 #include "extremes.h"
 #include "evaluate.h"
@@ -102,7 +103,7 @@ static void find_unknown(LagRun *run)
     lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     for (int i = 0; i < run->model->n_switches && run->model->switches_need_acceleration; ++i)
         run->sliding.error[i] = lag_conditions_error(run, s->unknown[i]);
-    lag_impacts_find_errors(run);
+    lag_contacts_find_errors(run);
 }
 
 /* What changes now, and what is neither, goes the way that it is going: but for events, which are to come where they are neither.
@@ -120,7 +121,7 @@ static int choose(LagRun *run)
         else if (i < first)
             s->held[i] = sign_of(s->g[i]);
         else if (!s->slides[i])
-            s->held[i] = lag_impacts_is_inside(run, i, s->g[i]);
+            s->held[i] = lag_contacts_is_inside(run, i, s->g[i]);
         turned |= s->turned[i];
         undecided |= i < first && s->held[i] == 0.5;
     }
@@ -150,7 +151,7 @@ static int let_slide(LagRun *run)
             s->turned[i] = LAG_CHANGES;
         candidates |= s->turned[i] == LAG_CHANGES;
     }
-    candidates |= lag_impacts_find_rest(run);
+    candidates |= lag_contacts_find_rest(run);
     lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
     if (sliding->count > 0)
         lag_sliding_stop(run);
@@ -174,7 +175,7 @@ int lag_switches_enter(LagRun *run)
         lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
     if (run->sliding.count > 0)
         lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
-    lag_impacts_foresee(run);
+    lag_contacts_foresee(run);
     for (int i = 0; i < run->model->n_switches; ++i)
         if (s->turned[i] && !s->slides[i] && !lag_is_event(run->model, i)) /* what is left of it is rounding */
             s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]);

@@ -16,6 +16,7 @@
 #include "instance.h"
 
 #include "conditions.h"
+#include "contacts.h"
 #include "evaluate.h"
 #include "function.h"
 #include "schedule.h"
@@ -167,8 +168,8 @@ static double event_margin(const LagRun *run, int i)
 {
     const int k = i - lag_when(run->model, 0);
     if (!run->impacts.has_contact[k])
-        return lag_impacts_margin(run, i);
-    return run->switches.slides[lag_contact(run->model, k)] ? run->switches.unknown[i] : lag_impacts_margin(run, lag_gap(run->model, k));
+        return lag_contacts_margin(run, i);
+    return run->switches.slides[lag_contact(run->model, k)] ? run->switches.unknown[i] : lag_contacts_margin(run, lag_gap(run->model, k));
 }
 
 /* Above 0 as long as the equations hold, with what is rounding around it. */

@@ -1,0 +1,155 @@
+/* Impulses act for no time, so that positions and all other forces stay as they are: M dv = sum_j J_j^T L_j, with the rates J v of
+ * what is reset. Ways M^-1 J_j^T are differences of accelerations with a force and without it, which knows of constraints and
+ * of singular positions all that steps know. Contacts push and do not pull: of several at once those are left out that would.
+ */
+#include "impulses.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "evaluate.h"
+#include "extremes.h"
+#include "function.h"
+#include "state.h"
+
+/* Forces that a way is looked for with are so much larger than all others. */
+static const double LARGE = 1024;
+
+static double *impulse_in_d(const LagRun *run, int reset) { return &run->d[run->model->n_modes + run->model->n_switches + reset]; }
+
+/* -------- ways */
+
+static double largest_of(const double *x, int n)
+{
+    double largest = 0;
+    for (int i = 0; i < n; ++i)
+        largest = lag_max(fabs(x[i]), largest);
+    return largest;
+}
+
+/* slope - slope_without with a force on what is reset, in s->slope. */
+static void difference(LagRun *run, int reset, double force)
+{
+    LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    *impulse_in_d(run, reset) = force;
+    lag_motion_slope(&run->motion, run->motion.t, run->motion.y, run->motion.y + n, s->slope);
+    *impulse_in_d(run, reset) = 0;
+    for (int i = n; i < 2 * n; ++i)
+        s->slope[i] -= s->slope_without[i];
+}
+
+/* Accelerations are linear in the force: it is made large enough for the others not to count. */
+static void find_way(LagRun *run, int reset, double *way)
+{
+    LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    double force = 1;
+    difference(run, reset, force);
+    const double size = largest_of(s->slope + n, n), other = largest_of(s->slope_without + n, n);
+    if (size > 0 && other > 0) {
+        force = ldexp(1, ilogb(LARGE * other / size));
+        difference(run, reset, force);
+    }
+    for (int i = 0; i < n; ++i)
+        way[i] = s->slope[n + i] / force;
+}
+
+void lag_impulses_look(LagRun *run, const double *v, double *rate, double *wanted)
+{
+    const double *in[] = {&run->motion.t, run->motion.y, v, run->u, run->d, run->c};
+    double *out[] = {rate, wanted};
+    lag_inputs_at(&run->inputs, run->motion.t, run->u);
+    lag_call(&run->model->resets, in, out, run->work);
+}
+
+void lag_impulses_find_ways(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    lag_motion_slope(&run->motion, run->motion.t, run->motion.y, run->motion.y + n, s->slope_without);
+    for (int k = 0; k < count; ++k)
+        find_way(run, s->which[k], s->way + (size_t)k * (size_t)n);
+}
+
+static void fill_matrix(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    memset(s->state, 0, (size_t)n * sizeof *s->state);
+    lag_impulses_look(run, s->state, s->impulse, s->rate_after); /* rates that supports have */
+    s->lu.size = count;
+    for (int j = 0; j < count; ++j) {
+        lag_impulses_look(run, s->way + (size_t)j * (size_t)n, s->rate_after, s->lu.scale);
+        for (int i = 0; i < count; ++i)
+            s->lu.re[i + count * j] = s->rate_after[s->which[i]] - s->impulse[s->which[i]];
+    }
+}
+
+/* -------- impulses */
+
+/* The impulses that reset the rates of s->which, into s->impulse by their places there. */
+static void solve(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    lag_impulses_find_ways(run, count);
+    fill_matrix(run, count);
+    for (int i = 0; i < count; ++i)
+        s->impulse[i] = s->wanted[s->which[i]] - s->rate[s->which[i]];
+    lag_dense_lu_factor(&s->lu);
+    lag_dense_lu_solve(&s->lu, s->impulse, NULL);
+}
+
+/* Leaves out the contact that pulls most. Returns whether one did. */
+static int leave_out(LagRun *run, int *count)
+{
+    LagImpacts *s = &run->impacts;
+    int worst = -1;
+    double most = 0;
+    for (int i = 0; i < *count; ++i) {
+        const double work = s->impulse[i] * (s->wanted[s->which[i]] - s->rate[s->which[i]]);
+        if (lag_is_contact(run->model, s->which[i]) && work < most) {
+            most = work;
+            worst = i;
+        }
+    }
+    if (worst < 0 || *count == 1)
+        return 0;
+    memmove(s->which + worst, s->which + worst + 1, (size_t)(*count - worst - 1) * sizeof *s->which);
+    --*count;
+    return 1;
+}
+
+/* The energy that impulses take, by Kelvin's theorem (each works along the mean of its rates before and after), is dissipated;
+ * what they add is work. */
+static void count_energy(LagRun *run, int count)
+{
+    const LagImpacts *s = &run->impacts;
+    double lost = 0;
+    lag_impulses_look(run, run->motion.y + run->model->n, s->rate_after, s->lu.scale);
+    for (int i = 0; i < count; ++i)
+        lost -= s->impulse[i] * (s->rate[s->which[i]] + s->rate_after[s->which[i]]) / 2;
+    if (run->model->n_power != 2 || !(lost > 0))
+        return;
+    run->motion.y[2 * run->model->n] += lost;
+    run->energy_before -= lost;
+}
+
+void lag_impulses_reset(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    double *v = run->motion.y + model->n;
+    int count = 0;
+    for (int j = 0; j < model->n_resets; ++j)
+        if (s->fires[lag_event_of(model, j)])
+            s->which[count++] = j;
+    solve(run, count);
+    while (leave_out(run, &count))
+        solve(run, count);
+    for (int k = 0; k < count; ++k)
+        for (int i = 0; i < model->n; ++i)
+            v[i] += s->way[i + k * model->n] * s->impulse[k];
+    memset(run->motion.carry + model->n, 0, (size_t)model->n * sizeof *v);
+    count_energy(run, count);
+}
