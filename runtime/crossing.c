@@ -95,6 +95,13 @@ static int turns(const LagRun *run)
     return 0;
 }
 
+/* Of contacts, whose gaps are rounding where they are closed, how much of them cannot be told from none. */
+static double closeness(const LagRun *run, int i)
+{
+    const int k = i - lag_when(run->model, 0);
+    return lag_is_event(run->model, i) && run->impacts.has_contact[k] ? run->sliding.error[lag_gap(run->model, k)] : 0;
+}
+
 /* Whether conditions at the share x of a part of the step are what cubics say. */
 static int are_cubic(LagRun *run, Part part, double x)
 {
@@ -104,7 +111,7 @@ static int are_cubic(LagRun *run, Part part, double x)
     for (int i = 0; i < run->model->n_switches; ++i) {
         const double a = s->g_begin[i], b = s->g[i], ra = width * s->rate_begin[i], rb = width * s->rate[i];
         const double size = fmax(fmax(fabs(a), fabs(b)), fabs(s->g_inside[i]));
-        if (!(fabs(cubic(a, b, ra, rb, x) - s->g_inside[i]) <= ROUGH * size + s->unknown[i]))
+        if (!(fabs(cubic(a, b, ra, rb, x) - s->g_inside[i]) <= ROUGH * size + s->unknown[i] + closeness(run, i)))
             return 0;
     }
     return 1;

@@ -66,7 +66,16 @@ static void read_wanted(LagRun *run)
 /* Whether a condition is true; where it is neither, whether it is about to be. */
 static int is_true(const LagSwitches *s, int i) { return fabs(s->g[i]) > s->unknown[i] ? s->g[i] > 0 : s->rate[i] > 0; }
 
-/* Events whose conditions have come true, and contacts that are closed and approach. Returns whether there are some. */
+static int approaches(const LagRun *run, int k)
+{
+    const LagSwitches *s = &run->switches;
+    const int gap = lag_gap(run->model, k);
+    const double near = lag_max(s->unknown[gap], lag_contacts_margin(run, gap));
+    return lag_contacts_are_closed(run, k, s->g, near) && s->rate[gap] > run->sliding.error[lag_contact(run->model, k)];
+}
+
+/* Events whose conditions have come true (contacts that are passed already, where the rest of the condition comes true, are so from
+ * then on), and contacts that are closed and approach. Returns whether there are some. */
 static int find_events(LagRun *run, int is_first)
 {
     LagImpacts *s = &run->impacts;
@@ -76,11 +85,9 @@ static int find_events(LagRun *run, int is_first)
     lag_conditions_of_events(run, switches->g, switches->rate);
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = lag_when(model, k), comes = is_first && switches->turned[i] == LAG_CHANGES && switches->held[i] == 0;
-        if (run->impacts.has_contact[k]) {
-            const double slow = is_first ? 0 : run->sliding.error[lag_contact(model, k)];
-            const double near = lag_max(switches->unknown[lag_gap(model, k)], lag_contacts_margin(run, lag_gap(model, k)));
-            s->fires[k] = (is_first ? comes : lag_contacts_are_closed(run, k, switches->g, near)) && switches->rate[lag_gap(model, k)] > slow;
-            switches->turned[i] = comes ? LAG_TO_0 : switches->turned[i];
+        if (s->has_contact[k]) {
+            s->fires[k] = comes ? switches->rate[lag_gap(model, k)] > 0 : !is_first && approaches(run, k);
+            switches->turned[i] = !comes ? switches->turned[i] : switches->g[i] < switches->g[lag_gap(model, k)] ? LAG_TO_1 : LAG_TO_0;
         } else {
             const int is_now = comes || is_true(switches, i);
             s->fires[k] = is_first ? comes : is_now && !s->is_on[k];
@@ -138,6 +145,8 @@ LagStatus lag_impacts_strike(LagRun *run)
     if (rounds > 0) {
         calm(run);
         note_events(run);
+        run->switches.resolved = 0; /* conditions are as quick as the motion is now */
+        run->switches.unlooked = 0;
     }
     lag_contacts_put_back(run);
     run->sliding.count = sliding;

@@ -69,17 +69,21 @@ static void probe(LagRun *run, double t, const double *y, int count, int j, doub
     *lag_share(run, s->which[j]) = s->base[j];
 }
 
-/* A force of a contact that changes accelerations by as much as they are without it; those with it, 1, are the latest. */
+/* A force of a contact that changes accelerations by as much as they are without it, or usually: v^2/q. Those with it, 1, are the
+ * latest. */
 static double force_of_size(const LagRun *run)
 {
-    const double *without = run->sliding.slope_without, *with = run->switches.slope;
+    const double *without = run->sliding.slope_without, *with = run->switches.slope, *size = run->scale.floor;
+    const int n = run->model->n;
     double most = 0, change = 0;
-    for (int i = run->model->n; i < 2 * run->model->n; ++i)
+    for (int i = n; i < 2 * n; ++i)
         change = lag_max(fabs(with[i] - without[i]), change);
-    for (int i = run->model->n; i < 2 * run->model->n; ++i)
+    for (int i = n; i < 2 * n; ++i) {
+        const double usual = size[i - n] > 0 ? size[i] * size[i] / size[i - n] : 0, own = lag_max(fabs(without[i]), usual);
         if (fabs(with[i] - without[i]) > LITTLE * change)
-            most = lag_max(fabs(without[i] / (with[i] - without[i])), most);
-    return most > 0 ? most : 1;
+            most = lag_max(own / fabs(with[i] - without[i]), most);
+    }
+    return most > 0 && most < INFINITY ? most : 1;
 }
 
 /* The jumps of all `count` candidates, around shares of 1/2; of contacts from no force on, by one of the size that is needed. */
