@@ -75,14 +75,17 @@ static double cubic(double a, double b, double ra, double rb, double x)
     return a + x * (ra + x * (c2 + x * c3));
 }
 
-/* Where the tangents at its ends meet, which lies below it if it goes down and up again in one bow; -1 where it does not, or not so
- * far that it matters. */
-static double dip_of_tangents(double a, double b, double ra, double rb)
+/* Its lowest place, where it goes down and up again in one bow, so far that it matters: where the tangents at its ends meet, which lies
+ * below the bow. -1: it does not. */
+static double dip(double a, double b, double ra, double rb)
 {
     if (!(ra < 0 && rb > 0))
         return -1;
-    const double x = (a - b + rb) / (rb - ra);
-    return x > 0 && x < 1 && a + ra * x < SHALLOW * fmax(a, b) ? x : -1;
+    const double meet = (a - b + rb) / (rb - ra), c2 = 3 * (b - a) - 2 * ra - rb, c3 = ra + rb - 2 * (b - a);
+    if (!(meet > 0 && meet < 1 && a + ra * meet < SHALLOW * fmax(a, b)))
+        return -1;
+    const double lowest = -ra / (c2 + sqrt(fmax(c2 * c2 - 3 * c3 * ra, 0)));
+    return lowest > 0 && lowest < 1 ? lowest : meet;
 }
 
 /* Whether one of the conditions comes nearer to its change at the beginning of a part of the step, and goes away from it at the end. */
@@ -127,7 +130,7 @@ static double find_dip(LagRun *run, int i, Part part)
     double low = part.low, high = part.high, a = depth_of(run, i, s->g_begin), b = depth_of(run, i, s->g);
     double ra = h * lag_depth(s, i, s->rate_begin), rb = h * lag_depth(s, i, s->rate);
     for (int k = 0; k < DIP_ITERATIONS; ++k) {
-        const double share = dip_of_tangents(a, b, ra * (high - low), rb * (high - low)), x = low + share * (high - low);
+        const double share = dip(a, b, ra * (high - low), rb * (high - low)), x = low + share * (high - low);
         if (share < 0)
             return -1;
         const double here = depth_at(run, i, x);
@@ -206,7 +209,9 @@ double lag_crossing_find(LagRun *run)
 {
     LagSwitches *s = &run->switches;
     const double h = run->motion.t - run->motion.t_old;
-    const int is_paused = ++s->unlooked < 0, is_due = !is_paused && (h > LONGER * s->resolved || s->unlooked > LOOK_AGAIN);
+    const int is_long = run->model->n_whens > 0 && run->methods.solver == LAG_SOLVER_TAYLOR; /* a ball that grazes goes to and fro */
+    const int is_paused = ++s->unlooked < 0;
+    const int is_due = !is_paused && (is_long || h > LONGER * s->resolved || s->unlooked > LOOK_AGAIN);
     double width = 1, narrowest = 1;
     for (double low = 0; low < 1;) {
         const Part part = {low, low + width < 1 ? low + width : 1};

@@ -14,12 +14,13 @@
 #include "state.h"
 
 /* Events that bring each other about so many times, or come again without time passing, do not end. */
-enum { MOST_ROUNDS = 100000, MOST_AT_ONCE = 1000 };
+enum { MOST_ROUNDS = 100000, MOST_AT_ONCE = 100000 };
 
 void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena *arena)
 {
     const size_t resets = (size_t)model->n_resets, whole = resets > 0 ? (size_t)size : 0;
     s->fires = lag_take_ints(arena, (size_t)model->n_whens);
+    s->is_plastic = lag_take_ints(arena, (size_t)model->n_whens);
     s->has_contact = lag_take_ints(arena, (size_t)model->n_whens);
     s->is_on = lag_take_ints(arena, (size_t)model->n_whens);
     s->slack = lag_take(arena, (size_t)model->n_whens);
@@ -56,6 +57,7 @@ static void read_wanted(LagRun *run)
         const int k = lag_event_of(model, j);
         if (!lag_is_contact(model, j) || !s->fires[k])
             continue;
+        s->is_plastic[k] |= s->wanted[j] == 0;
         s->wanted[j] *= lag_contacts_lateness(run, k);
         const double speed = fabs(run->switches.rate[lag_gap(model, k)] * s->wanted[j] / s->rate[j]);
         if (lag_contacts_stay(run, k, speed, run->switches.rate[lag_contact(model, k)]))
@@ -66,12 +68,22 @@ static void read_wanted(LagRun *run)
 /* Whether a condition is true; where it is neither, whether it is about to be. */
 static int is_true(const LagSwitches *s, int i) { return fabs(s->g[i]) > s->unknown[i] ? s->g[i] > 0 : s->rate[i] > 0; }
 
-static int approaches(const LagRun *run, int k)
+static int touches(const LagRun *run, int k)
 {
     const LagSwitches *s = &run->switches;
     const int gap = lag_gap(run->model, k);
-    const double near = lag_max(s->unknown[gap], lag_contacts_margin(run, gap));
-    return lag_contacts_are_closed(run, k, s->g, near) && s->rate[gap] > run->sliding.error[lag_contact(run->model, k)];
+    return lag_contacts_are_closed(run, k, s->g, lag_max(s->unknown[gap], lag_contacts_margin(run, gap)));
+}
+
+/* Contact k is struck where it approaches. What an impact has stopped stays together in those that it brings about, unless these part
+ * it. Returns whether there is anything new in that. */
+static int find_contact(LagRun *run, int k, int comes, int is_first)
+{
+    LagImpacts *s = &run->impacts;
+    const double speed = run->switches.rate[lag_gap(run->model, k)], error = run->sliding.error[lag_contact(run->model, k)];
+    const int may = comes || (!is_first && touches(run, k)), approaches = may && speed > (comes ? 0 : error);
+    s->fires[k] = approaches || (may && s->is_plastic[k] && speed > -error);
+    return approaches;
 }
 
 /* Events whose conditions have come true (contacts that are passed already, where the rest of the condition comes true, are so from
@@ -86,14 +98,14 @@ static int find_events(LagRun *run, int is_first)
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = lag_when(model, k), comes = is_first && switches->turned[i] == LAG_CHANGES && switches->held[i] == 0;
         if (s->has_contact[k]) {
-            s->fires[k] = comes ? switches->rate[lag_gap(model, k)] > 0 : !is_first && approaches(run, k);
+            found |= find_contact(run, k, comes, is_first);
             switches->turned[i] = !comes ? switches->turned[i] : switches->g[i] < switches->g[lag_gap(model, k)] ? LAG_TO_1 : LAG_TO_0;
         } else {
             const int is_now = comes || is_true(switches, i);
             s->fires[k] = is_first ? comes : is_now && !s->is_on[k];
             s->is_on[k] = is_first && !comes ? switches->held[i] > 0 : is_now;
+            found |= s->fires[k];
         }
-        found |= s->fires[k];
     }
     return found;
 }
@@ -135,6 +147,7 @@ LagStatus lag_impacts_strike(LagRun *run)
         return LAG_OK;
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
     lag_contacts_find_errors(run);
+    memset(s->is_plastic, 0, (size_t)run->model->n_whens * sizeof *s->is_plastic);
     for (int fire = find_events(run, 1); fire && rounds < MOST_ROUNDS; ++rounds) {
         read_wanted(run);
         lag_impulses_reset(run);

@@ -9,6 +9,7 @@
 typedef struct {
     int *fires;      /* n_whens: those whose rates are reset now */
     int *has_contact; /* n_whens: one of its resets is that of a contact */
+    int *is_plastic; /* n_whens: of contacts, whether they have stopped what approached at this moment */
     int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
     int *which;      /* n_resets: the resets of these */
     double *rate, *wanted, *rate_after; /* n_resets */

@@ -100,20 +100,36 @@ static void solve(LagRun *run, int count)
     lag_dense_lu_solve(&s->lu, s->impulse, NULL);
 }
 
+/* How much an impulse of 1 opens the contact of active reset k. */
+static double opening(LagRun *run, int k)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    const LagMotion *m = &run->motion;
+    LagSwitches *switches = &run->switches;
+    const int gap = lag_gap(model, lag_event_of(model, s->which[k]));
+    const double *slope = switches->slope + m->n;
+    memset(s->state, 0, (size_t)m->n * sizeof *s->state);
+    lag_conditions_by(run, m->t, m->y, s->state, slope, switches->g_inside, switches->rate_inside);
+    const double still = switches->rate_inside[gap];
+    lag_conditions_by(run, m->t, m->y, s->way + k * m->n, slope, switches->g_inside, switches->rate_inside);
+    return still - switches->rate_inside[gap];
+}
+
 /* Leaves out the contact that pulls most. Returns whether one did. */
 static int leave_out(LagRun *run, int *count)
 {
     LagImpacts *s = &run->impacts;
     int worst = -1;
     double most = 0;
-    for (int i = 0; i < *count; ++i) {
-        const double work = s->impulse[i] * (s->wanted[s->which[i]] - s->rate[s->which[i]]);
-        if (lag_is_contact(run->model, s->which[i]) && work < most) {
-            most = work;
+    for (int i = 0; i < *count && *count > 1; ++i) {
+        const double opens = lag_is_contact(run->model, s->which[i]) ? s->impulse[i] * opening(run, i) : 0;
+        if (opens < most) {
+            most = opens;
             worst = i;
         }
     }
-    if (worst < 0 || *count == 1)
+    if (worst < 0)
         return 0;
     memmove(s->which + worst, s->which + worst + 1, (size_t)(*count - worst - 1) * sizeof *s->which);
     --*count;
