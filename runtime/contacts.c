@@ -48,7 +48,8 @@ int lag_contacts_are_closed(const LagRun *run, int k, const double *g, double ne
 {
     const LagSwitches *s = &run->switches;
     const int touches = s->slides[lag_contact(run->model, k)] || g[lag_gap(run->model, k)] >= -near;
-    return touches && s->held[lag_when(run->model, k)] == 0 && g[lag_when(run->model, k)] >= 0;
+    const int i = lag_when(run->model, k), is_inside = s->held[i] > 0 || s->turned[i] == LAG_TO_1;
+    return touches && !is_inside && g[i] >= 0;
 }
 
 /* How much one tolerance of positions changes conditions and gaps, and one of rates what rests, for a pattern of signs. Rates may

@@ -77,11 +77,11 @@ static int touches(const LagRun *run, int k)
 
 /* Contact k is struck where it approaches. What an impact has stopped stays together in those that it brings about, unless these part
  * it. Returns whether there is anything new in that. */
-static int find_contact(LagRun *run, int k, int comes, int is_first)
+static int find_contact(LagRun *run, int k, int comes)
 {
     LagImpacts *s = &run->impacts;
     const double speed = run->switches.rate[lag_gap(run->model, k)], error = run->sliding.error[lag_contact(run->model, k)];
-    const int may = comes || (!is_first && touches(run, k)), approaches = may && speed > (comes ? 0 : error);
+    const int may = comes || touches(run, k), approaches = may && speed > (comes ? 0 : error);
     s->fires[k] = approaches || (may && s->is_plastic[k] && speed > -error);
     return approaches;
 }
@@ -98,7 +98,7 @@ static int find_events(LagRun *run, int is_first)
     for (int k = 0; k < model->n_whens; ++k) {
         const int i = lag_when(model, k), comes = is_first && switches->turned[i] == LAG_CHANGES && switches->held[i] == 0;
         if (s->has_contact[k]) {
-            found |= find_contact(run, k, comes, is_first);
+            found |= find_contact(run, k, comes);
             switches->turned[i] = !comes ? switches->turned[i] : switches->g[i] < switches->g[lag_gap(model, k)] ? LAG_TO_1 : LAG_TO_0;
         } else {
             const int is_now = comes || is_true(switches, i);
