@@ -20,6 +20,7 @@ enum { BLOCKS = 8, MOST_SINGLE = 3 };
  * so far that is none. */
 static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON, UNKNOWN = 1024 * DBL_EPSILON, VANISHED = 1e-10;
 static const double NO_FORCE = 1e-13; /* of a force of the size of others: what others hold, a contact does not */
+static const double MOMENT = 1e-3; /* s */
 static const double LITTLE = 1e-3; /* of the largest change of an acceleration by a contact */
 
 void lag_sliding_rates(LagRun *run, double t, const double *y)
@@ -79,7 +80,8 @@ static double force_of_size(const LagRun *run)
     for (int i = n; i < 2 * n; ++i)
         change = lag_max(fabs(with[i] - without[i]), change);
     for (int i = n; i < 2 * n; ++i) {
-        const double usual = size[i - n] > 0 ? size[i] * size[i] / size[i - n] : 0, own = lag_max(fabs(without[i]), usual);
+        const double place = lag_max(size[i - n], size[i] * MOMENT); /* what has just begun has no size yet */
+        const double usual = place > 0 ? size[i] * size[i] / place : 0, own = lag_max(fabs(without[i]), usual);
         if (fabs(with[i] - without[i]) > LITTLE * change)
             most = lag_max(own / fabs(with[i] - without[i]), most);
     }
