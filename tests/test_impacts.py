@@ -249,6 +249,87 @@ def test_contacts_that_say_the_same(scene: Write) -> None:
     assert run.statistics.rhs_evaluations < 5_000
 
 
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_what_grazes_is_seen(scene: Write, solver: str, tolerance: float) -> None:
+    """A ball on a spring dips by 1e-5 of its swing, six times; the end is that of erk at 1e-13."""
+    model = scene("""model Grazing
+      World world(gravity = {0, 0});
+      Prismatic p(a = world, along = {0, 1}, v(start = 0.2));  PointMass m(m = 1, center = p.b);
+      Spring k(k = 200, stretch = p.s - 1);
+      Stop floor(e = 0.7, gap = p.s);
+    end Grazing;""")
+    run = model.simulate(at=[3.0], solver=solver, tolerance=tolerance)
+    assert run.statistics.events == 6
+    assert run["p.s"][-1] == pytest.approx(0.90040916, abs=2e-5 if tolerance > 1e-7 else 1e-6)
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk", "erk5", "implicit"])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+def test_a_contact_without_a_force_at_first_is_left_again(scene: Write, solver: str, tolerance: float) -> None:
+    """A mass strikes one on a spring at rest: together for half a period of sqrt(k/4), and apart with 3/4 m/s."""
+    run = scene("""model Parting
+      World world(gravity = {0, 0});
+      Prismatic x(a = world, along = {1, 0}), y(a = world, along = {1, 0}, s(start = 2), v(start = -1));
+      PointMass a(m = 1, center = x.b), b(m = 3, center = y.b);
+      Spring k(k = 10, stretch = x.s);
+      Stop hit(gap = y.s - x.s - 0.5[m]);
+    end Parting;""").simulate(at=[10.0], solver=solver, tolerance=tolerance)
+    assert run["y.s"][-1] == pytest.approx(0.5 + 0.75 * (10 - 1.5 - np.pi / np.sqrt(2.5)), abs=max(20 * tolerance, 1e-9))
+
+
+@pytest.mark.parametrize("M", [1.0, 10.0, 1e3, 1e4, 1e6])
+@pytest.mark.parametrize("solver", ["auto", "erk5", "implicit"])
+def test_heavy_on_light_without_restitution(scene: Write, M: float, solver: str) -> None:
+    """One impact brings about the other, and both stop at once."""
+    run = scene(f"""model Heavy
+      Prismatic a(a = world, along = {{0, 1}}, s(start = 1)), b(a = world, along = {{0, 1}}, s(start = 2));
+      PointMass A(m = 1, center = a.b), B(m = {M}, center = b.b);
+      Stop floor(gap = a.s), on(gap = b.s - a.s - 0.5[m]);
+    end Heavy;""").simulate(at=[0.5, 2.0], solver=solver)
+    np.testing.assert_allclose(run["b.s"], [2 - G / 8, 0.5], rtol=0, atol=1e-9)
+    assert run.statistics.rhs_evaluations < 20_000
+
+
+def test_a_contact_is_not_passed_from_the_side(scene: Write) -> None:
+    """Under the table and away from it: nothing happens; and from above it is met."""
+    model = scene("""model Side
+      World world(gravity = {0, 0});
+      Prismatic x(a = world, along = {1, 0}, s(start = -1), v(start = 1)), y(a = x.b, along = {0, 1});
+      PointMass m(m = 1, center = y.b);
+    equation
+      when y.s < 0 and x.s > 0 then reinit(y.v, -0.5*pre(y.v)); end when;
+    end Side;""")
+    under = model.simulate(at=[0.9, 1.1, 2.0], initial={"y.s": -0.5, "y.v": 0.1})
+    np.testing.assert_allclose(under["y.s"], [-0.41, -0.39, -0.3], rtol=0, atol=1e-12)
+    above = model.simulate(at=[0.9, 1.1, 3.0], initial={"y.s": 0.2, "y.v": -0.1})
+    np.testing.assert_allclose(above["y.s"], [0.11, 0.09, 0.05], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("phi", [0.05, 0.3, 0.8, 1.3])
+def test_a_bar_that_spins_does_not_pass_the_floor(scene: Write, phi: float) -> None:
+    """Both ends strike in turn, ever quicker than before the impact."""
+    model = scene("""model Tumbling
+      Planar free(a = world, y(start = 1.4));  Bar bar(m = 0.7, L = 0.43, center = free.b);
+      Stop left(e = 0.9, a = world, b = bar.a), right(e = 0.9, a = world, b = bar.b);
+      output Length low = min(left.gap, right.gap);
+    end Tumbling;""")
+    runs = [model.simulate(stop=2, interval=5e-3, tolerance=tolerance, solver=solver, initial={"free.phi": phi})
+            for solver in ("auto", "erk5") for tolerance in (1e-7, 1e-10)]
+    for run in runs:
+        assert run["low"].min() > -1e-9
+        np.testing.assert_allclose(run["free.y"], runs[-1]["free.y"], rtol=0, atol=1e-4)
+
+
+def test_a_support_that_is_torn_away_leaves_no_force(scene: Write) -> None:
+    run = scene("""model Torn
+      Prismatic p(a = world, along = {0, 1});  PointMass m(m = 0.1, center = p.b);
+      Stop floor(e = 0.5, gap = p.s - (if time < 1 then 0 else 2*(time - 1)));
+      output Acceleration a = der(der(p.s));
+    end Torn;""").simulate(at=[0.5, 1.02, 1.05])
+    np.testing.assert_allclose(run["a"], [0, -G, -G], rtol=0, atol=1e-11)
+
+
 def test_friction_beside_a_contact(scene: Write) -> None:
     """Both hold: mu g = 2 m/s2 stops it after 1 m, while the floor carries it."""
     run = scene("""model Both
