@@ -26,7 +26,6 @@ double lag_contacts_margin(const LagRun *run, int i)
     return run->impacts.coarse > 0 ? run->impacts.coarse * run->sliding.error[i] : LOW * run->switches.unknown[i];
 }
 
-
 /* Too slow, back too soon, or not higher than rounding. */
 int lag_contacts_stay(const LagRun *run, int k, double speed, double returns)
 {
@@ -191,9 +190,11 @@ void lag_contacts_foresee(LagRun *run)
     if (model->n_whens > 0)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
-        const int is_open = run->impacts.has_contact[k] && !s->slides[lag_contact(model, k)];
-        const double leaves = -s->rate_inside[lag_gap(model, k)], returns = s->rate_inside[lag_contact(model, k)];
-        if (is_open && lag_contacts_are_closed(run, k, s->g_inside, run->sliding.error[lag_gap(model, k)]) && leaves > 0 && returns > 0)
+        const int gap = lag_gap(model, k), rests = lag_contact(model, k);
+        const double leaves = -s->rate_inside[gap], returns = s->rate_inside[rests];
+        if (!run->impacts.has_contact[k] || s->slides[rests] || !(leaves > 0 && returns > 0))
+            continue;
+        if (lag_contacts_are_closed(run, k, s->g_inside, run->sliding.error[gap]))
             *seen = lag_min(run->motion.t + BOUNCE * 2 * leaves / returns, *seen);
     }
 }

@@ -45,8 +45,6 @@ void lag_impacts_reset(LagRun *run)
     run->impacts.seen = INFINITY;
 }
 
-/* -------- which events */
-
 /* What rates become. */
 static void read_wanted(LagRun *run)
 {
@@ -117,8 +115,8 @@ static void calm(LagRun *run)
     const LagSwitches *switches = &run->switches;
     int some = 0;
     for (int k = 0; k < run->model->n_whens; ++k) {
-        const int gap = lag_gap(run->model, k);
-        s->fires[k] = run->impacts.has_contact[k] && lag_contacts_are_closed(run, k, switches->g, switches->unknown[gap]) && switches->rate[gap] > 0;
+        const int gap = lag_gap(run->model, k), approaches = s->has_contact[k] && switches->rate[gap] > 0;
+        s->fires[k] = approaches && lag_contacts_are_closed(run, k, switches->g, switches->unknown[gap]);
         some |= s->fires[k];
     }
     if (!some)
