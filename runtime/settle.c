@@ -41,19 +41,27 @@ static int gather(LagRun *run, const int *candidates)
 }
 
 /* Takes notice of accelerations without the jumps, in slope_without, and of the latest ones, with one: rounding of what slides is that
- * of a difference of such ones, and its energies have the size of what the jump would set in motion. */
-static void note_jump(LagRun *run, double t, const double *y)
+ * of a difference of such ones. */
+static void note_noise(LagRun *run)
 {
-    LagSliding *s = &run->sliding;
     LagScale *scale = &run->scale;
     const int n = run->model->n;
-    const double *with = run->switches.slope + n, *without = s->slope_without + n;
-    double energies[3];
+    const double *with = run->switches.slope + n, *without = run->sliding.slope_without + n;
     for (int i = 0; i < n; ++i) {
         scale->onset[i] = lag_max(UNKNOWN * lag_max(fabs(with[i]), fabs(without[i])), scale->onset[i]);
         scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
+    }
+}
+
+/* What slides has energies of the size of what the latest jump would set in motion. */
+static void note_energy(LagRun *run, double t, const double *y)
+{
+    LagSliding *s = &run->sliding;
+    const int n = run->model->n;
+    double energies[3];
+    for (int i = 0; i < n; ++i) {
         s->state_here[i] = y[i];
-        s->state_here[n + i] = 2 * (with[i] - without[i]);
+        s->state_here[n + i] = 2 * (run->switches.slope[n + i] - s->slope_without[n + i]);
     }
     lag_energies(run, t, s->state_here, energies);
     s->energy = fabs(energies[0]);
@@ -65,6 +73,7 @@ static void probe(LagRun *run, double t, const double *y, int count, int j, doub
     LagSliding *s = &run->sliding;
     *lag_share(run, s->which[j]) = s->base[j] + change;
     lag_sliding_rates(run, t, y);
+    note_noise(run);
     for (int k = 0; k < count; ++k)
         s->jump[k + j * count] = (s->rate[s->which[k]] - s->middle[k]) / change;
     *lag_share(run, s->which[j]) = s->base[j];
@@ -225,7 +234,7 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
     lag_sliding_end(run);
     if (count == 0)
         return;
-    note_jump(run, t, y);
+    note_energy(run, t, y);
     const int is_right = pivot(s, count), sliding = hold(run, count);
     if (is_right)
         s->count = sliding;
