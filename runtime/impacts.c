@@ -108,16 +108,16 @@ static int find_events(LagRun *run, int is_first)
     return found;
 }
 
-/* Closed contacts that still approach, slower than can be told, stop together. */
+/* Where closed contacts still approach, slower than can be told, all that move so slowly stop together. */
 static void calm(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
     const LagSwitches *switches = &run->switches;
     int some = 0;
     for (int k = 0; k < run->model->n_whens; ++k) {
-        const int gap = lag_gap(run->model, k), approaches = s->has_contact[k] && switches->rate[gap] > 0;
-        s->fires[k] = approaches && lag_contacts_are_closed(run, k, switches->g, switches->unknown[gap]);
-        some |= s->fires[k];
+        const int gap = lag_gap(run->model, k), closed = s->has_contact[k] && touches(run, k);
+        s->fires[k] = closed && fabs(switches->rate[gap]) <= run->sliding.error[lag_contact(run->model, k)];
+        some |= s->fires[k] && switches->rate[gap] > 0;
     }
     if (!some)
         return;
