@@ -56,7 +56,8 @@ static void read_wanted(LagRun *run)
         if (!lag_is_contact(model, j) || !s->fires[k])
             continue;
         s->is_plastic[k] |= s->wanted[j] == 0;
-        s->wanted[j] *= lag_contacts_lateness(run, k);
+        if (run->switches.turned[lag_when(model, k)] != LAG_TO_1)
+            s->wanted[j] *= lag_contacts_lateness(run, k);
         const double speed = fabs(run->switches.rate[lag_gap(model, k)] * s->wanted[j] / s->rate[j]);
         if (lag_contacts_stay(run, k, speed, run->switches.rate[lag_contact(model, k)]))
             s->wanted[j] = 0;

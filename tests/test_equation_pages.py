@@ -26,7 +26,7 @@ from symbolic_scenes import EXAMPLES, derived
 GOLDEN = Path(__file__).parent / "golden" / "equations"
 ALL = sorted(EXAMPLES.glob("*.lag"))
 LARGE = ("chain", "scissor_lift")
-RESTLESS = ("atwood", "free_bar", "gear_train", "skate", "slider_crank")  # nothing balances what drives them
+RESTLESS = ("atwood", "bouncing_ball", "free_bar", "gear_train", "skate", "slider_crank")  # nothing balances what drives them
 
 
 def equations(capsys, name: str, *options: str) -> str:
