@@ -346,9 +346,31 @@ def test_a_reaction_knows_of_a_contact(scene: Write) -> None:
     run = scene("""model Shelf
       Revolute h(a = world);  Bar bar(m = 2, L = 1, a = h.b);
       Stop stop(a = world, b = bar.b);
-      output Force carried[2] = h.reaction;
+      output Force carried[2] = h.reaction, held[2] = stop.reaction;
     end Shelf;""").simulate(at=[1.0])
-    np.testing.assert_allclose([run["carried[1]"][-1], run["carried[2]"][-1]], [0, G], rtol=0, atol=1e-11)
+    for name in ("carried", "held"):
+        np.testing.assert_allclose([run[f"{name}[1]"][-1], run[f"{name}[2]"][-1]], [0, G], rtol=0, atol=1e-11)
+
+
+def test_a_contact_tells_its_force(scene: Write) -> None:
+    """m (g + a) on a table that shakes, while it touches; along the slope it lies on."""
+    model = scene(SHAKEN.replace("gap = p.s - table", "a = shift(world, {0, table}), b = ball.center").replace(
+        "  output", "  output Force N[2] = stop.reaction;\n  output"))
+    t = np.array([0.01, 0.05])
+    run = model.simulate(at=np.append(t, 0.11), initial={"der(p.s)": 1.2})
+    np.testing.assert_allclose(run["N[2]"], [*(0.1 * (G - 0.1 * 144 * np.sin(12 * t))), 0], rtol=0, atol=1e-8)
+
+
+def test_a_bar_slides_down_a_slope_on_both_ends(scene: Write) -> None:
+    """With g sin 36.9 deg, and half of m g cos 36.9 deg on each."""
+    run = scene("""model Slope
+      Planar free(a = world, x(start = 4), y(start = 3), phi(start = atan(0.75)));  Bar bar(m = 2, L = 0.4, center = free.b);
+      Stop left(along = {-0.6, 0.8}, a = world, b = bar.a), right(along = {-0.6, 0.8}, a = world, b = bar.b);
+      output Force N[2] = left.reaction, K[2] = right.reaction;
+    end Slope;""").simulate(at=[1.0])
+    np.testing.assert_allclose([run["free.x"][-1], run["free.y"][-1]], [4 - 0.24 * G, 3 - 0.18 * G], rtol=0, atol=1e-9)
+    for name in ("N", "K"):
+        np.testing.assert_allclose([run[f"{name}[1]"][-1], run[f"{name}[2]"][-1]], [-0.48 * G, 0.64 * G], rtol=0, atol=1e-8)
 
 
 def test_events_without_end_are_told(scene: Write) -> None:

@@ -23,6 +23,7 @@ from lagrangia.evaluation import scalars_of
 from lagrangia.flat import FlatModel, Reset, When, Work
 from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import usual_parameters
+from lagrangia.scalars import symbols_in
 from lagrangia.tree import Binary, Boolean, Call, Flat, FrameRef, Number, Ref, Unary
 
 _SAME = 1e-9  # relative difference of what is the same but for rounding
@@ -43,6 +44,12 @@ class Impacts:
     impulses: ca.SX = _NONE  # (r,): symbols of forces on what is reset
     places: tuple[int, ...] = ()
     loads: tuple[Load, ...] = ()
+
+    def contacts_of(self, component: str) -> list[Load]:
+        """The forces that hold what rests at the contacts of a component."""
+        held = symbols_in(self.forces)
+        own = (load for load in self.loads if load.statement.component == component)
+        return [load for load in own if not held.isdisjoint(symbols_in(ca.SX(load.force[0])))]
 
     def loads_in(self, kinematics: Kinematics) -> tuple[Load, ...]:
         """The same where positions are others."""

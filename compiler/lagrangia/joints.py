@@ -13,7 +13,7 @@ def all_reactions(graph: ComponentGraph) -> list[str]:
 def reaction_ports(graph: ComponentGraph) -> dict[str, str]:
     """Of every joint and tie, by its name, the port that its reaction acts on."""
     held = {*joints_of(graph), *cuts_of(graph)}
-    stating = {equation.component for equation in graph.model.constraints}
+    stating = {equation.component for equation in graph.model.constraints} | {when.component for when in graph.model.whens}
     frames: dict[str, list[str]] = {}
     for frame in graph.model.frames:
         if frame not in graph.unused_frames and not frame.endswith("]"):

@@ -33,7 +33,8 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
     edges, cuts = joints_of(kinematics.graph), cuts_of(kinematics.graph)
     ties = {frame: [row for row in constraints.all_rows if row.loop is None and row.component == component_of(frame)]
             for frame in asked if frame not in cuts and frame not in edges}
-    for frame in (frame for frame, rows in ties.items() if not rows):
+    contacts = {when.component for when in kinematics.graph.model.whens}
+    for frame in (frame for frame, rows in ties.items() if not rows and component_of(frame) not in contacts):
         fail("L0911", f"'{component_of(frame)}' is no joint, so it has no reaction", _asked_at(kinematics, frame))
     sizes = {edges[frame][0].child: 3 for frame in asked if frame in edges}
     sizes |= {cuts[frame][0].coordinate: 1 for frame in asked if frame in cuts and cuts[frame][0].coordinate}

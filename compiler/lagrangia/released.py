@@ -17,6 +17,8 @@ from lagrangia.algebra import Scalar
 from lagrangia.bodies import Bodies
 from lagrangia.constraints import Constraints, Row
 from lagrangia.energies import Energies, build_energies
+from lagrangia.evaluation import scalars_of
+from lagrangia.joints import component_of
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion, inertial_reaction
 
@@ -89,7 +91,8 @@ class Released:
 def forces_of_ties(
     kinematics: Kinematics, released: Released, ties: Mapping[str, Sequence[Row]]
 ) -> dict[str, ca.SX]:
-    """What the rows of each tie exert on its frame: -lambda times the slope of the row when that frame alone is displaced."""
+    """What the rows of each tie exert on its frame: -lambda times the slope of the row when that frame alone is displaced; of a
+    contact at which something rests, its force times the slope of the gap."""
     shift, rate = ca.SX.sym("shift", 3 * len(ties)), ca.SX.sym("rate", 3 * len(ties))
     places = {frame: slice(3 * k, 3 * k + 3) for k, frame in enumerate(ties)}
     lone = kinematics.displaced({}, {frame: (shift[place], rate[place]) for frame, place in places.items()})
@@ -99,5 +102,8 @@ def forces_of_ties(
         for row in rows:
             moved = (shift if row.is_holonomic else rate)[places[frame]]
             force -= released.multiplier(row) * ca.gradient(ca.SX(row.value(lone, 0)), moved)
+        for load in released.motion.impacts.contacts_of(component_of(frame)):
+            gap = ca.vertcat(*scalars_of(lone.evaluator.value(load.statement.position)))
+            force += ca.jtimes(gap, shift[places[frame]], ca.vertcat(*load.force), True)
         forces[frame] = ca.substitute([force], [shift, rate], [ca.SX.zeros(shift.numel())] * 2)[0]
     return forces

@@ -65,10 +65,10 @@ reinit(rate, value)   the rate is that of anything that the motion decides: der(
 Contacts              where the rate of the condition itself is turned back or stopped, as der(gap) by -e*pre(der(gap)) when
                       gap < 0. They push and never pull, one impact brings about the next (Newton's cradle), and bounces too
                       small to be told from none come to rest: a force that only pushes holds them, until the motion leaves.
-                      Stop and TorsionStop of the library are contacts of any distance or angle. Friction does not feel the
-                      impulse, and dry friction beside a contact has the force that it is given.
-                      Impacts of several contacts at once have no one answer in rigid bodies: here those that approach are struck
-                      together, then those that approach after that.
+                      Stop and TorsionStop of the library are contacts of any distance or angle; stop.reaction is the force that
+                      holds what rests at its ports, between impacts. Dry friction beside a contact has the force that it is
+                      given, in impacts none. Impacts of several contacts at once have no one answer in rigid bodies: here those
+                      that approach are struck together, then those that approach after that.
 when gap < 0 and x < edge then ...    a contact with an edge. With `or` nothing is held that rests.
 
 Energy that impulses take is dissipated, what they add is work. FMUs have the events, in both kinds and versions; exports to
