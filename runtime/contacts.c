@@ -103,6 +103,14 @@ int lag_contacts_is_inside(const LagRun *run, int i, double g)
     return g > run->sliding.error[lag_gap(run->model, k)] && (!run->started || run->switches.held[i] > 0);
 }
 
+int lag_contacts_find_passed(const LagRun *run)
+{
+    for (int k = 0; k < run->model->n_whens; ++k)
+        if (run->impacts.has_contact[k] && run->switches.held[lag_when(run->model, k)] > 0)
+            return 1 + k;
+    return 0;
+}
+
 /* Whether the position of contact k has drifted while it slid, or it was found late. */
 static int has_drifted(const LagRun *run, int k)
 {

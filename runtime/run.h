@@ -56,6 +56,7 @@ typedef struct {
     int32_t tolerance_missed; /* steps near singular positions that were taken with a larger error */
     int32_t solver;           /* LAG_SOLVER_...: in use now */
     int32_t switches;         /* from one solver to another */
+    int32_t passed;           /* 1 + the first event whose contact was passed at the start, so that it does not come; 0: none */
 } LagStatistics;
 
 /* All memory is allocated here, but for input tables. NULL: out of memory. The model must outlive the run. */

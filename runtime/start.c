@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "account.h"
+#include "contacts.h"
 #include "evaluate.h"
 #include "function.h"
 #include "parts.h"
@@ -77,6 +78,7 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     run->given_energy = 0;
     lag_stiffness_reset(run);
     const LagStatus status = lag_segment_evaluate(run);
+    run->statistics.passed = lag_contacts_find_passed(run);
     run->started = status == LAG_OK;
     return status;
 }

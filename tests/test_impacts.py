@@ -192,9 +192,11 @@ def test_a_stack_comes_to_rest(scene: Write, solver: str, tolerance: float) -> N
 
 @pytest.mark.parametrize(("y", "v", "end"), [(0, 0, 0), (-1e-17, 0, 0), (1e-16, 0, 0), (0, -1, 0), (-0.1, 0, -0.1 - G / 2)])
 def test_starts_at_a_contact(scene: Write, y: float, v: float, end: float) -> None:
-    """What begins on the far side stays there, as no event comes."""
+    """What begins on the far side stays there, as no event comes: the run says so."""
     run = scene(BALL).simulate(at=[1.0], parameters={"e": 0.5}, initial={"p.s": y, "der(p.s)": v})
     assert run["p.s"][-1] == pytest.approx(end, abs=1e-12)
+    told = ["scene.lag:6:3) is passed at the start already" in text for text in run.warnings]
+    assert told == [True] * (y < -0.01)
 
 
 KICKS = {

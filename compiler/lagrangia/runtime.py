@@ -96,6 +96,7 @@ class Statistics:
     energy_stored: float = 0.0
     energy_risen: float = 0.0
     energy_given: float = 0.0
+    passed: int = 0
 
     @property
     def energy_size(self) -> float:
@@ -227,6 +228,7 @@ class _Statistics(c.Structure):
         ("tolerance_missed", c.c_int32),
         ("solver", c.c_int32),
         ("switches", c.c_int32),
+        ("passed", c.c_int32),
     )
 
 

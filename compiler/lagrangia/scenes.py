@@ -57,7 +57,7 @@ def build_scene(
         sizes=sizes, patterns=functions.patterns, tapes=tapes, islands=(), evenness=_evenness(motion),
         coordinate_kind=tuple(kinds[c.unit] for c in started), fixed=tuple(map(int, initial.fixed)),
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
-        notes=_notes(motion, tapes) | _freedom(kinematics, motion, is_still) | _warnings(model),
+        notes=_notes(motion, tapes) | _freedom(kinematics, motion, is_still) | _told(model),
         refused={**functions.refused, **refused, **_no_series(tapes)},
     )
 
@@ -176,9 +176,10 @@ def _freedom(kinematics: Kinematics, motion: Motion, is_still: bool) -> dict[str
             "dependent": [c.name for c in kinematics.graph.dependent_coordinates]}
 
 
-def _warnings(model: FlatModel) -> dict[str, object]:
-    """As text: the scene outlives the source they point at."""
-    return {"warnings": [warning.render() for warning in model.warnings]}
+def _told(model: FlatModel) -> dict[str, object]:
+    """As text: the scene outlives the source it points at."""
+    contacts = [f"the contact {f'of {when.component} ' if when.component else ''}({when.span})" for when in model.whens]
+    return {"warnings": [warning.render() for warning in model.warnings], "contacts": contacts}
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:

@@ -85,6 +85,7 @@ class Progress:
     parameters: list[float] = field(default_factory=list)
     has_power: bool = False  # the account holds integrals of powers, which have errors of their own
     is_driven: bool = False  # something is moved in time, and may bring energy whatever the steps
+    contacts: tuple[str, ...] = ()  # of each event, what to call it
     interrupted: bool = False
 
 
@@ -245,7 +246,7 @@ def simulate(
     """
     run = start_run(scene, engine, experiment, values)
     progress = Progress(experiment, parameters=run.parameters, has_power=scene.sizes["n_power"] > 0,
-                        is_driven=bool(scene.notes["is_driven"]))
+                        is_driven=bool(scene.notes["is_driven"]), contacts=tuple(scene.notes["contacts"]))
     return progress, _rows(scene, engine, run, progress, watch)
 
 
@@ -341,6 +342,9 @@ def shortcomings(progress: Progress) -> list[str]:
     if statistics.tolerance_missed:
         steps = f"{statistics.tolerance_missed} step{'s' if statistics.tolerance_missed != 1 else ''}"
         found.append(f"{steps} missed the tolerance, as happens near singular positions, and where little but rounding is left")
+    if statistics.passed:
+        found.append(f"{progress.contacts[statistics.passed - 1]} is passed at the start already, so that nothing "
+                     "strikes it before it has been left: start outside it")
     missed = _missed_energy(progress)
     if missed > _MUCH * tolerance:
         what = f"errors have added up until the energy account misses by {missed:.1e} of its size"

@@ -56,7 +56,8 @@ _EVENTS = """\
     end when;
 
 The event comes at the moment at which the condition becomes true, found in the dense output of the steps. Conditions compare
-with <, <=, > or >= (positions, velocities, time), and go together with and, or, not; one that is true at the start has not come.
+with <, <=, > or >= (positions, velocities, time), and go together with and, or, not; one that is true at the start has not come
+(`lag simulate` says so of contacts).
 
 reinit(rate, value)   the rate is that of anything that the motion decides: der(x) of a position, a distance or an angle,
                       frame.v[1], frame.w, or a variable bound to one; value may read pre(rate), all as before the event. It is
