@@ -189,6 +189,15 @@ int lag_contacts_find_rest(LagRun *run)
     return found;
 }
 
+/* When a gap of `depth` is closed that grows at the speed `leaves` and is drawn back by the acceleration `returns`. */
+static double closes_in(double depth, double leaves, double returns)
+{
+    const double square = leaves * leaves + 2 * returns * depth;
+    if (square < 0 || (returns <= 0 && leaves >= 0))
+        return INFINITY;
+    return leaves > 0 ? (leaves + sqrt(square)) / returns : 2 * depth / (sqrt(square) - leaves);
+}
+
 void lag_contacts_foresee(LagRun *run)
 {
     LagSwitches *s = &run->switches;
@@ -199,10 +208,9 @@ void lag_contacts_foresee(LagRun *run)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
         const int gap = lag_gap(model, k), rests = lag_contact(model, k);
-        const double leaves = -s->rate_inside[gap], returns = s->rate_inside[rests];
-        if (!run->impacts.has_contact[k] || s->slides[rests] || !(leaves > 0 && returns > 0))
-            continue;
-        if (lag_contacts_are_closed(run, k, s->g_inside, run->sliding.error[gap]))
-            *seen = lag_min(run->motion.t + BOUNCE * 2 * leaves / returns, *seen);
+        const double leaves = -s->rate_inside[gap], depth = -s->g_inside[gap], near = run->sliding.error[gap];
+        const int is_closed = lag_contacts_are_closed(run, k, s->g_inside, near);
+        if (run->impacts.has_contact[k] && !s->slides[rests] && (depth > near || (is_closed && leaves > 0)))
+            *seen = lag_min(run->motion.t + BOUNCE * closes_in(is_closed ? 0 : depth, leaves, s->rate_inside[rests]), *seen);
     }
 }

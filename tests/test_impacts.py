@@ -190,6 +190,25 @@ def test_a_stack_comes_to_rest(scene: Write, solver: str, tolerance: float) -> N
     assert run.statistics.rhs_evaluations < 120_000
 
 
+TRAIN = """model Train
+  Prismatic p[5](each a = world, each along = {1, 0},
+              s(start = {0, 1.4072, 1.9072, 2.4072, 3.7046}), v(start = {1.152, 0, -1.812, 1.381, -1.089}));
+  PointMass b[5](each m = 1, center = p.b);
+  Spring spring(k = 263.889, stretch = p[4].s - 0.36);
+  Stop stop[4](each e = 0.565, gap = {p[i+1].s - p[i].s - 0.5 for i in 1:4});
+end Train;"""
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
+def test_what_has_left_is_seen_to_return_while_others_strike(scene: Write, solver: str, tolerance: float) -> None:
+    """Bounces of 1 um and 0.1 ms, beside steps of 0.1 s; twenty of a train of three bring it together."""
+    run = scene(TRAIN).simulate(at=np.linspace(0, 1.5, 20_001), tolerance=tolerance, solver=solver)
+    assert min(run[f"stop[{k}].gap"].min() for k in range(1, 5)) > -1e-13
+    np.testing.assert_allclose([run[f"p[{k}].s"][-1] for k in range(1, 6)],
+                               [-20.9578447, -20.4578447, -19.9578447, -0.2179115, 2.0711], rtol=0, atol=3e-6)
+
+
 @pytest.mark.parametrize(("y", "v", "end"), [(0, 0, 0), (-1e-17, 0, 0), (1e-16, 0, 0), (0, -1, 0), (-0.1, 0, -0.1 - G / 2)])
 def test_starts_at_a_contact(scene: Write, y: float, v: float, end: float) -> None:
     """What begins on the far side stays there, as no event comes: the run says so."""
