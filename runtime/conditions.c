@@ -7,7 +7,7 @@
 #include "extremes.h"
 
 static const double SOME_TIME = 1e-3; /* where no step tells of one */
-enum { PATTERNS = 3, ROUNDINGS = 256 };
+enum { ROUNDINGS = 256 };
 
 static void look_at(LagRun *run, double t, const double *y, double *g, double *rate)
 {
@@ -76,18 +76,22 @@ void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g
 }
 
 /* For some patterns of the signs of rounding. */
+void lag_conditions_disturb(const LagRun *run, const double *y, double share, int pattern, double *state)
+{
+    for (int i = 0; i < 2 * run->model->n; ++i) {
+        const double sign = (i >> pattern) % 2 == 0 ? 1 : -1;
+        state[i] = y[i] + sign * share * lag_scale_unit(&run->scale, i, y, y);
+    }
+}
+
 void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
 {
     LagSwitches *s = &run->switches;
-    const int n = run->model->n;
     const double share = ROUNDINGS * DBL_EPSILON / run->scale.tolerance;
     memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
     look_at(run, t, y, s->g_begin, s->rate_begin); /* which the next step begins with anew */
-    for (int pattern = 0; pattern < PATTERNS; ++pattern) {
-        for (int i = 0; i < 2 * n; ++i) {
-            const double sign = (i >> pattern) % 2 == 0 ? 1 : -1;
-            s->state[i] = y[i] + sign * share * lag_scale_unit(&run->scale, i, y, y);
-        }
+    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
+        lag_conditions_disturb(run, y, share, pattern, s->state);
         look_at(run, t, s->state, s->g_inside, s->rate_inside);
         for (int i = 0; i < run->model->n_switches; ++i)
             s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g_begin[i]), s->unknown[i]);

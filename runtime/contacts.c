@@ -19,7 +19,6 @@ static const double BOUNCE = 1.25;
 static const double SLACK = 1.0 / 1024; /* of one tolerance: what stands where nothing presses comes no sooner */
 /* A bounce shorter than so many times what tells times apart is none. */
 static const double SHORT = 256, LOW = 1.0 / 64; /* of what is unknown of positions, which is that of many steps */
-enum { PATTERNS = 3 };
 
 double lag_contacts_margin(const LagRun *run, int i)
 {
@@ -59,8 +58,7 @@ static void note_errors(LagRun *run, int pattern)
     const LagModel *model = run->model;
     const LagMotion *m = &run->motion;
     double *state = run->impacts.state, *slope = s->slope + m->n;
-    for (int i = 0; i < 2 * m->n; ++i)
-        state[i] = m->y[i] + ((i >> pattern) % 2 == 0 ? 1 : -1) * lag_scale_unit(&run->scale, i, m->y, m->y);
+    lag_conditions_disturb(run, m->y, 1, pattern, state);
     lag_conditions_by(run, m->t, state, m->y + m->n, slope, s->g_inside, s->rate_inside);
     lag_conditions_by(run, m->t, m->y, state + m->n, slope, s->rate_begin, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
@@ -84,7 +82,7 @@ void lag_contacts_find_errors(LagRun *run)
         return;
     memset(error + first, 0, (size_t)(model->n_switches - first) * sizeof *error);
     lag_conditions_of_events(run, s->g_begin, s->rate);
-    for (int pattern = 0; pattern < PATTERNS; ++pattern)
+    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern)
         note_errors(run, pattern);
     for (int k = 0; k < model->n_whens && !run->started; ++k) {
         const int i = lag_when(model, k), gap = lag_gap(model, k), rests = lag_contact(model, k);
@@ -142,22 +140,19 @@ static int find_drifted(LagRun *run)
 void lag_contacts_put_back(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
-    LagSwitches *switches = &run->switches;
     LagMotion *m = &run->motion;
     const int n = m->n, count = find_drifted(run);
     if (count == 0)
         return;
     lag_impulses_find_ways(run, count);
-    memset(s->state, 0, (size_t)n * sizeof *s->state);
-    lag_conditions_by(run, m->t, m->y, s->state, switches->slope + n, switches->g, switches->rate_inside);
+    lag_impulses_look_at_rest(run);
     s->lu.size = count;
+    for (int i = 0; i < count; ++i)
+        s->impulse[i] = -run->switches.g_inside[lag_gap(run->model, lag_event_of(run->model, s->which[i]))];
     for (int j = 0; j < count; ++j) {
-        lag_conditions_by(run, m->t, m->y, s->way + j * n, switches->slope + n, switches->g, switches->rate);
-        for (int i = 0; i < count; ++i) {
-            const int place = lag_gap(run->model, lag_event_of(run->model, s->which[i]));
-            s->lu.re[i + count * j] = switches->rate[place] - switches->rate_inside[place];
-            s->impulse[i] = -switches->g[place];
-        }
+        lag_impulses_look_along(run, j);
+        for (int i = 0; i < count; ++i)
+            s->lu.re[i + count * j] = lag_impulses_closing(run, i);
     }
     lag_dense_lu_factor(&s->lu);
     lag_dense_lu_solve(&s->lu, s->impulse, NULL);

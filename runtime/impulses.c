@@ -19,14 +19,6 @@ static double *impulse_in_d(const LagRun *run, int reset) { return &run->d[run->
 
 /* -------- ways */
 
-static double largest_of(const double *x, int n)
-{
-    double largest = 0;
-    for (int i = 0; i < n; ++i)
-        largest = lag_max(fabs(x[i]), largest);
-    return largest;
-}
-
 /* slope - slope_without with a force on what is reset, in s->slope. */
 static void difference(LagRun *run, int reset, double force)
 {
@@ -46,7 +38,7 @@ static void find_way(LagRun *run, int reset, double *way)
     const int n = run->model->n;
     double force = 1;
     difference(run, reset, force);
-    const double size = largest_of(s->slope + n, n), other = largest_of(s->slope_without + n, n);
+    const double size = lag_largest(s->slope + n, (size_t)n), other = lag_largest(s->slope_without + n, (size_t)n);
     if (size > 0 && other > 0) {
         force = ldexp(1, ilogb(LARGE * other / size));
         difference(run, reset, force);
@@ -100,20 +92,35 @@ static void solve(LagRun *run, int count)
     lag_dense_lu_solve(&s->lu, s->impulse, NULL);
 }
 
+/* Conditions and their rates at other rates, where accelerations do not count. */
+static void look_at_conditions(LagRun *run, const double *v, double *rate)
+{
+    LagSwitches *switches = &run->switches;
+    lag_conditions_by(run, run->motion.t, run->motion.y, v, switches->slope + run->model->n, switches->g_inside, rate);
+}
+
+void lag_impulses_look_at_rest(LagRun *run)
+{
+    memset(run->impacts.state, 0, (size_t)run->model->n * sizeof *run->impacts.state);
+    look_at_conditions(run, run->impacts.state, run->switches.rate_inside);
+}
+
+void lag_impulses_look_along(LagRun *run, int k)
+{
+    look_at_conditions(run, run->impacts.way + k * run->model->n, run->switches.rate_begin);
+}
+
+double lag_impulses_closing(const LagRun *run, int k)
+{
+    const int gap = lag_gap(run->model, lag_event_of(run->model, run->impacts.which[k]));
+    return run->switches.rate_begin[gap] - run->switches.rate_inside[gap];
+}
+
 /* How much an impulse of 1 opens the contact of active reset k. */
 static double opening(LagRun *run, int k)
 {
-    LagImpacts *s = &run->impacts;
-    const LagModel *model = run->model;
-    const LagMotion *m = &run->motion;
-    LagSwitches *switches = &run->switches;
-    const int gap = lag_gap(model, lag_event_of(model, s->which[k]));
-    const double *slope = switches->slope + m->n;
-    memset(s->state, 0, (size_t)m->n * sizeof *s->state);
-    lag_conditions_by(run, m->t, m->y, s->state, slope, switches->g_inside, switches->rate_inside);
-    const double still = switches->rate_inside[gap];
-    lag_conditions_by(run, m->t, m->y, s->way + k * m->n, slope, switches->g_inside, switches->rate_inside);
-    return still - switches->rate_inside[gap];
+    lag_impulses_look_along(run, k);
+    return -lag_impulses_closing(run, k);
 }
 
 /* Leaves out the contact that pulls most. Returns whether one did. */
@@ -122,7 +129,10 @@ static int leave_out(LagRun *run, int *count)
     LagImpacts *s = &run->impacts;
     int worst = -1;
     double most = 0;
-    for (int i = 0; i < *count && *count > 1; ++i) {
+    if (*count < 2)
+        return 0;
+    lag_impulses_look_at_rest(run);
+    for (int i = 0; i < *count; ++i) {
         const double opens = lag_is_contact(run->model, s->which[i]) ? s->impulse[i] * opening(run, i) : 0;
         if (opens < most) {
             most = opens;

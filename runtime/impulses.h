@@ -10,6 +10,12 @@ void lag_impulses_look(LagRun *run, const double *v, double *rate, double *wante
 /* The ways of the `count` resets in impacts.which: into impacts.way. */
 void lag_impulses_find_ways(LagRun *run, int count);
 
+/* The rates of conditions where nothing moves but supports, into switches.rate_inside (conditions into g_inside); along way k as well,
+ * into rate_begin; and, after both, how much an impulse of 1 along that way closes the contact of the reset impacts.which[k]. */
+void lag_impulses_look_at_rest(LagRun *run);
+void lag_impulses_look_along(LagRun *run, int k);
+double lag_impulses_closing(const LagRun *run, int k);
+
 /* Resets the rates of the events in impacts.fires, from impacts.rate to impacts.wanted. */
 void lag_impulses_reset(LagRun *run);
 
