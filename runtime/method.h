@@ -34,7 +34,7 @@ typedef struct {
     void (*interpolate)(void *self, LagMotion *motion, double t, double *y);
 
     int holds_switches; /* of conditions on the state, through each step */
-    int slides;         /* steps where forces that jump hold the motion at their jump: by accelerations alone */
+    int most_sliding;   /* so many forces that jump may hold the motion at their jumps in a step */
 } LagMethod;
 
 #endif

@@ -24,6 +24,7 @@ static void layout(void *self, const LagMotion *m, LagArena *arena)
     const LagRun *run = m->context;
     const size_t n = (size_t)m->n, all = LAG_RADAU_STAGES * n;
     lag_implicit_matrix_layout(&s->matrix, run->model, LAG_RADAU_PAIRS, arena);
+    lag_border_layout(&s->border, m, LAG_RADAU_PAIRS, arena);
     lag_collocation_layout(&s->trial, m, arena);
     lag_collocation_layout(&s->last, m, arena);
     s->slope = lag_take(arena, (size_t)m->size);
@@ -201,4 +202,4 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate, 1, 0};
+const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate, 1, LAG_MOST_BORDER};

@@ -2,6 +2,7 @@
 #ifndef LAG_RADAU_H
 #define LAG_RADAU_H
 
+#include "border.h"
 #include "collocation.h"
 #include "implicit_matrix.h"
 #include "method.h"
@@ -10,6 +11,7 @@ typedef struct {
     const LagRadauTableau *tableau; /* of the next step */
     int since_change;               /* steps since it was chosen */
     LagImplicitMatrix matrix;
+    LagBorder border;               /* of what slides */
     int jacobian_is_known, jacobian_is_fresh; /* at some state; at the present one */
     double factored;                          /* step that the factors are for; 0: none */
     const LagRadauTableau *factored_tableau;

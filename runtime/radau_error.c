@@ -14,7 +14,7 @@ static void filter(LagRadau *s, int n, double mu, const double *place, double *f
 {
     for (int k = 0; k < n; ++k)
         s->w_im[k] = place[k] / mu;
-    lag_implicit_matrix_solve(&s->matrix, 0, force, NULL, s->w_im, s->error + n, NULL);
+    lag_border_solve(&s->border, &s->matrix, 0, force, NULL, s->w_im, s->error + n, NULL);
     for (int k = 0; k < n; ++k)
         s->error[k] = (place[k] + s->error[n + k]) / mu;
 }

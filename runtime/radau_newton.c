@@ -34,20 +34,27 @@ double lag_radau_unit(const LagRadau *s, const LagMotion *m, const LagScale *sca
     return fmax(lag_scale_unit(scale, i, m->y, y_new), resolution);
 }
 
+static void factor(LagRadau *s, int which, double mu_re, double mu_im)
+{
+    lag_implicit_matrix_factor(&s->matrix, which, mu_re, mu_im);
+    lag_border_factor(&s->border, &s->matrix, which, mu_re, mu_im);
+}
+
 int lag_radau_prepare(LagRadau *s, LagRun *run, double h)
 {
     const double *mu = s->tableau->eigenvalue;
     if (!s->jacobian_is_known) {
-        if (!lag_jacobian(run, run->motion.t, run->motion.y, &s->matrix))
+        if (!lag_jacobian(run, run->motion.t, run->motion.y, &s->matrix)
+            || !lag_border_find(&s->border, run, run->motion.t, run->motion.y))
             return 0;
         s->jacobian_is_known = s->jacobian_is_fresh = 1;
         s->factored = 0;
     }
     if (fabs(s->factored - h) <= 1e-9 * h && s->factored_tableau == s->tableau)
         return 1;
-    lag_implicit_matrix_factor(&s->matrix, 0, mu[0] / h, 0);
+    factor(s, 0, mu[0] / h, 0);
     for (int k = 1; k <= s->tableau->pairs; ++k)
-        lag_implicit_matrix_factor(&s->matrix, k, mu[2 * k - 1] / h, mu[2 * k] / h);
+        factor(s, k, mu[2 * k - 1] / h, mu[2 * k] / h);
     s->factored = h;
     s->factored_tableau = s->tableau;
     run->statistics.factorisations += 1 + s->tableau->pairs;
@@ -129,12 +136,12 @@ static void solve_systems(LagRadau *s, int n)
 {
     memset(s->change, 0, (size_t)(s->tableau->stages * n) * sizeof *s->change);
     transform(s, 0, n, s->w_re);
-    lag_implicit_matrix_solve(&s->matrix, 0, s->w_re, NULL, NULL, s->w_re, NULL);
+    lag_border_solve(&s->border, &s->matrix, 0, s->w_re, NULL, NULL, s->w_re, NULL);
     transform_back(s, 0, n, s->w_re);
     for (int k = 1; k <= s->tableau->pairs; ++k) {
         transform(s, 2 * k - 1, n, s->w_re);
         transform(s, 2 * k, n, s->w_im);
-        lag_implicit_matrix_solve(&s->matrix, k, s->w_re, s->w_im, NULL, s->w_re, s->w_im);
+        lag_border_solve(&s->border, &s->matrix, k, s->w_re, s->w_im, NULL, s->w_re, s->w_im);
         transform_back(s, 2 * k - 1, n, s->w_re);
         transform_back(s, 2 * k, n, s->w_im);
     }

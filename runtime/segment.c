@@ -72,7 +72,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
     const int n = motion->n;
     motion->t_old = motion->t;
     const int is_bend = lag_switches_enter(run);
-    if (run->sliding.count > 0 && !run->methods.table->slides)
+    if (run->sliding.count > run->methods.table->most_sliding)
         lag_stiffness_pass(run);
     lag_account_weigh(run);
     if (!lag_motion_slope(motion, motion->t, motion->y, motion->y + n, motion->slope)) {

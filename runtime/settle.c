@@ -73,7 +73,6 @@ static void probe(LagRun *run, double t, const double *y, int count, int j, doub
     LagSliding *s = &run->sliding;
     *lag_share(run, s->which[j]) = s->base[j] + change;
     lag_sliding_rates(run, t, y);
-    note_noise(run);
     for (int k = 0; k < count; ++k)
         s->jump[k + j * count] = (s->rate[s->which[k]] - s->middle[k]) / change;
     *lag_share(run, s->which[j]) = s->base[j];
@@ -97,8 +96,20 @@ static double force_of_size(const LagRun *run)
     return most > 0 && most < INFINITY ? most : 1;
 }
 
-/* The jumps of all `count` candidates, around shares of 1/2; of contacts from no force on, by one of the size that is needed. */
-static void find_jumps(LagRun *run, double t, const double *y, int count)
+/* What shares of candidate j are measured by. */
+static void find_unit(LagRun *run, double t, const double *y, int count, int j)
+{
+    LagSliding *s = &run->sliding;
+    const int is_jump = lag_may_have_all(run, s->which[j]);
+    if (!is_jump)
+        probe(run, t, y, count, j, 1);
+    s->unit[j] = is_jump ? 1 : force_of_size(run);
+    s->least[j] = is_jump ? 0 : NO_FORCE * s->unit[j];
+}
+
+/* The jumps of all `count` candidates, around shares of 1/2; of contacts from no force on, by one of the size that is needed. What is
+ * large and what is rounding is learned at present states alone: stages of steps that are too long may be anywhere. */
+static void find_jumps(LagRun *run, double t, const double *y, int count, int is_present)
 {
     LagSliding *s = &run->sliding;
     for (int k = 0; k < count; ++k) {
@@ -112,19 +123,20 @@ static void find_jumps(LagRun *run, double t, const double *y, int count)
     for (int k = 0; k < count; ++k)
         s->middle[k] = s->rate[s->which[k]];
     for (int j = 0; j < count; ++j) {
-        const int is_jump = lag_may_have_all(run, s->which[j]);
-        probe(run, t, y, count, j, is_jump ? 0.5 : 1);
-        s->unit[j] = is_jump ? 1 : force_of_size(run);
-        s->least[j] = is_jump ? 0 : NO_FORCE * s->unit[j];
-        if (s->unit[j] != 1)
-            probe(run, t, y, count, j, s->unit[j]);
+        if (is_present)
+            find_unit(run, t, y, count, j);
+        probe(run, t, y, count, j, lag_may_have_all(run, s->which[j]) ? 0.5 : s->unit[j]);
+        if (is_present)
+            note_noise(run);
     }
     for (int k = 0; k < count; ++k) {
-        double *jump = &s->jump[k + k * count], *most = &s->most_jump[s->which[k]];
-        *most = lag_max(fabs(*jump) * s->unit[k], *most);
+        double *jump = &s->jump[k + k * count];
+        const double size = fabs(*jump) * s->unit[k], most = lag_max(size, s->most_jump[s->which[k]]);
+        if (is_present)
+            s->most_jump[s->which[k]] = most;
         s->share[k] = run->switches.held[s->which[k]];
-        const int rests = run->switches.slides[s->which[k]] && fabs(*jump) * s->unit[k] + fabs(s->middle[k]) < VANISHED * *most;
-        *jump = rests ? -VANISHED * *most / s->unit[k] : *jump; /* nothing holds it, or need to: friction may come again */
+        const int rests = run->switches.slides[s->which[k]] && size + fabs(s->middle[k]) < VANISHED * most;
+        *jump = rests ? -VANISHED * most / s->unit[k] : *jump; /* nothing holds it, or need to: friction may come again */
         s->state[k] = *jump < 0 ? SLIDES : GIVEN;
     }
 }
@@ -213,14 +225,17 @@ static int hold(LagRun *run, int count)
     LagSliding *s = &run->sliding;
     int sliding = 0;
     for (int k = 0; k < count; ++k) {
-        const int i = s->which[k], slides = s->state[k] == SLIDES;
+        const int i = s->which[k];
         run->switches.held[i] = *lag_share(run, i) = lag_max(0, lag_min(s->limit[k], s->share[k]));
-        run->switches.slides[i] = slides;
-        if (!slides)
-            continue;
-        s->noise[sliding] = NOISE * size_of(s, count, k);
-        s->which[sliding++] = i;
+        run->switches.slides[i] = s->state[k] == SLIDES;
+        s->noise[k] = NOISE * size_of(s, count, k);
     }
+    for (int k = 0; k < count; ++k)
+        if (s->state[k] == SLIDES) {
+            s->noise[sliding] = s->noise[k];
+            s->unit[sliding] = s->unit[k];
+            s->which[sliding++] = s->which[k];
+        }
     return sliding;
 }
 
@@ -230,7 +245,7 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
     const int count = gather(run, candidates);
     s->count = 0; /* accelerations as the shares say */
     if (count > 0)
-        find_jumps(run, t, y, count);
+        find_jumps(run, t, y, count, 1);
     lag_sliding_end(run);
     if (count == 0)
         return;
@@ -247,7 +262,7 @@ void lag_sliding_refresh(LagRun *run, double t, const double *y)
     LagSliding *s = &run->sliding;
     const int count = s->count;
     s->count = 0; /* accelerations as the shares say */
-    find_jumps(run, t, y, count);
+    find_jumps(run, t, y, count, 0);
     for (int k = 0; k < count; ++k)
         s->state[k] = SLIDES;
     solve(s, count);

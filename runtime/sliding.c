@@ -17,10 +17,16 @@ static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, MOST_RATIO = 0.9;
 static const double MOMENT = 1e-6, DRIFT = 10; /* of a step; of tolerances */
 enum { MOST_TRIES = 12 };
 
+int lag_sliding_most(const LagModel *model)
+{
+    const int possible = model->switches_need_acceleration ? model->n_switches : 0;
+    return possible < 2 * model->n ? possible : 2 * model->n;
+}
+
 void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
 {
     const int possible = model->switches_need_acceleration ? model->n_switches : 0;
-    s->most = possible < 2 * model->n ? possible : 2 * model->n;
+    s->most = lag_sliding_most(model);
     const size_t most = (size_t)s->most, count = (size_t)possible, whole = count > 0 ? (size_t)size : 0;
     s->which = lag_take_ints(arena, most);
     s->state = lag_take_ints(arena, most);

@@ -31,6 +31,9 @@ typedef struct {
     double energy;   /* of what the jumps would set in motion in a second */
 } LagSliding;
 
+/* So many switches of a model can slide at most. */
+int lag_sliding_most(const LagModel *model);
+
 void lag_sliding_layout(LagSliding *sliding, const LagModel *model, int size, LagArena *arena);
 
 /* A run starts. */

@@ -94,7 +94,7 @@ static int is_low(const LagRun *run) { return run->methods.explicit_solver == LA
 /* Series of order p are stable to about 1.35 + 0.37 p. */
 static double rules(const LagRun *run)
 {
-    if (run->stiffness.explicit_solver == LAG_SOLVER_TAYLOR)
+    if (run->stiffness.explicit_solver == LAG_SOLVER_TAYLOR && run->sliding.count == 0)
         return RULES_SERIES * (1.35 + 0.37 * run->methods.taylor.order);
     return is_low(run) ? RULES5 : RULES;
 }
@@ -195,7 +195,7 @@ void lag_stiffness_watch(LagRun *run)
     if (s->passes > 0 && !slides && --s->passes == 0)
         s->next = s->passed;
     ++s->steps;
-    if (!s->is_watching || s->passes > 0 || slides)
+    if (!s->is_watching || (s->passes > 0 && !slides))
         return;
     if (run->methods.solver == LAG_SOLVER_IMPLICIT)
         watch_implicit(run);
@@ -224,6 +224,7 @@ int lag_stiffness_turn(LagRun *run)
         return 1;
     if (!restart(run, next))
         return 0;
+    s->passes = 0;
     if (next == s->explicit_solver) {
         const double largest = (s->rate + sqrt(s->rate * s->rate + 4 * lag_max(s->square, 0))) / 2;
         run->step = largest > 0 ? fmin(run->step, 1 / largest) : run->step;
@@ -247,6 +248,8 @@ int lag_stiffness_pass(LagRun *run)
     const int32_t passed = run->methods.solver;
     if (!restart(run, run->methods.explicit_solver))
         return 0;
+    if (run->sliding.count > 0) /* for longer than some steps */
+        begin(run);
     run->stiffness.passed = passed;
     run->stiffness.passes = PASSES;
     return 1;
