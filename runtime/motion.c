@@ -44,6 +44,13 @@ void lag_motion_take(LagMotion *m, double t_new)
     m->t = m->t_end = t_new;
 }
 
+void lag_motion_take_back(LagMotion *m)
+{
+    lag_swap(&m->y, &m->other);
+    lag_swap(&m->carry, &m->other_carry);
+    m->t = m->t_end = m->t_old;
+}
+
 int lag_first_not_finite(const double *x, int n)
 {
     int i = 0;

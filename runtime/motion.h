@@ -41,6 +41,9 @@ void lag_motion_add(LagMotion *motion, const double *step);
 /* The state just tried becomes the present one. */
 void lag_motion_take(LagMotion *motion, double t_new);
 
+/* The state before the latest step becomes the present one again. */
+void lag_motion_take_back(LagMotion *motion);
+
 static inline void lag_swap(double **a, double **b)
 {
     double *const c = *a;

@@ -88,7 +88,6 @@ static void swap_steps(LagRadau *s)
     const LagCollocation last = s->last;
     s->last = s->trial;
     s->trial = last;
-    s->has_last = 1;
 }
 
 /* Takes the step just tried. Returns 0, and takes nothing, when the slope at its end is not finite. */
@@ -101,6 +100,8 @@ static int accept(LagRadau *s, LagMotion *m, double t_new)
     memcpy(s->slope, m->sum, (size_t)m->size * sizeof *s->slope);
     lag_motion_take(m, t_new);
     swap_steps(s);
+    s->had_last = s->has_last;
+    s->has_last = 1;
     return 1;
 }
 
@@ -195,6 +196,20 @@ static LagStatus step(LagRun *run)
     }
 }
 
+/* Between the states that a step solves for its order is lower, and stiff springs make much of what is off there: what happens in a step
+ * is found again at the end of a shorter one. */
+static void take_back(LagRun *run)
+{
+    LagRadau *s = run->methods.self;
+    swap_steps(s);
+    s->has_last = s->had_last;
+    memcpy(s->slope, s->trial.slope, (size_t)run->motion.size * sizeof *s->slope);
+    lag_motion_take_back(&run->motion);
+    --run->statistics.steps;
+    --run->statistics.implicit_steps;
+    ++run->statistics.rejected;
+}
+
 static void interpolate(void *self, LagMotion *m, double t, double *y)
 {
     const LagRadau *s = self;
@@ -202,4 +217,4 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate, 1, LAG_MOST_BORDER};
+const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate, take_back, 1, LAG_MOST_BORDER};

@@ -17,7 +17,7 @@ typedef struct {
     const LagRadauTableau *factored_tableau;
 
     LagCollocation trial, last; /* the step being tried, and the one before */
-    int has_last;
+    int has_last, had_last; /* the latter: before the latest step */
     double *slope;              /* size: dy/dt at the present state */
     double *place;              /* stages x n: positions minus those at the beginning */
     double *force;              /* stages x n: accelerations */

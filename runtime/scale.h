@@ -22,7 +22,7 @@ typedef struct {
     double *group;        /* 2 kinds: largest magnitude of a kind, positions then rates */
     double *noise;        /* n: uncertainty of the accelerations by rounding */
     double *onset;        /* n: that of the loads to come, where nothing moves yet; noise is at least as large */
-    double reach;         /* length of the latest step, where stability bounds it; 0: implicit steps */
+    double reach;         /* length of the latest step, where stability bounds it, or something slides; 0: other implicit steps */
     double *motion, *change; /* kinds: scratch of lag_slowness */
 } LagScale;
 

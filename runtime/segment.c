@@ -8,6 +8,7 @@
 #include "function.h"
 #include "onset.h"
 #include "schedule.h"
+#include "step.h"
 
 static const double FIRST_PART = 0.1; /* of what is left: no first step is longer */
 static const double MILD = 10; /* steps in which accelerations change by about themselves */
@@ -86,7 +87,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
         run->calm_step = fmin(run->calm_step, run->step);
     run->is_starting = 1;
     run->methods.table->restart(run->methods.self, motion);
-    lag_scale_set_step(&run->scale, run->step, run->methods.solver == LAG_SOLVER_IMPLICIT);
+    lag_step_set_units(run, run->step);
     return LAG_OK;
 }
 

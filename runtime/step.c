@@ -39,6 +39,11 @@ static void note_state(LagRun *run)
         lag_account_glance(run);
 }
 
+void lag_step_set_units(LagRun *run, double h)
+{
+    lag_scale_set_step(&run->scale, h, run->methods.solver == LAG_SOLVER_IMPLICIT && run->sliding.count == 0);
+}
+
 void lag_step_record(LagRun *run, double h)
 {
     LagStatistics *s = &run->statistics;
@@ -48,7 +53,7 @@ void lag_step_record(LagRun *run, double h)
     run->segment_over = run->motion.t == run->segment_end;
     if (run->model->n_switches == 0) /* else the end may lie beyond an event */
         note_state(run);
-    lag_scale_set_step(&run->scale, h, run->methods.solver == LAG_SOLVER_IMPLICIT);
+    lag_step_set_units(run, h);
 }
 
 LagStatus lag_step_give_up(LagRun *run, int worst)

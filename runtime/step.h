@@ -19,6 +19,9 @@ double lag_step_aim(const LagRun *run);
 /* Shorter steps do not move t. */
 double lag_step_smallest(double t);
 
+/* Errors are to be measured for steps of length h. */
+void lag_step_set_units(LagRun *run, double h);
+
 /* Notes the step of length h that was just accepted. */
 void lag_step_record(LagRun *run, double h);
 

@@ -19,7 +19,8 @@ static const double RULES = 3.5, RULES5 = 2, RULES_SERIES = 0.95, FAR = 1 / 3.5,
 enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIOUS_INTERVAL = 9 };
 /* A trial of implicit steps costs as much as 75 steps by series of a small scene. */
 enum { SUSPICIONS = 8, SUSPICIONS_SERIES = 24 };
-enum { TRIAL = 16, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, PASSES = 4, STAGES = 12, STAGES5 = 6 };
+/* After an event, steps are short at first. */
+enum { TRIAL = 16, TRIAL_AFTER_EVENT = 64, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, PASSES = 4, STAGES = 12, STAGES5 = 6 };
 
 void lag_stiffness_layout(LagStiffness *s, int n, int size, LagArena *arena)
 {
@@ -89,19 +90,22 @@ static double radius(LagRun *run)
 
 /* -------- work */
 
+/* Whether series take turns with implicit steps: they leave what slides to others. */
+static int is_series(const LagRun *run) { return run->stiffness.explicit_solver == LAG_SOLVER_TAYLOR && run->sliding.count == 0; }
+
 static int is_low(const LagRun *run) { return run->methods.explicit_solver == LAG_SOLVER_ERK5; }
 
 /* Series of order p are stable to about 1.35 + 0.37 p. */
 static double rules(const LagRun *run)
 {
-    if (run->stiffness.explicit_solver == LAG_SOLVER_TAYLOR && run->sliding.count == 0)
+    if (is_series(run))
         return RULES_SERIES * (1.35 + 0.37 * run->methods.taylor.order);
     return is_low(run) ? RULES5 : RULES;
 }
 
 static int most_suspicions(const LagRun *run)
 {
-    return run->stiffness.explicit_solver == LAG_SOLVER_TAYLOR ? SUSPICIONS_SERIES : SUSPICIONS;
+    return is_series(run) ? SUSPICIONS_SERIES : SUSPICIONS;
 }
 
 static double explicit_step_work(const LagRun *run)
@@ -132,6 +136,7 @@ static void begin(LagRun *run)
     s->steps = s->suspicions = 0;
     s->t = run->motion.t;
     s->work = work(run);
+    s->events = run->statistics.events;
     s->interval = s->look = first_look(run);
 }
 
@@ -173,7 +178,7 @@ static void watch_explicit(LagRun *run)
 static void watch_implicit(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
-    if (s->steps < TRIAL)
+    if (s->steps < (run->statistics.events > s->events ? TRIAL_AFTER_EVENT : TRIAL))
         return;
     const double pace = (run->motion.t - s->t) / (work(run) - s->work), largest = radius(run);
     const double possible = largest > 0 ? rules(run) / largest / explicit_step_work(run) : INFINITY;
@@ -230,7 +235,7 @@ int lag_stiffness_turn(LagRun *run)
         run->step = largest > 0 ? fmin(run->step, 1 / largest) : run->step;
     }
     begin(run);
-    return 1;
+    return run->sliding.count <= run->methods.table->most_sliding || lag_stiffness_pass(run);
 }
 
 int lag_stiffness_leave_series(LagRun *run)

@@ -20,6 +20,7 @@ typedef struct {
     int look, interval;     /* the step to look at next; steps between looks */
     int wait, penalty;      /* steps before the implicit method is tried again; the same after it fails next time */
     double t, work;         /* when the present stretch began */
+    int64_t events;         /* until then */
     double pace;            /* time gained per work by the explicit method, before the implicit one took over */
     double square, rate;    /* largest eigenvalues of accelerations by positions, and by rates */
     double *place_way, *rate_way; /* n: their eigenvectors */

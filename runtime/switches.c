@@ -20,7 +20,8 @@
 
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
 static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
-enum { HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
+static const double AT_END = 1e-3; /* of a step: near enough to one of its ends */
+enum { MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
 
 void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
 {
@@ -40,7 +41,7 @@ void lag_switches_forget(LagRun *run) { memset(run->switches.turned, 0, (size_t)
 void lag_switches_start_anew(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    s->is_live = s->live_steps = s->hurried = 0;
+    s->is_live = s->live_steps = s->hurried = s->again = 0;
     s->resolved = 0;
     s->unlooked = 0;
     s->spell = FIRST_SPELL;
@@ -264,6 +265,24 @@ void lag_switches_resolve(LagRun *run)
     run->segment_over |= run->sliding.count > 0; /* what is held now is another motion */
 }
 
+/* Takes the step back, where its end tells more than its dense output: the next one ends at the share x of it. Returns whether it
+ * was. */
+static int step_again(LagRun *run, double x)
+{
+    LagSwitches *s = &run->switches;
+    LagMotion *m = &run->motion;
+    const LagMethod *method = run->methods.table;
+    const double h = m->t - m->t_old;
+    if (!method->take_back || !(x > AT_END && x < 1 - AT_END) || s->again == MOST_AGAIN)
+        return 0;
+    ++s->again;
+    method->take_back(run);
+    lag_conditions_with_rates(run, m->t, m->y, s->g, s->rate);
+    run->segment_over = 0;
+    run->step = x * h;
+    return 1;
+}
+
 static void watch_held(LagRun *run)
 {
     LagSwitches *s = &run->switches;
@@ -271,12 +290,15 @@ static void watch_held(LagRun *run)
     lag_swap(&s->rate, &s->rate_begin);
     const double x = lag_crossing_find(run);
     if (x == LAG_NOWHERE) {
-        s->hurried = 0;
+        s->hurried = s->again = 0;
         run->segment_over |= !lag_sliding_lasts(run);
         return;
     }
+    if (step_again(run, x))
+        return;
     if (x < 1)
         lag_go_back(run, lag_crossing_time(run, x));
+    s->again = 0;
     turn(run);
     run->segment_over = 1;
 }

@@ -15,6 +15,7 @@ typedef struct {
     int spell;      /* so many, the next time that one of them changes to and fro */
     int last;       /* the one that changed latest; -1: none */
     int hurried;    /* steps in a row in which it did */
+    int again;      /* steps in a row that were taken back for a shorter one */
     int unlooked;   /* steps since one was looked at in between */
     double resolved; /* length of a step that is short enough for conditions to be simple in it */
     double *held;                              /* n_switches: 1 or 0 */
