@@ -79,7 +79,7 @@ void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g
 void lag_conditions_disturb(const LagRun *run, const double *y, double share, int pattern, double *state)
 {
     for (int i = 0; i < 2 * run->model->n; ++i) {
-        const double sign = (i >> pattern) % 2 == 0 ? 1 : -1;
+        const double sign = pattern == 0 || (i >> (pattern - 1)) % 2 == 0 ? 1 : -1;
         state[i] = y[i] + sign * share * lag_scale_unit(&run->scale, i, y, y);
     }
 }

@@ -10,6 +10,7 @@
 #include "evaluate.h"
 #include "extremes.h"
 #include "impulses.h"
+#include "rubs.h"
 #include "schedule.h"
 #include "state.h"
 
@@ -144,7 +145,9 @@ void lag_contacts_put_back(LagRun *run)
     const int n = m->n, count = find_drifted(run);
     if (count == 0)
         return;
+    lag_rubs_let_go(run);
     lag_impulses_find_ways(run, count);
+    lag_switches_recall(run);
     lag_impulses_look_at_rest(run);
     s->lu.size = count;
     for (int i = 0; i < count; ++i)

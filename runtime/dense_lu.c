@@ -7,6 +7,7 @@ void lag_dense_lu_layout(LagDenseLu *lu, int size, int is_complex, LagArena *are
 {
     const size_t n = (size_t)size;
     lu->size = size;
+    lu->dependent = LAG_DEPENDENT;
     lu->re = lag_take(arena, n * n);
     lu->im = is_complex ? lag_take(arena, n * n) : NULL;
     lu->scale = lag_take(arena, n);
@@ -135,7 +136,7 @@ void lag_dense_lu_factor(LagDenseLu *lu)
     for (int k = 0; k < lu->size; ++k) {
         double size;
         const int best = best_pivot(lu, r, k, &size);
-        lu->pivot[k] = size > LAG_DEPENDENT * largest_of_column(lu, k) ? best : -1;
+        lu->pivot[k] = size > lu->dependent * largest_of_column(lu, k) ? best : -1;
         if (lu->pivot[k] < 0)
             continue;
         if (best != r)

@@ -9,11 +9,13 @@
 
 #include "arena.h"
 
+
 /* Pivots smaller than this, compared with the largest entry of their column, are rounding. */
 #define LAG_DEPENDENT 1e-13
 
 typedef struct {
     int size;
+    double dependent; /* LAG_DEPENDENT, or what is set after layout */
     double *re, *im; /* size x size, column-major: the matrix, then its factors; im is NULL when it is real */
     double *scale;   /* size: 1 / largest entry of the row */
     int *pivot;      /* size: row that changed places with the pivot's; -1: the column has no pivot */

@@ -73,9 +73,8 @@ typedef int (*Way)(LagRun *run, double t, const double *q, const double *v, doub
 /* With the shares of what slides. */
 static int sliding(LagRun *run, Way way, double t, const double *q, const double *v, double *a, double *power)
 {
-    const int slides = run->sliding.count > 0 && !run->switches.is_live;
     for (int tries = 0; way(run, t, q, v, a, power); ++tries) {
-        const LagShares shares = slides ? lag_sliding_correct(run, tries, t, q, v, a) : LAG_SHARES_KEPT;
+        const LagShares shares = run->sliding.count > 0 ? lag_sliding_correct(run, tries, t, q, v, a) : LAG_SHARES_KEPT;
         if (shares != LAG_SHARES_CHANGED)
             return shares == LAG_SHARES_KEPT;
         ++run->motion.evaluations;
@@ -137,7 +136,7 @@ void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
     }
     lag_call(&model->outputs, in, &outputs, run->work);
     if (is_live)
-        lag_switches_set_free(run);
+        lag_switches_set_free(run, t, y);
 }
 
 int lag_kick(LagRun *run, double t, double *y)

@@ -30,6 +30,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->rate_after = lag_take(arena, resets);
     s->way = lag_take(arena, resets * (size_t)model->n);
     s->impulse = lag_take(arena, resets);
+    s->after = lag_take(arena, resets > 0 ? (size_t)model->n : 0);
     s->state = lag_take(arena, whole);
     s->slope = lag_take(arena, whole);
     s->slope_without = lag_take(arena, whole);

@@ -15,6 +15,7 @@ typedef struct {
     double *rate, *wanted, *rate_after; /* n_resets */
     double *way;     /* n_resets x n: change of the rates by an impulse of 1 */
     double *impulse; /* n_resets */
+    double *after;   /* n: rates after them */
     double *state, *slope, *slope_without; /* size */
     LagDenseLu lu;   /* changes of what is reset by impulses of 1 */
     double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */

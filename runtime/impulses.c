@@ -10,6 +10,7 @@
 #include "evaluate.h"
 #include "extremes.h"
 #include "function.h"
+#include "rubs.h"
 #include "state.h"
 
 /* Forces that a way is looked for with are so much larger than all others. */
@@ -146,26 +147,37 @@ static int leave_out(LagRun *run, int *count)
     return 1;
 }
 
-/* The energy that impulses take, by Kelvin's theorem (each works along the mean of its rates before and after), is dissipated;
- * what they add is work. */
-static void count_energy(LagRun *run, int count)
+static double kinetic_energy(LagRun *run)
+{
+    double energies[3];
+    lag_energies(run, run->motion.t, run->motion.y, energies);
+    return energies[0];
+}
+
+/* By Kelvin's theorem: each works along the mean of its rates before and after. */
+static double energy_taken(LagRun *run, int count)
 {
     const LagImpacts *s = &run->impacts;
     double lost = 0;
     lag_impulses_look(run, run->motion.y + run->model->n, s->rate_after, s->lu.scale);
     for (int i = 0; i < count; ++i)
         lost -= s->impulse[i] * (s->rate[s->which[i]] + s->rate_after[s->which[i]]) / 2;
+    return lost;
+}
+
+/* The energy that impulses take is dissipated; what they add is work. */
+static void count_energy(LagRun *run, double lost)
+{
     if (run->model->n_power != 2 || !(lost > 0))
         return;
     run->motion.y[2 * run->model->n] += lost;
     run->energy_before -= lost;
 }
 
-void lag_impulses_reset(LagRun *run)
+int lag_impulses_solve(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
     const LagModel *model = run->model;
-    double *v = run->motion.y + model->n;
     int count = 0;
     for (int j = 0; j < model->n_resets; ++j)
         if (s->fires[lag_event_of(model, j)])
@@ -173,9 +185,24 @@ void lag_impulses_reset(LagRun *run)
     solve(run, count);
     while (leave_out(run, &count))
         solve(run, count);
+    memcpy(s->after, run->motion.y + model->n, (size_t)model->n * sizeof *s->after);
     for (int k = 0; k < count; ++k)
         for (int i = 0; i < model->n; ++i)
-            v[i] += s->way[i + k * model->n] * s->impulse[k];
-    memset(run->motion.carry + model->n, 0, (size_t)model->n * sizeof *v);
-    count_energy(run, count);
+            s->after[i] += s->way[i + k * model->n] * s->impulse[k];
+    return count;
+}
+
+void lag_impulses_reset(LagRun *run)
+{
+    const size_t size = (size_t)run->model->n * sizeof(double);
+    double *v = run->motion.y + run->model->n;
+    const int rubs = lag_rubs_act(run), is_live = run->switches.is_live;
+    if (rubs)
+        lag_rubs_settle(run);
+    const int count = lag_impulses_solve(run);
+    const double before = rubs ? kinetic_energy(run) : 0;
+    run->switches.is_live = is_live;
+    memcpy(v, run->impacts.after, size);
+    memset(run->motion.carry + run->model->n, 0, size);
+    count_energy(run, rubs ? before - kinetic_energy(run) : energy_taken(run, count));
 }

@@ -16,6 +16,10 @@ void lag_impulses_look_at_rest(LagRun *run);
 void lag_impulses_look_along(LagRun *run, int k);
 double lag_impulses_closing(const LagRun *run, int k);
 
+/* Impulses of the events in impacts.fires, with friction as the shares in d: the rates after them into impacts.after. Returns how many
+ * there are, in impacts.which. */
+int lag_impulses_solve(LagRun *run);
+
 /* Resets the rates of the events in impacts.fires, from impacts.rate to impacts.wanted. */
 void lag_impulses_reset(LagRun *run);
 

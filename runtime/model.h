@@ -61,11 +61,13 @@ struct LagModel {
     int n_lost; /* coordinates that others give, and that start values are stated for: they follow q, their rates v, at the start */
     int n_switches; /* conditions on the state, which steps hold: they follow the modes in d, 1 where g > 0 and 0 where g < 0 */
     int n_whens;    /* events of conditions: the last of the switches are theirs, three of each: conditions.h */
+    int n_rubs;     /* of friction that presses with the force of contacts */
     int n_resets;   /* rates that they reset, by impulses that follow the switches in d: forces of 1 when a way is looked for */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
     const int *reset_places;    /* 2 n_resets: the event of each, and whether it is a contact, where what rests is held */
+    const int *rubs;            /* 3 n_rubs: the switch of its slip, the event of the contact, whether no other force has the switch */
     int outputs_need_acceleration; /* a or lambda */
     int switches_need_acceleration;
     const int *linear_pattern;     /* NULL unless the equations are linear: see linear_system.h */

@@ -12,13 +12,15 @@
 
 #include "evaluate.h"
 #include "extremes.h"
+#include "rubs.h"
 #include "state.h"
 
 enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
-enum { BLOCKS = 8, MOST_SINGLE = 3 };
+enum { BLOCKS = 8, MOST_SINGLE = 3, MOST_TURNS = 20 };
 /* What of dg/dt is rounding, by its terms: in the choice, and while they slide; what of accelerations is; the share of the largest jump
  * so far that is none. */
 static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON, UNKNOWN = 1024 * DBL_EPSILON, VANISHED = 1e-10;
+static const double NEARLY = 1e-9; /* of the terms of dg/dt */
 static const double NO_FORCE = 1e-13; /* of a force of the size of others: what others hold, a contact does not */
 static const double MOMENT = 1e-3; /* s */
 static const double LITTLE = 1e-3; /* of the largest change of an acceleration by a contact */
@@ -107,38 +109,53 @@ static void find_unit(LagRun *run, double t, const double *y, int count, int j)
     s->least[j] = is_jump ? 0 : NO_FORCE * s->unit[j];
 }
 
-/* The jumps of all `count` candidates, around shares of 1/2; of contacts from no force on, by one of the size that is needed. What is
- * large and what is rounding is learned at present states alone: stages of steps that are too long may be anywhere. */
-static void find_jumps(LagRun *run, double t, const double *y, int count, int is_present)
+/* Shares that a choice begins with. */
+static void begin_shares(LagRun *run, int count)
 {
     LagSliding *s = &run->sliding;
     for (int k = 0; k < count; ++k) {
         const int is_jump = lag_may_have_all(run, s->which[k]);
-        s->base[k] = is_jump ? 0.5 : 0;
+        s->share[k] = run->switches.held[s->which[k]];
         s->limit[k] = is_jump ? 1 : INFINITY;
-        *lag_share(run, s->which[k]) = s->base[k];
+        *lag_share(run, s->which[k]) = is_jump ? 0.5 : 0;
     }
+}
+
+/* The jumps of all `count` candidates, around the shares in d; of contacts by a force of the size that is needed. What is large and
+ * what is rounding is learned at present states alone: stages of steps that are too long may be anywhere. */
+enum { ELSEWHERE, PRESENT, FIRST }; /* the latter: at the present state, with nothing known of it */
+static void find_jumps(LagRun *run, double t, const double *y, int count, int where)
+{
+    LagSliding *s = &run->sliding;
     lag_sliding_rates(run, t, y);
     memcpy(s->slope_without, run->switches.slope, 2 * (size_t)run->model->n * sizeof *y);
-    for (int k = 0; k < count; ++k)
+    for (int k = 0; k < count; ++k) {
         s->middle[k] = s->rate[s->which[k]];
+        s->base[k] = *lag_share(run, s->which[k]);
+    }
     for (int j = 0; j < count; ++j) {
-        if (is_present)
+        if (where == FIRST)
             find_unit(run, t, y, count, j);
-        probe(run, t, y, count, j, lag_may_have_all(run, s->which[j]) ? 0.5 : s->unit[j]);
-        if (is_present)
+        probe(run, t, y, count, j, !lag_may_have_all(run, s->which[j]) ? s->unit[j] : s->base[j] > 0.5 ? -0.5 : 0.5);
+        if (where != ELSEWHERE)
             note_noise(run);
     }
     for (int k = 0; k < count; ++k) {
         double *jump = &s->jump[k + k * count];
         const double size = fabs(*jump) * s->unit[k], most = lag_max(size, s->most_jump[s->which[k]]);
-        if (is_present)
+        if (where != ELSEWHERE)
             s->most_jump[s->which[k]] = most;
-        s->share[k] = run->switches.held[s->which[k]];
         const int rests = run->switches.slides[s->which[k]] && size + fabs(s->middle[k]) < VANISHED * most;
         *jump = rests ? -VANISHED * most / s->unit[k] : *jump; /* nothing holds it, or need to: friction may come again */
-        s->state[k] = *jump < 0 ? SLIDES : GIVEN;
     }
+}
+
+/* Those that nothing is known of: whether they act on their own g. */
+static void begin_states(LagSliding *s, int count, int is_first)
+{
+    for (int k = 0; k < count; ++k)
+        if (is_first || s->state[k] == GIVEN || s->jump[k + k * count] >= 0)
+            s->state[k] = s->jump[k + k * count] < 0 ? SLIDES : GIVEN;
 }
 
 /* dg/dt of candidate k by those that do not slide alone, or by all. */
@@ -219,15 +236,63 @@ static int pivot(LagSliding *s, int count)
     return changes == 0;
 }
 
-/* Shares into d and what the switches hold, and those that slide to the front of `which`. Returns how many do. */
+/* What does not act on its own g is at the end where that goes; where it goes nowhere, where it is. */
+static void let_go(LagSliding *s, int count)
+{
+    for (int k = 0; k < count; ++k) {
+        const double rate = rate_of(s, count, k, 1), g = s->g[s->which[k]];
+        const int goes = fabs(rate) > ROUNDING * size_of(s, count, k);
+        if (s->state[k] == GIVEN && s->limit[k] < INFINITY && (goes || g != 0))
+            s->share[k] = goes ? rate > 0 : g > 0;
+    }
+}
+
+/* Shares into d. */
+static void set_shares(const LagRun *run, int count)
+{
+    const LagSliding *s = &run->sliding;
+    for (int k = 0; k < count; ++k)
+        *lag_share(run, s->which[k]) = lag_max(0, lag_min(s->limit[k], s->share[k]));
+}
+
+/* Whether rates at the shares in d are what jumps make them out to be: they are not where friction presses with the force of a contact,
+ * which is a product of two shares. */
+static int is_linear(LagRun *run, double t, const double *y, int count)
+{
+    const LagSliding *s = &run->sliding;
+    lag_sliding_rates(run, t, y);
+    for (int k = 0; k < count; ++k)
+        if (fabs(s->rate[s->which[k]] - rate_of(s, count, k, 1)) > NEARLY * size_of(s, count, k))
+            return 0;
+    return 1;
+}
+
+/* States and shares of `count` candidates; returns whether they are right. */
+static int choose(LagRun *run, double t, const double *y, int count)
+{
+    LagSliding *s = &run->sliding;
+    for (int turn = 1;; ++turn) { /* Newton's iterations, where shares are multiplied: what rubs has no jump before contacts press */
+        const int may_end = turn > 1 || run->model->n_rubs == 0;
+        begin_states(s, count, turn == 1);
+        const int is_right = pivot(s, count);
+        let_go(s, count);
+        set_shares(run, count);
+        if (!is_right || turn == MOST_TURNS || (may_end && is_linear(run, t, y, count)))
+            return is_right && turn < MOST_TURNS;
+        find_jumps(run, t, y, count, PRESENT);
+    }
+}
+
+/* What the switches hold, and those that slide to the front of `which`. Returns how many do. */
 static int hold(LagRun *run, int count)
 {
     LagSliding *s = &run->sliding;
     int sliding = 0;
     for (int k = 0; k < count; ++k) {
         const int i = s->which[k];
-        run->switches.held[i] = *lag_share(run, i) = lag_max(0, lag_min(s->limit[k], s->share[k]));
+        run->switches.held[i] = *lag_share(run, i);
         run->switches.slides[i] = s->state[k] == SLIDES;
+        run->switches.is_idle[i] = s->state[k] == GIVEN && s->jump[k + k * count] == 0 && lag_rubs_alone(run->model, i);
         s->noise[k] = NOISE * size_of(s, count, k);
     }
     for (int k = 0; k < count; ++k)
@@ -244,13 +309,15 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
     LagSliding *s = &run->sliding;
     const int count = gather(run, candidates);
     s->count = 0; /* accelerations as the shares say */
-    if (count > 0)
-        find_jumps(run, t, y, count, 1);
+    if (count > 0) {
+        begin_shares(run, count);
+        find_jumps(run, t, y, count, FIRST);
+    }
     lag_sliding_end(run);
     if (count == 0)
         return;
     note_energy(run, t, y);
-    const int is_right = pivot(s, count), sliding = hold(run, count);
+    const int is_right = choose(run, t, y, count), sliding = hold(run, count);
     if (is_right)
         s->count = sliding;
     else /* step control makes the best of it */
@@ -262,7 +329,7 @@ void lag_sliding_refresh(LagRun *run, double t, const double *y)
     LagSliding *s = &run->sliding;
     const int count = s->count;
     s->count = 0; /* accelerations as the shares say */
-    find_jumps(run, t, y, count, 0);
+    find_jumps(run, t, y, count, ELSEWHERE);
     for (int k = 0; k < count; ++k)
         s->state[k] = SLIDES;
     solve(s, count);

@@ -15,6 +15,8 @@
  * a change is not as large as the one before. */
 static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, MOST_RATIO = 0.9;
 static const double MOMENT = 1e-6, DRIFT = 10; /* of a step; of tolerances */
+/* Pivots below this are those of shares that hold the same: corners of a box that is all but flat. */
+static const double DEPENDENT = 1e-9;
 enum { MOST_TRIES = 12 };
 
 int lag_sliding_most(const LagModel *model)
@@ -50,6 +52,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->slope_before = lag_take(arena, whole);
     s->slope_without = lag_take(arena, whole);
     lag_dense_lu_layout(&s->lu, s->most, 0, arena);
+    s->lu.dependent = DEPENDENT;
 }
 
 void lag_sliding_reset(LagRun *run)
@@ -69,6 +72,7 @@ void lag_sliding_end(LagRun *run)
     run->sliding.count = run->sliding.is_lost = 0;
     run->sliding.energy = 0;
     memset(run->switches.slides, 0, (size_t)run->model->n_switches * sizeof *run->switches.slides);
+    memset(run->switches.is_idle, 0, (size_t)run->model->n_switches * sizeof *run->switches.is_idle);
 }
 
 double *lag_share(const LagRun *run, int i) { return &run->d[run->model->n_modes + i]; }

@@ -32,6 +32,7 @@ void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagAre
         *vectors[i] = lag_take(arena, count);
     s->turned = lag_take_ints(arena, count);
     s->slides = lag_take_ints(arena, count);
+    s->is_idle = lag_take_ints(arena, count);
     s->state = lag_take(arena, count > 0 ? (size_t)size : 0);
     s->slope = lag_take(arena, count > 0 ? (size_t)size : 0);
 }
@@ -82,15 +83,19 @@ void lag_switches_settle(LagRun *run, double t, const double *y)
     memcpy(s->g, s->g_inside, (size_t)run->model->n_switches * sizeof *s->g);
     lag_conditions_find_unknown(run, t, y);
     for (int i = 0; i < run->model->n_switches; ++i)
-        s->turned[i] = i < lag_when(run->model, 0) && fabs(s->g[i]) <= lag_conditions_error(run, s->unknown[i]);
+        s->turned[i] = i < lag_when(run->model, 0) ? fabs(s->g[i]) <= lag_conditions_error(run, s->unknown[i]) : s->slides[i];
     lag_sliding_settle(run, t, y, s->turned);
     lag_switches_forget(run);
 }
 
-void lag_switches_set_free(LagRun *run)
+void lag_switches_set_free(LagRun *run, double t, const double *y)
 {
-    run->switches.is_live = 1;
-    lag_sliding_end(run);
+    LagSwitches *s = &run->switches;
+    s->is_live = 1;
+    for (int i = 0; i < run->model->n_switches; ++i)
+        s->turned[i] = i >= lag_when(run->model, 0) && s->slides[i];
+    lag_sliding_settle(run, t, y, s->turned);
+    lag_switches_forget(run);
 }
 
 void lag_switches_recall(LagRun *run)
@@ -180,6 +185,9 @@ int lag_switches_enter(LagRun *run)
     for (int i = 0; i < run->model->n_switches; ++i)
         if (s->turned[i] && !s->slides[i] && !lag_is_event(run->model, i)) /* what is left of it is rounding */
             s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]);
+    for (int i = 0; i < run->model->n_switches; ++i)
+        if (s->is_idle[i])
+            s->unknown[i] = INFINITY;
     lag_switches_forget(run);
     return turned;
 }
@@ -231,7 +239,8 @@ int lag_switches_note(LagRun *run)
         lag_conditions(run, run->motion.t, run->motion.y, s->g, s->rate);
     for (int i = 0; i < run->model->n_switches; ++i) {
         const double depth = lag_depth(s, i, s->g);
-        const int changes = lag_is_event(run->model, i) ? has_come(run, i, depth) : depth <= (s->slides[i] ? END_OF_SHARE : 0);
+        const int is_at_end = !s->is_idle[i] && depth <= (s->slides[i] ? END_OF_SHARE : 0);
+        const int changes = lag_is_event(run->model, i) ? has_come(run, i, depth) : is_at_end;
         const int has_more = lag_may_have_all(run, i) && *lag_share(run, i) > 0.5;
         s->turned[i] = !changes ? LAG_STAYS : !s->slides[i] ? LAG_CHANGES : has_more ? LAG_TO_1 : LAG_TO_0;
         first = first < 0 && changes ? i : first;
@@ -239,11 +248,20 @@ int lag_switches_note(LagRun *run)
     return first;
 }
 
-/* One that changes in step after short step is left to step control for a while. */
+static int comes_event(const LagRun *run)
+{
+    for (int i = lag_when(run->model, 0); i < run->model->n_switches; ++i)
+        if (run->switches.turned[i])
+            return 1;
+    return 0;
+}
+
+/* One that changes in step after short step is left to step control for a while; but what nothing moves is on both sides of its place at
+ * every event. */
 static void turn(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    const int first = lag_switches_note(run), is_event = first >= lag_when(run->model, 0);
+    const int first = lag_switches_note(run), is_event = comes_event(run);
     const double since = run->motion.t - run->motion.t_old;
     const int stands = since <= lag_time_resolution(run->motion.t), is_soon = since < SOON * run->statistics.largest_step;
     s->hurried = !is_event && (stands || (first == s->last && is_soon)) ? s->hurried + 1 : 0;

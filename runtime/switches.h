@@ -25,6 +25,7 @@ typedef struct {
     double *state, *slope;                     /* at some time inside it */
     int *turned;                               /* those that change at the present time */
     int *slides;                               /* n_switches: held where forces jump: see sliding.h */
+    int *is_idle;                              /* n_switches: nothing depends on them before the next event */
 } LagSwitches;
 
 void lag_switches_layout(LagSwitches *switches, const LagModel *model, int size, LagArena *arena);
@@ -44,9 +45,10 @@ int lag_switches_enter(LagRun *run);
 /* Sets them as they are at a state. */
 void lag_switches_set(LagRun *run, double t, const double *q, const double *v);
 
-/* Where no step holds them: sets them as they are at a state, with the shares of what slides; and leaves them to the state again. */
+/* Where no step holds them: sets them as they are at a state, with the shares of what slides; and leaves them to the state again, but
+ * for what rests at contacts. */
 void lag_switches_settle(LagRun *run, double t, const double *y);
-void lag_switches_set_free(LagRun *run);
+void lag_switches_set_free(LagRun *run, double t, const double *y);
 
 /* Sets them as they are held. */
 void lag_switches_recall(LagRun *run);

@@ -48,8 +48,10 @@ ORDER = """
     algebra
     numbering
     casadi_algebra
+    events
     evaluation
     edges
+    consequences
     graph
     joints
     closures

@@ -12,6 +12,7 @@ from typing import Any, Protocol, TypeAlias
 from lagrangia.algebra import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
 from lagrangia.algorithms import FlatFunction
 from lagrangia.diagnostics import Span, fail
+from lagrangia.events import contact_of, name_of_contact
 from lagrangia.flat import FlatModel
 from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpression, Local, Number, Ref, String, Time, Unary
 
@@ -159,6 +160,8 @@ class Evaluator:
             return self._rate(node, level, local)
         if node.function == "distance":
             return self._distance(node, level)
+        if node.function == "contact_force":
+            return self._contact_force(node, level)
         arguments = [self.value(argument, level, local) for argument in node.arguments]
         if node.function in self.model.functions:
             numbers = [_number(value, argument.span) for value, argument in zip(arguments, node.arguments, strict=True)]
@@ -176,6 +179,17 @@ class Evaluator:
         if level >= _HIGHEST_LEVEL:
             fail("L0503", "der of der of der: only positions, velocities and accelerations are known", node.span)
         return _map(rate_of, self.value(node.arguments[0], level + 1))
+
+    def _contact_force(self, node: Call[Flat], level: int) -> Scalar:
+        """What holds x at its contact: 0 where the leaves know of no events."""
+        event = contact_of(self.model, node.arguments[0])
+        if event is None:
+            fail("L0226", f"nothing is in contact at {node.arguments[0].span.text}", node.span,
+                 "contact_force(x) is the force of: when x < 0 then reinit(der(x), -e*pre(der(x))); end when;")
+        if level > 0:
+            fail("L0911", "the rate of a contact force is not known", node.span)
+        known = self.leaves.symbol(name_of_contact(event), level)
+        return 0.0 if known is None else known
 
     def _distance(self, node: Call[Flat], level: int) -> Scalar:
         """Between two frames or two points."""

@@ -84,8 +84,8 @@ def build_functions(
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     if not jacobian.values:
         refused["implicit"] = "not supported yet: implicit steps of so many coordinates that all act on each other"
-    return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs,
-                     patterns | {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places}, refused,
+    patterns |= {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places, "rubs": switches.rubs}
+    return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
                      jacobian.sizes, pays)
 
 

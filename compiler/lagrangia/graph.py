@@ -5,15 +5,15 @@ three coordinates of its own; a part without mass is an error, or is left out wh
 """
 
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
+from lagrangia.consequences import keep_consequences_out
 from lagrangia.diagnostics import Report, Span, fail
 from lagrangia.edges import Closure, Edge, Step, choose_tree, close
-from lagrangia.flat import Equation, FlatModel, FrameEquation, Variable
-from lagrangia.instances import REACTIONS
+from lagrangia.flat import FlatModel, FrameEquation, Variable
 from lagrangia.tree import Call, Flat, FrameRef, Number, Ref, Time
-from lagrangia.walk import leaves, nodes
+from lagrangia.walk import leaves
 
 _MOST_NAMES, _ENDS = 12, 4  # of the components along a loop that are told
 
@@ -95,7 +95,7 @@ class _Building:
         self.edges: list[Edge] = []
 
     def build(self) -> ComponentGraph:
-        self._keep_reactions_out()
+        keep_consequences_out(self.model, self.report)
         for equation in self.model.frame_equations:
             self._add_edge(equation)
         outside = self._choose_tree()
@@ -122,48 +122,6 @@ class _Building:
         coordinates, lost = (tuple(c for c in found if (c.name in cut) == is_lost) for is_lost in (False, True))
         self.report.raise_errors()
         return ComponentGraph(self.model, (*roots, *floating), tuple(self.edges), closures, coordinates, cut, tuple(unused), lost)
-
-    def _keep_reactions_out(self) -> None:
-        """Reactions follow from the motion: nothing that makes the motion may depend on them, and their rates are not known."""
-        model = self.model
-        if not self._speaks_of_reactions():
-            return
-        equations: list[FrameEquation | Equation] = [*model.frame_equations, *model.constraints, *model.initial_equations]
-        stated: list[tuple[Iterable[Flat], str, Span]] = [((e.left, e.right), "an equation", e.span) for e in equations]
-        stated += [((e.value,), f"a {e.kind} energy", e.span) for e in model.energies]
-        stated += [((w.force, w.position), "a force", w.span) for w in model.works]
-        stated += [(when.expressions(), "an event", when.span) for when in model.whens]
-        stated += [((v.start,), "a start value", v.start.span) for v in model.variables.values() if v.start is not None]
-        for expressions, what, span in stated:
-            for joint in self._joints_of_reactions(expressions):
-                self.report.error("L0914", f"not supported yet: {what} that depends on the reaction of '{joint}'", span,
-                                  "reactions are outputs: they follow from the motion")
-        for node in nodes(*(binding for binding in self.bindings.values() if binding is not None)):
-            if isinstance(node, Call) and node.function == "der" and self._joints_of_reactions(node.arguments):
-                self.report.error("L0911", "the rate of a reaction is not known", node.span)
-        self.report.raise_errors()
-
-    def _speaks_of_reactions(self) -> bool:
-        return any(isinstance(node, FrameRef) and node.attribute in REACTIONS for node in nodes(*self._expressions()))
-
-    def _expressions(self) -> Iterator[Flat]:
-        """All that the model states."""
-        model = self.model
-        for variable in model.variables.values():
-            yield from (part for part in (variable.binding, variable.start) if part is not None)
-        equations: list[FrameEquation | Equation] = [*model.frame_equations, *model.constraints, *model.initial_equations]
-        for equation in equations:
-            yield from (equation.left, equation.right)
-        for energy in model.energies:
-            yield energy.value
-        for work in model.works:
-            yield from (work.force, work.position)
-        for when in model.whens:
-            yield from when.expressions()
-
-    def _joints_of_reactions(self, expressions: Iterable[Flat]) -> list[str]:
-        found = leaves(expressions, self.bindings)
-        return [leaf.name.rpartition(".")[0] for leaf in found if isinstance(leaf, FrameRef) and leaf.attribute in REACTIONS]
 
     # ------------------------------------------------------------ edges
 

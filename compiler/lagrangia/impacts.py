@@ -9,8 +9,9 @@ for a factor, and what approaches is turned back or stopped: der(x) = -e der(x).
 along -g.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import accumulate
 
 import casadi as ca
 import numpy as np
@@ -20,14 +21,14 @@ from lagrangia.algebra import Scalar, rate_of, value_of
 from lagrangia.diagnostics import fail
 from lagrangia.energies import Load
 from lagrangia.evaluation import scalars_of
-from lagrangia.flat import FlatModel, Reset, When, Work
+from lagrangia.events import COMPARED, kept_by, level_of, name_of_contact, parts_of, position_of
+from lagrangia.flat import Reset, When, Work
 from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import usual_parameters
 from lagrangia.scalars import symbols_in
-from lagrangia.tree import Binary, Boolean, Call, Flat, FrameRef, Number, Ref, Unary
+from lagrangia.tree import Binary, Flat, Number, Unary
 
 _SAME = 1e-9  # relative difference of what is the same but for rounding
-_COMPARED = ("<", "<=", ">", ">=")
 _NONE = ca.SX(0, 1)
 Numbers = NDArray[np.float64]
 
@@ -44,12 +45,17 @@ class Impacts:
     impulses: ca.SX = _NONE  # (r,): symbols of forces on what is reset
     places: tuple[int, ...] = ()
     loads: tuple[Load, ...] = ()
+    pressing: Mapping[int, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # of contacts, by their events: forces, impulses
 
     def contacts_of(self, component: str) -> list[Load]:
         """The forces that hold what rests at the contacts of a component."""
         held = symbols_in(self.forces)
         own = (load for load in self.loads if load.statement.component == component)
         return [load for load in own if not held.isdisjoint(symbols_in(ca.SX(load.force[0])))]
+
+    def contact_forces(self) -> dict[str, Scalar]:
+        """By the names that the evaluator asks for them; while a way is looked for, with the impulse."""
+        return {name_of_contact(k): force + impulse for k, (force, impulse) in self.pressing.items()}
 
     def loads_in(self, kinematics: Kinematics) -> tuple[Load, ...]:
         """The same where positions are others."""
@@ -71,7 +77,10 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
         [event.g for event in found], [event.gap for event in found], [x for event in found for x in event.rates],
         [x for event in found for x in event.wanted]))
     flags = tuple(int(x) for pair in places for x in pair)
-    return Impacts(conditions, gaps, rates, wanted, forces, impulses, flags, tuple(loads))
+    firsts = accumulate((len(event.contacts) for event in found), initial=0)
+    pressing = {k: (forces[k], impulses[first + event.kept])
+                for k, (event, first) in enumerate(zip(found, firsts, strict=False)) if event.kept is not None}
+    return Impacts(conditions, gaps, rates, wanted, forces, impulses, flags, tuple(loads), pressing)
 
 
 class _Event:
@@ -85,16 +94,18 @@ class _Event:
         self.level = level_of(when.condition)
         self.g = self._expression(kinematics.evaluator.value(self.level))
         self.positions = [position_of(reset, model) for reset in when.resets]
-        self.rates, self.wanted = list[ca.SX](), list[ca.SX]()
+        self.places, self.rates, self.wanted = list[Flat](), list[ca.SX](), list[ca.SX]()  # of each scalar that is reset
         for reset, position in zip(when.resets, self.positions, strict=True):
             self._add(reset, position)
         self._check()
         found = [self._find_contact(rate, value) for rate, value in zip(self.rates, self.wanted, strict=True)]
         self.contacts = [contact is not None for contact in found]
+        kept = next((k for k, x in enumerate(self.places) if x is kept_by(model, when)), None)
+        self.kept = kept if kept is not None and self.contacts[kept] else None  # that whose contact force may be asked for
         self.contact: Flat | None = None
         self.gap = ca.SX(0)
         for contact in (contact for contact in found if contact is not None):
-            self.contact, others = level_of(contact), [level_of(x) for x in _parts(when.condition) if x is not contact]
+            self.contact, others = level_of(contact), [level_of(x) for x in parts_of(when.condition) if x is not contact]
             value = kinematics.evaluator.value
             self.gap, *guards = (self._expression(value(level)) for level in (self.contact, *others))
             self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
@@ -107,6 +118,7 @@ class _Event:
         moving, wanted = scalars_of(evaluator.value(position, 1)), scalars_of(evaluator.value(reset.value))
         if len(moving) != len(wanted):
             fail("L0303", f"{_counted(len(wanted))} for {_counted(len(moving))}", reset.span)
+        self.places += [position] * len(moving)
         self.rates += [self._expression(value_of(rate_of(x))) for x in moving]
         self.wanted += [self._expression(x) for x in wanted]
 
@@ -142,7 +154,7 @@ class _Event:
     def _find_contact(self, rate: ca.SX, wanted: ca.SX) -> Flat | None:
         """The comparison, of what all has to be true, whose contact this reset is."""
         value = self.kinematics.evaluator.value
-        return next((node for node in _parts(self.when.condition) if _is_comparison(node)
+        return next((node for node in parts_of(self.when.condition) if _is_comparison(node)
                      and self._turns_back(self._expression(value(level_of(node))), rate, wanted)), None)
 
     def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> bool:
@@ -178,52 +190,10 @@ def _turns_back(look: ca.Function, p: Numbers, random: np.random.Generator) -> b
                 and abs(still) <= _SAME * size and turned * np.sign(factor) <= _SAME * size)
 
 
-def _parts(node: Flat) -> Iterator[Flat]:
-    """What all has to be true."""
-    if isinstance(node, Binary) and node.operator == "and":
-        yield from (*_parts(node.left), *_parts(node.right))
-    else:
-        yield node
-
-
 def _is_comparison(node: Flat) -> bool:
     if isinstance(node, Unary) and node.operator == "not":
         return _is_comparison(node.operand)
-    return isinstance(node, Binary) and node.operator in _COMPARED
-
-
-def level_of(node: Flat) -> Flat:
-    """Positive where a condition is true: continuous, as what it compares is."""
-    match node:
-        case Binary(("<" | "<="), left, right, span):
-            return Binary("-", right, left, span)
-        case Binary((">" | ">="), left, right, span):
-            return Binary("-", left, right, span)
-        case Binary("and" | "or" as operator, left, right, span):
-            return Call("min" if operator == "and" else "max", (level_of(left), level_of(right)), (), span)
-        case Unary("not", operand, span):
-            return Unary("-", level_of(operand), span)
-        case Boolean(value, span):
-            return Number(1.0 if value else -1.0, None, span)
-    fail("L0225", "an event comes where a comparison comes true: this is none that does", node.span,
-         "compare with <, <=, > or >=, as x < 0; conditions go together with and, or, not")
-
-
-def position_of(reset: Reset, model: FlatModel) -> Flat:
-    """That of which a rate is reset."""
-    node = reset.rate
-    while isinstance(node, Ref) and not node.index and (variable := model.variables[node.name]).kind == "variable":
-        assert variable.binding is not None
-        node = variable.binding
-    match node:
-        case Call("der", (position,), _, _) if not (isinstance(position, Call) and position.function == "der"):
-            return position
-        case FrameRef(name, "v", index, span):
-            return FrameRef(name, "r", index, span)
-        case FrameRef(name, "w", _, span):
-            return FrameRef(name, "phi", (), span)
-    fail("L0225", "reinit sets a rate, this is none", reset.rate.span,
-         "write: reinit(der(x), value), for any position or angle x")
+    return isinstance(node, Binary) and node.operator in COMPARED
 
 
 def _counted(n: int) -> str:

@@ -142,6 +142,11 @@ class Kinematics:
         fx, fy, torque = self.reactions[name]
         return torque if attribute == "reaction_torque" else (fx, fy)
 
+    def knowing(self, values: Mapping[str, Scalar]) -> "Kinematics":
+        """The same motion where more is known by name."""
+        symbols = replace(self.symbols, values={**self.symbols.values, **values})
+        return Kinematics(self.graph, symbols, self.algebra, self.dependents)
+
     def without_accelerations(self) -> "Kinematics":
         """The same motion with dv/dt = 0: its second derivatives are what the rates alone make."""
         if self._still is None:

@@ -37,7 +37,8 @@ from lagrangia.units import Unit, known_units, parse_unit
 # Number of arguments of each function of the kernel; None: any number, at least one.
 FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
     **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp",
-                     "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der", "pre", "virtual"), (1,)),
+                     "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der", "pre", "virtual",
+                     "contact_force"), (1,)),
     **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "turn"), (2,)),
     "table": (3,), "min": None, "max": None, "sum": None, "product": None,
 }

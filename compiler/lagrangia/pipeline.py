@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from lagrangia.initial import InitialConditions
     from lagrangia.kinematics import Kinematics
     from lagrangia.motion import Motion
+    from lagrangia.partition import Partition
     from lagrangia.scene import Scene
     from lagrangia.tree import Syntax
 
@@ -62,7 +63,6 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
     from lagrangia.hamilton import build_hamilton, energy_flow, is_separable
-    from lagrangia.impacts import find_impacts
     from lagrangia.initial import build_initial
     from lagrangia.kinematics import build_kinematics
     from lagrangia.motion import build_motion
@@ -79,19 +79,35 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             energies = build_energies(kinematics)
         with _timed(took, "motion"):
             initial = build_initial(kinematics, constraints)
-            made_of = kinematics, energies, constraints, for_any_mass, find_partition(kinematics, constraints, initial)
-            motion, impacts = build_motion(*made_of), find_impacts(kinematics)
-            run = build_motion(*made_of, impacts) if impacts.places else motion
+            made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
+            motion = build_motion(kinematics, energies, *made_of)
+            struck, run = _with_impacts(kinematics, energies, motion, made_of)
         with _timed(took, "functions"):
             flow = energy_flow(kinematics, constraints, energies, run)
             hamilton = None if flow or is_separable(run) else build_hamilton(kinematics, run)
-            functions = build_functions(kinematics, run, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
+            functions = build_functions(struck, run, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
         with _timed(took, "freedom"):
             is_still = is_held_still(kinematics, motion, constraints, initial, functions)
         with _timed(took, "scene"):
             whole = build_scene(kinematics, run, initial, functions, is_still, {"conservative": flow} if flow else {})
             scene = divide(whole, kinematics, run, initial)
     return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, initial, functions, scene, took)
+
+
+def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motion",
+                  made_of: "tuple[Constraints, bool, Partition | None]") -> "tuple[Kinematics, Motion]":
+    """The motion with what holds at contacts, and the kinematics that know these forces; the same where there are no events."""
+    from lagrangia.energies import build_energies
+    from lagrangia.impacts import find_impacts
+    from lagrangia.motion import build_motion
+
+    impacts = find_impacts(kinematics)
+    if not impacts.places:
+        return kinematics, motion
+    if impacts.pressing:
+        kinematics = kinematics.knowing(impacts.contact_forces())
+        energies = build_energies(kinematics)
+    return kinematics, build_motion(kinematics, energies, *made_of, impacts)
 
 
 def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ linear in s as they can be made (A.F. Filippov, Differential equations with disc
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
@@ -33,6 +33,8 @@ class Switches:
     places: "dict[Pair, Expression]" = field(default_factory=dict)  # the symbol of each
     shares: frozenset[int] = frozenset()  # hashes of the symbols that may be between 0 and 1
     numbering: Numbering = field(default_factory=Numbering)
+    rubs: tuple[int, ...] = ()  # of friction that presses with the force of contacts: the switch of its slip, the event, and
+    # whether the switch is in no other force
 
     def hold(self, expressions: Sequence[ca.SX]) -> list[ca.SX]:
         """The same with the symbols in place of what they stand for."""
@@ -76,7 +78,19 @@ def find_switches(motion: Motion) -> Switches:
     shares = frozenset(s.__hash__() for s, g in zip(places.values(), found.values(), strict=True)
                        if not velocities.isdisjoint(symbols_in(g)))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
-    return Switches(symbols, values, rates_of(values), slopes, places, shares, numbering)
+    switches = Switches(symbols, values, rates_of(values), slopes, places, shares, numbering)
+    return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
+
+
+def _find_rubs(motion: Motion, switches: Switches) -> tuple[int, ...]:
+    """Switches whose shares tell the directions of impulses."""
+    (h,) = switches.hold([motion.h])
+    pressing = ca.vertcat(*(x for pair in motion.impacts.pressing.values() for x in pair))
+    others = symbols_in(ca.substitute(h, pressing, ca.SX.zeros(pressing.numel())))
+    acting = [(event, symbols_in(ca.jacobian(h, impulse))) for event, (_, impulse) in motion.impacts.pressing.items()]
+    places = {s.__hash__(): k for k, s in enumerate(switches.places.values())}
+    found = [(k, event, int(s not in others)) for event, symbols in acting for s, k in places.items() if s in symbols]
+    return tuple(x for rub in found for x in rub)
 
 
 def live(name: str, functions: Mapping[str, ca.Function]) -> ca.Function:

@@ -15,12 +15,14 @@ import sympy as sp
 from lagrangia.algebra import Dual, Scalar, rate_of, value_of
 from lagrangia.algorithms import FlatFunction
 from lagrangia.casadi_algebra import CasadiAlgebra
+from lagrangia.consequences import find_contact_force
 from lagrangia.constraints import Constraints
+from lagrangia.diagnostics import fail
 from lagrangia.edges import Edge, Step
 from lagrangia.energies import Energies, evaluate_energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of
+from lagrangia.events import level_of, position_of
 from lagrangia.flat import Variable, When
-from lagrangia.impacts import level_of, position_of
 from lagrangia.kinematics import Dependent, Kinematics, Pose, Symbols
 from lagrangia.parameters import scalars
 from lagrangia.sympy_algebra import TIME, Expr, SympyAlgebra, exact_throughout, slope
@@ -108,6 +110,10 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
 
     For small motion the places of supports are given functions, too, and all rates of given functions symbols.
     """
+    pressing = find_contact_force(kinematics.graph.model) if not is_small else None
+    if pressing is not None:
+        fail("L0914", "not supported yet: equations of forces that depend on a contact force", pressing.span,
+             "lag simulate and FMUs know it")
     symbolic = SymbolicKinematics(kinematics, is_small=is_small)
     symbolic = symbolic.reduced(constraints)
     energies = evaluate_energies(symbolic)

@@ -67,14 +67,20 @@ Contacts              where the rate of the condition itself is turned back or s
                       gap < 0. They push and never pull, one impact brings about the next (Newton's cradle), and bounces too
                       small to be told from none come to rest: a force that only pushes holds them, until the motion leaves.
                       Stop and TorsionStop of the library are contacts of any distance or angle; stop.reaction is the force that
-                      holds what rests at its ports, between impacts. Dry friction beside a contact has the force that it is
-                      given, in impacts none. Impacts of several contacts at once have no one answer in rigid bodies: here those
-                      that approach are struck together, then those that approach after that.
+                      holds what rests at its ports, between impacts, and stop.force its size. Impacts of several contacts at
+                      once have no one answer in rigid bodies: here those that approach are struck together, then those that
+                      approach after that.
+contact_force(x)      the force that holds x at the contact of `when x < 0 then reinit(der(x), ...)`; a torque where x is an
+                      angle. Forces and dissipation functions may depend on it, as friction does that presses with it: energy
+                      dissipation mu*contact_force(x)*abs(slip). RoughStop is such a Stop; Friction(normal = stop.force) rubs
+                      anywhere. It sticks, slips and is torn off as other dry friction; in impacts it takes mu times the impulse,
+                      or what leaves no slip.
 when gap < 0 and x < edge then ...    a contact with an edge. With `or` nothing is held that rests.
 
 Energy that impulses take is dissipated, what they add is work. FMUs have the events, in both kinds and versions; exports to
 other languages, the solvers linear, conservative and islands, and CasADi's integrators refuse them, as they have none.
-Positions of rest and small motion (lag equilibrium, modes, linearize) do not look for contacts.
+Positions of rest and small motion (lag equilibrium, modes, linearize) do not look for contacts, whose forces are 0 in them and in
+model.functions().
 """
 
 _FUNCTIONS = """\
@@ -93,6 +99,7 @@ if c then a else b  in a formula; a condition on time alone, linear in it or in 
                     Friction that turns with a velocity in the plane, F*v/norm(v), jumps with no one number, and comes to
                     rest only where it is made smooth: F*v/sqrt(dot(v, v) + vs^2)
 time, pi
+contact_force(x)    what holds x at a contact: lag help events
 virtual(x)          zero, but with the virtual displacement of x: says in an equation where its force acts (see Gear)
 
 Functions of your own:
@@ -120,7 +127,8 @@ erk     explicit Runge-Kutta of order 8(5,3) by Dormand and Prince with dense ou
         Ordinary Differential Equations I, II.10), in C. The error of each step is held below the tolerance times the size of each
         coordinate and of each rate; angles count as at most pi. Steps, pulses and corners of tables in time are met exactly,
         also where a pattern comes again by mod(time, T); contacts, and corners of tables along a coordinate, to rounding of the
-        dense output: a step holds what conditions say at its beginning, and ends where one of them changes.
+        dense output: a step holds what conditions say at its beginning, and ends where one of them changes (implicit steps are
+        taken again until they end there, as springs make much of errors in between).
 erk5    explicit Runge-Kutta of order 5(4) by Tsitouras with dense output of order 4 (Computers & Mathematics with Applications,
         2011): half as many evaluations a step. auto takes it instead of erk at loose tolerances: above 5e-6 where there are
         constraints, above 5e-5 where equations are long (over 40 operations a coordinate), above 5e-3 elsewhere.

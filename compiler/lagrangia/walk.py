@@ -28,21 +28,23 @@ def nodes(*roots: Flat) -> Iterator[Flat]:
         stack.extend(children(node))
 
 
-def leaves(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> list[Ref | FrameRef | Time]:
-    """The leaves reached from the expressions, going through `bindings` (each once) of the variables they name."""
-    found: list[Ref | FrameRef | Time] = []
+def reached(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> Iterator[Flat]:
+    """Every node of the expressions, going through `bindings` (each once) of the variables they name."""
     seen: set[str] = set()
     pending = list(roots)
     while pending:
         for node in nodes(pending.pop()):
-            if isinstance(node, Ref | FrameRef | Time):
-                found.append(node)
+            yield node
             if isinstance(node, Ref) and node.name not in seen:
                 seen.add(node.name)
                 binding = bindings.get(node.name)
                 if binding is not None:
                     pending.append(binding)
-    return found
+
+
+def leaves(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> list[Ref | FrameRef | Time]:
+    """The leaves among them."""
+    return [node for node in reached(roots, bindings) if isinstance(node, Ref | FrameRef | Time)]
 
 
 def is_linear(node: Flat, name: str) -> bool:

@@ -1,0 +1,96 @@
+"""Forces that follow from the motion, reactions of joints and what holds at contacts: what makes it may not depend on them,
+but for forces and dissipation functions on those of contacts.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+
+from lagrangia.diagnostics import Report, Span
+from lagrangia.flat import Equation, FlatModel, FrameEquation
+from lagrangia.instances import REACTIONS
+from lagrangia.tree import Call, Flat, FrameRef
+from lagrangia.walk import nodes, reached
+
+Stated = tuple[Iterable[Flat], str, Span]
+
+
+def keep_consequences_out(model: FlatModel, report: Report) -> None:
+    """Raises LagError L0911 for the rate of a reaction, L0914."""
+    asked = list(nodes(*_expressions(model)))
+    if any(map(_is_reaction, asked)):
+        _keep_reactions_out(model, report)
+        _keep_rates_out(model, report, _is_reaction, "reaction")
+    if any(map(_is_contact_force, asked)):
+        _keep_contact_forces_out(model, report)
+        _keep_rates_out(model, report, _is_contact_force, "contact force")
+    report.raise_errors()
+
+
+def find_contact_force(model: FlatModel) -> Flat | None:
+    """One that forces or dissipation functions depend on."""
+    stated = (node for expressions, _, _ in _of_forces(model) for node in expressions)
+    return next(filter(_is_contact_force, reached(stated, _bindings(model))), None)
+
+
+def _keep_reactions_out(model: FlatModel, report: Report) -> None:
+    for expressions, what, span in (*_of_positions(model), *_of_forces(model)):
+        for node in reached(expressions, _bindings(model)):
+            if isinstance(node, FrameRef) and _is_reaction(node):
+                joint = node.name.rpartition(".")[0]
+                report.error("L0914", f"not supported yet: {what} that depends on the reaction of '{joint}'", span,
+                             "reactions are outputs: they follow from the motion")
+
+
+def _keep_contact_forces_out(model: FlatModel, report: Report) -> None:
+    for expressions, what, span in (*_of_positions(model), *_of_parameters(model)):
+        if any(map(_is_contact_force, reached(expressions, _bindings(model)))):
+            report.error("L0914", f"{what} cannot depend on a contact force", span,
+                         "forces and dissipation functions can, as mu*contact_force(x)*abs(rate)")
+
+
+def _keep_rates_out(model: FlatModel, report: Report, is_one: Callable[[Flat], bool], what: str) -> None:
+    bindings = _bindings(model)
+    for node in nodes(*(binding for binding in bindings.values() if binding is not None)):
+        if isinstance(node, Call) and node.function == "der" and any(map(is_one, reached(node.arguments, bindings))):
+            report.error("L0911", f"the rate of a {what} is not known", node.span)
+
+
+def _is_reaction(node: Flat) -> bool:
+    return isinstance(node, FrameRef) and node.attribute in REACTIONS
+
+
+def _is_contact_force(node: Flat) -> bool:
+    return isinstance(node, Call) and node.function == "contact_force"
+
+
+# ------------------------------------------------------------ what a model states
+
+
+def _bindings(model: FlatModel) -> Mapping[str, Flat | None]:
+    return {name: v.binding for name, v in model.variables.items()}
+
+
+def _of_positions(model: FlatModel) -> list[Stated]:
+    """All that makes the motion, but for forces, dissipation functions and parameters."""
+    equations: list[FrameEquation | Equation] = [*model.frame_equations, *model.constraints, *model.initial_equations]
+    stated: list[Stated] = [((e.left, e.right), "an equation", e.span) for e in equations]
+    stated += [((e.value,), f"a {e.kind} energy", e.span) for e in model.energies if e.kind != "dissipation"]
+    stated += [((w.position,), "a position that a force works on", w.span) for w in model.works]
+    stated += [(when.expressions(), "an event", when.span) for when in model.whens]
+    stated += [((v.start,), "a start value", v.start.span) for v in model.variables.values() if v.start is not None]
+    return stated
+
+
+def _of_forces(model: FlatModel) -> list[Stated]:
+    dampers: list[Stated] = [((e.value,), "a dissipation function", e.span) for e in model.energies if e.kind == "dissipation"]
+    return dampers + [((w.force,), "a force", w.span) for w in model.works]
+
+
+def _of_parameters(model: FlatModel) -> list[Stated]:
+    return [((v.binding,), f"the {v.kind} '{v.name}'", v.binding.span) for v in model.variables.values()
+            if v.kind in ("parameter", "constant") and v.binding is not None]
+
+
+def _expressions(model: FlatModel) -> Iterator[Flat]:
+    for expressions, _, _ in (*_of_positions(model), *_of_forces(model)):
+        yield from expressions
+    yield from (v.binding for v in model.variables.values() if v.binding is not None)

@@ -1,0 +1,91 @@
+"""What events say: conditions as numbers that are positive where they are true, the rates that are reset, and contacts.
+
+A contact keeps x from falling below 0:  when x < 0 then reinit(der(x), ...).  The force that holds it there is contact_force(x).
+"""
+
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+from lagrangia.diagnostics import fail
+from lagrangia.flat import FlatModel, Reset, When
+from lagrangia.tree import Binary, Boolean, Call, Flat, FrameRef, Number, Ref, Unary
+
+COMPARED = ("<", "<=", ">", ">=")
+
+
+def parts_of(node: Flat) -> Iterator[Flat]:
+    """What all has to be true."""
+    if isinstance(node, Binary) and node.operator == "and":
+        yield from (*parts_of(node.left), *parts_of(node.right))
+    else:
+        yield node
+
+
+def level_of(node: Flat) -> Flat:
+    """Positive where a condition is true: continuous, as what it compares is."""
+    match node:
+        case Binary(("<" | "<="), left, right, span):
+            return Binary("-", right, left, span)
+        case Binary((">" | ">="), left, right, span):
+            return Binary("-", left, right, span)
+        case Binary("and" | "or" as operator, left, right, span):
+            return Call("min" if operator == "and" else "max", (level_of(left), level_of(right)), (), span)
+        case Unary("not", operand, span):
+            return Unary("-", level_of(operand), span)
+        case Boolean(value, span):
+            return Number(1.0 if value else -1.0, None, span)
+    fail("L0225", "an event comes where a comparison comes true: this is none that does", node.span,
+         "compare with <, <=, > or >=, as x < 0; conditions go together with and, or, not")
+
+
+def position_of(reset: Reset, model: FlatModel) -> Flat:
+    """That of which a rate is reset."""
+    node = reset.rate
+    while isinstance(node, Ref) and not node.index and (variable := model.variables[node.name]).kind == "variable":
+        assert variable.binding is not None
+        node = variable.binding
+    match node:
+        case Call("der", (position,), _, _) if not (isinstance(position, Call) and position.function == "der"):
+            return position
+        case FrameRef(name, "v", index, span):
+            return FrameRef(name, "r", index, span)
+        case FrameRef(name, "w", _, span):
+            return FrameRef(name, "phi", (), span)
+    fail("L0225", "reinit sets a rate, this is none", reset.rate.span,
+         "write: reinit(der(x), value), for any position or angle x")
+
+
+def contact_of(model: FlatModel, x: Flat) -> int | None:
+    """The first event that is a contact of x, by its place among all."""
+    return next((k for k, when in enumerate(model.whens) if _are_alike(kept_by(model, when), x)), None)
+
+
+def kept_by(model: FlatModel, when: When) -> Flat | None:
+    """The x of which an event is a contact."""
+    positions = [position_of(reset, model) for reset in when.resets]
+    return next((x for node in parts_of(when.condition) for x in positions if _is_below_zero(node, x)), None)
+
+
+def name_of_contact(event: int) -> str:
+    """By which the evaluator asks for the force that holds what rests at the contact of an event."""
+    return f"contact_force({event})"
+
+
+def _is_below_zero(node: Flat, x: Flat) -> bool:
+    """x < 0, or 0 > x."""
+    if not (isinstance(node, Binary) and node.operator in COMPARED):
+        return False
+    small, large = (node.left, node.right) if node.operator.startswith("<") else (node.right, node.left)
+    return isinstance(large, Number) and large.value == 0 and _are_alike(small, x)
+
+
+def _are_alike(a: Any, b: Any) -> bool:
+    """The same expression, wherever it is written."""
+    if a.__class__ is not b.__class__:
+        return False
+    if isinstance(a, tuple):
+        return len(a) == len(b) and all(map(_are_alike, a, b))
+    if not is_dataclass(a):
+        return bool(a == b)
+    return all(_are_alike(getattr(a, f.name), getattr(b, f.name)) for f in fields(a) if f.name != "span")
