@@ -31,6 +31,10 @@ def find_contact_force(model: FlatModel) -> Flat | None:
     return next(filter(_is_contact_force, reached(stated, _bindings(model))), None)
 
 
+def speaks_of_contact_forces(model: FlatModel, expression: Flat) -> bool:
+    return any(map(_is_contact_force, reached([expression], _bindings(model))))
+
+
 def _keep_reactions_out(model: FlatModel, report: Report) -> None:
     for expressions, what, span in (*_of_positions(model), *_of_forces(model)):
         for node in reached(expressions, _bindings(model)):

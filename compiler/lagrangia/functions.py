@@ -12,6 +12,7 @@ import casadi as ca
 
 from lagrangia.algebra import Scalar
 from lagrangia.casadi_algebra import Mode
+from lagrangia.consequences import speaks_of_contact_forces
 from lagrangia.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.constraints import Constraints
 from lagrangia.factors import hoist
@@ -238,6 +239,16 @@ def observer(
     if modes and y.numel():
         y = ca.substitute(y, ca.vertcat(*[m.symbol for m in modes]), ca.vertcat(*[m.value for m in modes]))
     return labels, ca.Function("observe", [motion.t, motion.q, motion.v, motion.u, motion.p], [y])
+
+
+def depends_on_forces(kinematics: Kinematics, motion: Motion, name: str) -> bool:
+    """Whether a quantity is made of accelerations, multipliers, reactions or contact forces."""
+    asked = observe(kinematics.graph.model, name)
+    if speaks_of_contact_forces(kinematics.graph.model, asked):
+        return True
+    _labels, y = _outputs(kinematics, (name,))
+    held, reactions = motion.constrained, [x for forces in kinematics.reactions.values() for x in forces]
+    return bool(ca.depends_on(y, ca.vertcat(motion.a, held.symbols if held else ca.SX(0, 1), *reactions)))
 
 
 def state_space(

@@ -274,9 +274,12 @@ class Model:
         def observe(name: str, rows: "np.ndarray") -> "np.ndarray":
             import numpy as np
 
-            from lagrangia.functions import observer
+            from lagrangia.functions import depends_on_forces, observer
 
-            compilation = self.compilation
+            compilation, is_held = self.compilation, self.scene.sizes["switches_need_acceleration"]
+            if is_held and depends_on_forces(compilation.kinematics, compilation.motion, name):
+                fail("L0908", f"'{name}' depends on what friction and contacts hold: only the run knew", None,
+                     f"declare it as an output, or ask for it beforehand: lagrangia.Model(path, outputs=['{name}'])")
             labels, function = observer(compilation.kinematics, compilation.motion, compilation.constraints, (name,))
             n = self.scene.n
             t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
