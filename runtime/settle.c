@@ -2,7 +2,8 @@
  * has dg/dt = 0 with 0 < s < 1; the others leave g = 0 to the side that they are on: dg/dt <= 0 with s = 0, dg/dt >= 0 with s = 1. Which
  * do what is found by principal pivoting: first all that are wrong at once, then one at a time, the least first (K.G. Murty, Note on a
  * Bard-type scheme for solving the complementarity problem, Opsearch 11 (1974)). Where two hold the same velocity each takes the same
- * share.
+ * share. Friction that presses with the force of a contact is a product of two shares: W is found anew at those that were chosen, until
+ * rates are what it says.
  */
 #include "sliding.h"
 

@@ -13,10 +13,10 @@ typedef struct {
     int *state, *next; /* most: of candidates */
     double *share;   /* most */
     double *jump;    /* most x most, column-major: change of dg/dt by a share */
-    double *middle;  /* most: dg/dt at the shares 1/2 */
+    double *middle;  /* most: dg/dt at the shares `base` */
     LagDenseLu lu;   /* of the jump of those that slide */
     double *change;  /* most: of the shares */
-    double *base, *least, *limit; /* most: the share that jumps are measured from, 1/2 or 0; the least and the largest that slide */
+    double *base, *least, *limit; /* most: the share that jumps are measured from; the least and the largest that slide */
     double *unit;    /* most: what shares are measured by; 1 but for contacts */
     double *noise;   /* most: dg/dt that is rounding */
     double *error;   /* n_switches: of g that is one tolerance */

@@ -92,6 +92,19 @@ def test_it_slides_to_rest(solver: str, tolerance: float, scene: Write) -> None:
     assert run.statistics.steps < 40
 
 
+def test_contacts_of_ones_own(scene: Write) -> None:
+    """Without the library: a position of a frame, said in two ways."""
+    model = scene("""model Own
+      Prismatic x(a = world, along = {1, 0}, v(start = 2)), y(a = x.b, along = {0, 1});
+      PointMass block(m = 2, center = y.b);
+    equation
+      when 0 > block.center.y then reinit(block.center.v[2], 0); end when;
+    energy
+      work -0.3*contact_force(block.center.y)*sign(block.center.v[1]) on block.center.x;
+    end Own;""")
+    np.testing.assert_allclose(model.simulate(at=[3.0])["x.s"], 2 / (0.3 * G), rtol=1e-12)
+
+
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_impacts_rub(solver: str, scene: Write) -> None:
     """In all 40 bounces, and on the floor after them."""

@@ -25,10 +25,10 @@ def keep_consequences_out(model: FlatModel, report: Report) -> None:
     report.raise_errors()
 
 
-def find_contact_force(model: FlatModel) -> Flat | None:
-    """One that forces or dissipation functions depend on."""
+def contact_forces_in(model: FlatModel) -> list[Call[Flat]]:
+    """Those that forces or dissipation functions depend on."""
     stated = (node for expressions, _, _ in _of_forces(model) for node in expressions)
-    return next(filter(_is_contact_force, reached(stated, _bindings(model))), None)
+    return [node for node in reached(stated, _bindings(model)) if isinstance(node, Call) and _is_contact_force(node)]
 
 
 def speaks_of_contact_forces(model: FlatModel, expression: Flat) -> bool:

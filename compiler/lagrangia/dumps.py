@@ -149,7 +149,7 @@ def _needs(compilation: Compilation) -> str:
     from lagrangia.needs import find_needs
 
     c = compilation
-    needs = find_needs(c.kinematics, c.constraints, c.energies, c.motion, c.initial, c.scene)
+    needs = find_needs(c.kinematics, c.constraints, c.energies, c.run, c.initial, c.scene)
     return "\n".join(f"{need.what:22} {'yes' if need.is_needed else 'no ':3}  {need.why}" for need in needs)
 
 

@@ -58,7 +58,7 @@ def position_of(reset: Reset, model: FlatModel) -> Flat:
 
 def contact_of(model: FlatModel, x: Flat) -> int | None:
     """The first event that is a contact of x, by its place among all."""
-    return next((k for k, when in enumerate(model.whens) if _are_alike(kept_by(model, when), x)), None)
+    return next((k for k, when in enumerate(model.whens) if are_alike(kept_by(model, when), x)), None)
 
 
 def kept_by(model: FlatModel, when: When) -> Flat | None:
@@ -77,15 +77,22 @@ def _is_below_zero(node: Flat, x: Flat) -> bool:
     if not (isinstance(node, Binary) and node.operator in COMPARED):
         return False
     small, large = (node.left, node.right) if node.operator.startswith("<") else (node.right, node.left)
-    return isinstance(large, Number) and large.value == 0 and _are_alike(small, x)
+    return isinstance(large, Number) and large.value == 0 and are_alike(small, x)
 
 
-def _are_alike(a: Any, b: Any) -> bool:
+def are_alike(a: Any, b: Any) -> bool:
     """The same expression, wherever it is written."""
     if a.__class__ is not b.__class__:
         return False
+    if isinstance(a, FrameRef):
+        return a.name == b.name and _place_of(a) == _place_of(b)
     if isinstance(a, tuple):
-        return len(a) == len(b) and all(map(_are_alike, a, b))
+        return len(a) == len(b) and all(map(are_alike, a, b))
     if not is_dataclass(a):
         return bool(a == b)
-    return all(_are_alike(getattr(a, f.name), getattr(b, f.name)) for f in fields(a) if f.name != "span")
+    return all(are_alike(getattr(a, f.name), getattr(b, f.name)) for f in fields(a) if f.name != "span")
+
+
+def _place_of(node: FrameRef) -> tuple[str, tuple[int, ...]]:
+    """x is r[1], y is r[2]."""
+    return {"x": ("r", (1,)), "y": ("r", (2,))}.get(node.attribute, (node.attribute, node.index))

@@ -21,6 +21,6 @@ def explain_command(options: Namespace) -> int:
     if model.engine is None:
         scene = without_compiler(scene, (casadi_refusal(c) or ("",))[0])
     parameters = c.functions.table["parameters"](values.parameters, values.mask)
-    needs = find_needs(c.kinematics, c.constraints, c.energies, c.motion, c.initial, scene, parameters)
+    needs = find_needs(c.kinematics, c.constraints, c.energies, c.run, c.initial, scene, parameters)
     print((as_json if options.json else as_text)(scene, needs, solver_of(scene, model.engine)))
     return 0

@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra import Scalar, rate_of, value_of
+from lagrangia.consequences import contact_forces_in
 from lagrangia.diagnostics import fail
 from lagrangia.energies import Load
 from lagrangia.evaluation import scalars_of
-from lagrangia.events import COMPARED, kept_by, level_of, name_of_contact, parts_of, position_of
+from lagrangia.events import COMPARED, are_alike, contact_of, kept_by, level_of, name_of_contact, parts_of, position_of
 from lagrangia.flat import Reset, When, Work
 from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import usual_parameters
@@ -64,11 +65,16 @@ class Impacts:
 
 
 def find_impacts(kinematics: Kinematics) -> Impacts:
-    """Raises LagError L0225 for a condition that never comes true, or for what is no rate, L0303, L0501."""
+    """Raises LagError L0225 for a condition that never comes true, or for what is no rate, L0226, L0303, L0501."""
     whens = kinematics.graph.model.whens
     if not whens:
         return Impacts()
     found = [_Event(kinematics, when) for when in whens]
+    for asked in contact_forces_in(kinematics.graph.model):
+        event = contact_of(kinematics.graph.model, asked.arguments[0])
+        if event is not None and found[event].kept is None:
+            fail("L0226", "this event is no contact, whose force is asked for", whens[event].span,
+                 "a contact turns what approaches back, or stops it: reinit(der(x), -e*pre(der(x))) with e >= 0")
     places = [(k, is_contact) for k, event in enumerate(found) for is_contact in event.contacts]
     forces, impulses = ca.SX.sym("contact", len(found)), ca.SX.sym("impulse", len(places))
     strengths = iter(impulses.elements())
@@ -100,7 +106,7 @@ class _Event:
         self._check()
         found = [self._find_contact(rate, value) for rate, value in zip(self.rates, self.wanted, strict=True)]
         self.contacts = [contact is not None for contact in found]
-        kept = next((k for k, x in enumerate(self.places) if x is kept_by(model, when)), None)
+        kept = next((k for k, x in enumerate(self.places) if are_alike(x, kept_by(model, when))), None)
         self.kept = kept if kept is not None and self.contacts[kept] else None  # that whose contact force may be asked for
         self.contact: Flat | None = None
         self.gap = ca.SX(0)

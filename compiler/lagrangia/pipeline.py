@@ -47,6 +47,7 @@ class Compilation:
     constraints: "Constraints"
     energies: "Energies"
     motion: "Motion"  # without what happens at events
+    run: "Motion"  # with it
     initial: "InitialConditions"
     functions: "Functions"
     scene: "Scene"
@@ -91,7 +92,8 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
         with _timed(took, "scene"):
             whole = build_scene(kinematics, run, initial, functions, is_still, {"conservative": flow} if flow else {})
             scene = divide(whole, kinematics, run, initial)
-    return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, initial, functions, scene, took)
+    return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, run, initial, functions, scene,
+                       took)
 
 
 def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motion",

@@ -15,7 +15,7 @@ import sympy as sp
 from lagrangia.algebra import Dual, Scalar, rate_of, value_of
 from lagrangia.algorithms import FlatFunction
 from lagrangia.casadi_algebra import CasadiAlgebra
-from lagrangia.consequences import find_contact_force
+from lagrangia.consequences import contact_forces_in
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import fail
 from lagrangia.edges import Edge, Step
@@ -110,9 +110,9 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
 
     For small motion the places of supports are given functions, too, and all rates of given functions symbols.
     """
-    pressing = find_contact_force(kinematics.graph.model) if not is_small else None
-    if pressing is not None:
-        fail("L0914", "not supported yet: equations of forces that depend on a contact force", pressing.span,
+    pressing = contact_forces_in(kinematics.graph.model)
+    if pressing and not is_small:
+        fail("L0914", "not supported yet: equations of forces that depend on a contact force", pressing[0].span,
              "lag simulate and FMUs know it")
     symbolic = SymbolicKinematics(kinematics, is_small=is_small)
     symbolic = symbolic.reduced(constraints)
