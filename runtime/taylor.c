@@ -333,9 +333,12 @@ static LagStatus step(LagRun *run)
     LagMotion *m = &run->motion;
     double wrong = INFINITY;
     int in_vain = 0;
-    if ((rests_at_origin(run) || needs_live_switches(run, 0, 0)) && lag_stiffness_leave_series(run))
+    const int is_live = needs_live_switches(run, 0, 0);
+    if ((rests_at_origin(run) || is_live) && lag_stiffness_leave_series(run))
         return run->methods.table->step(run);
-    if (needs_live_switches(run, 0, 0) || !build(run, s, s->order))
+    if (is_live && lag_stiffness_pass(run))
+        return run->methods.table->step(run);
+    if (is_live || !build(run, s, s->order))
         return lag_stiffness_leave_series(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
     const double longest = GROW * lag_max(run->step, lag_step_smallest(m->t)); /* at rest a series says nothing of what comes */
     double h = lag_min(length_of(run, s), longest);

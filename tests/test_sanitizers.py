@@ -1,11 +1,16 @@
 """The C run time under the sanitizers of gcc and clang: all solvers, events, inputs, constraints, and no coordinates at all."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from lagrangia import Model
+from lagrangia.dumps import dump
 from lagrangia.native import find_compiler
 from sanitizers import needs_sanitizers, run_sanitized
+from test_friction import BRAKED, STANDING
+from test_rubs import BOX, SPINNING
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
@@ -90,3 +95,35 @@ int main(void)
 @pytest.mark.parametrize("elimination", ["dense", "sparse"])
 def test_sanitizers_find_nothing(tmp_path: Path, elimination: str) -> None:
     run_sanitized(tmp_path, {"driver.c": DRIVER.replace("LOWER", "6" if elimination == "sparse" else "0")})
+
+
+SCENE_DRIVER = """
+#include "run.h"
+#include <stdlib.h>
+extern const LagModel lag_model;
+int main(void)
+{
+    const int solvers[] = {LAG_SOLVER_AUTO, LAG_SOLVER_ERK, LAG_SOLVER_ERK5, LAG_SOLVER_IMPLICIT, LAG_SOLVER_TAYLOR};
+    double times[61], *rows = malloc(61 * (size_t)lag_run_row_width(&lag_model) * sizeof *rows);
+    for (int i = 0; i < 61; ++i)
+        times[i] = i / 20.0;
+    for (int i = 0; i < 10; ++i) {
+        const LagSettings settings = {.t_stop = 3, .tolerance = i < 5 ? 1e-4 : 1e-8, .solver = solvers[i % 5]};
+        LagRun *run = lag_run_new(&lag_model, &settings);
+        int done = 0;
+        lag_run_set_parameters(run, NULL, NULL);
+        if (lag_run_start(run, NULL, NULL) != LAG_OK || lag_run_advance(run, times, 61, rows, &done, 0) != LAG_OK || done != 61)
+            return 1;
+        lag_run_free(run);
+    }
+    free(rows);
+    return 0;
+}
+"""
+
+
+@needs_sanitizers
+@pytest.mark.parametrize("text", [BOX, SPINNING, BRAKED, STANDING], ids=["box", "spinning", "braked", "standing"])
+def test_they_find_nothing_where_things_strike_and_slide(tmp_path: Path, scene: Callable[[str], Model], text: str) -> None:
+    """Whole scenes, by all solvers at two tolerances: impacts, friction that sticks, rubs and is torn off, stiff or not."""
+    run_sanitized(tmp_path, {"driver.c": SCENE_DRIVER, "scene.c": dump(scene(text).compilation, "c")})
