@@ -13,10 +13,9 @@ static void look_at(LagRun *run, double t, const double *y, double *g, double *r
 {
     const int n = run->model->n;
     double *slope = run->switches.slope;
-    if (run->sliding.count > 0)
-        lag_motion_slope(&run->motion, t, y, y + n, slope);
+    const int is_held = run->sliding.count == 0 || lag_motion_slope(&run->motion, t, y, y + n, slope);
     lag_conditions_by(run, t, y, y + n, slope + n, g, rate);
-    lag_sliding_margins(run, g);
+    lag_sliding_margins(run, is_held, g);
 }
 
 /* Of contact k: the event comes where its gap has closed and all else holds; while something rests, it is over where all else fails. */

@@ -17,8 +17,9 @@ static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON;
  * corners: two balls may pass through each other); parts that are not made smaller; the least share of a step that the next one may
  * take for one part. */
 static const double EARLY = 0.38, LATE = 0.73, ROUGH = 0.02, NARROWEST = 1.0 / 512, MOST_PARTS = 0.25;
-/* Steps are looked at so when they have become so much longer, or so many were not. */
-static const double LONGER = 1.2;
+/* Steps are looked at so when they have become so much longer, or so many were not; after one where that was in vain, when they are
+ * much longer, or after a pause. */
+static const double LONGER = 1.2, MUCH_LONGER = 16;
 enum { LOOK_AGAIN = 8, PAUSE = 256, HALVINGS = 12, MOST_HALVINGS = 40, MOST_ITERATIONS = 100, DIP_ITERATIONS = 6, PATIENCE = 5 };
 
 double lag_crossing_time(const LagRun *run, double share)
@@ -210,7 +211,7 @@ double lag_crossing_find(LagRun *run)
     LagSwitches *s = &run->switches;
     const double h = run->motion.t - run->motion.t_old;
     const int is_long = run->model->n_whens > 0 && run->methods.solver == LAG_SOLVER_TAYLOR; /* a ball that grazes goes to and fro */
-    const int is_paused = ++s->unlooked < 0;
+    const int is_paused = ++s->unlooked < 0 && h <= MUCH_LONGER * s->resolved;
     const int is_due = !is_paused && (is_long || h > LONGER * s->resolved || s->unlooked > LOOK_AGAIN);
     double width = 1, narrowest = 1;
     for (double low = 0; low < 1;) {

@@ -87,17 +87,31 @@ double lag_sliding_drift(const LagRun *run, int i)
     return DRIFT * (error + run->scale.tolerance * run->scale.step * s->most_jump[i]);
 }
 
+/* Whether at rates that differ by slope_before no more is left of the g of those that slide. */
+static int mends(LagRun *run, int count, double most)
+{
+    LagSliding *s = &run->sliding;
+    const LagMotion *m = &run->motion;
+    for (int i = 0; i < m->n; ++i)
+        s->state_here[i] = m->y[m->n + i] + s->slope_before[i];
+    lag_conditions_by(run, m->t, m->y, s->state_here, run->switches.slope + m->n, s->g, s->rate);
+    for (int k = 0; k < count; ++k)
+        if (!(fabs(s->g[s->which[k]]) <= most))
+            return 0;
+    return 1;
+}
+
 void lag_sliding_stop(LagRun *run)
 {
     LagSliding *s = &run->sliding;
     LagMotion *m = &run->motion;
-    const double *held = run->switches.held;
     const int count = s->count;
     double largest = 0;
     int jumps = 0;
     s->count = 0; /* accelerations as the shares say */
     lag_sliding_rates(run, m->t, m->y);
     for (int k = 0; k < count; ++k) {
+        s->share_here[k] = *lag_share(run, s->which[k]);
         s->change[k] = -s->g[s->which[k]];
         largest = lag_max(fabs(s->change[k]), largest);
         const int comes_to_rest = !lag_may_have_all(run, s->which[k]) && run->switches.turned[s->which[k]] == LAG_CHANGES;
@@ -109,15 +123,16 @@ void lag_sliding_stop(LagRun *run)
     const int has_rest = largest > 0 && !jumps;
     for (int with = 0; with <= 1 && has_rest; ++with) {
         for (int k = 0; k < count; ++k)
-            *lag_share(run, s->which[k]) = held[s->which[k]] + with * s->change[k];
+            *lag_share(run, s->which[k]) = s->share_here[k] + with * s->change[k];
         lag_sliding_rates(run, m->t, m->y);
         for (int i = 0; i < m->n; ++i)
             s->slope_before[i] = run->switches.slope[m->n + i] - with * s->slope_before[i];
     }
-    for (int i = 0; i < m->n && has_rest; ++i)
+    const int is_mended = has_rest && mends(run, count, largest);
+    for (int i = 0; i < m->n && is_mended; ++i)
         m->y[m->n + i] += s->slope_before[i];
     for (int k = 0; k < count; ++k)
-        *lag_share(run, s->which[k]) = held[s->which[k]];
+        *lag_share(run, s->which[k]) = s->share_here[k];
     s->count = count;
 }
 
@@ -187,12 +202,21 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     return LAG_SHARES_CHANGED;
 }
 
-void lag_sliding_margins(const LagRun *run, double *g)
+/* Of a share between 0 and 1, and of one beyond; shares of friction that presses with no force any more are infinite. */
+static double margin(double share) { return share * (1 - share) / (1 - 2 * share * (1 - share)); }
+
+static double margin_slope(double share)
+{
+    const double whole = 1 - 2 * share * (1 - share);
+    return (1 - 2 * share) / (whole * whole);
+}
+
+void lag_sliding_margins(const LagRun *run, int is_held, double *g)
 {
     const LagSliding *s = &run->sliding;
     for (int k = 0; k < s->count; ++k) {
         const double share = *lag_share(run, s->which[k]);
-        g[s->which[k]] = lag_may_have_all(run, s->which[k]) ? share * (1 - share) : share / s->unit[k];
+        g[s->which[k]] = !is_held ? -1 : lag_may_have_all(run, s->which[k]) ? margin(share) : share / s->unit[k];
     }
 }
 
@@ -208,7 +232,7 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
     lag_motion_slope(&run->motion, t - moment, s->state_before, s->state_before + n, s->slope_before);
     for (int k = 0; k < s->count; ++k) {
         double *share = lag_share(run, s->which[k]);
-        const double by_share = lag_may_have_all(run, s->which[k]) ? 1 - 2 * s->share_here[k] : 1 / s->unit[k];
+        const double by_share = lag_may_have_all(run, s->which[k]) ? margin_slope(s->share_here[k]) : 1 / s->unit[k];
         rate[s->which[k]] = by_share * (s->share_here[k] - *share) / moment;
         *share = s->share_here[k];
     }

@@ -68,8 +68,9 @@ typedef enum { LAG_SHARES_KEPT, LAG_SHARES_CHANGED, LAG_SHARES_LOST } LagShares;
  * many times they have at this state. */
 LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q, const double *v, const double *a);
 
-/* How far the shares of the latest evaluation are from 0 and 1, into g (n_switches) of those that slide: negative beyond. */
-void lag_sliding_margins(const LagRun *run, double *g);
+/* How far the shares of the latest evaluation are from 0 and 1, into g (n_switches) of those that slide: negative beyond, and where it
+ * found none. */
+void lag_sliding_margins(const LagRun *run, int is_held, double *g);
 
 /* The same and its rates, at a state whose slope is known; `span`: a time in which little changes. */
 void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const double *slope, double span, double *rate);
