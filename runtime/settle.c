@@ -116,9 +116,9 @@ static void begin_shares(LagRun *run, int count)
     LagSliding *s = &run->sliding;
     for (int k = 0; k < count; ++k) {
         const int is_jump = lag_may_have_all(run, s->which[k]);
-        s->share[k] = run->switches.held[s->which[k]];
+        s->share[k] = is_jump ? 0.5 : 0;
         s->limit[k] = is_jump ? 1 : INFINITY;
-        *lag_share(run, s->which[k]) = is_jump ? 0.5 : 0;
+        *lag_share(run, s->which[k]) = s->share[k];
     }
 }
 
@@ -238,13 +238,14 @@ static int pivot(LagSliding *s, int count)
 }
 
 /* What does not act on its own g is at the end where that goes; where it goes nowhere, where it is. */
-static void let_go(LagSliding *s, int count)
+static void let_go(LagRun *run, int count)
 {
+    LagSliding *s = &run->sliding;
     for (int k = 0; k < count; ++k) {
         const double rate = rate_of(s, count, k, 1), g = s->g[s->which[k]];
         const int goes = fabs(rate) > ROUNDING * size_of(s, count, k);
-        if (s->state[k] == GIVEN && s->limit[k] < INFINITY && (goes || g != 0))
-            s->share[k] = goes ? rate > 0 : g > 0;
+        if (s->state[k] == GIVEN)
+            s->share[k] = s->limit[k] == INFINITY ? 0 : goes ? rate > 0 : g != 0 ? g > 0 : run->switches.held[s->which[k]];
     }
 }
 
@@ -276,7 +277,8 @@ static int choose(LagRun *run, double t, const double *y, int count)
         const int may_end = turn > 1 || run->model->n_rubs == 0;
         begin_states(s, count, turn == 1);
         const int is_right = pivot(s, count);
-        let_go(s, count);
+        if (may_end)
+            let_go(run, count);
         set_shares(run, count);
         if (!is_right || turn == MOST_TURNS || (may_end && is_linear(run, t, y, count)))
             return is_right && turn < MOST_TURNS;

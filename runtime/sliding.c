@@ -214,9 +214,13 @@ static double margin_slope(double share)
 void lag_sliding_margins(const LagRun *run, int is_held, double *g)
 {
     const LagSliding *s = &run->sliding;
+    int jumps = 0; /* friction has come to its end before what presses it has */
+    for (int k = 0; k < s->count; ++k)
+        jumps |= lag_may_have_all(run, s->which[k]);
     for (int k = 0; k < s->count; ++k) {
         const double share = *lag_share(run, s->which[k]);
-        g[s->which[k]] = !is_held ? -1 : lag_may_have_all(run, s->which[k]) ? margin(share) : share / s->unit[k];
+        const int is_jump = lag_may_have_all(run, s->which[k]), is_beyond = !is_held && is_jump == jumps;
+        g[s->which[k]] = is_beyond ? -1 : is_jump ? margin(share) : share / s->unit[k];
     }
 }
 

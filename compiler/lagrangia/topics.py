@@ -67,9 +67,9 @@ Contacts              where the rate of the condition itself is turned back or s
                       gap < 0. They push and never pull, one impact brings about the next (Newton's cradle), and bounces too
                       small to be told from none come to rest: a force that only pushes holds them, until the motion leaves.
                       Stop and TorsionStop of the library are contacts of any distance or angle; stop.reaction is the force that
-                      holds what rests at its ports, between impacts, and stop.force its size. Impacts of several contacts at
-                      once have no one answer in rigid bodies: here those that approach are struck together, then those that
-                      approach after that.
+                      holds what rests at its ports, between impacts and without friction, and stop.force its size. Impacts of
+                      several contacts at once have no one answer in rigid bodies: here those that approach are struck together,
+                      then those that approach after that.
 contact_force(x)      the force that holds x at the contact of `when x < 0 then reinit(der(x), ...)`; a torque where x is an
                       angle. Forces and dissipation functions may depend on it, as friction does that presses with it: energy
                       dissipation mu*contact_force(x)*abs(slip). RoughStop is such a Stop; Friction(normal = stop.force) rubs
