@@ -204,6 +204,32 @@ static void evaluate_end(LagRun *run, double x)
     lag_conditions_with_rates(run, t, s->state, s->g, s->rate);
 }
 
+/* Whether no other condition can have gone to and fro before a place that was found: up to there, cubics describe them. */
+static int is_first(LagRun *run, Part part, double found)
+{
+    const Part before = {part.low, found};
+    if (!(found > part.low))
+        return 1;
+    evaluate_end(run, found);
+    return is_resolved(run, before);
+}
+
+/* How long steps may be for their conditions to be simple, after one that was looked at in parts. */
+static void note_parts(LagRun *run, int was_due, double narrowest)
+{
+    LagSwitches *s = &run->switches;
+    const double h = run->motion.t - run->motion.t_old;
+    if (was_due) {
+        s->resolved = narrowest * h;
+        s->unlooked = 0;
+    }
+    if (narrowest <= NARROWEST) { /* in vain */
+        s->resolved = h;
+        s->unlooked = -PAUSE;
+    } else if (narrowest < MOST_PARTS)
+        run->step = fmin(run->step, narrowest / MOST_PARTS * h);
+}
+
 /* The same in the latest step. Where conditions go up and down in it (a cam that turns freely, sin(w t)) it is looked at in parts, and
  * the next one is not longer than a few of them. */
 double lag_crossing_find(LagRun *run)
@@ -223,8 +249,12 @@ double lag_crossing_find(LagRun *run)
             continue;
         }
         const double found = find_in_part(run, part);
-        if (found < LAG_NOWHERE)
+        if (found < LAG_NOWHERE && (is_paused || width <= NARROWEST || is_first(run, part, found)))
             return found;
+        if (found < LAG_NOWHERE) {
+            width /= 2;
+            continue;
+        }
         low = part.high;
         width *= 2;
         lag_swap(&s->g, &s->g_begin);
@@ -232,14 +262,6 @@ double lag_crossing_find(LagRun *run)
     }
     lag_swap(&s->g, &s->g_begin); /* those of the end */
     lag_swap(&s->rate, &s->rate_begin);
-    if (is_due) {
-        s->resolved = narrowest * h;
-        s->unlooked = 0;
-    }
-    if (narrowest <= NARROWEST) { /* in vain */
-        s->resolved = h;
-        s->unlooked = -PAUSE;
-    } else if (narrowest < MOST_PARTS)
-        run->step = fmin(run->step, narrowest / MOST_PARTS * h);
+    note_parts(run, is_due, narrowest);
     return LAG_NOWHERE;
 }
