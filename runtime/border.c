@@ -39,7 +39,7 @@ void lag_border_layout(LagBorder *b, const LagMotion *motion, int pairs, LagAren
 
 /* -------- derivatives */
 
-/* Accelerations are linear in shares: between the ends of those that have two, by the force that there is of others. */
+/* Accelerations are linear in shares. */
 static void find_ways(LagBorder *b, LagRun *run, double t, const double *y)
 {
     const LagSliding *s = &run->sliding;
@@ -48,7 +48,7 @@ static void find_ways(LagBorder *b, LagRun *run, double t, const double *y)
     lag_motion_slope(&run->motion, t, y, y + n, b->slope_without);
     for (int k = 0; k < b->count; ++k) {
         double *share = lag_share(run, s->which[k]), *way = b->way + k * n;
-        const double here = *share, change = !lag_may_have_all(run, s->which[k]) ? s->unit[k] : here > 0.5 ? -0.5 : 0.5;
+        const double here = *share, change = lag_share_step(run, k);
         *share = here + change;
         lag_motion_slope(&run->motion, t, y, y + n, b->slope);
         *share = here;
@@ -80,7 +80,7 @@ int lag_border_find(LagBorder *b, LagRun *run, double t, const double *y)
 {
     LagSwitches *switches = &run->switches;
     const int n = b->n;
-    double *a = b->slope_without + n, sum = 0;
+    double *a = b->slope_without + n;
     b->count = run->sliding.count;
     if (b->count == 0)
         return 1;
@@ -100,9 +100,8 @@ int lag_border_find(LagBorder *b, LagRun *run, double t, const double *y)
         difference(b, run, t, a, change, i < n ? i : i - n, i < n ? b->by_place : b->by_rate);
         b->probe[i] = y[i];
     }
-    for (int i = 0; i < b->count * n; ++i)
-        sum += 0 * (b->way[i] + b->by_place[i] + b->by_rate[i] + b->by_acceleration[i]);
-    return sum == 0;
+    return lag_all_finite(b->way, b->count * n) && lag_all_finite(b->by_place, b->count * n)
+        && lag_all_finite(b->by_rate, b->count * n) && lag_all_finite(b->by_acceleration, b->count * n);
 }
 
 /* -------- systems */

@@ -74,7 +74,6 @@ void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g
         lag_sliding_margin_rates(run, t, y, run->switches.slope, step > 0 ? step : SOME_TIME, rate);
 }
 
-/* For some patterns of the signs of rounding. */
 void lag_conditions_disturb(const LagRun *run, const double *y, double share, int pattern, double *state)
 {
     for (int i = 0; i < 2 * run->model->n; ++i) {

@@ -20,8 +20,8 @@ static const double *bring_back(LagRun *run, double t, const double *q, double *
     return run->careful_state;
 }
 
-/* 0 * x is 0 for finite x and NaN for others: one sum tells about all. */
-static int all_finite(const double *x, int n)
+/* 0 * x is 0 for finite x and NaN for others: one sum tells. */
+int lag_all_finite(const double *x, int n)
 {
     double probe = 0;
     for (int i = 0; i < n; ++i)
@@ -39,7 +39,7 @@ static int evaluate(LagRun *run, const LagFunction *function, const double *cons
 {
     if (lag_call(function, in, out, run->work) != 0)
         return 0;
-    return all_finite(out[0], run->model->n) && all_finite(out[1], run->model->n_power);
+    return lag_all_finite(out[0], run->model->n) && lag_all_finite(out[1], run->model->n_power);
 }
 
 /* With the multipliers. */
@@ -97,8 +97,8 @@ int lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matr
     ++run->motion.evaluations;
     ++run->statistics.jacobians;
     lag_implicit_matrix_evaluate(matrix, run->model, in, run->work);
-    return all_finite(matrix->part[0], matrix->entries) && all_finite(matrix->part[1], matrix->entries)
-        && all_finite(matrix->part[2], matrix->entries);
+    return lag_all_finite(matrix->part[0], matrix->entries) && lag_all_finite(matrix->part[1], matrix->entries)
+        && lag_all_finite(matrix->part[2], matrix->entries);
 }
 
 int lag_flow(void *context, LagFlowPart part, const double *q, const double *v_or_p, double *result)
@@ -107,7 +107,7 @@ int lag_flow(void *context, LagFlowPart part, const double *q, const double *v_o
     const LagModel *model = run->model;
     const LagFunction *const functions[] = {&model->momentum, &model->velocity, &model->force};
     const double *in[] = {q, v_or_p, part == LAG_MOMENTUM ? run->p : run->c};
-    return lag_call(functions[part], in, &result, run->work) == 0 && all_finite(result, model->n);
+    return lag_call(functions[part], in, &result, run->work) == 0 && lag_all_finite(result, model->n);
 }
 
 void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate)
@@ -147,7 +147,7 @@ int lag_kick(LagRun *run, double t, double *y)
     if (!lag_present(&model->kick) || memcmp(run->d, run->d_before, (size_t)model->n_modes * sizeof *run->d) == 0)
         return 0;
     lag_inputs_at(&run->inputs, t, run->u);
-    if (lag_call(&model->kick, in, &dv, run->work) != 0 || !all_finite(dv, model->n))
+    if (lag_call(&model->kick, in, &dv, run->work) != 0 || !lag_all_finite(dv, model->n))
         return 0;
     for (int i = 0; i < model->n; ++i)
         y[model->n + i] += dv[i];

@@ -22,4 +22,7 @@ void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, 
 void lag_outputs(LagRun *run, double t, const double *y, double *outputs);
 void lag_energies(LagRun *run, double t, const double *y, double *energies);
 
+/* Whether all of x[n] are numbers. */
+int lag_all_finite(const double *x, int n);
+
 #endif

@@ -137,7 +137,7 @@ static void find_jumps(LagRun *run, double t, const double *y, int count, int wh
     for (int j = 0; j < count; ++j) {
         if (where == FIRST)
             find_unit(run, t, y, count, j);
-        probe(run, t, y, count, j, !lag_may_have_all(run, s->which[j]) ? s->unit[j] : s->base[j] > 0.5 ? -0.5 : 0.5);
+        probe(run, t, y, count, j, lag_share_step(run, j));
         if (where != ELSEWHERE)
             note_noise(run);
     }

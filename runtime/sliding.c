@@ -77,6 +77,12 @@ void lag_sliding_end(LagRun *run)
 
 double *lag_share(const LagRun *run, int i) { return &run->d[run->model->n_modes + i]; }
 
+double lag_share_step(const LagRun *run, int k)
+{
+    const LagSliding *s = &run->sliding;
+    return !lag_may_have_all(run, s->which[k]) ? s->unit[k] : *lag_share(run, s->which[k]) > 0.5 ? -0.5 : 0.5;
+}
+
 int lag_may_have_all(const LagRun *run, int i) { return i < lag_when(run->model, 0); }
 
 /* Velocities are known to the tolerance, and to that of what those who hold them make of them in a step. */

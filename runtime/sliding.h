@@ -45,6 +45,10 @@ void lag_sliding_end(LagRun *run);
 /* The share in d of switch i; of a contact, the force in N that holds it. */
 double *lag_share(const LagRun *run, int i);
 
+/* By how much the share of the one at place k of sliding.which is changed, to see what depends on it: between its ends, or by the force
+ * that is usual. */
+double lag_share_step(const LagRun *run, int k);
+
 /* Whether a share ends at 1, as that of a jump does: contacts push with any force, and do not pull. */
 int lag_may_have_all(const LagRun *run, int i);
 

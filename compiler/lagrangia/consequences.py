@@ -15,11 +15,14 @@ Stated = tuple[Iterable[Flat], str, Span]
 
 def keep_consequences_out(model: FlatModel, report: Report) -> None:
     """Raises LagError L0911 for the rate of a reaction, L0914."""
-    asked = list(nodes(*_expressions(model)))
-    if any(map(_is_reaction, asked)):
+    speaks_of_reactions = speaks_of_contacts = False
+    for node in nodes(*_expressions(model)):
+        speaks_of_reactions |= _is_reaction(node)
+        speaks_of_contacts |= _is_contact_force(node)
+    if speaks_of_reactions:
         _keep_reactions_out(model, report)
         _keep_rates_out(model, report, _is_reaction, "reaction")
-    if any(map(_is_contact_force, asked)):
+    if speaks_of_contacts:
         _keep_contact_forces_out(model, report)
         _keep_rates_out(model, report, _is_contact_force, "contact force")
     report.raise_errors()
@@ -36,8 +39,9 @@ def speaks_of_contact_forces(model: FlatModel, expression: Flat) -> bool:
 
 
 def _keep_reactions_out(model: FlatModel, report: Report) -> None:
+    bindings = _bindings(model)
     for expressions, what, span in (*_of_positions(model), *_of_forces(model)):
-        for node in reached(expressions, _bindings(model)):
+        for node in reached(expressions, bindings):
             if isinstance(node, FrameRef) and _is_reaction(node):
                 joint = node.name.rpartition(".")[0]
                 report.error("L0914", f"not supported yet: {what} that depends on the reaction of '{joint}'", span,
@@ -45,8 +49,9 @@ def _keep_reactions_out(model: FlatModel, report: Report) -> None:
 
 
 def _keep_contact_forces_out(model: FlatModel, report: Report) -> None:
+    bindings = _bindings(model)
     for expressions, what, span in (*_of_positions(model), *_of_parameters(model)):
-        if any(map(_is_contact_force, reached(expressions, _bindings(model)))):
+        if any(map(_is_contact_force, reached(expressions, bindings))):
             report.error("L0914", f"{what} cannot depend on a contact force", span,
                          "forces and dissipation functions can, as mu*contact_force(x)*abs(rate)")
 

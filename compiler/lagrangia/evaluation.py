@@ -6,13 +6,14 @@ level 2 Duals of Duals with the acceleration as well. `der(e)` at level k is the
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
 
 from lagrangia.algebra import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
 from lagrangia.algorithms import FlatFunction
 from lagrangia.diagnostics import Span, fail
-from lagrangia.events import contact_of, name_of_contact
+from lagrangia.events import contact_of, kept_by, name_of_contact
 from lagrangia.flat import FlatModel
 from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpression, Local, Number, Ref, String, Time, Unary
 
@@ -180,9 +181,13 @@ class Evaluator:
             fail("L0503", "der of der of der: only positions, velocities and accelerations are known", node.span)
         return _map(rate_of, self.value(node.arguments[0], level + 1))
 
+    @cached_property
+    def _kept(self) -> list[Flat | None]:
+        return [kept_by(self.model, when) for when in self.model.whens]
+
     def _contact_force(self, node: Call[Flat], level: int) -> Scalar:
         """What holds x at its contact: 0 where the leaves know of no events."""
-        event = contact_of(self.model, node.arguments[0])
+        event = contact_of(self._kept, node.arguments[0])
         if event is None:
             fail("L0226", f"nothing is in contact at {node.arguments[0].span.text}", node.span,
                  "contact_force(x) is the force of: when x < 0 then reinit(der(x), -e*pre(der(x))); end when;")

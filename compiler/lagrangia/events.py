@@ -3,7 +3,7 @@
 A contact keeps x from falling below 0:  when x < 0 then reinit(der(x), ...).  The force that holds it there is contact_force(x).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -56,9 +56,9 @@ def position_of(reset: Reset, model: FlatModel) -> Flat:
          "write: reinit(der(x), value), for any position or angle x")
 
 
-def contact_of(model: FlatModel, x: Flat) -> int | None:
-    """The first event that is a contact of x, by its place among all."""
-    return next((k for k, when in enumerate(model.whens) if are_alike(kept_by(model, when), x)), None)
+def contact_of(kept: Sequence[Flat | None], x: Flat) -> int | None:
+    """The first event that is a contact of x, by its place among all, of which `kept_by` tells."""
+    return next((k for k, own in enumerate(kept) if are_alike(own, x)), None)
 
 
 def kept_by(model: FlatModel, when: When) -> Flat | None:

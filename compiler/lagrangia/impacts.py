@@ -70,8 +70,9 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
     if not whens:
         return Impacts()
     found = [_Event(kinematics, when) for when in whens]
+    kept = [event.kept_position for event in found]
     for asked in contact_forces_in(kinematics.graph.model):
-        event = contact_of(kinematics.graph.model, asked.arguments[0])
+        event = contact_of(kept, asked.arguments[0])
         if event is not None and found[event].kept is None:
             fail("L0226", "this event is no contact, whose force is asked for", whens[event].span,
                  "a contact turns what approaches back, or stops it: reinit(der(x), -e*pre(der(x))) with e >= 0")
@@ -106,7 +107,8 @@ class _Event:
         self._check()
         found = [self._find_contact(rate, value) for rate, value in zip(self.rates, self.wanted, strict=True)]
         self.contacts = [contact is not None for contact in found]
-        kept = next((k for k, x in enumerate(self.places) if are_alike(x, kept_by(model, when))), None)
+        self.kept_position = kept_by(model, when)
+        kept = next((k for k, x in enumerate(self.places) if are_alike(x, self.kept_position)), None)
         self.kept = kept if kept is not None and self.contacts[kept] else None  # that whose contact force may be asked for
         self.contact: Flat | None = None
         self.gap = ca.SX(0)
