@@ -7,6 +7,7 @@
 #include "attempts.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "singular.h"
 
@@ -22,7 +23,12 @@ static const double FALL = 0.01, FALL_AGAIN = 0.2;
 
 LagAttempts lag_attempts_begin(LagRun *run)
 {
-    const LagAttempts attempts = {.planned = run->step, .allowed = 1, .last = INFINITY, .early = INFINITY, .way = -1};
+    LagAttempts attempts;
+    attempts.rejected = attempts.depth = 0;
+    attempts.planned = run->step;
+    attempts.allowed = 1;
+    attempts.last = attempts.early = INFINITY;
+    attempts.way = -1;
     run->careful = 0;
     return attempts;
 }
@@ -89,6 +95,8 @@ double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double er
         return shorter;
     if (!run->careful) {
         run->careful = 1;
+        memset(attempts->errors, 0, sizeof attempts->errors);
+        memset(attempts->tries, 0, sizeof attempts->tries);
         attempts->rejected = 1;
         attempts->planned = fmax(attempts->planned, run->calm_step);
         attempts->early = h < WAY[LAG_WAYS - 1] * attempts->planned ? error : INFINITY;

@@ -12,7 +12,7 @@ typedef struct {
     double allowed;          /* error, in units */
     double last;             /* error of the attempt before */
     double early;            /* error of a still shorter attempt before the lengths below; infinity: there was none */
-    double errors[LAG_WAYS]; /* of the lengths tried near a singular position; infinity: in vain */
+    double errors[LAG_WAYS]; /* of the lengths tried near a singular position; infinity: in vain; set where it gets careful */
     int tries[LAG_WAYS];     /* how often each was tried */
     int way;                 /* the one being tried; -1: another length */
     int depth;               /* halvings of the shortest of them that were tried after all; IN_VAIN near a singular position */

@@ -10,7 +10,8 @@ struct LagRun;
 
 typedef struct {
     const char *name;
-    int order; /* the error of a step of length h falls as h^order; of methods of fixed step, that of their trial */
+    int order; /* the error of a step of length h falls as h^order; of methods of fixed step, that of their trial; of Adams' methods,
+                * that of their first step */
 
     /* Takes memory for `self`, the method's own struct, for a motion of the given sizes. */
     void (*layout)(void *self, const LagMotion *motion, LagArena *arena);
@@ -38,6 +39,10 @@ typedef struct {
 
     int holds_switches; /* of conditions on the state, through each step */
     int most_sliding;   /* so many forces that jump may hold the motion at their jumps in a step */
+    int stride;         /* steps from one look at the state to the next: more where a step is short and costs little */
+
+    /* By what the next step may be longer than the one just tried; NULL where its error and the order tell. */
+    double (*factor)(const void *self);
 } LagMethod;
 
 #endif

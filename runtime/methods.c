@@ -10,6 +10,8 @@ int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
         return asked;
     if (lag_taylor_pays(model, settings->tolerance))
         return LAG_SOLVER_TAYLOR;
+    if (lag_adams_pays(model))
+        return LAG_SOLVER_ADAMS;
     return lag_erk5_pays(model, settings->tolerance) ? LAG_SOLVER_ERK5 : LAG_SOLVER_ERK;
 }
 
@@ -17,6 +19,7 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
 {
     switch (solver) {
     case LAG_SOLVER_ERK:
+    case LAG_SOLVER_ADAMS:
     case LAG_SOLVER_ERK5: return 1;
     case LAG_SOLVER_LINEAR: return lag_parts.linear && model->linear_pattern;
     case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
@@ -36,7 +39,7 @@ int lag_methods_turn(const LagSettings *settings)
 
 int lag_methods_alternate(const LagModel *model, int32_t solver)
 {
-    const int is_one = is_explicit(solver) || solver == LAG_SOLVER_TAYLOR || solver == LAG_SOLVER_IMPLICIT;
+    const int is_one = is_explicit(solver) || solver == LAG_SOLVER_TAYLOR || solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_IMPLICIT;
     return is_one && lag_methods_permit(model, LAG_SOLVER_IMPLICIT);
 }
 
@@ -53,6 +56,8 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
         lag_parts.islands->layout(&methods->islands, motion, arena);
     if (solver == LAG_SOLVER_TAYLOR)
         lag_taylor.layout(&methods->taylor, motion, arena);
+    if (solver == LAG_SOLVER_ADAMS)
+        lag_adams.layout(&methods->adams, motion, arena);
     if (solver == LAG_SOLVER_CONSERVATIVE && model->is_separable)
         lag_parts.explicit_conservative->layout(&methods->nystrom, motion, arena);
     if (solver == LAG_SOLVER_CONSERVATIVE && !model->is_separable)
@@ -61,7 +66,7 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
     methods->explicit_solver = is_explicit(solver) ? solver : LAG_SOLVER_ERK;
     if (solver == LAG_SOLVER_ERK5)
         lag_tsit5.layout(&methods->tsit5, motion, arena);
-    else if (solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_CONSERVATIVE || lag_methods_alternate(model, solver)
+    else if (solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_CONSERVATIVE || lag_methods_alternate(model, solver)
              || model->n_switches > 0)
         lag_dop853.layout(&methods->dop853, motion, arena);
     if (solver == LAG_SOLVER_IMPLICIT || may_turn)
@@ -91,6 +96,10 @@ void lag_methods_choose(LagMethods *methods, int32_t solver)
     case LAG_SOLVER_TAYLOR:
         methods->table = &lag_taylor;
         methods->self = &methods->taylor;
+        break;
+    case LAG_SOLVER_ADAMS:
+        methods->table = &lag_adams;
+        methods->self = &methods->adams;
         break;
     case LAG_SOLVER_ERK5:
         methods->table = &lag_tsit5;

@@ -2,6 +2,7 @@
 #ifndef LAG_METHODS_H
 #define LAG_METHODS_H
 
+#include "adams.h"
 #include "explicit.h"
 #include "gauss.h"
 #include "islands.h"
@@ -17,6 +18,7 @@ typedef struct {
     void *self;             /* its own struct, one of those below */
     int32_t explicit_solver; /* erk or erk5 */
     LagExplicit dop853, tsit5;
+    LagAdams adams;
     LagLinearMethod linear;
     LagIslands islands;
     LagRadau radau;

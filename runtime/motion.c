@@ -7,6 +7,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "lanes.h"
+
+enum { LONG = 8 }; /* coordinates */
+
 void lag_motion_layout(LagMotion *m, LagArena *arena)
 {
     const size_t size = (size_t)m->size;
@@ -27,9 +31,27 @@ int lag_motion_slope(LagMotion *m, double t, const double *q, const double *v, d
     return m->rhs(m->context, t, q, k, k + m->n, k + 2 * m->n);
 }
 
+/* The same as long as there are LAG_LANES. Returns how far it came. */
+static int add_many(LagMotion *m, const double *step)
+{
+    int i = 0;
+    for (; i + LAG_LANES <= m->size; i += LAG_LANES) {
+        LagLanes y, carry, whole;
+        memcpy(&y, m->y + i, sizeof y);
+        memcpy(&carry, m->carry + i, sizeof carry);
+        memcpy(&whole, step + i, sizeof whole);
+        whole += carry;
+        const LagLanes sum = y + whole, taken = sum - y;
+        carry = (y - (sum - taken)) + (whole - taken);
+        memcpy(m->other + i, &sum, sizeof sum);
+        memcpy(m->other_carry + i, &carry, sizeof carry);
+    }
+    return i;
+}
+
 void lag_motion_add(LagMotion *m, const double *step)
 {
-    for (int i = 0; i < m->size; ++i) {
+    for (int i = m->n >= LONG ? add_many(m, step) : 0; i < m->size; ++i) {
         const double y = m->y[i], whole = step[i] + m->carry[i], sum = y + whole, taken = sum - y;
         m->other[i] = sum;
         m->other_carry[i] = (y - (sum - taken)) + (whole - taken);

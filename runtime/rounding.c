@@ -55,6 +55,6 @@ void lag_rounding_watch(LagRun *run)
 {
     const int64_t steps = run->statistics.steps;
     const int may_matter = steps > 0 || run->scale.tolerance < COARSE || run->model->n > FEW;
-    if (may_matter && steps % INTERVAL == 0)
+    if (may_matter && steps % (INTERVAL * run->methods.table->stride) == 0)
         lag_rounding_look(run);
 }

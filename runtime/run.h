@@ -13,8 +13,8 @@
 
 typedef struct LagRun LagRun;
 
-/* Ways to step. AUTO stands for the one the model names, or the cheapest one of ERK, ERK5 and TAYLOR; STEPWISE for the latter, whose
- * steps are as short as the motion is quick. Both go over to implicit steps where those are cheaper, and back. */
+/* Ways to step. AUTO stands for the one the model names, or the cheapest one of ERK, ERK5, ADAMS and TAYLOR; STEPWISE for the latter,
+ * whose steps are as short as the motion is quick. Both go over to implicit steps where those are cheaper, and back. */
 enum {
     LAG_SOLVER_AUTO,
     LAG_SOLVER_ERK,
@@ -24,6 +24,7 @@ enum {
     LAG_SOLVER_CONSERVATIVE,
     LAG_SOLVER_TAYLOR,
     LAG_SOLVER_ERK5,
+    LAG_SOLVER_ADAMS,
     LAG_SOLVER_STEPWISE
 };
 

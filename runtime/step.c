@@ -34,8 +34,10 @@ double lag_step_aim(const LagRun *run)
 /* The state reached. */
 static void note_state(LagRun *run)
 {
-    lag_scale_note(&run->scale, run->motion.y);
-    if (run->statistics.steps % GLANCE == 0)
+    const int stride = run->methods.table->stride;
+    if (run->statistics.steps % stride == 0)
+        lag_scale_note(&run->scale, run->motion.y);
+    if (run->statistics.steps % (GLANCE * stride) == 0)
         lag_account_glance(run);
 }
 

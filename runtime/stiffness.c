@@ -12,15 +12,15 @@
 #include "step.h"
 
 /* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
- * Tsitouras 5 at 3.5), the share of it where stability does not rule by far; relative length of differences; how much faster the
+ * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1), the share of it where stability does not rule by far; relative length of differences; how much faster the
  * other method must be. */
-static const double RULES = 3.5, RULES5 = 2, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
+static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
 /* The first look costs 2 FIRST_ITERATIONS + 1 evaluations: 3 % of those before it. */
-enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIOUS_INTERVAL = 9 };
+enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, STEPS_OF_ADAMS = 8, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIOUS_INTERVAL = 9 };
 /* A trial of implicit steps costs as much as 75 steps by series of a small scene. */
-enum { SUSPICIONS = 8, SUSPICIONS_SERIES = 24 };
+enum { SUSPICIONS = 8, SUSPICIONS_ADAMS = 3, SUSPICIONS_SERIES = 24 };
 /* After an event, steps are short at first. */
-enum { TRIAL = 16, TRIAL_AFTER_EVENT = 64, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, PASSES = 4, STAGES = 12, STAGES5 = 6 };
+enum { TRIAL = 16, TRIAL_AFTER_EVENT = 64, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, PASSES = 4, RECOVERED = 64, STAGES = 12, STAGES5 = 6 };
 
 void lag_stiffness_layout(LagStiffness *s, int n, int size, LagArena *arena)
 {
@@ -93,6 +93,11 @@ static double radius(LagRun *run)
 /* Whether series take turns with implicit steps: they leave what slides to others. */
 static int is_series(const LagRun *run) { return run->stiffness.explicit_solver == LAG_SOLVER_TAYLOR && run->sliding.count == 0; }
 
+static int is_adams(const LagRun *run) { return run->methods.solver == LAG_SOLVER_ADAMS; }
+
+/* Steps that take as long as one of the others. */
+static int stride(const LagRun *run) { return is_adams(run) ? STEPS_OF_ADAMS : 1; }
+
 static int is_low(const LagRun *run) { return run->methods.explicit_solver == LAG_SOLVER_ERK5; }
 
 /* Series of order p are stable to about 1.35 + 0.37 p. */
@@ -100,12 +105,12 @@ static double rules(const LagRun *run)
 {
     if (is_series(run))
         return RULES_SERIES * (1.35 + 0.37 * run->methods.taylor.order);
-    return is_low(run) ? RULES5 : RULES;
+    return is_adams(run) ? RULES_ADAMS : is_low(run) ? RULES5 : RULES;
 }
 
 static int most_suspicions(const LagRun *run)
 {
-    return is_series(run) ? SUSPICIONS_SERIES : SUSPICIONS;
+    return is_series(run) ? SUSPICIONS_SERIES : is_adams(run) ? SUSPICIONS_ADAMS : SUSPICIONS;
 }
 
 static double explicit_step_work(const LagRun *run)
@@ -128,7 +133,7 @@ static double work(const LagRun *run)
 
 /* -------- decisions */
 
-static int first_look(const LagRun *run) { return is_low(run) ? FIRST_LOOK5 : FIRST_LOOK; }
+static int first_look(const LagRun *run) { return stride(run) * (is_low(run) ? FIRST_LOOK5 : FIRST_LOOK); }
 
 static void begin(LagRun *run)
 {
@@ -143,16 +148,25 @@ static void begin(LagRun *run)
 void lag_stiffness_reset(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
-    const int solver = run->methods.solver, is_explicit = solver == run->methods.explicit_solver || solver == LAG_SOLVER_TAYLOR;
+    const int solver = run->methods.solver, is_explicit = solver == run->methods.explicit_solver || solver == LAG_SOLVER_TAYLOR || is_adams(run);
     s->is_watching = lag_methods_turn(&run->settings) && is_explicit && lag_methods_alternate(run->model, solver);
     s->next = LAG_SOLVER_AUTO;
     s->explicit_solver = is_explicit ? solver : run->methods.explicit_solver;
     s->passes = 0;
+    s->relief = PASSES;
+    s->relieved = -RECOVERED * PASSES;
     s->square = -1;
     s->rate = 0;
     s->wait = 0;
     s->penalty = FIRST_WAIT;
     begin(run);
+}
+
+/* Runge-Kutta methods are stable for longer steps: they say whether implicit ones pay. */
+static int leave_adams(LagRun *run)
+{
+    run->stiffness.suspicions = 0;
+    return run->stiffness.explicit_solver = run->methods.explicit_solver;
 }
 
 static void watch_explicit(LagRun *run)
@@ -164,10 +178,10 @@ static void watch_explicit(LagRun *run)
     const double spent = run->methods.solver == LAG_SOLVER_TAYLOR ? s->steps * explicit_step_work(run) : work(run) - s->work;
     s->pace = (run->motion.t - s->t) / spent;
     s->suspicions = ruled > rules(run) ? s->suspicions + 1 : 0;
-    s->interval = s->suspicions > 0 ? SUSPICIOUS_INTERVAL : ruled > FAR * rules(run) ? first_look(run) : 2 * s->interval;
-    s->interval = s->interval < MOST_INTERVAL ? s->interval : MOST_INTERVAL;
+    s->interval = s->suspicions > 0 ? stride(run) * SUSPICIOUS_INTERVAL : ruled > FAR * rules(run) ? first_look(run) : 2 * s->interval;
+    s->interval = s->interval < stride(run) * MOST_INTERVAL ? s->interval : stride(run) * MOST_INTERVAL;
     if (s->suspicions >= most_suspicions(run))
-        s->next = LAG_SOLVER_IMPLICIT;
+        s->next = is_adams(run) ? leave_adams(run) : LAG_SOLVER_IMPLICIT;
     const int look = s->interval, suspicions = s->suspicions;
     s->wait = 0;
     begin(run); /* the next stretch */
@@ -211,7 +225,10 @@ void lag_stiffness_watch(LagRun *run)
 static int restart(LagRun *run, int32_t solver)
 {
     LagMotion *m = &run->motion;
+    const int before = run->methods.table->order;
     lag_methods_choose(&run->methods, solver);
+    if (solver == LAG_SOLVER_ADAMS)
+        run->step *= pow(run->scale.tolerance, 1.0 / run->methods.table->order - 1.0 / before);
     m->t_old = m->t;
     if (!lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope))
         return 0;
@@ -248,14 +265,26 @@ int lag_stiffness_leave_series(LagRun *run)
     return 1;
 }
 
+/* Steps that Adams' methods leave to others: more if they have not got far since the last ones. */
+static int relief(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const int64_t steps = run->statistics.steps;
+    const int is_soon = steps - s->relieved < RECOVERED * s->relief;
+    s->relief = is_soon ? (s->relief < MOST_WAIT ? 2 * s->relief : s->relief) : PASSES;
+    s->relieved = steps;
+    return s->relief;
+}
+
 int lag_stiffness_pass(LagRun *run)
 {
+    LagStiffness *s = &run->stiffness;
     const int32_t passed = run->methods.solver;
     if (!restart(run, run->methods.explicit_solver))
         return 0;
     if (run->sliding.count > 0) /* for longer than some steps */
         begin(run);
-    run->stiffness.passed = passed;
-    run->stiffness.passes = PASSES;
+    s->passes = passed == LAG_SOLVER_ADAMS ? relief(run) : PASSES;
+    s->passed = passed;
     return 1;
 }

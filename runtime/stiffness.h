@@ -16,6 +16,8 @@ typedef struct {
     int32_t next;           /* method to go on with: LAG_SOLVER_AUTO stands for the one in use */
     int passes;             /* steps left that the explicit method takes in place of another one */
     int32_t passed;         /* that one */
+    int relief;             /* passes in place of Adams' methods */
+    int64_t relieved;       /* after so many steps of the run */
     int steps, suspicions;  /* since the method in use began; looks in a row at which stability ruled */
     int look, interval;     /* the step to look at next; steps between looks */
     int wait, penalty;      /* steps before the implicit method is tried again; the same after it fails next time */

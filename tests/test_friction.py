@@ -13,7 +13,7 @@ from lagrangia.native import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Write = Callable[[str], lag.Model]
-SOLVERS = ("auto", "taylor", "erk", "erk5", "implicit")
+SOLVERS = ("auto", "taylor", "erk", "erk5", "adams", "implicit")
 G = 9.81
 
 # The same friction said in three ways.

@@ -12,7 +12,7 @@ from lagrangia.native import find_compiler
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
 Scene = Callable[[str], lag.Model]
-SOLVERS = ("auto", "erk", "erk5", "taylor", "implicit", "linear", "casadi:cvodes")
+SOLVERS = ("auto", "erk", "erk5", "adams", "taylor", "implicit", "linear", "casadi:cvodes")
 
 FREE = """model Free "nothing acts on a mass that is told in the frame of a table pushed by a ramp"
   World world(gravity = {0, 0});

@@ -128,6 +128,7 @@ def test_builds_started_together_finish_in_any_order() -> None:
 @pytest.mark.parametrize(("file", "solver", "structural"), [
     (EXAMPLES / "double_pendulum.lag", "taylor", {}), (EXAMPLES / "andrews_squeezer.lag", "erk", {}),
     (EXAMPLES / "chain.lag", "erk5", {"n": 17}), (EXAMPLES / "chain.lag", "erk", {"n": 18}), (ROW, "taylor", {"n": 19}),
+    (EXAMPLES / "chain.lag", "adams", {"n": 19}), (EXAMPLES / "four_bar.lag", "adams", {}),
 ], ids=str)
 def test_wide_registers_and_vectors_change_no_digit(file: Path, solver: str, structural: dict[str, int], tmp_path: Path,
                                                     monkeypatch: pytest.MonkeyPatch) -> None:

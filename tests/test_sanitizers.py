@@ -103,12 +103,13 @@ SCENE_DRIVER = """
 extern const LagModel lag_model;
 int main(void)
 {
-    const int solvers[] = {LAG_SOLVER_AUTO, LAG_SOLVER_ERK, LAG_SOLVER_ERK5, LAG_SOLVER_IMPLICIT, LAG_SOLVER_TAYLOR};
+    const int solvers[] = {LAG_SOLVER_AUTO, LAG_SOLVER_ERK, LAG_SOLVER_ERK5, LAG_SOLVER_ADAMS, LAG_SOLVER_IMPLICIT,
+                           LAG_SOLVER_TAYLOR};
     double times[61], *rows = malloc(61 * (size_t)lag_run_row_width(&lag_model) * sizeof *rows);
     for (int i = 0; i < 61; ++i)
         times[i] = i / 20.0;
-    for (int i = 0; i < 10; ++i) {
-        const LagSettings settings = {.t_stop = 3, .tolerance = i < 5 ? 1e-4 : 1e-8, .solver = solvers[i % 5]};
+    for (int i = 0; i < 12; ++i) {
+        const LagSettings settings = {.t_stop = 3, .tolerance = i < 6 ? 1e-4 : 1e-8, .solver = solvers[i % 6]};
         LagRun *run = lag_run_new(&lag_model, &settings);
         int done = 0;
         lag_run_set_parameters(run, NULL, NULL);

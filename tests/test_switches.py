@@ -13,7 +13,7 @@ from lagrangia.native import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Write = Callable[[str], lag.Model]
-SOLVERS = ("auto", "taylor", "erk", "erk5", "implicit")
+SOLVERS = ("auto", "taylor", "erk", "erk5", "adams", "implicit")
 
 BILINEAR = """model Bilinear "A mass between two springs, of which one is pushed only"
   World world(gravity = {0, 0});
@@ -79,7 +79,7 @@ def test_a_ball_bounces_to_its_height(scene: Write, solver: str) -> None:
     assert run.statistics.events == 20
 
 
-@pytest.mark.parametrize("solver", ["auto", "erk", "erk5", "implicit"])
+@pytest.mark.parametrize("solver", ["auto", "erk", "erk5", "adams", "implicit"])
 def test_nothing_passes_through_a_contact_within_a_step(scene: Write, solver: str) -> None:
     """A force with a root of what is negative elsewhere: steps that cannot hold it go without."""
     model = scene(BALLS)

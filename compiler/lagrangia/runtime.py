@@ -53,7 +53,8 @@ class Solver(IntEnum):
     CONSERVATIVE = 5
     TAYLOR = 6
     ERK5 = 7
-    STEPWISE = 8
+    ADAMS = 8
+    STEPWISE = 9
 
 
 @dataclass(frozen=True)
