@@ -7,15 +7,17 @@
 
 enum { KINETIC, POTENTIAL, TOTAL, DISSIPATED, WORK };
 
-/* At the present time, and takes notice of its parts. */
-static double total(LagRun *run)
+/* Energies at the present time, of which the statistics take notice. Returns the total; *largest: of its parts. */
+static double look(LagRun *run, double *largest)
 {
     LagStatistics *statistics = &run->statistics;
     double energies[3] = {0, 0, 0};
     lag_energies(run, run->motion.t, run->motion.y, energies);
+    *largest = 0;
     for (int i = KINETIC; i <= TOTAL; ++i)
         if (isfinite(energies[i]))
-            statistics->energy_stored = lag_max(fabs(energies[i]), statistics->energy_stored);
+            *largest = lag_max(fabs(energies[i]), *largest);
+    statistics->energy_stored = lag_max(*largest, statistics->energy_stored);
     return energies[TOTAL];
 }
 
@@ -36,22 +38,39 @@ void lag_account_note(LagRun *run, const double *y, double *entries)
     statistics->energy_given = lag_max(entries[WORK] - entries[DISSIPATED], statistics->energy_given);
 }
 
-void lag_account_glance(LagRun *run) { total(run); }
+void lag_account_glance(LagRun *run)
+{
+    double largest;
+    look(run, &largest);
+    if (run->motion.energy > 0)
+        run->motion.energy = lag_max(run->motion.energy, largest);
+}
 
 void lag_account_weigh(LagRun *run)
 {
-    const int counts = run->sliding.count > 0 && run->model->n_power > 0;
-    if (counts)
-        lag_account_glance(run);
-    run->motion.energy = counts ? lag_max(run->statistics.energy_scale, run->statistics.energy_stored) : 0;
-    run->motion.strength = counts ? run->sliding.energy : 0;
+    LagMotion *motion = &run->motion;
+    const LagStatistics *statistics = &run->statistics;
+    const int counts = run->model->n_power > 0, slides = counts && run->sliding.count > 0;
+    const int begins_low = counts && run->methods.solver == LAG_SOLVER_ADAMS;
+    double energy = begins_low ? motion->energy : 0;
+    if (slides || (begins_low && energy == 0))
+        look(run, &energy);
+    if (slides)
+        energy = lag_max(statistics->energy_scale, statistics->energy_stored);
+    motion->energy = energy;
+    motion->strength = slides ? run->sliding.energy : 0;
 }
 
-void lag_account_open(LagRun *run) { run->energy_before = total(run); }
+void lag_account_open(LagRun *run)
+{
+    double largest;
+    run->energy_before = look(run, &largest);
+}
 
 void lag_account_close(LagRun *run)
 {
-    const double jump = total(run) - run->energy_before;
+    double largest;
+    const double jump = look(run, &largest) - run->energy_before;
     if (run->model->n_power == 2)
         run->motion.y[2 * run->model->n + 1] += jump;
     else

@@ -12,7 +12,8 @@ void lag_account_note(LagRun *run, const double *y, double *entries);
 /* Notes how large the energies are in the present state: rows may all lie where there is none. */
 void lag_account_glance(LagRun *run);
 
-/* Where friction holds what supports draw at, the work of these alone tells how long steps may be: whether errors of it count now. */
+/* Where friction holds what supports draw at, the work of these alone tells how long steps may be; and methods that begin at a low
+ * order make much larger errors of work than of the motion: whether errors of it count now. */
 void lag_account_weigh(LagRun *run);
 
 /* To be called before and after modes, inputs or parameters change at the present state. The jump of H is work done by

@@ -20,6 +20,7 @@
 /* Chosen, like those of scale.c, for fewest evaluations to a given error, on chains, linkages and rows of springs. CAUTION multiplies
  * the error, so that a tolerance means about the same error by each method. Another order must be LOYAL times better. */
 static const double CAUTION = 15, SAFETY = 0.75, GROW = 2, LOYAL = 0.95, TINY = 1e-60;
+enum { GLANCE = 16 }; /* attempts from one look at what limits the steps to the next */
 enum { PART = 4, PARTS = PART / LAG_LANES }; /* every fourth number has a sum, however many lanes there are: the same digits */
 
 static size_t width_of(const LagMotion *m) { return (size_t)(m->size - m->n); }
@@ -54,6 +55,7 @@ static void restart(void *self, LagMotion *m)
     LagAdams *s = self;
     memcpy(s->difference[0], m->slope + m->n, width_of(m) * sizeof(double));
     s->order = s->known = s->is_starting = 1;
+    s->attempts = 0;
 }
 
 /* -------- the polynomial */
@@ -156,6 +158,7 @@ static void correct(LagAdams *s, LagMotion *m, double h, const Integrals *g)
 enum { THIS, LESS, MORE, ORDERS };
 typedef struct {
     double place[ORDERS], rate[ORDERS];
+    double power[ORDERS];
     double moving; /* positions and rates that have units */
 } Misses;
 
@@ -225,38 +228,46 @@ static void measure(const LagAdams *s, int n, Misses *found)
     found->moving = total(moving);
 }
 
+/* The same of the energy quadratures: the largest each, in units of the tolerance. */
+static void measure_powers(const LagAdams *s, const LagMotion *m, double h, const LagScale *scale, Misses *found)
+{
+    const int n = m->n, k = s->order, is_more = k < s->known;
+    const double energy = fmax(m->energy, h * h * m->strength);
+    for (int order = 0; order < ORDERS; ++order)
+        found->power[order] = 0;
+    for (int i = n; i < (int)width_of(m) && m->energy > 0; ++i) {
+        const double unit = scale->tolerance * fmax(fabs(m->other[n + i]), energy), miss = s->missed[i];
+        const double more = is_more ? s->stretch[k] * s->difference[k][i] : 0;
+        found->power[THIS] = lag_max(fabs(miss) / unit, found->power[THIS]);
+        found->power[LESS] = lag_max(fabs(miss + s->stretch[k - 1] * s->difference[k - 1][i]) / unit, found->power[LESS]);
+        found->power[MORE] = lag_max(fabs(miss - more) / unit, found->power[MORE]);
+    }
+}
+
 /* The square of the error of a step predicted from so many slopes: one of the ORDERS. */
 static double square_error(const Misses *found, int which, int order, double h, const Integrals *g)
 {
     const double once = h * (g->once[order] - g->once[order - 1]), twice = h * h * (g->twice[order] - g->twice[order - 1]);
-    return CAUTION * CAUTION / found->moving * (twice * twice * found->place[which] + once * once * found->rate[which]);
-}
-
-/* The largest error of the energy quadratures, in units of the tolerance. */
-static double energy_error(const LagAdams *s, const LagMotion *m, double h, const Integrals *g, const LagScale *scale)
-{
-    const double energy = fmax(m->energy, h * h * m->strength), once = h * (g->once[s->order] - g->once[s->order - 1]);
-    double largest = 0;
-    for (int i = m->n; i < (int)width_of(m); ++i)
-        largest = fmax(fabs(once * s->missed[i]) / (scale->tolerance * fmax(fabs(m->other[m->n + i]), energy)), largest);
-    return largest;
+    const double squares = twice * twice * found->place[which] + once * once * found->rate[which], power = once * found->power[which];
+    const double motion = found->moving > 0 ? CAUTION * CAUTION / found->moving * squares : 0;
+    return power * power > motion ? power * power : motion;
 }
 
 static double factor_of(double square, int order) { return SAFETY * lag_rough_power(lag_max(square, TINY), -0.5 / (order + 1)); }
 
-/* The order of the next step, or of another attempt at this one: by which it gets longest. */
-static void choose(LagAdams *s, const Misses *found, double h, const Integrals *g, double error)
+/* The order of the next step, or of another attempt at this one: that by which it gets longest, if it matters. */
+static void choose(LagAdams *s, const Misses *found, double h, const Integrals *g, double square)
 {
-    const int k = s->order, is_good = error <= 1, may_rise = is_good && k < s->known && k < LAG_ADAMS_ORDER;
+    const int k = s->order, is_good = square <= 1, may_rise = is_good && k < s->known && k < LAG_ADAMS_ORDER;
     const double more = may_rise ? square_error(found, MORE, k + 1, h, g) : INFINITY;
-    s->is_starting = s->is_starting && is_good && k < LAG_ADAMS_ORDER && (k <= 2 || more < error * error);
+    s->is_starting = s->is_starting && is_good && k < LAG_ADAMS_ORDER && (k <= 2 || more < square);
     if (s->is_starting) {
         s->next_order = k + 1;
         return;
     }
     const double lower = k > 1 ? LOYAL * factor_of(square_error(found, LESS, k - 1, h, g), k - 1) : 0;
     const double higher = may_rise ? LOYAL * factor_of(more, k + 1) : 0;
-    if (lag_max(lower, higher) <= s->factor)
+    if (s->factor >= GROW || lag_max(lower, higher) <= s->factor)
         return;
     s->next_order = lower > higher ? k - 1 : k + 1;
     s->factor = lag_max(lower, higher);
@@ -270,17 +281,15 @@ static double estimate(LagAdams *s, LagMotion *m, double h, const Integrals *g, 
         lag_scale_foresee(scale, m->other);
     lag_scale_units(scale, m->y, m->other, s->unit);
     measure(s, m->n, &found);
-    double error = found.moving > 0 ? sqrt(square_error(&found, THIS, s->order, h, g)) : 0;
-    if (m->energy > 0)
-        error = fmax(energy_error(s, m, h, g, scale), error);
-    if (!(error < INFINITY))
+    measure_powers(s, m, h, scale, &found);
+    const double square = square_error(&found, THIS, s->order, h, g);
+    if (!(square < INFINITY))
         return INFINITY;
     s->next_order = s->order;
-    s->factor = factor_of(error * error, s->order);
-    if (found.moving > 0)
-        choose(s, &found, h, g, error);
+    s->factor = factor_of(square, s->order);
+    choose(s, &found, h, g, square);
     s->factor = lag_min(s->factor, GROW);
-    return error;
+    return sqrt(square);
 }
 
 static double factor(const void *self) { return ((const LagAdams *)self)->factor; }
@@ -301,10 +310,11 @@ static double attempt(void *self, LagMotion *m, double t_new, const LagScale *sc
     }
     correct(s, m, h, &g);
     const double error = estimate(s, m, h, &g, scale);
-    if (!(error <= 1)) {
-        *worst = m->n + largest_of(s->missed, s->unit + m->n, m->n);
-        s->order = error < INFINITY ? s->next_order : s->order;
-    }
+    if (!(error <= 1) || s->attempts++ % GLANCE == 0)
+        s->worst = m->n + largest_of(s->missed, s->unit + m->n, m->n);
+    if (error > 1 && error < INFINITY)
+        s->order = s->next_order;
+    *worst = s->worst;
     return error;
 }
 

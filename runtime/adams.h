@@ -21,6 +21,7 @@ typedef struct {
     double stretch[LAG_ADAMS_ROWS]; /* by which differences are larger over this step than over the one before */
     int next_order;
     double factor;           /* by which the next step may be longer */
+    int worst, attempts;     /* the component that limits the steps; attempts at steps since the restart */
     double *slope;           /* at the predicted state */
     double *rates, *places;  /* what the prediction adds to (v, energy quadratures) and to q */
     double *missed;          /* the slope less the predicted one */

@@ -39,7 +39,7 @@ typedef struct {
 
     int holds_switches; /* of conditions on the state, through each step */
     int most_sliding;   /* so many forces that jump may hold the motion at their jumps in a step */
-    int stride;         /* steps from one look at the state to the next: more where a step is short and costs little */
+    int stride;         /* steps from one look at the state to the next, a power of two: more where they are short and cheap */
 
     /* By what the next step may be longer than the one just tried; NULL where its error and the order tell. */
     double (*factor)(const void *self);

@@ -13,6 +13,7 @@
 
 #include "extremes.h"
 #include "state.h"
+#include "step.h"
 
 /* Uncertainties in a step that count as one unit of error: errors of noise must stay well below it, or steps would go on
  * shrinking. What each coordinate has at least of the largest of its kind. Of FEW coordinates tolerances above COARSE are
@@ -55,6 +56,6 @@ void lag_rounding_watch(LagRun *run)
 {
     const int64_t steps = run->statistics.steps;
     const int may_matter = steps > 0 || run->scale.tolerance < COARSE || run->model->n > FEW;
-    if (may_matter && steps % (INTERVAL * run->methods.table->stride) == 0)
+    if (may_matter && lag_step_is_every(run, INTERVAL))
         lag_rounding_look(run);
 }

@@ -8,7 +8,7 @@
 #include "segment.h"
 
 static const double FIRST_STEP = 1; /* towards no end */
-enum { GLANCE = 16 }; /* steps from one look at the energies to the next */
+enum { GLANCE = 16 }; /* strides from one look at the energies to the next */
 
 double lag_step_smallest(double t) { return lag_max(4 * DBL_EPSILON * fabs(t), DBL_MIN); }
 
@@ -34,10 +34,9 @@ double lag_step_aim(const LagRun *run)
 /* The state reached. */
 static void note_state(LagRun *run)
 {
-    const int stride = run->methods.table->stride;
-    if (run->statistics.steps % stride == 0)
+    if (lag_step_is_every(run, 1))
         lag_scale_note(&run->scale, run->motion.y);
-    if (run->statistics.steps % (GLANCE * stride) == 0)
+    if (lag_step_is_every(run, GLANCE))
         lag_account_glance(run);
 }
 

@@ -19,6 +19,12 @@ double lag_step_aim(const LagRun *run);
 /* Shorter steps do not move t. */
 double lag_step_smallest(double t);
 
+/* Whether so many strides of the method in use lie between the steps like the present one: a power of two. */
+static inline int lag_step_is_every(const LagRun *run, int strides)
+{
+    return (run->statistics.steps & (strides * run->methods.table->stride - 1)) == 0;
+}
+
 /* Errors are to be measured for steps of length h. */
 void lag_step_set_units(LagRun *run, double h);
 

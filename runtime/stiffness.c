@@ -7,14 +7,16 @@
 #include <math.h>
 #include <string.h>
 
+#include "account.h"
 #include "extremes.h"
+#include "first_step.h"
 #include "state.h"
 #include "step.h"
 
 /* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
  * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1), the share of it where stability does not rule by far; relative length of differences; how much faster the
  * other method must be. */
-static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
+static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2, SMALL = 0.25;
 /* The first look costs 2 FIRST_ITERATIONS + 1 evaluations: 3 % of those before it. */
 enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, STEPS_OF_ADAMS = 8, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIOUS_INTERVAL = 9 };
 /* A trial of implicit steps costs as much as 75 steps by series of a small scene. */
@@ -154,6 +156,7 @@ void lag_stiffness_reset(LagRun *run)
     s->explicit_solver = is_explicit ? solver : run->methods.explicit_solver;
     s->passes = 0;
     s->relief = PASSES;
+    s->leads = 0;
     s->relieved = -RECOVERED * PASSES;
     s->square = -1;
     s->rate = 0;
@@ -225,15 +228,19 @@ void lag_stiffness_watch(LagRun *run)
 static int restart(LagRun *run, int32_t solver)
 {
     LagMotion *m = &run->motion;
-    const int before = run->methods.table->order;
+    const int is_from_adams = is_adams(run);
     lag_methods_choose(&run->methods, solver);
-    if (solver == LAG_SOLVER_ADAMS)
-        run->step *= pow(run->scale.tolerance, 1.0 / run->methods.table->order - 1.0 / before);
     m->t_old = m->t;
     if (!lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope))
         return 0;
     run->methods.table->restart(run->methods.self, m);
-    ++run->statistics.switches;
+    if (solver == LAG_SOLVER_ADAMS) { /* at order 1 */
+        const double slowness = lag_slowness(m, &run->scale, run->step, 0);
+        run->calm_step = run->step = SMALL * fmin(run->step, lag_first_step(&run->scale, slowness, run->methods.table->order));
+    }
+    if (solver == LAG_SOLVER_ADAMS || is_from_adams)
+        lag_account_weigh(run);
+    run->statistics.switches += !run->stiffness.leads;
     return 1;
 }
 
@@ -246,7 +253,7 @@ int lag_stiffness_turn(LagRun *run)
         return 1;
     if (!restart(run, next))
         return 0;
-    s->passes = 0;
+    s->passes = s->leads = 0;
     if (next == s->explicit_solver) {
         const double largest = (s->rate + sqrt(s->rate * s->rate + 4 * lag_max(s->square, 0))) / 2;
         run->step = largest > 0 ? fmin(run->step, 1 / largest) : run->step;
@@ -276,15 +283,22 @@ static int relief(LagRun *run)
     return s->relief;
 }
 
-int lag_stiffness_pass(LagRun *run)
+static int pass(LagRun *run, int steps)
 {
-    LagStiffness *s = &run->stiffness;
     const int32_t passed = run->methods.solver;
     if (!restart(run, run->methods.explicit_solver))
         return 0;
     if (run->sliding.count > 0) /* for longer than some steps */
         begin(run);
-    s->passes = passed == LAG_SOLVER_ADAMS ? relief(run) : PASSES;
-    s->passed = passed;
+    run->stiffness.passed = passed;
+    run->stiffness.passes = steps;
     return 1;
+}
+
+int lag_stiffness_pass(LagRun *run) { return pass(run, is_adams(run) ? relief(run) : PASSES); }
+
+int lag_stiffness_lead(LagRun *run)
+{
+    run->stiffness.leads = 1;
+    return pass(run, 1);
 }

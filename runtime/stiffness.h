@@ -16,6 +16,7 @@ typedef struct {
     int32_t next;           /* method to go on with: LAG_SOLVER_AUTO stands for the one in use */
     int passes;             /* steps left that the explicit method takes in place of another one */
     int32_t passed;         /* that one */
+    int leads;              /* the first step of Adams' methods is one of another: that changes no solver */
     int relief;             /* passes in place of Adams' methods */
     int64_t relieved;       /* after so many steps of the run */
     int steps, suspicions;  /* since the method in use began; looks in a row at which stability ruled */
@@ -43,6 +44,9 @@ int lag_stiffness_turn(LagRun *run);
 /* The method in use cannot take a step: implicit ones near a singular position or where derivatives are not finite, or where something
  * slides. The explicit method takes some. Returns 0 if it cannot. */
 int lag_stiffness_pass(LagRun *run);
+
+/* A step of the explicit method leads to where the motion has a size, which methods that begin at order 1 need. */
+int lag_stiffness_lead(LagRun *run);
 
 /* A series has no finite coefficients (exp of a large number under a fraction bar): the explicit method goes on from here. Returns
  * 0 if there is none, or the user asked for series. */

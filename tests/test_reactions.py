@@ -167,7 +167,7 @@ RESTING = {
 }
 
 
-@pytest.mark.parametrize("solver", ["auto", "erk", "erk5", "adams", "implicit"])
+@pytest.mark.parametrize("solver", ["auto", "erk", "erk5", "implicit"])
 @pytest.mark.parametrize("case", RESTING)
 def test_what_rests_where_its_coordinates_are_zero_rests_in_a_few_steps(case: str, solver: str, scene: Write) -> None:
     """Nothing moves it but rounding, of accelerations of 1e-17: there is no motion that tells how large that is."""

@@ -18,7 +18,7 @@ Scene = Callable[[str], lag.Model]
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT.parent / "models" / "examples"
 EPS = np.finfo(float).eps
-SOLVERS = ("auto", "erk", "implicit", "taylor", "conservative")
+SOLVERS = ("auto", "erk", "adams", "implicit", "taylor", "conservative")
 
 
 def those_of(model: lag.Model, *names: str) -> list[str]:
@@ -43,7 +43,7 @@ def chaos() -> tuple[lag.Model, np.ndarray, np.ndarray]:
     return model, np.array([float(row["t"]) for row in known]), np.array([[float(row[name]) for name in names] for row in known])
 
 
-@pytest.mark.parametrize("solver", ["auto", "erk", "implicit", "taylor"])
+@pytest.mark.parametrize("solver", ["auto", "erk", "adams", "implicit", "taylor"])
 def test_chaos_to_the_predictable_digit(solver: str) -> None:
     """Errors grow by exp(1.06 t/s), a digit in 2.2 s: rounding at the start is eps exp(1.06 t/s) later, 1e-2 at 30 s and all
     there is at 50 s. A run at 1e-14 knows every digit that this leaves, and its energy is right beyond."""
@@ -92,7 +92,7 @@ def test_ten_thousand_periods(solver: str, pendulum: lag.Model) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_million_periods(solver: str, pendulum: lag.Model) -> None:
-    if solver == "implicit" or solver not in those_of(pendulum, solver):
+    if solver in ("implicit", "adams") or solver not in those_of(pendulum, solver):
         pytest.skip(f"{solver} does not run this scene, or far too long")
     phase, energy, _ = swing(pendulum, 1e6, solver, 1e-9 if solver == "conservative" else 1e-12)
     assert phase < 2e-2
@@ -143,7 +143,7 @@ end Resonance;
 """
 
 
-@pytest.mark.parametrize("solver", ["auto", "erk", "implicit", "taylor"])
+@pytest.mark.parametrize("solver", ["auto", "erk", "adams", "implicit", "taylor"])
 @pytest.mark.parametrize("w", [1e-3, 1.0, 1e3])
 def test_resonance_grows_linearly(solver: str, w: float, scene: Scene) -> None:
     """x'' + w^2 x = sin w t from rest: x = (sin w t - w t cos w t)/(2 w^2), right to 10 digits after 500 periods; beside it
@@ -163,7 +163,7 @@ def test_resonance_grows_linearly(solver: str, w: float, scene: Scene) -> None:
 
 
 @pytest.mark.parametrize("second", [1e-9, 1e-6, 1e6, 1e9])
-@pytest.mark.parametrize("solver", ["auto", "implicit", "taylor"])
+@pytest.mark.parametrize("solver", ["auto", "adams", "implicit", "taylor"])
 def test_horizons(second: float, solver: str) -> None:
     """The same motion in 3e-9 s and in 3e9 s: gravity is as much stronger or weaker; the same steps and digits."""
     model = lag.load(EXAMPLES / "double_pendulum.lag")
