@@ -68,6 +68,7 @@ class _Writer:
     n_jets: int = 0
     pairs: dict[tuple[str, int], tuple[_Jet, _Jet]] = field(default_factory=dict)
     derivatives: dict[int, _Jet] = field(default_factory=dict)
+    angles: list[_Jet] = field(default_factory=list)  # coordinates whose sines and cosines are computed together
     even: set[int] = field(default_factory=lambda: {0})  # jets that grow evenly with time
     may_hide: bool = False
 
@@ -114,8 +115,12 @@ class _Writer:
         """sin and cos, or sinh and cosh, of one argument: s' = c u', c' = sign s u'."""
         if (sine, u.slot) not in self.pairs:
             du, s, c = self.derivative(u), f"J({self.n_jets})", f"J({self.n_jets + 1})"
-            one = self.jet(f"{sine}({u}[0])", f"lag_jet_inner({du}, {c}, k) * (1.0 / k)")
-            other = self.jet(f"{cosine}({u}[0])", f"lag_jet_inner({du}, {s}, k) * ({sign}1.0 / k)")
+            first = [f"{name}({u}[0])" for name in (sine, cosine)]
+            if sine == "sin" and u.slot < self.n_jets - len(self.first):
+                first = [f"{name}[{len(self.angles)}]" for name in ("sine", "cosine")]
+                self.angles.append(u)
+            one = self.jet(first[0], f"lag_jet_inner({du}, {c}, k) * (1.0 / k)")
+            other = self.jet(first[1], f"lag_jet_inner({du}, {s}, k) * ({sign}1.0 / k)")
             self.pairs[(sine, u.slot)] = one, other
         return self.pairs[(sine, u.slot)]
 
@@ -340,7 +345,8 @@ def _text(writer: _Writer, accelerations: Sequence[int], unrolled: int, kept: Ma
         if is_long:
             body = _long_body(statements, accelerations, writer.n_jets - len(statements), constants, kept, pitch)
         else:
-            body = [*_placed(statements, kept, pitch), *_next_states(accelerations, kept, pitch)]
+            angles = _sines(writer.angles) if statements is writer.first else []
+            body = [*_placed([*angles, *statements], kept, pitch), *_next_states(accelerations, kept, pitch)]
         lines += [f"LAG_UNROLLED void {name}(const int k, const double *c, double *jet)", "{", "    (void)c;"]
         lines += [*(f"    {line}" for line in body), "}", ""]
     arguments = "(int k, const double *c, double *jet)"
@@ -355,6 +361,16 @@ def _text(writer: _Writer, accelerations: Sequence[int], unrolled: int, kept: Ma
               f"    double c[{max(1, len(constants.order))}] = {{0}};",
               "    (void)in;", *given, "    for (int k = first; k < end; ++k)", "        taylor_orders[k](k, c, jet);"]
     return "\n".join([*lines, "}", ""])
+
+
+def _sines(angles: Sequence[_Jet]) -> list[str]:
+    """Statements for their sines and cosines: four take as long as one of a mathematical library, one alone takes longer."""
+    if len(angles) < 2:
+        return [f"const double sine[] = {{sin({u}[0])}}, cosine[] = {{cos({u}[0])}};" for u in angles]
+    size = -(-len(angles) // 4) * 4
+    given = [f"{u}[0]" for u in angles] + ["0.0"] * (size - len(angles))
+    calls = [f"lag_four_sines({', '.join(given[i : i + 4])}, sine + {i}, cosine + {i});" for i in range(0, size, 4)]
+    return [f"double sine[{size}], cosine[{size}];", *calls]
 
 
 def _next_states(accelerations: Sequence[int], kept: Mapping[int, int], pitch: int) -> list[str]:

@@ -134,9 +134,9 @@ erk5    explicit Runge-Kutta of order 5(4) by Tsitouras with dense output of ord
         constraints, above 5e-5 where equations are long (over 40 operations a coordinate), above 5e-3 elsewhere.
 adams   Adams' methods of order 1 to 13 in variable steps (Shampine, Gordon, Computer Solution of Ordinary Differential Equations,
         1975; integrated twice for positions, Krogh 1974): one evaluation a step, half as many to an error as erk, rows for next
-        to nothing, and more work beside each evaluation. After an event they begin anew, at order 1. auto takes them where
-        equations are long (chains of 20 links and more) and nothing begins anew: no closed loops, events, conditions or inputs.
-        They leave steps to erk where they cannot go on, as where a motion sets in out of nothing.
+        to nothing, and more work beside each evaluation. After an event they begin anew at order 1, behind a step of erk, which
+        also goes on where they cannot. auto takes them where equations are long (chains of 15 links and more) without closed
+        loops (where several fold flat at once, only longer steps lead across), events, conditions on the state and inputs.
 linear  exact, for scenes whose equations are M a + C v + K q = b(t): constant M, C, K and loads that are made of constants,
         polynomials, sines, cosines and exponentials of time and products of these, in pieces between time events, or inputs
         that are linear between the rows of their table. By the matrix exponential, computed in double-double arithmetic: at any
