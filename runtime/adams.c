@@ -99,9 +99,9 @@ static void integrate(const double *share, int count, Integrals *g)
 /* The polynomial over a step of length h. */
 static void extend(LagAdams *s, double h, Integrals *g)
 {
-    double share[LAG_ADAMS_ROWS + 1];
+    double share[LAG_ADAMS_ROWS] = {1};
     s->new_reach[0] = h;
-    s->stretch[0] = share[0] = share[s->known] = 1;
+    s->stretch[0] = 1;
     for (int i = 1; i < s->known; ++i) {
         s->new_reach[i] = h + s->reach[i - 1];
         s->stretch[i] = s->stretch[i - 1] * (s->new_reach[i - 1] / s->reach[i - 1]);
@@ -158,8 +158,8 @@ static void correct(LagAdams *s, LagMotion *m, double h, const Integrals *g)
 enum { THIS, LESS, MORE, ORDERS };
 typedef struct {
     double place[ORDERS], rate[ORDERS];
-    double power[ORDERS];
-    double moving; /* positions and rates that have units */
+    double power[ORDERS]; /* the largest of the energy quadratures */
+    double moving;        /* positions and rates that have units */
 } Misses;
 
 static double total(const LagLanes *parts)

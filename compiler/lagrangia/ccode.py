@@ -7,7 +7,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 
 from lagrangia.tapes import SINES, Op, Tape
-from lagrangia.taylor import NoSeriesError, Series, write_series
+from lagrangia.taylor import NoSeriesError, Series, sines_together, write_series
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
 INCLUDES = ("#include <math.h>", '#include "sines.h"', '#include "tape.h"')  # of what write_functions writes
@@ -194,11 +194,8 @@ def _body(tape: Tape, start: int, stop: int, later: set[int]) -> list[str]:
 def _sines(run: Sequence[tuple[int, int, int]]) -> list[str]:
     """Sines and cosines that are computed together: (op, out, a)."""
     angles = {a: i for i, a in enumerate(dict.fromkeys(a for _, _, a in run))}
-    size = -(-len(angles) // 4) * 4
-    given = [f"w{a}" for a in angles] + ["0.0"] * (size - len(angles))
-    calls = [f"    lag_four_sines({', '.join(given[i : i + 4])}, sine + {i}, cosine + {i});" for i in range(0, size, 4)]
-    found = [f"    w{out} = {'sine' if op == Op.SIN else 'cosine'}[{angles[a]}];" for op, out, a in run]
-    return ["{", f"    double sine[{size}], cosine[{size}];", *calls, *found, "}"]
+    found = [f"w{out} = {'sine' if op == Op.SIN else 'cosine'}[{angles[a]}];" for op, out, a in run]
+    return ["{", *(f"    {line}" for line in (*sines_together([f"w{a}" for a in angles]), *found)), "}"]
 
 
 def _statement(op: int, out: int, a: int, b: int, constants: Sequence[float]) -> str:

@@ -364,11 +364,16 @@ def _text(writer: _Writer, accelerations: Sequence[int], unrolled: int, kept: Ma
 
 
 def _sines(angles: Sequence[_Jet]) -> list[str]:
-    """Statements for their sines and cosines: four take as long as one of a mathematical library, one alone takes longer."""
+    """Statements for their sines and cosines. Four take as long as one of a mathematical library, one alone takes longer."""
     if len(angles) < 2:
         return [f"const double sine[] = {{sin({u}[0])}}, cosine[] = {{cos({u}[0])}};" for u in angles]
+    return sines_together([f"{u}[0]" for u in angles])
+
+
+def sines_together(angles: Sequence[str]) -> list[str]:
+    """Statements that declare and fill the arrays sine and cosine, for angles as C text."""
     size = -(-len(angles) // 4) * 4
-    given = [f"{u}[0]" for u in angles] + ["0.0"] * (size - len(angles))
+    given = [*angles, *["0.0"] * (size - len(angles))]
     calls = [f"lag_four_sines({', '.join(given[i : i + 4])}, sine + {i}, cosine + {i});" for i in range(0, size, 4)]
     return [f"double sine[{size}], cosine[{size}];", *calls]
 
