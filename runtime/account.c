@@ -7,18 +7,21 @@
 
 enum { KINETIC, POTENTIAL, TOTAL, DISSIPATED, WORK };
 
-/* Energies at the present time, of which the statistics take notice. Returns the total; *largest: of its parts. */
-static double look(LagRun *run, double *largest)
+typedef struct {
+    double total, largest; /* the largest of T, V, H */
+} Seen;
+
+/* The present energies, of which the statistics take notice. */
+static Seen look(LagRun *run)
 {
     LagStatistics *statistics = &run->statistics;
-    double energies[3] = {0, 0, 0};
+    double energies[3] = {0, 0, 0}, largest = 0;
     lag_energies(run, run->motion.t, run->motion.y, energies);
-    *largest = 0;
     for (int i = KINETIC; i <= TOTAL; ++i)
         if (isfinite(energies[i]))
-            *largest = lag_max(fabs(energies[i]), *largest);
-    statistics->energy_stored = lag_max(*largest, statistics->energy_stored);
-    return energies[TOTAL];
+            largest = lag_max(fabs(energies[i]), largest);
+    statistics->energy_stored = lag_max(largest, statistics->energy_stored);
+    return (Seen){energies[TOTAL], largest};
 }
 
 void lag_account_note(LagRun *run, const double *y, double *entries)
@@ -40,10 +43,9 @@ void lag_account_note(LagRun *run, const double *y, double *entries)
 
 void lag_account_glance(LagRun *run)
 {
-    double largest;
-    look(run, &largest);
+    const Seen seen = look(run);
     if (run->motion.energy > 0)
-        run->motion.energy = lag_max(run->motion.energy, largest);
+        run->motion.energy = lag_max(run->motion.energy, seen.largest);
 }
 
 void lag_account_weigh(LagRun *run)
@@ -51,26 +53,21 @@ void lag_account_weigh(LagRun *run)
     LagMotion *motion = &run->motion;
     const LagStatistics *statistics = &run->statistics;
     const int counts = run->model->n_power > 0, slides = counts && run->sliding.count > 0;
-    const int begins_low = counts && run->methods.solver == LAG_SOLVER_ADAMS;
+    const int begins_low = counts && run->methods.table->begins_low;
     double energy = begins_low ? motion->energy : 0;
     if (slides || (begins_low && energy == 0))
-        look(run, &energy);
+        energy = look(run).largest;
     if (slides)
         energy = lag_max(statistics->energy_scale, statistics->energy_stored);
     motion->energy = energy;
     motion->strength = slides ? run->sliding.energy : 0;
 }
 
-void lag_account_open(LagRun *run)
-{
-    double largest;
-    run->energy_before = look(run, &largest);
-}
+void lag_account_open(LagRun *run) { run->energy_before = look(run).total; }
 
 void lag_account_close(LagRun *run)
 {
-    double largest;
-    const double jump = look(run, &largest) - run->energy_before;
+    const double jump = look(run).total - run->energy_before;
     if (run->model->n_power == 2)
         run->motion.y[2 * run->model->n + 1] += jump;
     else

@@ -71,7 +71,7 @@ LagStatus lag_step_adaptive(LagRun *run)
         ++attempts.rejected;
         lag_onset_learn(motion, &run->scale, t_new, error * run->scale.tolerance, FORESEEN);
         run->step = lag_attempts_next(run, &attempts, h, error, shrunk(run, h, error <= attempts.allowed ? INFINITY : error));
-        if (method->stride > 1 && attempts.rejected >= HOPELESS && lag_stiffness_pass(run))
+        if (method->begins_low && attempts.rejected >= HOPELESS && lag_stiffness_pass(run))
             return run->methods.table->step(run);
         if (run->step < lag_step_smallest(t))
             return lag_step_give_up(run, worst);

@@ -40,6 +40,7 @@ typedef struct {
     int holds_switches; /* of conditions on the state, through each step */
     int most_sliding;   /* so many forces that jump may hold the motion at their jumps in a step */
     int stride;         /* steps from one look at the state to the next, a power of two: more where they are short and cheap */
+    int begins_low;     /* at order 1, which finds neither into a motion that has no size yet nor, in few steps, its work */
 
     /* By what the next step may be longer than the one just tried; NULL where its error and the order tell. */
     double (*factor)(const void *self);

@@ -75,7 +75,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
     const int is_bend = lag_switches_enter(run);
     if (run->sliding.count > run->methods.table->most_sliding)
         lag_stiffness_pass(run);
-    else if (run->methods.solver == LAG_SOLVER_ADAMS)
+    else if (run->methods.table->begins_low)
         lag_stiffness_lead(run);
     lag_account_weigh(run);
     if (!lag_motion_slope(motion, motion->t, motion->y, motion->y + n, motion->slope)) {

@@ -14,9 +14,10 @@
 #include "step.h"
 
 /* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
- * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1), the share of it where stability does not rule by far; relative length of differences; how much faster the
- * other method must be. */
-static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2, SMALL = 0.25;
+ * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1), the share of it where stability does not rule by far; relative
+ * length of differences; how much faster the other method must be. */
+static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
+static const double SMALL = 0.25; /* share of a first step of order 1 */
 /* The first look costs 2 FIRST_ITERATIONS + 1 evaluations: 3 % of those before it. */
 enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, STEPS_OF_ADAMS = 8, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIOUS_INTERVAL = 9 };
 /* A trial of implicit steps costs as much as 75 steps by series of a small scene. */
@@ -97,8 +98,8 @@ static int is_series(const LagRun *run) { return run->stiffness.explicit_solver 
 
 static int is_adams(const LagRun *run) { return run->methods.solver == LAG_SOLVER_ADAMS; }
 
-/* Steps that take as long as one of the others. */
-static int stride(const LagRun *run) { return is_adams(run) ? STEPS_OF_ADAMS : 1; }
+/* Steps of the method in use that stand for one of the others. */
+static int steps_for_one(const LagRun *run) { return is_adams(run) ? STEPS_OF_ADAMS : 1; }
 
 static int is_low(const LagRun *run) { return run->methods.explicit_solver == LAG_SOLVER_ERK5; }
 
@@ -135,7 +136,7 @@ static double work(const LagRun *run)
 
 /* -------- decisions */
 
-static int first_look(const LagRun *run) { return stride(run) * (is_low(run) ? FIRST_LOOK5 : FIRST_LOOK); }
+static int first_look(const LagRun *run) { return steps_for_one(run) * (is_low(run) ? FIRST_LOOK5 : FIRST_LOOK); }
 
 static void begin(LagRun *run)
 {
@@ -150,7 +151,8 @@ static void begin(LagRun *run)
 void lag_stiffness_reset(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
-    const int solver = run->methods.solver, is_explicit = solver == run->methods.explicit_solver || solver == LAG_SOLVER_TAYLOR || is_adams(run);
+    const int solver = run->methods.solver, is_runge_kutta = solver == run->methods.explicit_solver;
+    const int is_explicit = is_runge_kutta || solver == LAG_SOLVER_TAYLOR || is_adams(run);
     s->is_watching = lag_methods_turn(&run->settings) && is_explicit && lag_methods_alternate(run->model, solver);
     s->next = LAG_SOLVER_AUTO;
     s->explicit_solver = is_explicit ? solver : run->methods.explicit_solver;
@@ -181,8 +183,9 @@ static void watch_explicit(LagRun *run)
     const double spent = run->methods.solver == LAG_SOLVER_TAYLOR ? s->steps * explicit_step_work(run) : work(run) - s->work;
     s->pace = (run->motion.t - s->t) / spent;
     s->suspicions = ruled > rules(run) ? s->suspicions + 1 : 0;
-    s->interval = s->suspicions > 0 ? stride(run) * SUSPICIOUS_INTERVAL : ruled > FAR * rules(run) ? first_look(run) : 2 * s->interval;
-    s->interval = s->interval < stride(run) * MOST_INTERVAL ? s->interval : stride(run) * MOST_INTERVAL;
+    const int suspicious = steps_for_one(run) * SUSPICIOUS_INTERVAL, most = steps_for_one(run) * MOST_INTERVAL;
+    s->interval = s->suspicions > 0 ? suspicious : ruled > FAR * rules(run) ? first_look(run) : 2 * s->interval;
+    s->interval = s->interval < most ? s->interval : most;
     if (s->suspicions >= most_suspicions(run))
         s->next = is_adams(run) ? leave_adams(run) : LAG_SOLVER_IMPLICIT;
     const int look = s->interval, suspicions = s->suspicions;
@@ -228,17 +231,18 @@ void lag_stiffness_watch(LagRun *run)
 static int restart(LagRun *run, int32_t solver)
 {
     LagMotion *m = &run->motion;
-    const int is_from_adams = is_adams(run);
+    const int began_low = run->methods.table->begins_low;
     lag_methods_choose(&run->methods, solver);
     m->t_old = m->t;
     if (!lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope))
         return 0;
     run->methods.table->restart(run->methods.self, m);
-    if (solver == LAG_SOLVER_ADAMS) { /* at order 1 */
+    const int begins_low = run->methods.table->begins_low;
+    if (begins_low) {
         const double slowness = lag_slowness(m, &run->scale, run->step, 0);
         run->calm_step = run->step = SMALL * fmin(run->step, lag_first_step(&run->scale, slowness, run->methods.table->order));
     }
-    if (solver == LAG_SOLVER_ADAMS || is_from_adams)
+    if (begins_low || began_low)
         lag_account_weigh(run);
     run->statistics.switches += !run->stiffness.leads;
     return 1;
@@ -283,22 +287,22 @@ static int relief(LagRun *run)
     return s->relief;
 }
 
-static int pass(LagRun *run, int steps)
+int lag_stiffness_pass(LagRun *run)
 {
+    LagStiffness *s = &run->stiffness;
     const int32_t passed = run->methods.solver;
     if (!restart(run, run->methods.explicit_solver))
         return 0;
     if (run->sliding.count > 0) /* for longer than some steps */
         begin(run);
-    run->stiffness.passed = passed;
-    run->stiffness.passes = steps;
+    s->passes = passed == LAG_SOLVER_ADAMS ? relief(run) : PASSES;
+    s->passed = passed;
     return 1;
 }
 
-int lag_stiffness_pass(LagRun *run) { return pass(run, is_adams(run) ? relief(run) : PASSES); }
-
-int lag_stiffness_lead(LagRun *run)
+void lag_stiffness_lead(LagRun *run)
 {
-    run->stiffness.leads = 1;
-    return pass(run, 1);
+    run->stiffness.leads = run->stiffness.passes = 1;
+    run->stiffness.passed = run->methods.solver;
+    lag_methods_choose(&run->methods, run->methods.explicit_solver);
 }

@@ -45,8 +45,8 @@ int lag_stiffness_turn(LagRun *run);
  * slides. The explicit method takes some. Returns 0 if it cannot. */
 int lag_stiffness_pass(LagRun *run);
 
-/* A step of the explicit method leads to where the motion has a size, which methods that begin at order 1 need. */
-int lag_stiffness_lead(LagRun *run);
+/* A step of the explicit method, which is to be restarted, leads to where the motion has a size that the one in use needs. */
+void lag_stiffness_lead(LagRun *run);
 
 /* A series has no finite coefficients (exp of a large number under a fraction bar): the explicit method goes on from here. Returns
  * 0 if there is none, or the user asked for series. */

@@ -9,26 +9,14 @@ import pytest
 import lagrangia as lag
 from lagrangia.native import find_compiler
 from lagrangia.runtime import Solver
+from test_stiffness import FLEXIBLE
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Write = Callable[[str], lag.Model]
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "models" / "examples"
 
-DAMPED = """model Damped "n links with springs and dampers in their hinges"
-  parameter Integer n = 20;
-  parameter TorsionDamping c = 0.01; parameter TorsionStiffness k = 0;
-  Revolute hinge[n](phi(start = {if i == 1 then 1 else 0 for i in 1:n}));
-  Bar link[n](each m = 1, each L = 0.5);
-  TorsionSpringDamper joint[n - 1](each c = c, each k = k);
-equation
-  connect(world, hinge[1].a);
-  for i in 1:n loop connect(hinge[i].b, link[i].a); end for;
-  for i in 1:n - 1 loop
-    connect(link[i].b, hinge[i + 1].a); connect(joint[i].a, link[i].b); connect(joint[i].b, hinge[i + 1].b);
-  end for;
-  annotation(experiment(StopTime = 2));
-end Damped;"""
+DAMPED = FLEXIBLE.replace("n = 4", "n = 20").replace("= 1e6", "= 0").replace("= 1e3", "= 0.01")
 
 
 def positions(model: lag.Model, **settings: object) -> tuple[np.ndarray, lag.Trajectory]:
@@ -78,7 +66,7 @@ def test_auto_takes_them_where_equations_are_long(scene: Write) -> None:
     chain, short = (lag.load(EXAMPLES / "chain.lag", n=n) for n in (25, 5))
     rope = lag.load(ROOT / "tests" / "benchmarks" / "scenes" / "rope.lag", n=25)
     pushed = scene(DAMPED.replace("equation\n", """
-      AppliedForce push(at = link[n].b, force = {if time < 0.1 then 1 else 0, 0});\nequation\n"""))
+      AppliedForce push(at = link[n].b, force = {if time < 0.1 then 1 else 0, 0});\nequation\n""", 1))
 
     def taken(model: lag.Model, tolerance: float) -> Solver:
         return model.simulate(stop=0.2, tolerance=tolerance).statistics.solver
