@@ -382,4 +382,4 @@ static LagStatus step(LagRun *run)
     return lag_step_adaptive(run);
 }
 
-const LagMethod lag_adams = {"adams", 2, layout, restart, step, attempt, accept, interpolate, NULL, 1, 0, 4, 1, factor};
+const LagMethod lag_adams = {"adams", 2, layout, restart, step, attempt, accept, interpolate, NULL, 1, 0, 4, 1, 0, factor};

@@ -303,5 +303,5 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     }
 }
 
-const LagMethod lag_dop853 = {"erk", 8, layout_dop853, restart, lag_step_adaptive, attempt_dop853, accept, interpolate, NULL, 1, INT_MAX, 1, 0, NULL};
-const LagMethod lag_tsit5 = {"erk5", 5, layout_tsit5, restart, lag_step_adaptive, attempt_tsit5, accept, interpolate, NULL, 1, INT_MAX, 1, 0, NULL};
+const LagMethod lag_dop853 = {"erk", 8, layout_dop853, restart, lag_step_adaptive, attempt_dop853, accept, interpolate, NULL, 1, INT_MAX, 1, 0, 0, NULL};
+const LagMethod lag_tsit5 = {"erk5", 5, layout_tsit5, restart, lag_step_adaptive, attempt_tsit5, accept, interpolate, NULL, 1, INT_MAX, 1, 0, 0, NULL};

@@ -242,4 +242,4 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_gauss = {"conservative", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, NULL};
+const LagMethod lag_gauss = {"conservative", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, 0, NULL};

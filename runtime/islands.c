@@ -232,4 +232,4 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     memcpy(y, m->y, (size_t)m->size * sizeof *y);
 }
 
-const LagMethod lag_islands_method = {"islands", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, NULL};
+const LagMethod lag_islands_method = {"islands", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, 1, NULL};

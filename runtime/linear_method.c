@@ -293,4 +293,4 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_linear_method = {"linear", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, NULL};
+const LagMethod lag_linear_method = {"linear", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, 1, NULL};

@@ -6,31 +6,24 @@
 
 static LagDD *take(LagArena *arena, size_t count) { return (LagDD *)lag_take(arena, 2 * count); }
 
-/* A pattern of so many rows that begins here; returns where it ends. */
-static const int *read_rows(LagSparse *matrix, int rows, const int *pattern)
-{
-    matrix->rows = rows;
-    matrix->start = pattern;
-    matrix->column = pattern + rows + 1;
-    return matrix->column + matrix->start[rows];
-}
+static LagSparse sparse(LagRows rows) { return (LagSparse){rows.rows, rows.start, rows.column, NULL}; }
 
 void lag_linear_system_layout(LagLinearSystem *s, const LagModel *model, LagArena *arena)
 {
-    const int *pattern = model->linear_pattern;
+    const LagLinearPattern pattern = lag_linear_pattern(model);
     s->model = model;
-    s->n = model->n;
-    s->n_w = pattern[0];
-    s->n_inputs = pattern[1];
-    s->changes = pattern[2];
-    s->n_forms = pattern[3];
-    s->size = 2 * s->n + s->n_w;
-    s->order = pattern + 4;
-    pattern = read_rows(&s->lower, s->n, s->order + s->n);
-    pattern = read_rows(&s->F, s->n, pattern);
-    pattern = read_rows(&s->G, s->n_w, pattern);
+    s->n = pattern.n;
+    s->n_w = pattern.n_w;
+    s->n_inputs = pattern.n_inputs;
+    s->changes = pattern.changes;
+    s->n_forms = pattern.n_forms;
+    s->size = pattern.size;
+    s->order = pattern.order;
+    s->lower = sparse(pattern.lower);
+    s->F = sparse(pattern.F);
+    s->G = sparse(pattern.G);
     for (int i = 0; i < s->n_forms; ++i)
-        pattern = read_rows(&s->form[i], s->size, pattern);
+        s->form[i] = sparse(pattern.form[i]);
     const size_t n_work = model->linear.n_work > model->waves.n_work ? model->linear.n_work : model->waves.n_work;
     s->values = take(arena, (size_t)model->linear.out_size[0]);
     s->waves = take(arena, (size_t)s->n_w);

@@ -1,19 +1,10 @@
-/* A linear scene as x' = A x with x = (q, v, w): M v' = F x and w' = G w, in double-doubles.
- *
- * The model's `linear_pattern` says where the numbers of `linear` lie:
- *     n_w, n_inputs, changes, n_forms   states of loads, how many of them begin with inputs and their slopes; whether numbers
- *                                       depend on modes; forms: 0, or 2 for the powers x' Q x of the account
- *     order[n]                          order in which M is eliminated
- *     start[n + 1], column[]            rows below the diagonal of M's factor L in this order
- *     start[rows + 1], column[]         rows of F (n), of G (n_w), of each form (2 n + n_w)
- * and `linear` gives the diagonal of M in this order, its entries in the places of L, and those of F, G and the forms.
- */
+/* A linear scene as x' = A x with x = (q, v, w), in double-doubles. linear_pattern.h says where its numbers lie. */
 #ifndef LAG_LINEAR_SYSTEM_H
 #define LAG_LINEAR_SYSTEM_H
 
 #include "dd_vector.h"
 #include "inputs.h"
-#include "model.h"
+#include "linear_pattern.h"
 
 typedef struct {
     int rows;

@@ -42,6 +42,8 @@ typedef struct {
     int stride;         /* steps from one look at the state to the next, a power of two: more where they are short and cheap */
     int begins_low;     /* at order 1, which finds neither into a motion that has no size yet nor, in few steps, its work */
 
+    int is_exact;       /* in steps of any length: there are no units of error */
+
     /* By what the next step may be longer than the one just tried; NULL where its error and the order tell. */
     double (*factor)(const void *self);
 } LagMethod;

@@ -3,7 +3,8 @@
 #include "function.h"
 #include "parts.h"
 
-int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
+/* But for transition matrices. */
+static int32_t usual(const LagSettings *settings, const LagModel *model)
 {
     const int32_t asked = settings->solver != LAG_SOLVER_AUTO ? settings->solver : model->solver;
     if (asked != LAG_SOLVER_AUTO && asked != LAG_SOLVER_STEPWISE)
@@ -14,6 +15,13 @@ int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
         return LAG_SOLVER_ADAMS;
     return lag_erk5_pays(model, settings->tolerance) ? LAG_SOLVER_ERK5 : LAG_SOLVER_ERK;
 }
+
+int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
+{
+    return lag_transition_fits(model, settings) ? LAG_SOLVER_TRANSITION : usual(settings, model);
+}
+
+int32_t lag_methods_way(int32_t solver) { return solver == LAG_SOLVER_TRANSITION ? LAG_SOLVER_LINEAR : solver; }
 
 int lag_methods_permit(const LagModel *model, int32_t solver)
 {
@@ -26,6 +34,7 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     case LAG_SOLVER_ISLANDS: return lag_parts.islands && model->n_islands > 1;
     case LAG_SOLVER_CONSERVATIVE: return lag_parts.explicit_conservative && (model->is_separable || lag_present(&model->velocity));
     case LAG_SOLVER_TAYLOR: return model->n_jets > 0;
+    case LAG_SOLVER_TRANSITION: return lag_transition_possible(model);
     default: return 0;
     }
 }
@@ -46,7 +55,9 @@ int lag_methods_alternate(const LagModel *model, int32_t solver)
 void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,
                         LagArena *arena)
 {
-    const int32_t solver = lag_methods_first(settings, model);
+    const int32_t solver = methods->next = usual(settings, model);
+    if (lag_methods_first(settings, model) == LAG_SOLVER_TRANSITION)
+        lag_transition.layout(&methods->transition, motion, arena);
     if (!lag_methods_permit(model, solver))
         return;
     const int may_turn = lag_methods_turn(settings) && lag_methods_alternate(model, solver);
@@ -73,40 +84,32 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
         lag_radau.layout(&methods->radau, motion, arena);
 }
 
+static void use(LagMethods *methods, const LagMethod *table, void *self)
+{
+    methods->table = table;
+    methods->self = self;
+}
+
+static void use_conservative(LagMethods *methods)
+{
+    if (methods->is_separable)
+        use(methods, lag_parts.explicit_conservative, &methods->nystrom);
+    else
+        use(methods, lag_parts.implicit_conservative, &methods->gauss);
+}
+
 void lag_methods_choose(LagMethods *methods, int32_t solver)
 {
     methods->solver = solver;
     switch (solver) {
-    case LAG_SOLVER_LINEAR:
-        methods->table = lag_parts.linear;
-        methods->self = &methods->linear;
-        break;
-    case LAG_SOLVER_IMPLICIT:
-        methods->table = &lag_radau;
-        methods->self = &methods->radau;
-        break;
-    case LAG_SOLVER_ISLANDS:
-        methods->table = lag_parts.islands;
-        methods->self = &methods->islands;
-        break;
-    case LAG_SOLVER_CONSERVATIVE:
-        methods->table = methods->is_separable ? lag_parts.explicit_conservative : lag_parts.implicit_conservative;
-        methods->self = methods->is_separable ? (void *)&methods->nystrom : (void *)&methods->gauss;
-        break;
-    case LAG_SOLVER_TAYLOR:
-        methods->table = &lag_taylor;
-        methods->self = &methods->taylor;
-        break;
-    case LAG_SOLVER_ADAMS:
-        methods->table = &lag_adams;
-        methods->self = &methods->adams;
-        break;
-    case LAG_SOLVER_ERK5:
-        methods->table = &lag_tsit5;
-        methods->self = &methods->tsit5;
-        break;
-    default:
-        methods->table = &lag_dop853;
-        methods->self = &methods->dop853;
+    case LAG_SOLVER_LINEAR: use(methods, lag_parts.linear, &methods->linear); break;
+    case LAG_SOLVER_TRANSITION: use(methods, &lag_transition, &methods->transition); break;
+    case LAG_SOLVER_IMPLICIT: use(methods, &lag_radau, &methods->radau); break;
+    case LAG_SOLVER_ISLANDS: use(methods, lag_parts.islands, &methods->islands); break;
+    case LAG_SOLVER_CONSERVATIVE: use_conservative(methods); break;
+    case LAG_SOLVER_TAYLOR: use(methods, &lag_taylor, &methods->taylor); break;
+    case LAG_SOLVER_ADAMS: use(methods, &lag_adams, &methods->adams); break;
+    case LAG_SOLVER_ERK5: use(methods, &lag_tsit5, &methods->tsit5); break;
+    default: use(methods, &lag_dop853, &methods->dop853);
     }
 }

@@ -11,12 +11,14 @@
 #include "radau.h"
 #include "run.h"
 #include "taylor.h"
+#include "transition.h"
 
 typedef struct {
     int32_t solver;         /* LAG_SOLVER_...: in use */
     const LagMethod *table; /* its functions */
     void *self;             /* its own struct, one of those below */
     int32_t explicit_solver; /* erk or erk5 */
+    int32_t next;            /* LAG_SOLVER_...: what a run that begins with transition matrices goes on with, if it must */
     LagExplicit dop853, tsit5;
     LagAdams adams;
     LagLinearMethod linear;
@@ -26,10 +28,14 @@ typedef struct {
     LagNystrom nystrom;
     int is_separable; /* of the two conservative ones nystrom serves */
     LagTaylor taylor;
+    LagTransition transition;
 } LagMethods;
 
 /* The solver to begin with. */
 int32_t lag_methods_first(const LagSettings *settings, const LagModel *model);
+
+/* What it is called outside: transition matrices are a way of the linear solver. */
+int32_t lag_methods_way(int32_t solver);
 
 /* Whether the model can be run by it. */
 int lag_methods_permit(const LagModel *model, int32_t solver);

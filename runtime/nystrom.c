@@ -152,4 +152,4 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_nystrom = {"conservative", 6, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, NULL};
+const LagMethod lag_nystrom = {"conservative", 6, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, 0, NULL};

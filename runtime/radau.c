@@ -217,4 +217,4 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate, take_back, 1, LAG_MOST_BORDER, 1, 0, NULL};
+const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate, take_back, 1, LAG_MOST_BORDER, 1, 0, 0, NULL};

@@ -71,7 +71,17 @@ static void connect_parts(LagRun *run, const LagModel *model)
     run->motion.context = run;
 }
 
-int32_t lag_run_solver(const LagModel *model, const LagSettings *settings) { return lag_methods_first(settings, model); }
+int32_t lag_run_solver(const LagModel *model, const LagSettings *settings)
+{
+    int32_t solver = lag_methods_first(settings, model);
+    LagRun *run = solver == LAG_SOLVER_TRANSITION ? lag_run_new(model, settings) : NULL;
+    if (run) {
+        lag_run_set_parameters(run, NULL, NULL);
+        solver = lag_transition_serves(run) ? solver : run->methods.next;
+    }
+    lag_run_free(run);
+    return lag_methods_way(solver);
+}
 
 static double tolerance(const LagSettings *settings) { return fmax(settings->tolerance, LAG_SMALLEST_TOLERANCE); }
 
@@ -173,7 +183,7 @@ const LagStatistics *lag_run_statistics(LagRun *run)
 {
     run->statistics.rhs_evaluations = run->motion.evaluations;
     run->statistics.dense_outputs = run->motion.dense_outputs;
-    run->statistics.solver = run->methods.solver;
+    run->statistics.solver = lag_methods_way(run->methods.solver);
     return &run->statistics;
 }
 

@@ -13,8 +13,9 @@
 
 typedef struct LagRun LagRun;
 
-/* Ways to step. AUTO stands for the one the model names, or the cheapest one of ERK, ERK5, ADAMS and TAYLOR; STEPWISE for the latter,
- * whose steps are as short as the motion is quick. Both go over to implicit steps where those are cheaper, and back. */
+/* Ways to step. AUTO stands for the one the model names, or the cheapest one of TRANSITION, ERK, ERK5, ADAMS and TAYLOR; STEPWISE for
+ * the latter four, whose steps are as short as the motion is quick. Both go over to implicit steps where those are cheaper, and back.
+ * TRANSITION is LINEAR in doubles, and called so outside: nobody asks for it. */
 enum {
     LAG_SOLVER_AUTO,
     LAG_SOLVER_ERK,
@@ -25,7 +26,8 @@ enum {
     LAG_SOLVER_TAYLOR,
     LAG_SOLVER_ERK5,
     LAG_SOLVER_ADAMS,
-    LAG_SOLVER_STEPWISE
+    LAG_SOLVER_STEPWISE,
+    LAG_SOLVER_TRANSITION
 };
 
 /* Smaller tolerances are raised to this one. */
@@ -64,7 +66,7 @@ typedef struct {
 LAG_API LagRun *lag_run_new(const LagModel *model, const LagSettings *settings);
 LAG_API void lag_run_free(LagRun *run);
 
-/* LAG_SOLVER_...: the one that a run with these settings begins with. */
+/* LAG_SOLVER_...: the one that a run with these settings begins with, all parameters from their bindings. */
 LAG_API int32_t lag_run_solver(const LagModel *model, const LagSettings *settings);
 
 /* given[n_parameters] where mask is not 0; the others from their bindings. NULL, NULL: all from their bindings. */

@@ -82,9 +82,10 @@ LagStatus lag_segment_evaluate(LagRun *run)
         run->segment_over = 1;
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
     }
-    if (run->methods.solver != LAG_SOLVER_LINEAR && run->methods.solver != LAG_SOLVER_ISLANDS) /* these have no units of error */
+    if (!run->methods.table->is_exact) {
         look_ahead(run);
-    run->step = first_step(run, is_bend);
+        run->step = first_step(run, is_bend);
+    }
     if (is_bend) /* steps before were of another motion */
         run->calm_step = fmin(run->calm_step, run->step);
     run->is_starting = 1;

@@ -382,4 +382,4 @@ int lag_taylor_pays(const LagModel *model, double tolerance)
         && pace_of(model, REST * eps, order_for(model, REST * eps)) * other_length < other_cost;
 }
 
-const LagMethod lag_taylor = {"taylor", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 1, 0, 1, 0, NULL};
+const LagMethod lag_taylor = {"taylor", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 1, 0, 1, 0, 0, NULL};

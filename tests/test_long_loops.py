@@ -169,7 +169,7 @@ def test_what_rests_at_its_origin_takes_few_steps(tmp_path: Path, monkeypatch: p
     model = lag.load(tmp_path / "scene.lag")
     assert "taylor" not in model.scene.refused
     for tolerance in (1e-6, 1e-12):
-        assert model.simulate(stop=10, tolerance=tolerance).statistics.steps < 200
+        assert model.simulate(at=[10.0], tolerance=tolerance).statistics.steps < 200
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

@@ -81,8 +81,11 @@ class _Walk:
                 results[outputs[1]] = work[inputs[0]]
             else:
                 work[outputs[0]] = self._combine(op, [work[i] for i in inputs])
-        values = ca.vertcat(*[self._beside(node) for node in results])
-        return Rewritten(values, tuple(node.degree for node in results), ca.vertcat(*self.symbols), ca.vertcat(*self.loads))
+        values = ca.SX(ca.vertcat(*[self._beside(node) for node in results]))
+        used = {symbol.__hash__() for symbol in ca.symvar(values)}  # others have joined a product since
+        kept = [k for k, symbol in enumerate(self.symbols) if symbol.__hash__() in used]
+        symbols, loads = (ca.vertcat(*(column[k] for k in kept)) for column in (self.symbols, self.loads))
+        return Rewritten(values, tuple(node.degree for node in results), symbols, loads)
 
     def _combine(self, op: int, nodes: list[_Node]) -> _Node:
         degree = max(node.degree for node in nodes)

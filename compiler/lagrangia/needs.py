@@ -289,9 +289,8 @@ def _integrator(parts: _Parts) -> Need:
         return Need(what, False, "nothing moves that is not prescribed")
     if "linear" in scene.refused:
         return Need(what, True, scene.refused["linear"], _line(_place_of_refusal(parts)))
-    with_it = "" if scene.sizes.get("solver") == Solver.LINEAR else " with --solver linear"
     return Need(what, False, "the equations are linear in q and v",
-                saving=f"every step{with_it}: the matrix exponential is exact")
+                saving="every step: the matrix exponential is exact (solver linear)")
 
 
 def _place_of_refusal(parts: _Parts) -> Span | None:

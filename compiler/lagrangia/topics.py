@@ -141,7 +141,9 @@ linear  exact, for scenes whose equations are M a + C v + K q = b(t): constant M
         polynomials, sines, cosines and exponentials of time and products of these, in pieces between time events, or inputs
         that are linear between the rows of their table. By the matrix exponential, computed in double-double arithmetic: at any
         stiffness, horizon and distance between rows; the tolerance does not matter. `lag explain` says why a scene is not linear.
-        auto takes it where it costs less than steps do: many radians of the fastest motion in the time from start to stop.
+        auto takes it where it costs less than steps do: many radians of the fastest motion in the time from start to stop. Scenes
+        of few states (at most 12, loads among them) it runs by exponentials in doubles, as long as these have the digits that the
+        tolerance asks for.
 implicit  Radau IIA with 3, 5 or 7 stages, order 5, 9 or 13 (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8), in
         C, for stiff scenes: springs and dampers far faster than the motion. Exact sparse Jacobians; the number of stages and the
         length of steps follow Newton's iterations and the error; what is stiff is damped, not resolved.

@@ -1,0 +1,423 @@
+#include "transition_matrices.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "extremes.h"
+#include "lanes.h"
+#include "tape.h"
+
+static const double SHORT = 0.35; /* |A h| up to which the polynomial is good to rounding: 0.35^13/13! = 2e-16 */
+static const double HIT = 1e-10;  /* a length that is meant to be a rung's */
+static const double PRECISION = 1e-17, PRECISION_OF_FORMS = 1e-16;
+enum { PART = 4, NODES = 5 };
+
+/* Gauss-Legendre on (0, 1): integrals of powers over |A h| <= SHORT to 1e-16. */
+static const double NODE[NODES] = {0.046910077030668004, 0.23076534494715845, 0.5, 0.76923465505284155, 0.953089922969332};
+static const double WEIGHT[NODES] = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324,
+                                     0.11846344252809454};
+
+int lag_transition_possible(const LagModel *model)
+{
+    if (!model->linear_pattern || model->n_switches > 0)
+        return 0;
+    const LagLinearPattern pattern = lag_linear_pattern(model);
+    return pattern.size <= LAG_TRANSITION_MOST_STATES && !pattern.changes && pattern.n_forms == model->n_power;
+}
+
+static size_t matrix(const LagTransitionMatrices *s) { return s->size * s->stride; }
+
+void lag_transition_layout(LagTransitionMatrices *s, const LagModel *model, LagArena *arena)
+{
+    const size_t n = (size_t)model->n, n_linear = model->linear.n_work, n_waves = model->waves.n_work;
+    s->model = model;
+    s->pattern = lag_linear_pattern(model);
+    s->size = (size_t)s->pattern.size;
+    s->stride = (s->size + PART - 1) / PART * PART;
+    s->n_forms = 0;
+    for (int f = 0; f < s->pattern.n_forms; ++f)
+        if (s->pattern.form[f].start[s->size] > 0)
+            s->place[s->n_forms++] = f;
+    s->A = lag_take(arena, matrix(s));
+    for (int f = 0; f < s->n_forms; ++f)
+        s->form[f] = lag_take(arena, matrix(s));
+    s->rungs = lag_take(arena, LAG_TRANSITION_RUNGS * (size_t)(1 + s->n_forms) * matrix(s));
+    for (int i = 0; i < LAG_TRANSITION_POWERS; ++i)
+        s->power[i] = lag_take(arena, matrix(s));
+    s->terms = lag_take(arena, LAG_TRANSITION_TERMS * s->stride);
+    s->mass = lag_take(arena, n * n);
+    s->values = lag_take(arena, (size_t)model->linear.out_size[0]);
+    s->work = lag_take(arena, n_linear > n_waves ? n_linear : n_waves);
+    s->p = lag_take(arena, (size_t)model->n_parameters);
+}
+
+/* ---------------------------------------------------------------- products */
+
+/* y = X a, `lanes` groups of four numbers: the same sums however many lanes a register has. */
+LAG_UNROLLED void product_of(const double *X, const double *a, size_t size, size_t lanes, double *y)
+{
+    enum { MOST = LAG_TRANSITION_MOST_STATES / LAG_LANES };
+    LagLanes sum[MOST];
+    LAG_UNROLL_ALL
+    for (size_t l = 0; l < lanes; ++l)
+        sum[l] = LAG_LANES_OF(0);
+    for (size_t k = 0; k < size; ++k)
+        LAG_UNROLL_ALL
+        for (size_t l = 0; l < lanes; ++l) {
+            LagLanes x;
+            memcpy(&x, X + (k * lanes + l) * LAG_LANES, sizeof x);
+            sum[l] += x * LAG_LANES_OF(a[k]);
+        }
+    memcpy(y, sum, lanes * sizeof *sum);
+}
+
+LAG_UNROLLED void products_of(const double *X, const double *Y, size_t size, size_t columns, size_t lanes, double *Z)
+{
+    for (size_t j = 0; j < columns; ++j)
+        product_of(X, Y + j * lanes * LAG_LANES, size, lanes, Z + j * lanes * LAG_LANES);
+}
+
+/* Z = X Y for so many columns of Y. */
+static void multiply(const LagTransitionMatrices *s, const double *X, const double *Y, size_t columns, double *Z)
+{
+    switch (s->stride) {
+    case PART: products_of(X, Y, s->size, columns, PART / LAG_LANES, Z); break;
+    case 2 * PART: products_of(X, Y, s->size, columns, 2 * PART / LAG_LANES, Z); break;
+    default: products_of(X, Y, s->size, columns, 3 * PART / LAG_LANES, Z);
+    }
+}
+
+static double dot(const LagTransitionMatrices *s, const double *x, const double *y)
+{
+    double sum[PART] = {0, 0, 0, 0};
+    for (size_t i = 0; i < s->stride; i += PART)
+        for (size_t k = 0; k < PART; ++k)
+            sum[k] += x[i + k] * y[i + k];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/* ---------------------------------------------------------------- A */
+
+/* The numbers of some rows, from `value` on, to their places; returns what follows them. */
+static const double *unpack(const LagTransitionMatrices *s, LagRows rows, size_t first, const double *value, double *to)
+{
+    for (int i = 0; i < rows.rows; ++i)
+        for (int e = rows.start[i]; e < rows.start[i + 1]; ++e)
+            to[(size_t)rows.column[e] * s->stride + first + (size_t)i] = *value++;
+    return value;
+}
+
+/* M = L D L' in its own place, row by row; in the order of elimination. Returns 0 when it is not positive definite. */
+static int factor(LagTransitionMatrices *s)
+{
+    const int n = s->pattern.n;
+    double *M = s->mass;
+    for (int k = 0; k < n; ++k) {
+        for (int j = 0; j < k; ++j) {
+            double rest = M[k * n + j];
+            for (int i = 0; i < j; ++i)
+                rest -= M[k * n + i] * M[j * n + i] * M[i * n + i];
+            M[k * n + j] = rest / M[j * n + j];
+        }
+        for (int i = 0; i < k; ++i)
+            M[k * n + k] -= M[k * n + i] * M[k * n + i] * M[i * n + i];
+        if (!(M[k * n + k] > 0) || !isfinite(M[k * n + k]))
+            return 0;
+    }
+    return 1;
+}
+
+/* The rates of rates in a column of A, which holds forces, as the accelerations M^-1 F. */
+static void solve(const LagTransitionMatrices *s, double *column)
+{
+    const int n = s->pattern.n;
+    const double *L = s->mass;
+    double a[LAG_TRANSITION_MOST_STATES];
+    for (int k = 0; k < n; ++k) {
+        a[k] = column[n + s->pattern.order[k]];
+        for (int i = 0; i < k; ++i)
+            a[k] -= L[k * n + i] * a[i];
+    }
+    for (int k = n - 1; k >= 0; --k) {
+        a[k] /= L[k * n + k];
+        for (int i = k + 1; i < n; ++i)
+            a[k] -= L[i * n + k] * a[i];
+    }
+    for (int k = 0; k < n; ++k)
+        column[n + s->pattern.order[k]] = a[k];
+}
+
+/* The largest sum of a row from `first` on over `count` columns, its columns and rows in units of the root of the masses. */
+static double row_norm(const LagTransitionMatrices *s, size_t row, size_t column, size_t count, const double *unit)
+{
+    double largest = 0;
+    for (size_t i = 0; i < count; ++i) {
+        double sum = 0;
+        for (size_t j = 0; j < count; ++j)
+            sum += fabs(s->A[(column + j) * s->stride + row + i]) * (unit ? unit[i] / unit[j] : 1);
+        largest = sum <= largest ? largest : sum; /* keeps a NaN */
+    }
+    return largest;
+}
+
+/* In units of time and of each coordinate in which the rates of positions, and rates by positions, are alike. Loads drive alone. */
+static double norm_of(const LagTransitionMatrices *s, const double *unit)
+{
+    const size_t n = (size_t)s->pattern.n;
+    const double stiffness = row_norm(s, n, 0, n, unit), damping = row_norm(s, n, n, n, unit);
+    return fmax(sqrt(stiffness) + damping, row_norm(s, 2 * n, 2 * n, s->size - 2 * n, NULL));
+}
+
+static int build(LagTransitionMatrices *s)
+{
+    const LagLinearPattern *pattern = &s->pattern;
+    const size_t n = (size_t)pattern->n;
+    const double *next = s->values + n;
+    double unit[LAG_TRANSITION_MOST_STATES], probe = 0;
+    for (size_t k = 0; k < n; ++k) {
+        memset(s->mass + k * n, 0, n * sizeof *s->mass);
+        s->mass[k * n + k] = s->values[k];
+        unit[pattern->order[k]] = sqrt(s->values[k]);
+        for (int e = pattern->lower.start[k]; e < pattern->lower.start[k + 1]; ++e)
+            s->mass[k * n + (size_t)pattern->lower.column[e]] = *next++;
+    }
+    memset(s->A, 0, matrix(s) * sizeof *s->A);
+    next = unpack(s, pattern->F, n, next, s->A);
+    next = unpack(s, pattern->G, 2 * n, next, s->A + 2 * n * s->stride);
+    for (int f = 0; f < s->n_forms; ++f) {
+        memset(s->form[f], 0, matrix(s) * sizeof *s->form[f]);
+        next = unpack(s, pattern->form[s->place[f]], 0, next, s->form[f]);
+    }
+    if (!factor(s))
+        return 0;
+    for (size_t j = 0; j < s->size; ++j)
+        solve(s, s->A + j * s->stride);
+    for (size_t k = 0; k < n; ++k)
+        s->A[(n + k) * s->stride + k] = 1;
+    for (size_t i = 0; i < matrix(s); ++i)
+        probe += 0 * s->A[i];
+    s->norm = norm_of(s, unit);
+    return probe == 0 && isfinite(s->norm);
+}
+
+int lag_transition_build(LagTransitionMatrices *s, const double *p, const double *d)
+{
+    const size_t bytes = (size_t)s->model->n_parameters * sizeof *p;
+    if (s->is_known && memcmp(p, s->p, bytes) == 0)
+        return 1;
+    const double *in[] = {p, d};
+    lag_tape_run(s->model->linear.tape, in, &s->values, s->work);
+    memcpy(s->p, p, bytes);
+    s->n_built = 0;
+    s->length[0] = 0;
+    s->is_known = build(s);
+    return s->is_known;
+}
+
+void lag_transition_loads(LagTransitionMatrices *s, const LagInputs *inputs, double t, const double *d, double *u, double *w)
+{
+    const double *in[] = {&t, s->p, d};
+    const int n_inputs = s->pattern.n_inputs;
+    lag_tape_run(s->model->waves.tape, in, &w, s->work);
+    if (n_inputs == 0)
+        return;
+    lag_inputs_at(inputs, t, u);
+    memcpy(w, u, (size_t)n_inputs * sizeof *u);
+    lag_inputs_slope(inputs, u);
+    memcpy(w + n_inputs, u, (size_t)n_inputs * sizeof *u);
+}
+
+/* ---------------------------------------------------------------- rungs */
+
+static double *rung_part(const LagTransitionMatrices *s, int rung, int part)
+{
+    return s->rungs + (size_t)(rung * (1 + s->n_forms) + part) * matrix(s);
+}
+
+static void transpose(const LagTransitionMatrices *s, const double *X, double *Y)
+{
+    for (size_t j = 0; j < s->size; ++j)
+        for (size_t i = 0; i < s->size; ++i)
+            Y[i * s->stride + j] = X[j * s->stride + i];
+}
+
+/* P = b0 + b1 B + b2 B^2 + b3 B^3 + b4 B^4, over the reciprocals of factorials b, plus what P holds. */
+static void add_powers(LagTransitionMatrices *s, const double *b, int last, double *P)
+{
+    for (int k = 1; k <= last; ++k) {
+        const double *power = s->power[k - 1], factor = b[k];
+        for (size_t i = 0; i < matrix(s); ++i)
+            P[i] += factor * power[i];
+    }
+    for (size_t i = 0; i < s->size; ++i)
+        P[i * s->stride + i] += b[0];
+}
+
+/* F = sum of (A h)^k / k! from k = 1 to 12, of the powers up to the fourth. */
+static void expand_exponential(LagTransitionMatrices *s, double h, double *F)
+{
+    static const double LOW[] = {0, 1, 1. / 2, 1. / 6};
+    static const double MIDDLE[] = {1. / 24, 1. / 120, 1. / 720, 1. / 5040};
+    static const double HIGH[] = {1. / 40320, 1. / 362880, 1. / 3628800, 1. / 39916800, 1. / 479001600};
+    double *const B = s->power[0], *const square = s->power[1], *const P = s->power[4];
+    for (size_t i = 0; i < matrix(s); ++i)
+        B[i] = h * s->A[i];
+    multiply(s, B, B, s->size, square);
+    multiply(s, B, square, s->size, s->power[2]);
+    multiply(s, square, square, s->size, s->power[3]);
+    memset(P, 0, matrix(s) * sizeof *P);
+    add_powers(s, HIGH, 4, P);
+    multiply(s, s->power[3], P, s->size, F);
+    add_powers(s, MIDDLE, 3, F);
+    multiply(s, s->power[3], F, s->size, P);
+    memcpy(F, P, matrix(s) * sizeof *F);
+    add_powers(s, LOW, 3, F);
+}
+
+/* W = sum of h^(k+1) L^k Q / (k+1)!, with L X = X A + (X A)'. */
+static void expand_form(LagTransitionMatrices *s, double h, const double *Q, double *W)
+{
+    const double theta = lag_max(2 * s->norm * h, 1e-3);
+    double *const B = s->power[0], *const term = s->power[1], *const next = s->power[2], size = 1;
+    for (size_t i = 0; i < matrix(s); ++i)
+        W[i] = term[i] = h * Q[i];
+    for (int k = 2; size > PRECISION_OF_FORMS; ++k) {
+        multiply(s, term, B, s->size, next);
+        transpose(s, next, term);
+        for (size_t i = 0; i < matrix(s); ++i) {
+            term[i] = (term[i] + next[i]) / k;
+            W[i] += term[i];
+        }
+        size *= theta / k;
+    }
+}
+
+static void double_rung(LagTransitionMatrices *s, int k)
+{
+    const double *F = rung_part(s, k, 0);
+    double *const turned = s->power[0], *const T = s->power[1], *const other = s->power[2];
+    double *const twice = rung_part(s, k + 1, 0);
+    multiply(s, F, F, s->size, twice);
+    for (size_t i = 0; i < matrix(s); ++i)
+        twice[i] += 2 * F[i];
+    if (s->n_forms > 0)
+        transpose(s, F, turned);
+    for (int f = 1; f <= s->n_forms; ++f) { /* E' W E = W + T + T' + F' T with T = W F */
+        const double *W = rung_part(s, k, f);
+        double *const sum = rung_part(s, k + 1, f);
+        multiply(s, W, F, s->size, T);
+        multiply(s, turned, T, s->size, sum);
+        transpose(s, T, other);
+        for (size_t i = 0; i < matrix(s); ++i)
+            sum[i] += 2 * W[i] + (T[i] + other[i]);
+    }
+}
+
+static void build_to(LagTransitionMatrices *s, int rung)
+{
+    if (s->n_built == 0) {
+        expand_exponential(s, s->length[0], rung_part(s, 0, 0));
+        for (int f = 0; f < s->n_forms; ++f)
+            expand_form(s, s->length[0], s->form[f], rung_part(s, 0, 1 + f));
+        s->n_built = 1;
+    }
+    for (; s->n_built <= rung; ++s->n_built)
+        double_rung(s, s->n_built - 1);
+}
+
+int lag_transition_is_short(const LagTransitionMatrices *s, double h) { return s->norm * h <= SHORT; }
+
+void lag_transition_plan(LagTransitionMatrices *s, double h)
+{
+    double length = h;
+    for (int k = 0; k < LAG_TRANSITION_RUNGS && !lag_transition_is_short(s, length); ++k)
+        length /= 2;
+    for (int k = 0; k < LAG_TRANSITION_RUNGS; ++k)
+        s->length[k] = ldexp(length, k);
+    s->n_built = 0;
+}
+
+/* ---------------------------------------------------------------- use */
+
+static void add(const LagTransitionMatrices *s, const double *more, LagMoving *moving)
+{
+    for (size_t i = 0; i < s->stride; ++i) {
+        moving->x[i] += more[i];
+        moving->sum[i] += more[i];
+    }
+}
+
+static void climb(LagTransitionMatrices *s, int rung, LagMoving *moving)
+{
+    double image[LAG_TRANSITION_MOST_STATES];
+    build_to(s, rung);
+    for (int f = 0; f < s->n_forms; ++f) {
+        multiply(s, rung_part(s, rung, 1 + f), moving->x, 1, image);
+        moving->gain[s->place[f]] += dot(s, moving->x, image);
+    }
+    multiply(s, rung_part(s, rung, 0), moving->x, 1, image);
+    add(s, image, moving);
+}
+
+/* Of a step from `terms` on: powers at its nodes. */
+static void integrate(LagTransitionMatrices *s, double h, int last, LagMoving *moving)
+{
+    double x[LAG_TRANSITION_MOST_STATES], image[LAG_TRANSITION_MOST_STATES];
+    for (int g = 0; g < NODES; ++g) {
+        memcpy(x, s->terms + (size_t)last * s->stride, s->stride * sizeof *x);
+        for (int k = last - 1; k >= 0; --k)
+            for (size_t i = 0; i < s->stride; ++i)
+                x[i] = x[i] * NODE[g] + s->terms[(size_t)k * s->stride + i];
+        for (int f = 0; f < s->n_forms; ++f) {
+            multiply(s, s->form[f], x, 1, image);
+            moving->gain[s->place[f]] += WEIGHT[g] * h * dot(s, x, image);
+        }
+    }
+}
+
+/* A short step by the series of the exponential, term by term. */
+static void creep(LagTransitionMatrices *s, double h, LagMoving *moving)
+{
+    const double theta = lag_max(s->norm * fabs(h), 1e-3);
+    double more[LAG_TRANSITION_MOST_STATES], size = 1;
+    int last = 0;
+    memcpy(s->terms, moving->x, s->stride * sizeof *s->terms);
+    memset(more, 0, sizeof more);
+    do {
+        double *const term = s->terms + (size_t)(last + 1) * s->stride;
+        multiply(s, s->A, term - s->stride, 1, term);
+        size *= theta / ++last;
+        for (size_t i = 0; i < s->stride; ++i) {
+            term[i] *= h / last;
+            more[i] += term[i];
+        }
+    } while ((size > PRECISION || last < 4) && last + 1 < LAG_TRANSITION_TERMS);
+    if (s->n_forms > 0)
+        integrate(s, h, last, moving);
+    add(s, more, moving);
+}
+
+/* The longest rung of at most this length; -1: even rung 0 is longer. */
+static int find_rung(const LagTransitionMatrices *s, double h)
+{
+    const double longest = h * (1 + HIT);
+    int rung = s->length[0] > 0 ? LAG_TRANSITION_RUNGS - 1 : -1;
+    while (rung >= 0 && s->length[rung] > longest)
+        --rung;
+    return rung;
+}
+
+void lag_transition_move(LagTransitionMatrices *s, double h, double ignored, LagMoving *moving)
+{
+    memset(moving->sum, 0, s->stride * sizeof *moving->sum);
+    moving->gain[0] = moving->gain[1] = 0;
+    for (int rung = find_rung(s, h); rung >= 0; rung = find_rung(s, h)) {
+        climb(s, rung, moving);
+        h -= s->length[rung];
+    }
+    moving->has_rest = !(fabs(h) <= ignored);
+    moving->lag = moving->has_rest ? 0 : h;
+    if (moving->has_rest)
+        creep(s, h, moving);
+}
