@@ -11,13 +11,13 @@
 
 #include "singular.h"
 
-enum { PATIENT = 2, MOST_TRIES = 3, DEPTHS = 30, IN_VAIN, PLUNGED = 100, LATELY = 8, MOST_PLUNGES = 4 };
+enum { PATIENT = 2, TOLERANT = 5, MOST_TRIES = 3, DEPTHS = 30, IN_VAIN, PLUNGED = 100, LATELY = 8, MOST_PLUNGES = 4 };
 static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5, SINGULAR = 100;
 /* An ordinary rejection is one that a shorter step mends. Errors (relative to the state) above NOISE cannot be rounding: there
  * it is enough that the error falls as the step does, and that the steps have not been getting ever shorter. Below, it is the first
- * at this place, its error is not far off, or the step is much longer than the last good ones; and above FAINT_NOISE steps may be
- * rejected in a row, unless they have been getting ever shorter. */
-static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1, MUCH_LONGER = 1.5, MENDABLE = 50;
+ * at this place, its error is not far off, or the step is much longer than the last good ones; and above FAINT_NOISE steps
+ * may be rejected in a row, nearly good ones some times below, unless they have been getting ever shorter. */
+static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1, MUCH_LONGER = 1.5, MENDABLE = 50, MILD = 2;
 /* By which the shortest of the lengths has a smaller error, and a still shorter attempt again, where these are none of rounding. */
 static const double FALL = 0.01, FALL_AGAIN = 0.2;
 
@@ -39,7 +39,8 @@ static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h,
         return 0;
     if (error < INFINITY && error * run->scale.tolerance > NOISE)
         return error < MENDED * attempts->last && (run->troubled < PATIENT || h > SUNK * run->calm_step);
-    const int is_calm = run->troubled < PATIENT || (error * run->scale.tolerance > FAINT_NOISE && h > SUNK * run->calm_step);
+    const int is_clear = error * run->scale.tolerance > FAINT_NOISE || (error < MILD && run->troubled < TOLERANT);
+    const int is_calm = run->troubled < PATIENT || (is_clear && h > SUNK * run->calm_step);
     return is_calm && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
 }
 
