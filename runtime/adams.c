@@ -382,4 +382,7 @@ static LagStatus step(LagRun *run)
     return lag_step_adaptive(run);
 }
 
-const LagMethod lag_adams = {"adams", 2, layout, restart, step, attempt, accept, interpolate, NULL, 1, 0, 4, 1, 0, factor};
+const LagMethod lag_adams = {
+    .name = "adams", .order = 2, .layout = layout, .restart = restart, .step = step, .attempt = attempt, .accept = accept,
+    .interpolate = interpolate, .holds_switches = 1, .stride = 4, .begins_low = 1, .factor = factor,
+};

@@ -80,6 +80,7 @@ LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *re
     *done = 0;
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
+    run->row_spacing = rows > 0 ? (times[rows - 1] - run->motion.t) / rows : 0;
     for (int i = 0; i < rows; ++i) {
         const LagStatus status = lag_advance_to(run, times[i], results + (size_t)i * width);
         if (status != LAG_OK)

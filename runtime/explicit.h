@@ -5,13 +5,15 @@
 #include "method.h"
 #include "model.h"
 
-enum { LAG_MOST_SLOPES = 16, LAG_HERMITE_ROWS = 3, LAG_MOST_COEFFICIENTS = 7 };
+enum { LAG_MOST_SLOPES = 17, LAG_HERMITE_ROWS = 3, LAG_MOST_COEFFICIENTS = 7 };
+enum { LAG_RECORD_HEAD = 4, LAG_RECORD_ROWS = 15 }; /* of a step that is kept */
+enum { LAG_LOOK = 2 }; /* what a row counts, among steps without one */
 
 /* The nonzero entries of one row. */
 typedef struct {
     int count;
-    int column[12];
-    double weight[12];
+    int column[14];
+    double weight[14];
 } LagTableauRow;
 
 typedef struct {
@@ -31,11 +33,16 @@ typedef struct {
     double *unit;            /* 2 n: of long states */
     int first_slope_is_last; /* the slope at the end of the step before is slope 0 of the next one */
     int dense_ready;
+    int looks; /* of rows into its steps, of late */
 } LagExplicit;
 
 /* Whether Tsitouras' method is expected to cost less at this tolerance of the user. */
 int lag_erk5_pays(const LagModel *model, double tolerance);
 
+/* Whether Verner's method is, where few rows are asked for. */
+int lag_erk9_pays(const LagModel *model, double tolerance);
+
+extern const LagMethod lag_verner9; /* Verner 9(8) */
 extern const LagMethod lag_dop853; /* Dormand-Prince 8(5,3) */
 extern const LagMethod lag_tsit5;  /* Tsitouras 5(4) */
 

@@ -242,4 +242,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_gauss = {"conservative", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, 0, NULL};
+const LagMethod lag_gauss = {
+    .name = "conservative", .order = 8, .layout = layout, .restart = restart, .step = step, .interpolate = interpolate,
+    .stride = 1,
+};

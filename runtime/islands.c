@@ -232,4 +232,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     memcpy(y, m->y, (size_t)m->size * sizeof *y);
 }
 
-const LagMethod lag_islands_method = {"islands", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, 1, NULL};
+const LagMethod lag_islands_method = {
+    .name = "islands", .order = 8, .layout = layout, .restart = restart, .step = step, .interpolate = interpolate, .stride = 1,
+    .is_exact = 1,
+};

@@ -293,4 +293,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_linear_method = {"linear", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, 1, NULL};
+const LagMethod lag_linear_method = {
+    .name = "linear", .order = 8, .layout = layout, .restart = restart, .step = step, .interpolate = interpolate, .stride = 1,
+    .is_exact = 1,
+};

@@ -8,6 +8,16 @@
 
 struct LagRun;
 
+/* What is kept of a step to look into it later: of motions without quadratures. */
+typedef struct {
+    /* The latest step: at most 2 n LAG_JET_STRIDE numbers of series, LAG_RECORD_HEAD + 2 n LAG_RECORD_ROWS of
+     * Runge-Kutta methods. */
+    void (*keep)(const void *self, const LagMotion *motion, double *place);
+
+    /* State (q, v) at t in the step that began then and was so long. Methods may write to their scratch, and to `place`. */
+    void (*recall)(void *self, LagMotion *motion, double *place, double begin, double length, double t, double *y);
+} LagRecord;
+
 typedef struct {
     const char *name;
     int order; /* the error of a step of length h falls as h^order; of methods of fixed step, that of their trial; of Adams' methods,
@@ -46,6 +56,9 @@ typedef struct {
 
     /* By what the next step may be longer than the one just tried; NULL where its error and the order tell. */
     double (*factor)(const void *self);
+
+    const LagRecord *record; /* NULL: steps are not kept */
+    int ends_at_rows;        /* its steps do: there is no dense output but further steps */
 } LagMethod;
 
 #endif

@@ -1,6 +1,7 @@
 #include "methods.h"
 
 #include "function.h"
+#include "orbit.h"
 #include "parts.h"
 
 /* But for transition matrices. */
@@ -13,6 +14,8 @@ static int32_t usual(const LagSettings *settings, const LagModel *model)
         return LAG_SOLVER_TAYLOR;
     if (lag_adams_pays(model))
         return LAG_SOLVER_ADAMS;
+    if (asked == LAG_SOLVER_AUTO && lag_methods_alternate(model, LAG_SOLVER_ERK9) && lag_erk9_pays(model, settings->tolerance))
+        return LAG_SOLVER_ERK9;
     return lag_erk5_pays(model, settings->tolerance) ? LAG_SOLVER_ERK5 : LAG_SOLVER_ERK;
 }
 
@@ -28,7 +31,8 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     switch (solver) {
     case LAG_SOLVER_ERK:
     case LAG_SOLVER_ADAMS:
-    case LAG_SOLVER_ERK5: return 1;
+    case LAG_SOLVER_ERK5:
+    case LAG_SOLVER_ERK9: return 1;
     case LAG_SOLVER_LINEAR: return lag_parts.linear && model->linear_pattern;
     case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
     case LAG_SOLVER_ISLANDS: return lag_parts.islands && model->n_islands > 1;
@@ -48,8 +52,40 @@ int lag_methods_turn(const LagSettings *settings)
 
 int lag_methods_alternate(const LagModel *model, int32_t solver)
 {
-    const int is_one = is_explicit(solver) || solver == LAG_SOLVER_TAYLOR || solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_IMPLICIT;
+    const int is_series = solver == LAG_SOLVER_TAYLOR, is_other = solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_ERK9;
+    const int is_one = is_explicit(solver) || is_series || is_other || solver == LAG_SOLVER_IMPLICIT;
     return is_one && lag_methods_permit(model, LAG_SOLVER_IMPLICIT);
+}
+
+static LagStepper conservative(LagMethods *methods)
+{
+    if (methods->is_separable)
+        return (LagStepper){lag_parts.explicit_conservative, &methods->nystrom};
+    return (LagStepper){lag_parts.implicit_conservative, &methods->gauss};
+}
+
+LagStepper lag_methods_find(LagMethods *methods, int32_t solver)
+{
+    switch (solver) {
+    case LAG_SOLVER_LINEAR: return (LagStepper){lag_parts.linear, &methods->linear};
+    case LAG_SOLVER_TRANSITION: return (LagStepper){&lag_transition, &methods->transition};
+    case LAG_SOLVER_ORBIT: return (LagStepper){&lag_orbit, NULL};
+    case LAG_SOLVER_IMPLICIT: return (LagStepper){&lag_radau, &methods->radau};
+    case LAG_SOLVER_ISLANDS: return (LagStepper){lag_parts.islands, &methods->islands};
+    case LAG_SOLVER_CONSERVATIVE: return conservative(methods);
+    case LAG_SOLVER_TAYLOR: return (LagStepper){&lag_taylor, &methods->taylor};
+    case LAG_SOLVER_ADAMS: return (LagStepper){&lag_adams, &methods->adams};
+    case LAG_SOLVER_ERK9: return (LagStepper){&lag_verner9, &methods->verner9};
+    case LAG_SOLVER_ERK5: return (LagStepper){&lag_tsit5, &methods->tsit5};
+    default: return (LagStepper){&lag_dop853, &methods->dop853};
+    }
+}
+
+/* The one that is there for what others cannot take. */
+static int32_t explicit_of(const LagSettings *settings, const LagModel *model, int32_t solver)
+{
+    const int is_low = solver == LAG_SOLVER_ERK9 && lag_erk5_pays(model, settings->tolerance);
+    return is_explicit(solver) ? solver : is_low ? LAG_SOLVER_ERK5 : LAG_SOLVER_ERK;
 }
 
 void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,
@@ -60,56 +96,23 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
         lag_transition.layout(&methods->transition, motion, arena);
     if (!lag_methods_permit(model, solver))
         return;
-    const int may_turn = lag_methods_turn(settings) && lag_methods_alternate(model, solver);
-    if (solver == LAG_SOLVER_LINEAR)
-        lag_parts.linear->layout(&methods->linear, motion, arena);
-    if (solver == LAG_SOLVER_ISLANDS)
-        lag_parts.islands->layout(&methods->islands, motion, arena);
-    if (solver == LAG_SOLVER_TAYLOR)
-        lag_taylor.layout(&methods->taylor, motion, arena);
-    if (solver == LAG_SOLVER_ADAMS)
-        lag_adams.layout(&methods->adams, motion, arena);
-    if (solver == LAG_SOLVER_CONSERVATIVE && model->is_separable)
-        lag_parts.explicit_conservative->layout(&methods->nystrom, motion, arena);
-    if (solver == LAG_SOLVER_CONSERVATIVE && !model->is_separable)
-        lag_parts.implicit_conservative->layout(&methods->gauss, motion, arena);
     methods->is_separable = model->is_separable;
-    methods->explicit_solver = is_explicit(solver) ? solver : LAG_SOLVER_ERK;
-    if (solver == LAG_SOLVER_ERK5)
-        lag_tsit5.layout(&methods->tsit5, motion, arena);
-    else if (solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_CONSERVATIVE || lag_methods_alternate(model, solver)
-             || model->n_switches > 0)
-        lag_dop853.layout(&methods->dop853, motion, arena);
-    if (solver == LAG_SOLVER_IMPLICIT || may_turn)
+    methods->explicit_solver = explicit_of(settings, model, solver);
+    const LagStepper first = lag_methods_find(methods, solver), other = lag_methods_find(methods, methods->explicit_solver);
+    const int may_turn = lag_methods_turn(settings) && lag_methods_alternate(model, solver);
+    const int leaves = solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_CONSERVATIVE;
+    const int needs_other = leaves || lag_methods_alternate(model, solver) || model->n_switches > 0;
+    first.table->layout(first.self, motion, arena);
+    if (needs_other && other.self != first.self)
+        other.table->layout(other.self, motion, arena);
+    if (may_turn && solver != LAG_SOLVER_IMPLICIT)
         lag_radau.layout(&methods->radau, motion, arena);
-}
-
-static void use(LagMethods *methods, const LagMethod *table, void *self)
-{
-    methods->table = table;
-    methods->self = self;
-}
-
-static void use_conservative(LagMethods *methods)
-{
-    if (methods->is_separable)
-        use(methods, lag_parts.explicit_conservative, &methods->nystrom);
-    else
-        use(methods, lag_parts.implicit_conservative, &methods->gauss);
 }
 
 void lag_methods_choose(LagMethods *methods, int32_t solver)
 {
+    const LagStepper stepper = lag_methods_find(methods, solver);
     methods->solver = solver;
-    switch (solver) {
-    case LAG_SOLVER_LINEAR: use(methods, lag_parts.linear, &methods->linear); break;
-    case LAG_SOLVER_TRANSITION: use(methods, &lag_transition, &methods->transition); break;
-    case LAG_SOLVER_IMPLICIT: use(methods, &lag_radau, &methods->radau); break;
-    case LAG_SOLVER_ISLANDS: use(methods, lag_parts.islands, &methods->islands); break;
-    case LAG_SOLVER_CONSERVATIVE: use_conservative(methods); break;
-    case LAG_SOLVER_TAYLOR: use(methods, &lag_taylor, &methods->taylor); break;
-    case LAG_SOLVER_ADAMS: use(methods, &lag_adams, &methods->adams); break;
-    case LAG_SOLVER_ERK5: use(methods, &lag_tsit5, &methods->tsit5); break;
-    default: use(methods, &lag_dop853, &methods->dop853);
-    }
+    methods->table = stepper.table;
+    methods->self = stepper.self;
 }

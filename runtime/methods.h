@@ -19,7 +19,7 @@ typedef struct {
     void *self;             /* its own struct, one of those below */
     int32_t explicit_solver; /* erk or erk5 */
     int32_t next;            /* LAG_SOLVER_...: what a run that begins with transition matrices goes on with, if it must */
-    LagExplicit dop853, tsit5;
+    LagExplicit dop853, tsit5, verner9;
     LagAdams adams;
     LagLinearMethod linear;
     LagIslands islands;
@@ -30,6 +30,12 @@ typedef struct {
     LagTaylor taylor;
     LagTransition transition;
 } LagMethods;
+
+/* A method with its own struct. */
+typedef struct {
+    const LagMethod *table;
+    void *self;
+} LagStepper;
 
 /* The solver to begin with. */
 int32_t lag_methods_first(const LagSettings *settings, const LagModel *model);
@@ -49,6 +55,8 @@ int lag_methods_alternate(const LagModel *model, int32_t solver);
 /* The methods that a run with these settings may use take their memory. */
 void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,
                         LagArena *arena);
+
+LagStepper lag_methods_find(LagMethods *methods, int32_t solver);
 
 /* Puts a method to use; it must be restarted. */
 void lag_methods_choose(LagMethods *methods, int32_t solver);

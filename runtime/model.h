@@ -77,6 +77,7 @@ struct LagModel {
     int n_colours;        /* groups of the matrix's columns without common rows */
     int rhs_cost, jacobian_cost; /* operations in them */
     int has_corners;  /* forces bend or jump somewhere: what does not fall as steps shrink need not be rounding */
+    int is_swing;     /* one degree of freedom, energy is kept, and nothing but the state decides */
     int is_separable; /* energy is kept, and accelerations follow from positions alone: M is constant */
     const int *jacobian_pattern; /* of the matrix's columns: starts (size + 1), rows (n_entries), order (size = n + n_multipliers);
                                   * colours (n) of those of the coordinates */

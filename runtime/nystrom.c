@@ -152,4 +152,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_nystrom = {"conservative", 6, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, 0, NULL};
+const LagMethod lag_nystrom = {
+    .name = "conservative", .order = 6, .layout = layout, .restart = restart, .step = step, .interpolate = interpolate,
+    .stride = 1,
+};

@@ -217,4 +217,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_radau = {"implicit", 4, layout, restart, step, NULL, NULL, interpolate, take_back, 1, LAG_MOST_BORDER, 1, 0, 0, NULL};
+const LagMethod lag_radau = {
+    .name = "implicit", .order = 4, .layout = layout, .restart = restart, .step = step, .interpolate = interpolate,
+    .take_back = take_back, .holds_switches = 1, .most_sliding = LAG_MOST_BORDER, .stride = 1,
+};

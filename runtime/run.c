@@ -57,6 +57,7 @@ static void layout(LagRun *run, LagArena *arena)
     lag_sliding_layout(&run->sliding, model, run->motion.size, arena);
     lag_impacts_layout(&run->impacts, model, run->motion.size, arena);
     lag_methods_layout(&run->methods, &run->settings, model, &run->motion, arena);
+    lag_orbit_layout(&run->orbit, model, &run->settings, arena);
 }
 
 static void connect_parts(LagRun *run, const LagModel *model)
@@ -183,7 +184,8 @@ const LagStatistics *lag_run_statistics(LagRun *run)
 {
     run->statistics.rhs_evaluations = run->motion.evaluations;
     run->statistics.dense_outputs = run->motion.dense_outputs;
-    run->statistics.solver = lag_methods_way(run->methods.solver);
+    const int32_t solver = run->methods.solver;
+    run->statistics.solver = lag_methods_way(solver == LAG_SOLVER_ORBIT ? run->orbit.solver : solver);
     return &run->statistics;
 }
 

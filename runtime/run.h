@@ -13,9 +13,9 @@
 
 typedef struct LagRun LagRun;
 
-/* Ways to step. AUTO stands for the one the model names, or the cheapest one of TRANSITION, ERK, ERK5, ADAMS and TAYLOR; STEPWISE for
- * the latter four, whose steps are as short as the motion is quick. Both go over to implicit steps where those are cheaper, and back.
- * TRANSITION is LINEAR in doubles, and called so outside: nobody asks for it. */
+/* Ways to step. AUTO stands for the one the model names, or the cheapest one of TRANSITION, ERK9, ERK, ERK5, ADAMS and TAYLOR; STEPWISE
+ * for the latter four, whose steps are as short as the motion is quick. Both go over to implicit steps where those are cheaper, and back.
+ * TRANSITION is LINEAR in doubles, ORBIT reads steps that were kept: outside they are called by what they stand for. */
 enum {
     LAG_SOLVER_AUTO,
     LAG_SOLVER_ERK,
@@ -27,7 +27,9 @@ enum {
     LAG_SOLVER_ERK5,
     LAG_SOLVER_ADAMS,
     LAG_SOLVER_STEPWISE,
-    LAG_SOLVER_TRANSITION
+    LAG_SOLVER_TRANSITION,
+    LAG_SOLVER_ORBIT,
+    LAG_SOLVER_ERK9
 };
 
 /* Smaller tolerances are raised to this one. */

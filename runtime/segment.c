@@ -72,6 +72,10 @@ LagStatus lag_segment_evaluate(LagRun *run)
     LagMotion *motion = &run->motion;
     const int n = motion->n;
     motion->t_old = motion->t;
+    if (run->methods.solver == LAG_SOLVER_ORBIT) { /* the state or the equations are others now */
+        lag_methods_choose(&run->methods, run->orbit.solver);
+        lag_stiffness_reset(run);
+    }
     const int is_bend = lag_switches_enter(run);
     if (run->sliding.count > run->methods.table->most_sliding)
         lag_stiffness_pass(run);
@@ -91,6 +95,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
     run->is_starting = 1;
     run->methods.table->restart(run->methods.self, motion);
     lag_step_set_units(run, run->step);
+    lag_orbit_restart(run);
     return LAG_OK;
 }
 

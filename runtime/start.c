@@ -49,6 +49,7 @@ static void clear(LagRun *run)
     run->calm_step = 0;
     run->motion.energy = 0;
     run->wanted = run->settings.t_start;
+    run->row_spacing = 0;
 }
 
 LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)

@@ -6,6 +6,7 @@
 #include "impacts.h"
 #include "inputs.h"
 #include "methods.h"
+#include "orbit.h"
 #include "project.h"
 #include "run.h"
 #include "sliding.h"
@@ -43,6 +44,7 @@ struct LagRun {
     LagSwitches switches;
     LagSliding sliding;
     LagImpacts impacts;
+    LagOrbit orbit;
 
     int started;
     int is_starting;      /* no step since the segment began was as long as it could be */
@@ -55,6 +57,7 @@ struct LagRun {
     int segment_over;     /* an event was reached: the next step begins a new segment */
     double segment_end;   /* time of the next event */
     double wanted;        /* time of the row that is asked for */
+    double row_spacing;   /* of the rows that are asked for at once, on average; 0: nobody knows */
     double step;          /* length proposed for the next step */
     double *probe; /* 5 n: scratch of lag_singularity, with constraints */
     double start_energy, energy_before;

@@ -14,7 +14,9 @@ double lag_step_smallest(double t) { return lag_max(4 * DBL_EPSILON * fabs(t), D
 
 double lag_step_end(const LagRun *run, double h)
 {
-    const double t = run->motion.t, limit = lag_min(run->segment_end, run->settings.t_stop), left = limit - t;
+    const double t = run->motion.t, end = lag_min(run->segment_end, run->settings.t_stop);
+    const int has_row = run->methods.table->ends_at_rows && run->wanted > t;
+    const double limit = has_row ? lag_min(run->wanted, end) : end, left = limit - t;
     if (run->impacts.seen > t && h > run->impacts.seen - t)
         return lag_min(run->impacts.seen, limit);
     if (h >= left)
@@ -78,6 +80,8 @@ LagStatus lag_step(LagRun *run)
         return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
     const LagStatus status = run->methods.table->step(run);
     if (status == LAG_OK) {
+        if (run->orbit.is_open)
+            lag_orbit_follow(run);
         lag_stiffness_watch(run);
         if (run->model->n_switches > 0) {
             lag_switches_watch(run);

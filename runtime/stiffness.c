@@ -18,6 +18,8 @@
  * length of differences; how much faster the other method must be. */
 static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
 static const double SMALL = 0.25; /* share of a first step of order 1 */
+static const double STEPS_A_ROW = 1.5, STEPS_A_ROW_OF_LOOPS = 0.4; /* fewer ask for dense output */
+enum { MOST_LOOKS = 6 }; /* of rows into steps, of late */
 /* The first look costs 2 FIRST_ITERATIONS + 1 evaluations: 3 % of those before it. */
 enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, STEPS_OF_ADAMS = 8, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIOUS_INTERVAL = 9 };
 /* A trial of implicit steps costs as much as 75 steps by series of a small scene. */
@@ -152,7 +154,7 @@ void lag_stiffness_reset(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
     const int solver = run->methods.solver, is_runge_kutta = solver == run->methods.explicit_solver;
-    const int is_explicit = is_runge_kutta || solver == LAG_SOLVER_TAYLOR || is_adams(run);
+    const int is_explicit = is_runge_kutta || solver == LAG_SOLVER_ERK9 || solver == LAG_SOLVER_TAYLOR || is_adams(run);
     s->is_watching = lag_methods_turn(&run->settings) && is_explicit && lag_methods_alternate(run->model, solver);
     s->next = LAG_SOLVER_AUTO;
     s->explicit_solver = is_explicit ? solver : run->methods.explicit_solver;
@@ -213,6 +215,16 @@ static void watch_implicit(LagRun *run)
     begin(run);
 }
 
+/* Many rows ask for dense output; that of closed loops costs projections of its own. */
+static void watch_rows(LagRun *run)
+{
+    LagExplicit *s = &run->methods.verner9;
+    const double fewest = run->model->n_multipliers > 0 ? STEPS_A_ROW_OF_LOOPS : STEPS_A_ROW, spacing = run->row_spacing;
+    s->looks = run->motion.t == run->wanted ? s->looks + LAG_LOOK : s->looks - (s->looks > 0);
+    if (spacing > 0 ? spacing < fewest * run->step : s->looks > MOST_LOOKS)
+        lag_stiffness_fall_back(run);
+}
+
 void lag_stiffness_watch(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
@@ -226,12 +238,14 @@ void lag_stiffness_watch(LagRun *run)
         watch_implicit(run);
     else
         watch_explicit(run);
+    if (run->methods.table->ends_at_rows)
+        watch_rows(run);
 }
 
 static int restart(LagRun *run, int32_t solver)
 {
     LagMotion *m = &run->motion;
-    const int began_low = run->methods.table->begins_low;
+    const int began_low = run->methods.table->begins_low, before = run->methods.solver;
     lag_methods_choose(&run->methods, solver);
     m->t_old = m->t;
     if (!lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope))
@@ -244,7 +258,7 @@ static int restart(LagRun *run, int32_t solver)
     }
     if (begins_low || began_low)
         lag_account_weigh(run);
-    run->statistics.switches += !run->stiffness.leads;
+    run->statistics.switches += !run->stiffness.leads && !(before == LAG_SOLVER_ERK9 && solver != LAG_SOLVER_IMPLICIT);
     return 1;
 }
 
@@ -266,7 +280,7 @@ int lag_stiffness_turn(LagRun *run)
     return run->sliding.count <= run->methods.table->most_sliding || lag_stiffness_pass(run);
 }
 
-int lag_stiffness_leave_series(LagRun *run)
+int lag_stiffness_fall_back(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
     if (!s->is_watching || !restart(run, run->methods.explicit_solver))

@@ -48,8 +48,8 @@ int lag_stiffness_pass(LagRun *run);
 /* A step of the explicit method, which is to be restarted, leads to where the motion has a size that the one in use needs. */
 void lag_stiffness_lead(LagRun *run);
 
-/* A series has no finite coefficients (exp of a large number under a fraction bar): the explicit method goes on from here. Returns
- * 0 if there is none, or the user asked for series. */
-int lag_stiffness_leave_series(LagRun *run);
+/* A series has no finite coefficients (exp of a large number under a fraction bar), or many rows ask for dense output: the explicit
+ * method goes on from here. Returns 0 if there is none, or the user asked for the one in use. */
+int lag_stiffness_fall_back(LagRun *run);
 
 #endif

@@ -334,12 +334,12 @@ static LagStatus step(LagRun *run)
     double wrong = INFINITY;
     int in_vain = 0;
     const int is_live = needs_live_switches(run, 0, 0);
-    if ((rests_at_origin(run) || is_live) && lag_stiffness_leave_series(run))
+    if ((rests_at_origin(run) || is_live) && lag_stiffness_fall_back(run))
         return run->methods.table->step(run);
     if (is_live && lag_stiffness_pass(run))
         return run->methods.table->step(run);
     if (is_live || !build(run, s, s->order))
-        return lag_stiffness_leave_series(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
+        return lag_stiffness_fall_back(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
     const double longest = GROW * lag_max(run->step, lag_step_smallest(m->t)); /* at rest a series says nothing of what comes */
     double h = lag_min(length_of(run, s), longest);
     if (run->settings.max_step > 0)
@@ -356,7 +356,7 @@ static LagStatus step(LagRun *run)
             return LAG_OK;
         }
         ++run->statistics.rejected;
-        if (needs_live_switches(run, ++in_vain, wrong) && lag_stiffness_leave_series(run))
+        if (needs_live_switches(run, ++in_vain, wrong) && lag_stiffness_fall_back(run))
             return run->methods.table->step(run);
         if (in_vain == PATIENCE)
             lag_rounding_look(run);
@@ -374,6 +374,34 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
         y[i] += m->other[i];
 }
 
+/* The coefficients of each position and rate, one after another. */
+static void keep(const void *self, const LagMotion *m, double *place)
+{
+    const LagTaylor *s = self;
+    const LagModel *model = ((const LagRun *)m->context)->model;
+    for (int i = 0; i < 2 * m->n; ++i) {
+        const double *c = jet(model, s->old_jets, 1 + i);
+        for (int k = 0; k <= s->order; ++k)
+            place[i * LAG_JET_STRIDE + k] = c[k * model->jet_pitch];
+    }
+}
+
+static void recall(void *self, LagMotion *m, double *place, double begin, double length, double t, double *y)
+{
+    const LagTaylor *s = self;
+    const double h = t - begin;
+    (void)length;
+    for (int i = 0; i < 2 * m->n; ++i) {
+        const double *c = place + i * LAG_JET_STRIDE;
+        double rest = 0;
+        for (int k = s->order; k > 0; --k)
+            rest = rest * h + c[k];
+        y[i] = c[0] + rest * h;
+    }
+}
+
+static const LagRecord RECORD = {keep, recall};
+
 int lag_taylor_pays(const LagModel *model, double tolerance)
 {
     const double eps = lag_scale_caution(tolerance), other_length = OTHER_LENGTH * pow(eps, 1.0 / 8);
@@ -382,4 +410,7 @@ int lag_taylor_pays(const LagModel *model, double tolerance)
         && pace_of(model, REST * eps, order_for(model, REST * eps)) * other_length < other_cost;
 }
 
-const LagMethod lag_taylor = {"taylor", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 1, 0, 1, 0, 0, NULL};
+const LagMethod lag_taylor = {
+    .name = "taylor", .order = 8, .layout = layout, .restart = restart, .step = step, .interpolate = interpolate,
+    .holds_switches = 1, .stride = 1, .record = &RECORD,
+};

@@ -19,8 +19,8 @@ enum { OFTEN = 4 }; /* steps of one length, after which it gets a rung of its ow
 
 int lag_transition_fits(const LagModel *model, const LagSettings *settings)
 {
-    const int is_free = settings->solver == LAG_SOLVER_AUTO && (model->solver == LAG_SOLVER_AUTO || model->solver == LAG_SOLVER_LINEAR);
-    return is_free && isfinite(settings->t_stop) && lag_transition_possible(model);
+    const int is_meant = model->solver == LAG_SOLVER_AUTO || model->solver == LAG_SOLVER_LINEAR;
+    return settings->solver == LAG_SOLVER_AUTO && is_meant && isfinite(settings->t_stop) && lag_transition_possible(model);
 }
 
 static void layout(void *self, const LagMotion *m, LagArena *arena)
@@ -133,4 +133,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     ++m->dense_outputs;
 }
 
-const LagMethod lag_transition = {"linear", 8, layout, restart, step, NULL, NULL, interpolate, NULL, 0, 0, 1, 0, 1, NULL};
+const LagMethod lag_transition = {
+    .name = "linear", .order = 8, .layout = layout, .restart = restart, .step = step, .interpolate = interpolate, .stride = 1,
+    .is_exact = 1,
+};

@@ -87,13 +87,13 @@ def test_order_of_convergence(runtime: Runtime, solver: Solver, longest: float, 
 
 def test_dense_output_meets_both_ends_of_a_step(runtime: Runtime) -> None:
     model = compiled(1, rhs="a[0] = -sin(q[0]);")
-    with started(runtime, model, [1], [0.5], t_stop=10, tolerance=1e-5) as run:
+    with started(runtime, model, [1], [0.5], t_stop=10, tolerance=1e-5, solver=Solver.ERK) as run:
         times = [0.0]
         ends = [run.row()[0]]
         for _ in range(4):
             ends.append(run.advance_steps(1)[0])
             times.append(run.time)
-    with started(runtime, model, [1], [0.5], t_stop=10, tolerance=1e-5) as run:
+    with started(runtime, model, [1], [0.5], t_stop=10, tolerance=1e-5, solver=Solver.ERK) as run:
         for t, end in zip(times[1:], ends[1:], strict=True):
             rows = run.advance([t * (1 - 1e-13), t])
             assert list(rows[0][1:3]) == pytest.approx(list(end[1:3]), abs=1e-12)
@@ -255,7 +255,8 @@ def test_error_follows_the_tolerance(runtime: Runtime, name: str) -> None:
     model = compiled(n, kinds=list(case.kinds), rhs=case.rhs)
     errors = {}
     for tolerance in (1e-4, 1e-6, 1e-8, 1e-10, 1e-12):
-        with started(runtime, model, case.q, case.v, t_stop=max(case.reference), tolerance=tolerance) as run:
+        with started(runtime, model, case.q, case.v, t_stop=max(case.reference), tolerance=tolerance,
+                     solver=Solver.ERK) as run:
             rows = run.advance(sorted(case.reference))
         assert rows.status is Status.OK
         seen = [case.see(rows[i][1 : n + 1].tolist(), rows[i][n + 1 : 2 * n + 1].tolist()) for i in range(rows.count)]

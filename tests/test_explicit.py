@@ -8,16 +8,17 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.native import find_compiler
-from lagrangia.runtime import Solver
-from native_models import FOLDER
+from lagrangia.runtime import Solver, Status
+from lagrangia.runtime_library import Runtime
+from native_models import FOLDER, OSCILLATOR, compiled, started
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 EXAMPLES = Path(__file__).parents[1] / "models" / "examples"
 
 
-def rows_of(name: str, size: int = 7) -> np.ndarray:
-    """An array of rows of tsit5_tableau.h, with zeros filled in."""
-    body = re.search(rf"lag_tsit5_{name}(?:\[[\w +]+\])? =\s*(.*?);", (FOLDER / "tsit5_tableau.h").read_text(), re.S)
+def rows_of(name: str, size: int = 7, method: str = "tsit5") -> np.ndarray:
+    """An array of rows of a method's tableau, with zeros filled in."""
+    body = re.search(rf"lag_{method}_{name}(?:\[[\w +]+\])? =\s*(.*?);", (FOLDER / f"{method}_tableau.h").read_text(), re.S)
     assert body
     found = re.findall(r"\{\d+, \{([\d, ]+)\},\s*\{([^}]+)\}\}", body[1])
     rows = np.zeros((len(found), size))
@@ -49,6 +50,67 @@ def test_tableau_satisfies_order_conditions() -> None:
     for x in (0.2, 0.7):  # Hermite's cubic and one more coefficient: of order 4 inside the step
         w = x * (b + (1 - x) * (first - b + x * (2 * b - first - last + (1 - x) * d)))
         assert conditions(w, A, x, 4) == pytest.approx([0] * 8, abs=3e-14)
+
+
+def bushes(w: np.ndarray, A: np.ndarray, c: np.ndarray, order: int) -> list[float]:
+    """What is left of the conditions of the trees [tau^m], [tau^m [tau^k]] and [tau^m [tau^l [tau^k]]]."""
+    left = [w @ c**m - 1 / (m + 1) for m in range(order)]
+    left += [w @ (c**m * (A @ c**k)) - 1 / ((k + 1) * (k + m + 2)) for m in range(order - 1) for k in range(order - 1 - m)]
+    left += [w @ (c**m * (A @ (c**l * (A @ c**k)))) - 1 / ((k + 1) * (k + l + 2) * (k + l + m + 3))
+             for m in range(order - 2) for l in range(order - 2 - m) for k in range(order - 2 - m - l)]
+    return [float(x) for x in left]
+
+
+def test_the_coefficients_of_order_nine() -> None:
+    """Its 486 conditions are Verner's; these are those of long stems and bushes."""
+    A, error = rows_of("stage", 17, "verner9"), rows_of("error", 17, "verner9")[0]
+    nodes = re.search(r"lag_verner9_node\[[\w +]+\] = \{([^}]+)\}", (FOLDER / "verner9_tableau.h").read_text())
+    c, b = np.append(A[:16].sum(axis=1), 0), A[16].copy()
+    assert nodes and np.allclose([*c[:16], 1], [float(x) for x in nodes[1].split(",")], atol=1e-14)
+    A[16] = 0
+    assert bushes(b, A, c, 9) == pytest.approx([0] * 129, abs=5e-15)
+    assert [(b - error) @ c**m - 1 / (m + 1) for m in range(8)] == pytest.approx([0] * 8, abs=5e-15)
+    assert abs((b - error) @ c**8 - 1 / 9) > 1e-5
+
+
+def test_the_order_nine_shows(runtime: Runtime) -> None:
+    """In steps, and inside one, which is stepped to."""
+    model, errors, inside = compiled(1, rhs=OSCILLATOR), [], []
+    for h in (0.5, 0.25):
+        with started(runtime, model, [1], [0], t_stop=8, tolerance=1e3, first_step=h, max_step=h, solver=Solver.ERK9) as run:
+            assert run.advance([8.0]).status is Status.OK
+            assert run.statistics.steps == 8 / h
+            rows = run.advance([8 - 0.3 * h, 8.0])
+        errors.append(abs(rows[1][1] - np.cos(8)))
+        inside.append(abs(rows[0][1] - np.cos(8 - 0.3 * h)))
+    assert 8.5 < np.log2(errors[0] / errors[1]) < 10.5
+    assert np.log2(inside[0] / inside[1]) > 8
+
+
+def test_its_steps_end_at_rows_unless_there_are_many() -> None:
+    chain = lag.load(EXAMPLES / "chain.lag")
+    few, many = (chain.simulate(at=np.linspace(0, 2, rows), tolerance=1e-10) for rows in (5, 501))
+    assert few.statistics.solver is Solver.ERK9 and few.statistics.dense_outputs == 0
+    assert many.statistics.solver is Solver.ERK and many.statistics.switches == 0
+    at = np.linspace(0, 2, 5)
+    exact = chain.simulate(at=at, tolerance=1e-14, solver="erk").rows[:, 1:6]
+    for run in (few, chain.simulate(at=at, tolerance=1e-10, solver="erk9")):
+        assert np.abs(run.rows[:, 1:6] - exact).max() < 1e-10
+    by_eight = chain.simulate(at=at, tolerance=1e-10, solver="erk")
+    assert few.statistics.rhs_evaluations < 0.85 * by_eight.statistics.rhs_evaluations
+
+
+@pytest.mark.parametrize("name", ["chain", "slider_crank", "andrews_squeezer", "double_pendulum", "cart_pole"])
+def test_a_tolerance_means_the_same_at_order_nine(name: str) -> None:
+    model, stop = lag.load(EXAMPLES / f"{name}.lag"), 0.03 if name == "andrews_squeezer" else 2.0
+    at, columns = np.linspace(stop / 5, stop, 5), slice(1, 1 + model.scene.n)
+    exact = model.simulate(at=at, tolerance=1e-14, solver="erk").rows[:, columns]
+    for tolerance in (1e-4, 1e-7, 1e-10):
+        run = model.simulate(at=at, tolerance=tolerance, solver="erk9")
+        assert run.statistics.solver is Solver.ERK9
+        assert np.abs(run.rows[:, columns] - exact).max() < 5 * tolerance * np.abs(exact).max()
+        assert run.statistics.energy_residual < 100 * tolerance * run.statistics.energy_size
+        assert run.statistics.constraint_residual < 1e-13
 
 
 @pytest.mark.parametrize("name", ["double_pendulum", "four_bar", "cart_pole"])

@@ -289,7 +289,7 @@ def test_the_solver_told_is_the_one_that_runs(name: str, capsys: pytest.CaptureF
     assert main(["explain", str(EXAMPLES / f"{name}.lag"), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     model = lag.load(EXAMPLES / f"{name}.lag")
-    assert told["solver"] == name_of(model.simulate(stop=model.scene.stop / 100).statistics.solver)
+    assert told["solver"] == name_of(model.simulate(at=[model.scene.stop / 100]).statistics.solver)
     assert told["tolerance"] == model.scene.tolerance
 
 

@@ -28,7 +28,7 @@ class Hamilton:
 
 
 def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Energies, motion: Motion) -> str:
-    """Why the scene does not keep its energy, or why it cannot be stepped in momenta; "" when it does and can."""
+    """Why the scene does not keep its energy; "" when it does."""
     supports = [edge for edge in kinematics.graph.edges if edge.moves_with_time]
     if energies.dissipation:
         term = energies.dissipation[0]
@@ -44,6 +44,11 @@ def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Ener
         return f"{name} is moved in time ({span})"
     if kinematics.algebra.modes or ca.depends_on(ca.vertcat(motion.acceleration, motion.T, motion.V), motion.t):
         return "time stands in its equations"
+    return ""
+
+
+def no_momenta(constraints: Constraints, motion: Motion) -> str:
+    """Why a scene that keeps its energy cannot be stepped in momenta; "" when it can."""
     if constraints.rows:
         return f"not supported yet with constraints that stay in the equations ({constraints.rows[0].span})"
     if motion.q.numel() > _MOST_COORDINATES:

@@ -277,6 +277,7 @@ def _islands(parts: _Parts) -> Need:
 
 def _numerics(parts: _Parts) -> Iterable[Need]:
     yield _integrator(parts)
+    yield _further_swings(parts.scene)
     is_small = parts.scene.n <= _MOST_COUNTED
     spectrum = find_spectrum(parts.kinematics, parts.motion, parts.initial, parts.given) if is_small else None
     yield _stiffness(spectrum, parts.scene)
@@ -291,6 +292,18 @@ def _integrator(parts: _Parts) -> Need:
         return Need(what, True, scene.refused["linear"], _line(_place_of_refusal(parts)))
     return Need(what, False, "the equations are linear in q and v",
                 saving="every step: the matrix exponential is exact (solver linear)")
+
+
+def _further_swings(scene: Scene) -> Need:
+    """Steps after half a swing, where what swings must swing back the same way."""
+    what, freedom = "further swings", scene.n - scene.sizes["n_multipliers"]
+    if scene.sizes["is_swing"]:
+        return Need(what, False, "one degree of freedom and energy is kept: it swings back the way it came",
+                    saving="all steps after the second moment of rest (auto)")
+    if not scene.n:
+        return Need(what, False, "nothing moves that is not prescribed")
+    flow = scene.refused.get("conservative", "") if freedom == 1 else "its constraints repeat each other"
+    return Need(what, True, "it has more than one degree of freedom" if freedom > 1 else flow)
 
 
 def _place_of_refusal(parts: _Parts) -> Span | None:

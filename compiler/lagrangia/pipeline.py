@@ -63,7 +63,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.freedom import is_held_still
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
-    from lagrangia.hamilton import build_hamilton, energy_flow, is_separable
+    from lagrangia.hamilton import build_hamilton, energy_flow, is_separable, no_momenta
     from lagrangia.initial import build_initial
     from lagrangia.kinematics import build_kinematics
     from lagrangia.motion import build_motion
@@ -77,7 +77,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             flat = check_dimensions(flat)
         with _timed(took, "graph, kinematics, energies"):
             kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
-            energies = build_energies(kinematics)
+            graph, energies = kinematics.graph, build_energies(kinematics)
         with _timed(took, "motion"):
             initial = build_initial(kinematics, constraints)
             made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
@@ -85,15 +85,15 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             struck, run = _with_impacts(kinematics, energies, motion, made_of)
         with _timed(took, "functions"):
             flow = energy_flow(kinematics, constraints, energies, run)
-            hamilton = None if flow or is_separable(run) else build_hamilton(kinematics, run)
-            functions = build_functions(struck, run, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
+            stuck = flow or no_momenta(constraints, run)
+            hamilton = None if stuck or is_separable(run) else build_hamilton(kinematics, run)
+            functions = build_functions(struck, run, constraints, initial, hamilton, _reported(graph, outputs))
         with _timed(took, "freedom"):
             is_still = is_held_still(kinematics, motion, constraints, initial, functions)
         with _timed(took, "scene"):
-            whole = build_scene(kinematics, run, initial, functions, is_still, {"conservative": flow} if flow else {})
+            whole = build_scene(kinematics, run, initial, functions, is_still, flow, stuck)
             scene = divide(whole, kinematics, run, initial)
-    return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, run, initial, functions, scene,
-                       took)
+    return Compilation(syntax, flat, graph, kinematics, constraints, energies, motion, run, initial, functions, scene, took)
 
 
 def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motion",

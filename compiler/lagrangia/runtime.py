@@ -55,6 +55,7 @@ class Solver(IntEnum):
     ERK5 = 7
     ADAMS = 8
     STEPWISE = 9
+    ERK9 = 12
 
 
 @dataclass(frozen=True)
@@ -176,7 +177,7 @@ class _Model(c.Structure):
         ("linear_pattern", _Ints),
         ("solver", c.c_int),
         *((name, c.c_int) for name in ("n_entries", "n_lower", "n_upper", "n_colours")),
-        *((name, c.c_int) for name in ("rhs_cost", "jacobian_cost", "has_corners", "is_separable")),
+        *((name, c.c_int) for name in ("rhs_cost", "jacobian_cost", "has_corners", "is_swing", "is_separable")),
         ("jacobian_pattern", _Ints),
         ("n_islands", c.c_int),
         ("island", _Ints),

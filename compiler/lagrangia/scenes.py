@@ -29,9 +29,9 @@ from lagrangia.tapes import Tape
 
 def build_scene(
     kinematics: Kinematics, motion: Motion, initial: InitialConditions, functions: Functions, is_still: bool,
-    refused: dict[str, str],
+    flow: str, no_momenta: str,
 ) -> Scene:
-    """`refused` says of solvers that cannot run the scene why they cannot."""
+    """`flow`: why it does not keep its energy, `no_momenta`: why it has no conservative steps; "" where it does and has."""
     model, graph = kinematics.graph.model, kinematics.graph
     tapes = {name: tape_of(function) for name, function in functions.table.items()}
     coordinates = tuple(Column(c.name, c.unit, c.display_unit, c.description) for c in graph.coordinates)
@@ -48,7 +48,8 @@ def build_scene(
     sizes = _sizes(len(coordinates), len(parameters), len(inputs), len(kinematics.algebra.modes), functions, motion, tapes) | {
         "n_outputs": len(outputs), "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions,
         "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
-        "is_separable": int("conservative" not in refused and "velocity" not in functions.table),
+        "is_separable": int(not no_momenta and "velocity" not in functions.table),
+        "is_swing": int(not flow and _is_of_one_freedom(motion)),
     }
     return Scene(
         name=model.name, description=model.description, structural=dict(model.structural),
@@ -58,8 +59,13 @@ def build_scene(
         coordinate_kind=tuple(kinds[c.unit] for c in started), fixed=tuple(map(int, initial.fixed)),
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
         notes=_notes(motion, tapes) | _freedom(kinematics, motion, is_still) | _told(model),
-        refused={**functions.refused, **refused, **_no_series(tapes)},
+        refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_no_series(tapes)},
     )
+
+
+def _is_of_one_freedom(motion: Motion) -> bool:
+    """Where no constraint repeats others; else there are more than told here."""
+    return bool(motion.q.numel() - (motion.constrained.multipliers.numel() if motion.constrained else 0) == 1)
 
 
 def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> Scene:
