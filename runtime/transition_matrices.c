@@ -72,9 +72,33 @@ LAG_UNROLLED void product_of(const double *X, const double *a, size_t size, size
     memcpy(y, sum, lanes * sizeof *sum);
 }
 
+/* The same for two vectors a, one `distance` behind the other: sums that do not wait for each other. */
+LAG_UNROLLED void two_products_of(const double *X, const double *a, size_t size, size_t lanes, size_t distance, double *y)
+{
+    enum { MOST = LAG_TRANSITION_MOST_STATES / LAG_LANES };
+    LagLanes first[MOST], second[MOST];
+    LAG_UNROLL_ALL
+    for (size_t l = 0; l < lanes; ++l)
+        first[l] = second[l] = LAG_LANES_OF(0);
+    for (size_t k = 0; k < size; ++k)
+        LAG_UNROLL_ALL
+        for (size_t l = 0; l < lanes; ++l) {
+            LagLanes x;
+            memcpy(&x, X + (k * lanes + l) * LAG_LANES, sizeof x);
+            first[l] += x * LAG_LANES_OF(a[k]);
+            second[l] += x * LAG_LANES_OF(a[distance + k]);
+        }
+    memcpy(y, first, lanes * sizeof *first);
+    memcpy(y + distance, second, lanes * sizeof *second);
+}
+
 LAG_UNROLLED void products_of(const double *X, const double *Y, size_t size, size_t columns, size_t lanes, double *Z)
 {
-    for (size_t j = 0; j < columns; ++j)
+    const size_t stride = lanes * LAG_LANES;
+    size_t j = 0;
+    for (; j + 1 < columns; j += 2)
+        two_products_of(X, Y + j * stride, size, lanes, stride, Z + j * stride);
+    for (; j < columns; ++j)
         product_of(X, Y + j * lanes * LAG_LANES, size, lanes, Z + j * lanes * LAG_LANES);
 }
 
@@ -242,14 +266,32 @@ static void transpose(const LagTransitionMatrices *s, const double *X, double *Y
             Y[i * s->stride + j] = X[j * s->stride + i];
 }
 
+/* Y = factor (X + X'), column by column. */
+static void add_transposed(const LagTransitionMatrices *s, const double *X, double factor, double *Y)
+{
+    for (size_t j = 0; j < s->size; ++j)
+        for (size_t i = 0; i <= j; ++i)
+            Y[j * s->stride + i] = Y[i * s->stride + j] = factor * (X[j * s->stride + i] + X[i * s->stride + j]);
+}
+
+/* y += factor x, for a whole matrix. */
+static void add_matrix(const LagTransitionMatrices *s, double factor, const double *x, double *y)
+{
+    const LagLanes weight = LAG_LANES_OF(factor);
+    for (size_t i = 0; i < matrix(s); i += LAG_LANES) {
+        LagLanes from, to;
+        memcpy(&from, x + i, sizeof from);
+        memcpy(&to, y + i, sizeof to);
+        to += weight * from;
+        memcpy(y + i, &to, sizeof to);
+    }
+}
+
 /* P = b0 + b1 B + b2 B^2 + b3 B^3 + b4 B^4, over the reciprocals of factorials b, plus what P holds. */
 static void add_powers(LagTransitionMatrices *s, const double *b, int last, double *P)
 {
-    for (int k = 1; k <= last; ++k) {
-        const double *power = s->power[k - 1], factor = b[k];
-        for (size_t i = 0; i < matrix(s); ++i)
-            P[i] += factor * power[i];
-    }
+    for (int k = 1; k <= last; ++k)
+        add_matrix(s, b[k], s->power[k - 1], P);
     for (size_t i = 0; i < s->size; ++i)
         P[i * s->stride + i] += b[0];
 }
@@ -284,11 +326,8 @@ static void expand_form(LagTransitionMatrices *s, double h, const double *Q, dou
         W[i] = term[i] = h * Q[i];
     for (int k = 2; size > PRECISION_OF_FORMS; ++k) {
         multiply(s, term, B, s->size, next);
-        transpose(s, next, term);
-        for (size_t i = 0; i < matrix(s); ++i) {
-            term[i] = (term[i] + next[i]) / k;
-            W[i] += term[i];
-        }
+        add_transposed(s, next, 1.0 / k, term);
+        add_matrix(s, 1, term, W);
         size *= theta / k;
     }
 }
@@ -299,8 +338,7 @@ static void double_rung(LagTransitionMatrices *s, int k)
     double *const turned = s->power[0], *const T = s->power[1], *const other = s->power[2];
     double *const twice = rung_part(s, k + 1, 0);
     multiply(s, F, F, s->size, twice);
-    for (size_t i = 0; i < matrix(s); ++i)
-        twice[i] += 2 * F[i];
+    add_matrix(s, 2, F, twice);
     if (s->n_forms > 0)
         transpose(s, F, turned);
     for (int f = 1; f <= s->n_forms; ++f) { /* E' W E = W + T + T' + F' T with T = W F */
@@ -308,9 +346,9 @@ static void double_rung(LagTransitionMatrices *s, int k)
         double *const sum = rung_part(s, k + 1, f);
         multiply(s, W, F, s->size, T);
         multiply(s, turned, T, s->size, sum);
-        transpose(s, T, other);
-        for (size_t i = 0; i < matrix(s); ++i)
-            sum[i] += 2 * W[i] + (T[i] + other[i]);
+        add_transposed(s, T, 1, other);
+        add_matrix(s, 2, W, sum);
+        add_matrix(s, 1, other, sum);
     }
 }
 
