@@ -55,8 +55,10 @@ int lag_transition_serves(LagRun *run)
 static int begin(LagTransition *s, LagRun *run)
 {
     s->is_fresh = 0;
-    if (run->statistics.steps == 0)
-        s->lag = 0;
+    if (run->statistics.steps == 0) { /* a run does not depend on those before it */
+        s->lag = s->usual = 0;
+        s->times = s->matrices.is_planned = 0;
+    }
     if (!lag_transition_serves(run))
         return 0;
     lag_transition_loads(&s->matrices, &run->inputs, run->motion.t, run->d, run->u, s->loads);
@@ -79,7 +81,7 @@ static LagMoving move(LagTransition *s, const LagMotion *m, const double *y, con
     LagMoving moving = {s->x, s->sum, {0, 0}, 0, 0};
     memcpy(s->x, y, states * sizeof *y);
     memcpy(s->x + states, loads, (size_t)s->matrices.pattern.n_w * sizeof *loads);
-    if (s->matrices.length[0] == 0 && !lag_transition_is_short(&s->matrices, h))
+    if (!s->matrices.is_planned && !lag_transition_is_short(&s->matrices, h))
         lag_transition_plan(&s->matrices, h);
     lag_transition_move(&s->matrices, h, ignored, &moving);
     return moving;

@@ -233,8 +233,8 @@ int lag_transition_build(LagTransitionMatrices *s, const double *p, const double
     const double *in[] = {p, d};
     lag_tape_run(s->model->linear.tape, in, &s->values, s->work);
     memcpy(s->p, p, bytes);
-    s->n_built = 0;
     s->length[0] = 0;
+    s->is_planned = 0;
     s->is_known = build(s);
     return s->is_known;
 }
@@ -371,6 +371,9 @@ void lag_transition_plan(LagTransitionMatrices *s, double h)
     double length = h;
     for (int k = 0; k < LAG_TRANSITION_RUNGS && !lag_transition_is_short(s, length); ++k)
         length /= 2;
+    s->is_planned = 1;
+    if (length == s->length[0])
+        return;
     for (int k = 0; k < LAG_TRANSITION_RUNGS; ++k)
         s->length[k] = ldexp(length, k);
     s->n_built = 0;
@@ -440,7 +443,7 @@ static void creep(LagTransitionMatrices *s, double h, LagMoving *moving)
 static int find_rung(const LagTransitionMatrices *s, double h)
 {
     const double longest = h * (1 + HIT);
-    int rung = s->length[0] > 0 ? LAG_TRANSITION_RUNGS - 1 : -1;
+    int rung = s->is_planned ? LAG_TRANSITION_RUNGS - 1 : -1;
     while (rung >= 0 && s->length[rung] > longest)
         --rung;
     return rung;

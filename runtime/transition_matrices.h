@@ -20,7 +20,8 @@ typedef struct {
     size_t size, stride; /* of a column */
     double norm;         /* of A, 1/s, in coordinates weighed by masses */
     int n_forms, place[2]; /* powers that are not always 0 */
-    int n_built;         /* rungs that are known */
+    int is_planned;      /* lengths of rungs were chosen, in this run; */
+    int n_built;         /* those that are known may be of a run before it */
     double length[LAG_TRANSITION_RUNGS];
     double *A, *form[2];
     double *rungs;                         /* of each its F, then its W */
@@ -50,7 +51,7 @@ int lag_transition_build(LagTransitionMatrices *s, const double *p, const double
 /* The states of loads w at the time t of the present segment; u[n_inputs] is scratch. */
 void lag_transition_loads(LagTransitionMatrices *s, const LagInputs *inputs, double t, const double *d, double *u, double *w);
 
-/* Plans rungs such that one of them has the length h. */
+/* Plans rungs such that one of them has the length h. Those of the same lengths are kept. */
 void lag_transition_plan(LagTransitionMatrices *s, double h);
 
 /* Moves on by h, but for a rest of at most `ignored`. */

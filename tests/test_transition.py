@@ -118,10 +118,14 @@ def test_a_run_that_begins_again_gives_the_same_digits(scene: Write) -> None:
         run.set_parameters(values.parameters, values.mask)
         assert run.start(values.q, values.v) is Status.OK
         assert np.array(run.advance(at).values) == pytest.approx(np.array(fresh), abs=1e-13)
+    times = np.array([0.1, 0.37, 0.9, 1.5, 2.1, 2.7, 3.3, 3.9])
+    uneven = started(model, 4.0).advance(times).values
     with started(model, 4.0) as run:
-        for _ in range(2):
+        for _ in range(3):
             assert run.start(values.q, values.v) is Status.OK
             assert list(run.advance(at).values) == list(fresh)
+            assert run.start(values.q, values.v) is Status.OK
+            assert list(run.advance(times).values) == list(uneven)
 
 
 def test_rows_inside_a_step_and_steps_of_all_lengths(scene: Write) -> None:
