@@ -11,6 +11,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "evaluate.h"
 #include "segment.h"
 #include "step.h"
 
@@ -102,7 +103,6 @@ static LagStatus step(LagRun *run)
     LagMotion *m = &run->motion;
     const double t = m->t, t_new = lag_step_aim(run), ignored = t_new == run->segment_end ? 0 : IGNORED * fabs(t_new);
     const size_t states = 2 * (size_t)m->n;
-    double probe = 0;
     if ((s->is_fresh && !begin(s, run)) || t_new > s->until)
         return leave(run);
     const LagMoving moving = move(s, m, m->y, s->loads, (t_new - t) + s->lag, ignored);
@@ -111,9 +111,7 @@ static LagStatus step(LagRun *run)
     memcpy(m->sum, moving.sum, states * sizeof *m->sum);
     memcpy(m->sum + states, moving.gain, (size_t)(m->size - 2 * m->n) * sizeof *m->sum);
     lag_motion_add(m, m->sum);
-    for (int i = 0; i < m->size; ++i)
-        probe += 0 * m->other[i];
-    if (probe != 0)
+    if (!lag_all_finite(m->other, m->size))
         return lag_step_give_up(run, lag_first_not_finite(m->other, 2 * m->n));
     memcpy(s->loads_old, moving.x + states, (size_t)s->matrices.pattern.n_w * sizeof *s->loads);
     lag_swap(&s->loads, &s->loads_old);

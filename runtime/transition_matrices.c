@@ -1,6 +1,5 @@
 #include "transition_matrices.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -54,42 +53,28 @@ void lag_transition_layout(LagTransitionMatrices *s, const LagModel *model, LagA
 
 /* ---------------------------------------------------------------- products */
 
-/* y = X a, `lanes` groups of four numbers: the same sums however many lanes a register has. */
-LAG_UNROLLED void product_of(const double *X, const double *a, size_t size, size_t lanes, double *y)
+/* Y = X A for one or two columns of A: sums of two do not wait for each other. A column is `lanes` groups of numbers, the same sums
+ * however many lanes a register has. */
+LAG_UNROLLED void product_of(const double *X, const double *A, size_t size, size_t lanes, size_t columns, double *Y)
 {
     enum { MOST = LAG_TRANSITION_MOST_STATES / LAG_LANES };
-    LagLanes sum[MOST];
-    LAG_UNROLL_ALL
-    for (size_t l = 0; l < lanes; ++l)
-        sum[l] = LAG_LANES_OF(0);
+    const size_t stride = lanes * LAG_LANES;
+    LagLanes sum[2][MOST];
+    for (size_t c = 0; c < columns; ++c)
+        LAG_UNROLL_ALL
+        for (size_t l = 0; l < lanes; ++l)
+            sum[c][l] = LAG_LANES_OF(0);
     for (size_t k = 0; k < size; ++k)
         LAG_UNROLL_ALL
         for (size_t l = 0; l < lanes; ++l) {
             LagLanes x;
             memcpy(&x, X + (k * lanes + l) * LAG_LANES, sizeof x);
-            sum[l] += x * LAG_LANES_OF(a[k]);
+            LAG_UNROLL_ALL
+            for (size_t c = 0; c < columns; ++c)
+                sum[c][l] += x * LAG_LANES_OF(A[c * stride + k]);
         }
-    memcpy(y, sum, lanes * sizeof *sum);
-}
-
-/* The same for two vectors a, one `distance` behind the other: sums that do not wait for each other. */
-LAG_UNROLLED void two_products_of(const double *X, const double *a, size_t size, size_t lanes, size_t distance, double *y)
-{
-    enum { MOST = LAG_TRANSITION_MOST_STATES / LAG_LANES };
-    LagLanes first[MOST], second[MOST];
-    LAG_UNROLL_ALL
-    for (size_t l = 0; l < lanes; ++l)
-        first[l] = second[l] = LAG_LANES_OF(0);
-    for (size_t k = 0; k < size; ++k)
-        LAG_UNROLL_ALL
-        for (size_t l = 0; l < lanes; ++l) {
-            LagLanes x;
-            memcpy(&x, X + (k * lanes + l) * LAG_LANES, sizeof x);
-            first[l] += x * LAG_LANES_OF(a[k]);
-            second[l] += x * LAG_LANES_OF(a[distance + k]);
-        }
-    memcpy(y, first, lanes * sizeof *first);
-    memcpy(y + distance, second, lanes * sizeof *second);
+    for (size_t c = 0; c < columns; ++c)
+        memcpy(Y + c * stride, sum[c], lanes * sizeof *sum[c]);
 }
 
 LAG_UNROLLED void products_of(const double *X, const double *Y, size_t size, size_t columns, size_t lanes, double *Z)
@@ -97,9 +82,9 @@ LAG_UNROLLED void products_of(const double *X, const double *Y, size_t size, siz
     const size_t stride = lanes * LAG_LANES;
     size_t j = 0;
     for (; j + 1 < columns; j += 2)
-        two_products_of(X, Y + j * stride, size, lanes, stride, Z + j * stride);
-    for (; j < columns; ++j)
-        product_of(X, Y + j * lanes * LAG_LANES, size, lanes, Z + j * lanes * LAG_LANES);
+        product_of(X, Y + j * stride, size, lanes, 2, Z + j * stride);
+    if (j < columns)
+        product_of(X, Y + j * stride, size, lanes, 1, Z + j * stride);
 }
 
 /* Z = X Y for so many columns of Y. */

@@ -12,7 +12,7 @@
 #include "inputs.h"
 #include "linear_pattern.h"
 
-enum { LAG_TRANSITION_MOST_STATES = 12, LAG_TRANSITION_RUNGS = 32, LAG_TRANSITION_POWERS = 6, LAG_TRANSITION_TERMS = 16 };
+enum { LAG_TRANSITION_MOST_STATES = 12, LAG_TRANSITION_RUNGS = 32, LAG_TRANSITION_POWERS = 5, LAG_TRANSITION_TERMS = 16 };
 
 typedef struct {
     const LagModel *model;
