@@ -2,8 +2,8 @@
  * the state then moves by equal steps and lags behind its time by no more than the time's own rounding.
  *
  * Entries of exp(A h) that are wrong by eps change the slowest motions most: a free one by up to eps (norm t)^2 / 2 at the time t. In
- * 1 200 random scenes, stiff ones among them, it was at most 1/80 of eps (norm t)^2; their energy accounts asked for LOST. Where doubles
- * do not suffice, the run goes on by the method that it would have begun with otherwise.
+ * 1 200 random scenes, stiff ones among them, it was at most 1/80 of eps (norm t)^2; their energy accounts asked for LOST. Where
+ * doubles do not suffice, the run goes on by the method that it would have begun with otherwise.
  */
 #include "transition.h"
 

@@ -32,6 +32,9 @@ typedef struct {
     int is_known;
 } LagTransitionMatrices;
 
+/* Numbers in a matrix. */
+static inline size_t lag_transition_entries(const LagTransitionMatrices *s) { return s->size * s->stride; }
+
 /* What moves: x, the sum of what was added to it, and the integrals of the powers. */
 typedef struct {
     double *x, *sum;
