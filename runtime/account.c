@@ -53,9 +53,9 @@ void lag_account_weigh(LagRun *run)
     LagMotion *motion = &run->motion;
     const LagStatistics *statistics = &run->statistics;
     const int counts = run->model->n_power > 0, slides = counts && run->sliding.count > 0;
-    const int begins_low = counts && run->methods.table->begins_low;
-    double energy = begins_low ? motion->energy : 0;
-    if (slides || (begins_low && energy == 0))
+    const int weighs = counts && run->methods.table->weighs_work;
+    double energy = weighs ? motion->energy : 0;
+    if (slides || (weighs && energy == 0))
         energy = look(run).largest;
     if (slides)
         energy = lag_max(statistics->energy_scale, statistics->energy_stored);

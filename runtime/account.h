@@ -13,7 +13,7 @@ void lag_account_note(LagRun *run, const double *y, double *entries);
 void lag_account_glance(LagRun *run);
 
 /* Where friction holds what supports draw at, the work of these alone tells how long steps may be; and methods that begin at a low
- * order make much larger errors of work than of the motion: whether errors of it count now. */
+ * order, or make long steps, make much larger errors of work than of the motion: whether errors of it count now. */
 void lag_account_weigh(LagRun *run);
 
 /* To be called before and after modes, inputs or parameters change at the present state. The jump of H is work done by

@@ -384,5 +384,6 @@ static LagStatus step(LagRun *run)
 
 const LagMethod lag_adams = {
     .name = "adams", .order = 2, .layout = layout, .restart = restart, .step = step, .attempt = attempt, .accept = accept,
-    .interpolate = interpolate, .holds_switches = 1, .stride = 4, .begins_low = 1, .factor = factor,
+    .interpolate = interpolate, .holds_switches = 1, .stride = 4, .begins_low = 1, .weighs_work = 1, .leaves_trouble = 1,
+    .factor = factor,
 };

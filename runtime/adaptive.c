@@ -11,7 +11,6 @@
 /* Measured like the constants of scale.c: at a safety of 0.8 fewer rejections pay for shorter steps, and then a memory of
  * the last error (PI control: K. Gustafsson, 1991) gains nothing. */
 static const double SAFETY = 0.8, SHRINK = 1.0 / 3, FIRST_GROW = 6, GROW = 3, NOT_FINITE_SHRINK = 0.25;
-enum { HOPELESS = 4 }; /* rejections in a row: methods of low order do not find into a motion that sets in out of nothing */
 static const double SMALLEST_ERROR = 1e-10, CUT = 0.9;
 /* The end of a rejected step, wrong by less than this, still tells how large the motion will be. Without it, a motion that
  * sets in smoothly from rest (a road that begins to rise) is resolved against its own first picometres, below rounding. */
@@ -70,9 +69,10 @@ LagStatus lag_step_adaptive(LagRun *run)
             continue;
         ++attempts.rejected;
         lag_onset_learn(motion, &run->scale, t_new, error * run->scale.tolerance, FORESEEN);
-        run->step = lag_attempts_next(run, &attempts, h, error, shrunk(run, h, error <= attempts.allowed ? INFINITY : error));
-        if (method->begins_low && attempts.rejected >= HOPELESS && lag_stiffness_pass(run))
+        const double shorter = shrunk(run, h, error <= attempts.allowed ? INFINITY : error);
+        if (lag_attempts_leave(run, &attempts, h, error, shorter))
             return run->methods.table->step(run);
+        run->step = lag_attempts_next(run, &attempts, h, error, shorter);
         if (run->step < lag_step_smallest(t))
             return lag_step_give_up(run, worst);
     }

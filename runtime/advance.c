@@ -21,6 +21,7 @@ void lag_state_inside(LagRun *run, double t, double *y)
         run->careful = run->model->n_multipliers > 0; /* the stages of the dense output may lie near a singular position */
         run->methods.table->interpolate(run->methods.self, &run->motion, t, y);
         run->careful = 0;
+        run->stiffness.looks += LAG_LOOK;
     }
 }
 

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "singular.h"
+#include "stiffness.h"
 
 enum { PATIENT = 2, TOLERANT = 5, MOST_TRIES = 3, DEPTHS = 30, IN_VAIN, PLUNGED = 100, LATELY = 8, MOST_PLUNGES = 4 };
 static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5, SINGULAR = 100;
@@ -18,6 +19,10 @@ static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, 
  * at this place, its error is not far off, or the step is much longer than the last good ones; and above FAINT_NOISE steps
  * may be rejected in a row, nearly good ones some times below, unless they have been getting ever shorter. */
 static const double NOISE = 1e-6, FAINT_NOISE = 1e-9, MENDED = 0.25, SUNK = 0.1, MUCH_LONGER = 1.5, MENDABLE = 50, MILD = 2;
+/* Rejections in a row: methods of low order do not find into a motion that sets in out of nothing, and sweeps may not come nearer. What
+ * is nearly singular to steps as long as those of sweeps; the length that others begin with there, as a share of the planned one. */
+enum { HOPELESS = 4 };
+static const double NEARLY = 10, TO_OTHERS = 0.35;
 /* By which the shortest of the lengths has a smaller error, and a still shorter attempt again, where these are none of rounding. */
 static const double FALL = 0.01, FALL_AGAIN = 0.2;
 
@@ -42,6 +47,12 @@ static int is_ordinary(const LagRun *run, const LagAttempts *attempts, double h,
     const int is_clear = error * run->scale.tolerance > FAINT_NOISE || (error < MILD && run->troubled < TOLERANT);
     const int is_calm = run->troubled < PATIENT || (is_clear && h > SUNK * run->calm_step);
     return is_calm && attempts->rejected == 1 && (error < MENDABLE || h > MUCH_LONGER * run->calm_step);
+}
+
+/* Whether a shorter step is expected to be good. */
+static int is_mendable(const LagRun *run, const LagAttempts *attempts, double h, double error)
+{
+    return is_ordinary(run, attempts, h, error) && error > attempts->allowed;
 }
 
 /* Whether the errors tried so far are of rounding: shorter steps would lead to where it is magnified more, as they have done again
@@ -88,11 +99,24 @@ static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
     return attempts->planned * WAY[best];
 }
 
+/* Near singular positions at once, with a length that leads across, and for good: there will be more of them. */
+int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, double error, double shorter)
+{
+    const int is_loop = run->model->n_multipliers > 0, leaves = run->methods.table->leaves_trouble;
+    if (!leaves || (is_loop && is_mendable(run, attempts, h, error)))
+        return 0;
+    if (attempts->rejected < HOPELESS && (!is_loop || lag_singularity(run, attempts->planned) < NEARLY))
+        return 0;
+    run->step = is_loop ? TO_OTHERS * fmax(attempts->planned, run->calm_step) : shorter;
+    run->calm_step *= is_loop ? TO_OTHERS : 1;
+    return (is_loop && lag_stiffness_fall_back(run)) || lag_stiffness_pass(run);
+}
+
 double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double error, double shorter)
 {
-    const int is_mended = is_ordinary(run, attempts, h, error) && error > attempts->allowed;
+    const int is_mended = is_mendable(run, attempts, h, error);
     attempts->last = error;
-    if (run->model->n_multipliers == 0 || is_mended)
+    if (run->model->n_multipliers == 0 || is_mended || run->methods.table->leaves_trouble)
         return shorter;
     if (!run->careful) {
         run->careful = 1;

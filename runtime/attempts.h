@@ -20,6 +20,9 @@ typedef struct {
 
 LagAttempts lag_attempts_begin(LagRun *run);
 
+/* Whether the method leaves what is tried to another one, which is in use then, with a length proposed. As lag_attempts_next, before it. */
+int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, double error, double shorter);
+
 /* The length to try next, after one of length h was rejected with this error (infinity: it has none); `shorter` is what the
  * error asks for by itself. `rejected` has been counted. */
 double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double error, double shorter);

@@ -4,6 +4,8 @@
 
 #include "function.h"
 #include "project.h"
+#include "wide.h"
+#include "wide_tape.h"
 
 enum { DOUBTFUL_FOR = 100 }; /* evaluations */
 
@@ -86,6 +88,32 @@ int lag_accelerations(void *context, double t, const double *q, double *v, doubl
 {
     LagRun *run = context;
     return sliding(run, accelerations, t, run->careful ? bring_back(run, t, q, v) : q, v, a, power);
+}
+
+const LagFunction *lag_usual_rhs(const LagModel *model) { return lag_present(&model->regular) ? &model->regular : &model->rhs; }
+
+/* Powers lie behind accelerations. */
+int lag_accelerations_abreast(LagRun *run, const double *t, const double *q, const double *v, const double *u, double *const *out,
+                              double *work)
+{
+    const LagModel *model = run->model;
+    const LagTape *tape = lag_usual_rhs(model)->tape;
+    const double *in[] = {t, q, v, u, run->d, run->c};
+    const int is_possible = model->wide || tape, is_checked = model->wide || lag_present(&model->regular);
+    if (!is_possible || run->careful || run->switches.is_live || run->sliding.count > 0 || run->doubtful > 0)
+        return 0;
+    if (model->wide)
+        model->wide(in, out);
+    else
+        lag_wide_tape_run(tape, in, out, work);
+    double each[LAG_ABREAST] = {0};
+    LagWide sum = LAG_WIDE_OF(0);
+    for (int i = 0; i < (is_checked ? LAG_ABREAST : 0); i += LAG_WIDE)
+        sum += lag_wide_read(out[2] + i);
+    for (int i = 0; i < LAG_ABREAST * (model->n + model->n_power); i += LAG_WIDE)
+        sum += 0 * lag_wide_read(out[0] + i);
+    lag_wide_write(each, sum);
+    return lag_wide_total(each) == 0;
 }
 
 /* Accelerations and multipliers are evaluated anew: the latest may be those of another state, or no multipliers. */

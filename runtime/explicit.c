@@ -207,7 +207,7 @@ static void restart(void *self, LagMotion *m)
 {
     LagExplicit *s = self;
     memcpy(s->k[0], m->slope, (size_t)m->size * sizeof *m->slope);
-    s->first_slope_is_last = s->looks = 0;
+    s->first_slope_is_last = 0;
 }
 
 /* Where the error estimate needs the slope at the end, it is that of the state before its projection. */
@@ -335,7 +335,6 @@ static void interpolate_verner9(void *self, LagMotion *m, double t, double *y)
     combine(s, &VERNER9.stage[VERNER9.stages], m->size, h, m->sum);
     for (int i = 0; i < m->size; ++i)
         y[i] = m->other[i] + m->sum[i];
-    s->looks += LAG_LOOK;
     ++m->dense_outputs;
 }
 
@@ -393,7 +392,7 @@ const LagMethod lag_dop853 = {
 const LagMethod lag_verner9 = {
     .name = "erk9", .order = 9, .layout = layout_verner9, .restart = restart, .step = lag_step_adaptive,
     .attempt = attempt_verner9, .accept = accept, .interpolate = interpolate_verner9, .holds_switches = 1,
-    .most_sliding = INT_MAX, .stride = 1, .ends_at_rows = 1,
+    .most_sliding = INT_MAX, .stride = 1, .ends_at_rows = 1, .dreads_rows = 1,
 };
 const LagMethod lag_tsit5 = {
     .name = "erk5", .order = 5, .layout = layout_tsit5, .restart = restart, .step = lag_step_adaptive, .attempt = attempt_tsit5,

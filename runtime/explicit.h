@@ -7,7 +7,6 @@
 
 enum { LAG_MOST_SLOPES = 17, LAG_HERMITE_ROWS = 3, LAG_MOST_COEFFICIENTS = 7 };
 enum { LAG_RECORD_HEAD = 4, LAG_RECORD_ROWS = 15 }; /* of a step that is kept */
-enum { LAG_LOOK = 2 }; /* what a row counts, among steps without one */
 
 /* The nonzero entries of one row. */
 typedef struct {
@@ -33,7 +32,6 @@ typedef struct {
     double *unit;            /* 2 n: of long states */
     int first_slope_is_last; /* the slope at the end of the step before is slope 0 of the next one */
     int dense_ready;
-    int looks; /* of rows into its steps, of late */
 } LagExplicit;
 
 /* Whether Tsitouras' method is expected to cost less at this tolerance of the user. */

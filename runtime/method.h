@@ -50,8 +50,9 @@ typedef struct {
     int holds_switches; /* of conditions on the state, through each step */
     int most_sliding;   /* so many forces that jump may hold the motion at their jumps in a step */
     int stride;         /* steps from one look at the state to the next, a power of two: more where they are short and cheap */
-    int begins_low;     /* at order 1, which finds neither into a motion that has no size yet nor, in few steps, its work */
-
+    int begins_low;     /* at order 1, which does not find into a motion that has no size yet */
+    int weighs_work;    /* errors of the energy quadratures count: in few steps, or at a low order, they are large */
+    int leaves_trouble; /* what shorter steps do not mend soon is left to Runge-Kutta methods for a while */
     int is_exact;       /* in steps of any length: there are no units of error */
 
     /* By what the next step may be longer than the one just tried; NULL where its error and the order tell. */
@@ -59,6 +60,7 @@ typedef struct {
 
     const LagRecord *record; /* NULL: steps are not kept */
     int ends_at_rows;        /* its steps do: there is no dense output but further steps */
+    int dreads_rows;         /* other methods go on where there are many */
 } LagMethod;
 
 #endif

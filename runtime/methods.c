@@ -4,19 +4,29 @@
 #include "orbit.h"
 #include "parts.h"
 
-/* But for transition matrices. */
-static int32_t usual(const LagSettings *settings, const LagModel *model)
+/* What may go on in steps between which rows are looked at. */
+static int32_t stepwise(const LagSettings *settings, const LagModel *model)
 {
-    const int32_t asked = settings->solver != LAG_SOLVER_AUTO ? settings->solver : model->solver;
-    if (asked != LAG_SOLVER_AUTO && asked != LAG_SOLVER_STEPWISE)
-        return asked;
     if (lag_taylor_pays(model, settings->tolerance))
         return LAG_SOLVER_TAYLOR;
     if (lag_adams_pays(model))
         return LAG_SOLVER_ADAMS;
-    if (asked == LAG_SOLVER_AUTO && lag_methods_alternate(model, LAG_SOLVER_ERK9) && lag_erk9_pays(model, settings->tolerance))
-        return LAG_SOLVER_ERK9;
     return lag_erk5_pays(model, settings->tolerance) ? LAG_SOLVER_ERK5 : LAG_SOLVER_ERK;
+}
+
+/* But for transition matrices. */
+static int32_t usual(const LagSettings *settings, const LagModel *model)
+{
+    const int32_t asked = settings->solver != LAG_SOLVER_AUTO ? settings->solver : model->solver;
+    const int32_t possible = stepwise(settings, model);
+    if (asked != LAG_SOLVER_AUTO && asked != LAG_SOLVER_STEPWISE)
+        return asked;
+    if (asked == LAG_SOLVER_STEPWISE || possible == LAG_SOLVER_TAYLOR)
+        return possible;
+    if (lag_methods_alternate(model, LAG_SOLVER_PIRK) && lag_pirk_pays(model, settings->tolerance))
+        return LAG_SOLVER_PIRK;
+    const int is_erk9 = lag_methods_alternate(model, LAG_SOLVER_ERK9) && lag_erk9_pays(model, settings->tolerance);
+    return is_erk9 && possible != LAG_SOLVER_ADAMS ? LAG_SOLVER_ERK9 : possible;
 }
 
 int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
@@ -32,6 +42,7 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     case LAG_SOLVER_ERK:
     case LAG_SOLVER_ADAMS:
     case LAG_SOLVER_ERK5:
+    case LAG_SOLVER_PIRK:
     case LAG_SOLVER_ERK9: return 1;
     case LAG_SOLVER_LINEAR: return lag_parts.linear && model->linear_pattern;
     case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
@@ -52,8 +63,8 @@ int lag_methods_turn(const LagSettings *settings)
 
 int lag_methods_alternate(const LagModel *model, int32_t solver)
 {
-    const int is_series = solver == LAG_SOLVER_TAYLOR, is_other = solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_ERK9;
-    const int is_one = is_explicit(solver) || is_series || is_other || solver == LAG_SOLVER_IMPLICIT;
+    const int is_long = solver == LAG_SOLVER_TAYLOR || solver == LAG_SOLVER_ERK9 || solver == LAG_SOLVER_PIRK;
+    const int is_one = is_explicit(solver) || is_long || solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_IMPLICIT;
     return is_one && lag_methods_permit(model, LAG_SOLVER_IMPLICIT);
 }
 
@@ -75,6 +86,7 @@ LagStepper lag_methods_find(LagMethods *methods, int32_t solver)
     case LAG_SOLVER_CONSERVATIVE: return conservative(methods);
     case LAG_SOLVER_TAYLOR: return (LagStepper){&lag_taylor, &methods->taylor};
     case LAG_SOLVER_ADAMS: return (LagStepper){&lag_adams, &methods->adams};
+    case LAG_SOLVER_PIRK: return (LagStepper){&lag_pirk, &methods->pirk};
     case LAG_SOLVER_ERK9: return (LagStepper){&lag_verner9, &methods->verner9};
     case LAG_SOLVER_ERK5: return (LagStepper){&lag_tsit5, &methods->tsit5};
     default: return (LagStepper){&lag_dop853, &methods->dop853};
@@ -98,15 +110,23 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
         return;
     methods->is_separable = model->is_separable;
     methods->explicit_solver = explicit_of(settings, model, solver);
-    const LagStepper first = lag_methods_find(methods, solver), other = lag_methods_find(methods, methods->explicit_solver);
+    methods->rows_solver = stepwise(settings, model);
     const int may_turn = lag_methods_turn(settings) && lag_methods_alternate(model, solver);
-    const int leaves = solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_CONSERVATIVE;
+    const int leaves = solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_PIRK || solver == LAG_SOLVER_CONSERVATIVE;
     const int needs_other = leaves || lag_methods_alternate(model, solver) || model->n_switches > 0;
-    first.table->layout(first.self, motion, arena);
-    if (needs_other && other.self != first.self)
-        other.table->layout(other.self, motion, arena);
-    if (may_turn && solver != LAG_SOLVER_IMPLICIT)
-        lag_radau.layout(&methods->radau, motion, arena);
+    methods->may_find_poles = may_turn && solver == LAG_SOLVER_TAYLOR && settings->solver != LAG_SOLVER_STEPWISE
+        && lag_pirk_outruns_series(model, settings->tolerance);
+    const int32_t asked[] = {solver, needs_other ? methods->explicit_solver : solver, may_turn ? LAG_SOLVER_IMPLICIT : solver,
+                             may_turn && solver == LAG_SOLVER_PIRK ? methods->rows_solver : solver,
+                             methods->may_find_poles ? LAG_SOLVER_PIRK : solver};
+    for (size_t i = 0; i < sizeof asked / sizeof *asked; ++i) {
+        int is_new = 1;
+        for (size_t j = 0; j < i; ++j)
+            is_new = is_new && asked[j] != asked[i];
+        const LagStepper stepper = lag_methods_find(methods, asked[i]);
+        if (is_new)
+            stepper.table->layout(stepper.self, motion, arena);
+    }
 }
 
 void lag_methods_choose(LagMethods *methods, int32_t solver)

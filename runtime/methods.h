@@ -8,6 +8,7 @@
 #include "islands.h"
 #include "linear_method.h"
 #include "nystrom.h"
+#include "pirk.h"
 #include "radau.h"
 #include "run.h"
 #include "taylor.h"
@@ -18,8 +19,11 @@ typedef struct {
     const LagMethod *table; /* its functions */
     void *self;             /* its own struct, one of those below */
     int32_t explicit_solver; /* erk or erk5 */
+    int32_t rows_solver;     /* what goes on where iterated collocation meets many rows: erk, erk5, adams or taylor */
+    int may_find_poles;      /* that goes on where series find the motion limited by poles */
     int32_t next;            /* LAG_SOLVER_...: what a run that begins with transition matrices goes on with, if it must */
     LagExplicit dop853, tsit5, verner9;
+    LagPirk pirk;
     LagAdams adams;
     LagLinearMethod linear;
     LagIslands islands;

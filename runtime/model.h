@@ -31,6 +31,9 @@ typedef int (*LagCode)(const double *const *in, double *const *out, double *work
  * one order more (jets.h); in: d, c. The first jets are t, q, v, u. */
 typedef void (*LagJets)(int first, int end, const double *const *in, double *jets);
 
+/* t, q, v, u, d, c -> a, power, doubt of eight states at once (wide.h); d and c are shared. Where doubt is not 0, it does not hold. */
+typedef void (*LagWideCode)(const double *const *in, double *const *out);
+
 /* Either `code` or `tape` is set; neither: the function is absent and its outputs are empty. */
 typedef struct {
     int n_in, n_out;
@@ -77,6 +80,7 @@ struct LagModel {
     int n_colours;        /* groups of the matrix's columns without common rows */
     int rhs_cost, jacobian_cost; /* operations in them */
     int has_corners;  /* forces bend or jump somewhere: what does not fall as steps shrink need not be rounding */
+    int may_hide;     /* forces have exponentials of what changes, which may be narrow within a step */
     int is_swing;     /* one degree of freedom, energy is kept, and nothing but the state decides */
     int is_separable; /* energy is kept, and accelerations follow from positions alone: M is constant */
     const int *jacobian_pattern; /* of the matrix's columns: starts (size + 1), rows (n_entries), order (size = n + n_multipliers);
@@ -125,6 +129,8 @@ struct LagModel {
     int is_long_state;     /* jets lie order by order, and accelerations are not kept: the rates of one order more tell them */
     int series_may_hide;   /* terms may be too faint for any coefficient to tell of them, and large within a step */
     LagJets taylor;
+
+    LagWideCode wide; /* NULL: states are evaluated one by one */
 };
 
 #endif

@@ -13,8 +13,8 @@
 
 typedef struct LagRun LagRun;
 
-/* Ways to step. AUTO stands for the one the model names, or the cheapest one of TRANSITION, ERK9, ERK, ERK5, ADAMS and TAYLOR; STEPWISE
- * for the latter four, whose steps are as short as the motion is quick. Both go over to implicit steps where those are cheaper, and back.
+/* Ways to step. AUTO stands for the one the model names, or the cheapest one of TRANSITION, PIRK, ERK9, ERK, ERK5, ADAMS and TAYLOR;
+ * STEPWISE for the latter four, whose steps are as short as the motion is quick. Both go over to implicit steps where those are cheaper, and back.
  * TRANSITION is LINEAR in doubles, ORBIT reads steps that were kept: outside they are called by what they stand for. */
 enum {
     LAG_SOLVER_AUTO,
@@ -29,7 +29,8 @@ enum {
     LAG_SOLVER_STEPWISE,
     LAG_SOLVER_TRANSITION,
     LAG_SOLVER_ORBIT,
-    LAG_SOLVER_ERK9
+    LAG_SOLVER_ERK9,
+    LAG_SOLVER_PIRK
 };
 
 /* Smaller tolerances are raised to this one. */

@@ -12,28 +12,12 @@
 
 #define LAG_LARGEST_ANGLE 1e6 /* so many quarter turns have at most 20 bits: their products with 33 bits are exact */
 
-/* Of angles up to LAG_LARGEST_ANGLE. */
-static inline void lag_sines_of_lanes(const LagLanes *angle, LagLanes *sine, LagLanes *cosine)
-{
-    const double rounding = 6755399441055744.0; /* 1.5 * 2^52: a sum with it is a whole number, in the lowest bits */
-    const LagLanes shifted = *angle * 0.6366197723675814 + rounding, turns = shifted - rounding;
-    const LagLanes first = *angle - turns * 1.5707963267341256, second = turns * 6.077100506303966e-11;
-    const LagLanes rest = first - second;
-    const LagLanes third = turns * 2.0222662487959506e-21 - ((first - rest) - second);
-    const LagLanes r = rest - third, tail = (rest - r) - third;
-    const LagLanes z = r * r, z2 = z * z, z4 = z2 * z2, half = z * 0.5, near = 1.0 - half;
-    const LagLanes p = (z * 0.008333333333330948 - 0.16666666666666666) + z2 * (z * 2.7557316101617874e-06 - 0.00019841269836756774)
-                       + z4 * (z * 1.5918115263265974e-10 - 2.505113165023518e-08);
-    const LagLanes q = (z * -0.0013888888888887398 + 0.041666666666666664)
-                       + z2 * (z * -2.7557317271145144e-07 + 2.480158729876456e-05)
-                       + z4 * (z * -1.1382623647474604e-11 + 2.087614614655861e-09);
-    const LagLanes s = r + (r * z * p + tail * near), c = near + (((1.0 - near) - half) + (z2 * q - r * tail));
-    /* After an odd number of quarter turns they change places; after two the sine changes its sign, and after one the cosine. */
-    const LagLaneWords count = LAG_LANES_WORDS(shifted), s_words = LAG_LANES_WORDS(s), c_words = LAG_LANES_WORDS(c);
-    const LagLaneWords swap = (s_words ^ c_words) & -(count & 1), sign = (count << 62) & LAG_LANES_SIGN;
-    *sine = LAG_LANES_OF_WORDS(s_words ^ swap ^ sign);
-    *cosine = LAG_LANES_OF_WORDS(c_words ^ swap ^ sign ^ (count << 63));
-}
+#define LAG_SINES lag_sines_of_lanes
+#define LAG_SINES_NUMBERS LagLanes
+#define LAG_SINES_WORDS LagLaneWords
+#define LAG_SINES_WORDS_OF(a) LAG_LANES_WORDS(a)
+#define LAG_SINES_OF_WORDS(words) LAG_LANES_OF_WORDS(words)
+#include "sines_kernel.h"
 
 /* Of four angles. */
 static inline void lag_four_sines(double a, double b, double c, double d, double *sine, double *cosine)

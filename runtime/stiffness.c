@@ -14,16 +14,22 @@
 #include "step.h"
 
 /* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
- * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1), the share of it where stability does not rule by far; relative
- * length of differences; how much faster the other method must be. */
-static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6, FASTER = 1.2;
+ * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1; sweeps of iterated collocation come nearer up to 7 or so), the
+ * share of it where stability does not rule by far; relative length of differences; how much faster the other method must be. */
+static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_PIRK = 2.5, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6,
+                    FASTER = 1.2;
 static const double SMALL = 0.25; /* share of a first step of order 1 */
-static const double STEPS_A_ROW = 1.5, STEPS_A_ROW_OF_LOOPS = 0.4; /* fewer ask for dense output */
+/* Steps to a row: fewer ask for dense output, or for one that costs less. */
+static const double STEPS_A_ROW = 1.5, STEPS_A_ROW_OF_LOOPS = 0.4, STEPS_A_ROW_OF_PIRK = 0.03;
+/* Steps times spectral radius below which series are limited by poles of the motion, not by vibration: there iterated collocation
+ * costs less, unless there are more rows to a step of series than this, as those of series cost nothing. */
+static const double POLES = 0.6, MOST_ROWS = 1.6;
 enum { MOST_LOOKS = 6 }; /* of rows into steps, of late */
 /* The first look costs 2 FIRST_ITERATIONS + 1 evaluations: 3 % of those before it. */
-enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, STEPS_OF_ADAMS = 8, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256, SUSPICIOUS_INTERVAL = 9 };
+enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, FIRST_LOOK_PIRK = 12, STEPS_OF_ADAMS = 8, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256,
+       SUSPICIOUS_INTERVAL = 9, LOOK_FOR_POLES = 4 };
 /* A trial of implicit steps costs as much as 75 steps by series of a small scene. */
-enum { SUSPICIONS = 8, SUSPICIONS_ADAMS = 3, SUSPICIONS_SERIES = 24 };
+enum { SUSPICIONS = 8, SUSPICIONS_OF_OTHERS = 3, SUSPICIONS_SERIES = 24 };
 /* After an event, steps are short at first. */
 enum { TRIAL = 16, TRIAL_AFTER_EVENT = 64, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, PASSES = 4, RECOVERED = 64, STAGES = 12, STAGES5 = 6 };
 
@@ -100,6 +106,8 @@ static int is_series(const LagRun *run) { return run->stiffness.explicit_solver 
 
 static int is_adams(const LagRun *run) { return run->methods.solver == LAG_SOLVER_ADAMS; }
 
+static int is_pirk(const LagRun *run) { return run->methods.solver == LAG_SOLVER_PIRK; }
+
 /* Steps of the method in use that stand for one of the others. */
 static int steps_for_one(const LagRun *run) { return is_adams(run) ? STEPS_OF_ADAMS : 1; }
 
@@ -110,12 +118,12 @@ static double rules(const LagRun *run)
 {
     if (is_series(run))
         return RULES_SERIES * (1.35 + 0.37 * run->methods.taylor.order);
-    return is_adams(run) ? RULES_ADAMS : is_low(run) ? RULES5 : RULES;
+    return is_adams(run) ? RULES_ADAMS : is_pirk(run) ? RULES_PIRK : is_low(run) ? RULES5 : RULES;
 }
 
 static int most_suspicions(const LagRun *run)
 {
-    return is_series(run) ? SUSPICIONS_SERIES : is_adams(run) ? SUSPICIONS_ADAMS : SUSPICIONS;
+    return is_series(run) ? SUSPICIONS_SERIES : is_adams(run) || is_pirk(run) ? SUSPICIONS_OF_OTHERS : SUSPICIONS;
 }
 
 static double explicit_step_work(const LagRun *run)
@@ -138,7 +146,10 @@ static double work(const LagRun *run)
 
 /* -------- decisions */
 
-static int first_look(const LagRun *run) { return steps_for_one(run) * (is_low(run) ? FIRST_LOOK5 : FIRST_LOOK); }
+static int first_look(const LagRun *run)
+{
+    return is_pirk(run) ? FIRST_LOOK_PIRK : steps_for_one(run) * (is_low(run) ? FIRST_LOOK5 : FIRST_LOOK);
+}
 
 static void begin(LagRun *run)
 {
@@ -154,7 +165,8 @@ void lag_stiffness_reset(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
     const int solver = run->methods.solver, is_runge_kutta = solver == run->methods.explicit_solver;
-    const int is_explicit = is_runge_kutta || solver == LAG_SOLVER_ERK9 || solver == LAG_SOLVER_TAYLOR || is_adams(run);
+    const int is_other = solver == LAG_SOLVER_ERK9 || solver == LAG_SOLVER_TAYLOR || is_adams(run) || is_pirk(run);
+    const int is_explicit = is_runge_kutta || is_other;
     s->is_watching = lag_methods_turn(&run->settings) && is_explicit && lag_methods_alternate(run->model, solver);
     s->next = LAG_SOLVER_AUTO;
     s->explicit_solver = is_explicit ? solver : run->methods.explicit_solver;
@@ -164,32 +176,45 @@ void lag_stiffness_reset(LagRun *run)
     s->relieved = -RECOVERED * PASSES;
     s->square = -1;
     s->rate = 0;
-    s->wait = 0;
+    s->wait = s->looks = 0;
     s->penalty = FIRST_WAIT;
     begin(run);
 }
 
-/* Runge-Kutta methods are stable for longer steps: they say whether implicit ones pay. */
-static int leave_adams(LagRun *run)
+/* Sweeps that hardly come nearer cost more than Adams' methods, where these serve, or Runge-Kutta methods, which are stable for longer
+ * steps than Adams': they say whether implicit ones pay. */
+static int leave(LagRun *run)
 {
+    const int is_next = is_pirk(run) && run->methods.rows_solver == LAG_SOLVER_ADAMS;
     run->stiffness.suspicions = 0;
-    return run->stiffness.explicit_solver = run->methods.explicit_solver;
+    return run->stiffness.explicit_solver = is_next ? LAG_SOLVER_ADAMS : run->methods.explicit_solver;
+}
+
+/* Series begin what iterated collocation goes on with if poles of the motion limit their steps, and rows are not many or nobody knows. */
+static void watch_poles(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const double h = (run->motion.t - s->t) / s->steps;
+    if (run->row_spacing * MOST_ROWS > h && h * radius(run) < POLES)
+        s->next = s->explicit_solver = LAG_SOLVER_PIRK;
 }
 
 static void watch_explicit(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
+    if (run->methods.may_find_poles && run->methods.solver == LAG_SOLVER_TAYLOR && s->steps == LOOK_FOR_POLES)
+        watch_poles(run);
     if (s->steps < s->look || s->steps < s->wait)
         return;
     const double h = (run->motion.t - s->t) / s->steps, ruled = h * radius(run);
-    const double spent = run->methods.solver == LAG_SOLVER_TAYLOR ? s->steps * explicit_step_work(run) : work(run) - s->work;
+    const double spent = run->methods.solver == LAG_SOLVER_TAYLOR || is_pirk(run) ? s->steps * explicit_step_work(run) : work(run) - s->work;
     s->pace = (run->motion.t - s->t) / spent;
     s->suspicions = ruled > rules(run) ? s->suspicions + 1 : 0;
     const int suspicious = steps_for_one(run) * SUSPICIOUS_INTERVAL, most = steps_for_one(run) * MOST_INTERVAL;
     s->interval = s->suspicions > 0 ? suspicious : ruled > FAR * rules(run) ? first_look(run) : 2 * s->interval;
     s->interval = s->interval < most ? s->interval : most;
     if (s->suspicions >= most_suspicions(run))
-        s->next = is_adams(run) ? leave_adams(run) : LAG_SOLVER_IMPLICIT;
+        s->next = is_adams(run) || is_pirk(run) ? leave(run) : LAG_SOLVER_IMPLICIT;
     const int look = s->interval, suspicions = s->suspicions;
     s->wait = 0;
     begin(run); /* the next stretch */
@@ -215,14 +240,19 @@ static void watch_implicit(LagRun *run)
     begin(run);
 }
 
+static double fewest_steps_a_row(const LagRun *run)
+{
+    return is_pirk(run) ? STEPS_A_ROW_OF_PIRK : run->model->n_multipliers > 0 ? STEPS_A_ROW_OF_LOOPS : STEPS_A_ROW;
+}
+
 /* Many rows ask for dense output; that of closed loops costs projections of its own. */
 static void watch_rows(LagRun *run)
 {
-    LagExplicit *s = &run->methods.verner9;
-    const double fewest = run->model->n_multipliers > 0 ? STEPS_A_ROW_OF_LOOPS : STEPS_A_ROW, spacing = run->row_spacing;
+    LagStiffness *s = &run->stiffness;
+    const double spacing = run->row_spacing;
     s->looks = run->motion.t == run->wanted ? s->looks + LAG_LOOK : s->looks - (s->looks > 0);
-    if (spacing > 0 ? spacing < fewest * run->step : s->looks > MOST_LOOKS)
-        lag_stiffness_fall_back(run);
+    if (spacing > 0 || is_pirk(run) ? spacing < fewest_steps_a_row(run) * run->step : s->looks > MOST_LOOKS)
+        s->next = s->explicit_solver = is_pirk(run) ? run->methods.rows_solver : run->methods.explicit_solver;
 }
 
 void lag_stiffness_watch(LagRun *run)
@@ -238,27 +268,29 @@ void lag_stiffness_watch(LagRun *run)
         watch_implicit(run);
     else
         watch_explicit(run);
-    if (run->methods.table->ends_at_rows)
+    if (run->methods.table->dreads_rows)
         watch_rows(run);
 }
 
 static int restart(LagRun *run, int32_t solver)
 {
     LagMotion *m = &run->motion;
-    const int began_low = run->methods.table->begins_low, before = run->methods.solver;
+    const int weighed = run->methods.table->weighs_work, before = run->methods.solver;
     lag_methods_choose(&run->methods, solver);
     m->t_old = m->t;
     if (!lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope))
         return 0;
     run->methods.table->restart(run->methods.self, m);
-    const int begins_low = run->methods.table->begins_low;
-    if (begins_low) {
+    if (run->methods.table->begins_low) {
         const double slowness = lag_slowness(m, &run->scale, run->step, 0);
         run->calm_step = run->step = SMALL * fmin(run->step, lag_first_step(&run->scale, slowness, run->methods.table->order));
     }
-    if (begins_low || began_low)
+    if (weighed || run->methods.table->weighs_work)
         lag_account_weigh(run);
-    run->statistics.switches += !run->stiffness.leads && !(before == LAG_SOLVER_ERK9 && solver != LAG_SOLVER_IMPLICIT);
+    const int is_quiet = before == LAG_SOLVER_ERK9 || before == LAG_SOLVER_PIRK || solver == LAG_SOLVER_PIRK;
+    const int is_implicit = before == LAG_SOLVER_IMPLICIT || solver == LAG_SOLVER_IMPLICIT;
+    run->statistics.switches += is_implicit || !(is_quiet || run->stiffness.leads);
+    run->stiffness.looks = 0;
     return 1;
 }
 
@@ -290,7 +322,7 @@ int lag_stiffness_fall_back(LagRun *run)
     return 1;
 }
 
-/* Steps that Adams' methods leave to others: more if they have not got far since the last ones. */
+/* Steps that are left to others: more if the method has not got far since the last ones. */
 static int relief(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
@@ -305,11 +337,12 @@ int lag_stiffness_pass(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
     const int32_t passed = run->methods.solver;
+    const int leaves_trouble = run->methods.table->leaves_trouble;
     if (!restart(run, run->methods.explicit_solver))
         return 0;
     if (run->sliding.count > 0) /* for longer than some steps */
         begin(run);
-    s->passes = passed == LAG_SOLVER_ADAMS ? relief(run) : PASSES;
+    s->passes = leaves_trouble ? relief(run) : PASSES;
     s->passed = passed;
     return 1;
 }

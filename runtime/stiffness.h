@@ -10,6 +10,8 @@
 #include "arena.h"
 #include "run.h"
 
+enum { LAG_LOOK = 2 }; /* what a row counts, among steps without one */
+
 typedef struct {
     int is_watching;        /* both methods are at hand */
     int32_t explicit_solver; /* the one that takes turns with implicit steps: series where the run began with them */
@@ -17,8 +19,9 @@ typedef struct {
     int passes;             /* steps left that the explicit method takes in place of another one */
     int32_t passed;         /* that one */
     int leads;              /* the first step of Adams' methods is one of another: that changes no solver */
-    int relief;             /* passes in place of Adams' methods */
+    int relief;             /* passes in place of methods that leave trouble to others */
     int64_t relieved;       /* after so many steps of the run */
+    int looks;              /* of rows into steps, of late */
     int steps, suspicions;  /* since the method in use began; looks in a row at which stability ruled */
     int look, interval;     /* the step to look at next; steps between looks */
     int wait, penalty;      /* steps before the implicit method is tried again; the same after it fails next time */
@@ -48,8 +51,8 @@ int lag_stiffness_pass(LagRun *run);
 /* A step of the explicit method, which is to be restarted, leads to where the motion has a size that the one in use needs. */
 void lag_stiffness_lead(LagRun *run);
 
-/* A series has no finite coefficients (exp of a large number under a fraction bar), or many rows ask for dense output: the explicit
- * method goes on from here. Returns 0 if there is none, or the user asked for the one in use. */
+/* A series has no finite coefficients (exp of a large number under a fraction bar), or collocation met a singular position: the
+ * explicit method goes on from here. Returns 0 if there is none, or the user asked for the one in use. */
 int lag_stiffness_fall_back(LagRun *run);
 
 #endif

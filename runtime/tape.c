@@ -53,10 +53,11 @@ int lag_tape_valid(const LagFunction *function)
 
 static double sign(double x) { return x < 0 ? -1 : x > 0 ? 1 : x; }
 
-/* The rarer half of the instructions; those in lag_tape_run are the ones that equations of motion are made of. */
-static double uncommon(int32_t op, double x, double y)
+double lag_tape_uncommon(int32_t op, double x, double y)
 {
     switch (op) {
+    case LAG_OP_SQRT: return sqrt(x);
+    case LAG_OP_IF_ELSE_ZERO: return x != 0 ? y : 0;
     case LAG_OP_TAN: return tan(x);
     case LAG_OP_ASIN: return asin(x);
     case LAG_OP_ACOS: return acos(x);
@@ -139,7 +140,7 @@ void lag_tape_run(const LagTape *tape, const double *const *in, double *const *o
         case LAG_OP_SIN:
         case LAG_OP_COS: i += FIELDS * run_sines(i, work); break;
         case LAG_OP_IF_ELSE_ZERO: work[o] = work[a] != 0 ? work[b] : 0; break;
-        default: work[o] = uncommon(i[0], work[a], work[b]); break;
+        default: work[o] = lag_tape_uncommon(i[0], work[a], work[b]); break;
         }
     }
 }

@@ -33,6 +33,9 @@ struct LagTape {
 /* Whether every index of the function's tape stays inside its vectors and every op is known. */
 LAG_API int lag_tape_valid(const LagFunction *function);
 
+/* The rarer half of the instructions: equations of motion are made of the others, most of them. */
+double lag_tape_uncommon(int32_t op, double x, double y);
+
 LAG_API void lag_tape_run(const LagTape *tape, const double *const *in, double *const *out, double *work);
 
 #endif

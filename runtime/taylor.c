@@ -402,12 +402,19 @@ static void recall(void *self, LagMotion *m, double *place, double begin, double
 
 static const LagRecord RECORD = {keep, recall};
 
+double lag_taylor_eps(double tolerance) { return REST * lag_scale_caution(tolerance); }
+
+double lag_taylor_pace(const LagModel *model, double tolerance)
+{
+    const double eps = lag_taylor_eps(tolerance);
+    return pace_of(model, eps, order_for(model, eps));
+}
+
 int lag_taylor_pays(const LagModel *model, double tolerance)
 {
     const double eps = lag_scale_caution(tolerance), other_length = OTHER_LENGTH * pow(eps, 1.0 / 8);
     const double other_cost = OTHER_STEP + OTHER_SUM * model->n + OTHER_STAGES * model->series_rhs_cost;
-    return model->n_jets > 0 && !model->series_may_hide
-        && pace_of(model, REST * eps, order_for(model, REST * eps)) * other_length < other_cost;
+    return model->n_jets > 0 && !model->series_may_hide && lag_taylor_pace(model, tolerance) * other_length < other_cost;
 }
 
 const LagMethod lag_taylor = {

@@ -23,4 +23,10 @@ extern const LagMethod lag_taylor;
 /* Whether series promise to be cheaper than Dormand-Prince 8(5,3) at this tolerance. */
 int lag_taylor_pays(const LagModel *model, double tolerance);
 
+/* What the rest of a series may be worth. */
+double lag_taylor_eps(double tolerance);
+
+/* Tenths of a nanosecond that series are expected to take per radius of convergence. */
+double lag_taylor_pace(const LagModel *model, double tolerance);
+
 #endif

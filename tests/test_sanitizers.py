@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from lagrangia import Model
+from lagrangia import Model, load, widecode
 from lagrangia.dumps import dump
 from lagrangia.native import find_compiler
 from sanitizers import needs_sanitizers, run_sanitized
@@ -13,6 +13,7 @@ from test_friction import BRAKED, STANDING
 from test_rubs import BOX, SPINNING
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+EXAMPLES = Path(__file__).parents[1] / "models" / "examples"
 
 DRIVER = """
 #include "run.h"
@@ -104,12 +105,14 @@ extern const LagModel lag_model;
 int main(void)
 {
     const int solvers[] = {LAG_SOLVER_AUTO, LAG_SOLVER_ERK, LAG_SOLVER_ERK5, LAG_SOLVER_ADAMS, LAG_SOLVER_IMPLICIT,
-                           LAG_SOLVER_TAYLOR};
+                           LAG_SOLVER_TAYLOR, LAG_SOLVER_PIRK};
     double times[61], *rows = malloc(61 * (size_t)lag_run_row_width(&lag_model) * sizeof *rows);
     for (int i = 0; i < 61; ++i)
         times[i] = i / 20.0;
-    for (int i = 0; i < 12; ++i) {
-        const LagSettings settings = {.t_stop = 3, .tolerance = i < 6 ? 1e-4 : 1e-8, .solver = solvers[i % 6]};
+    for (int i = 0; i < 14; ++i) {
+        const LagSettings settings = {.t_stop = 3, .tolerance = i < 7 ? 1e-4 : 1e-8, .solver = solvers[i % 7]};
+        if (settings.solver == LAG_SOLVER_TAYLOR && lag_model.n_jets == 0)
+            continue;
         LagRun *run = lag_run_new(&lag_model, &settings);
         int done = 0;
         lag_run_set_parameters(run, NULL, NULL);
@@ -128,3 +131,12 @@ int main(void)
 def test_they_find_nothing_where_things_strike_and_slide(tmp_path: Path, scene: Callable[[str], Model], text: str) -> None:
     """Whole scenes, by all solvers at two tolerances: impacts, friction that sticks, rubs and is torn off, stiff or not."""
     run_sanitized(tmp_path, {"driver.c": SCENE_DRIVER, "scene.c": dump(scene(text).compilation, "c")})
+
+
+@needs_sanitizers
+@pytest.mark.parametrize("longest", [10_000, 0], ids=["written", "tape"])
+@pytest.mark.parametrize("name", ["chain", "slider_crank"])
+def test_they_find_nothing_where_eight_states_are_evaluated_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str,
+                                                                    longest: int) -> None:
+    monkeypatch.setattr(widecode, "_LONGEST", longest)
+    run_sanitized(tmp_path, {"driver.c": SCENE_DRIVER, "scene.c": dump(load(EXAMPLES / f"{name}.lag").compilation, "c")})

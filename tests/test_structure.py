@@ -128,6 +128,7 @@ ORDER = """
     instructions
     rolled
     taylor
+    widecode
     ccode
     scenes
     dependence

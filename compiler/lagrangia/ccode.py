@@ -6,8 +6,9 @@ A long function is cut into pieces that share the work vector: compilers take ti
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from lagrangia.tapes import SINES, Op, Tape
+from lagrangia.tapes import EXPONENTIALS, SINES, Op, Tape
 from lagrangia.taylor import NoSeriesError, Series, sines_together, write_series
+from lagrangia.widecode import write_wide
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
 INCLUDES = ("#include <math.h>", '#include "sines.h"', '#include "tape.h"')  # of what write_functions writes
@@ -40,10 +41,12 @@ def write_c(
 ) -> str:
     """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once."""
     data = {*_DATA, *interpreted}
-    lines = [f"/* {_comment(name)}: generated, do not edit. */", *INCLUDES, '#include "jets.h"']
-    functions, initializers = write_functions(tapes, data)
+    lines = [f"/* {_comment(name)}: generated, do not edit. */", *INCLUDES, '#include "jets.h"', '#include "wide.h"']
+    wide = write_wide(usual_rhs(tapes), "regular" in tapes, _expression, _number) if "rhs" not in data else []
+    functions, initializers = write_functions(tapes, data, () if wide else (_usual(tapes),))
     lines += ["", *functions]
     lines += [_ints(name, places) for name, places in patterns.items()]
+    lines += wide
     series = write_motion_series(tapes) if "rhs" not in data else ""
     lines += [] if isinstance(series, str) else [series.source, _ints("jet_places", series.places)]
     lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
@@ -58,17 +61,21 @@ def write_c(
         lines += [f"    .n_products = {series.n_products},", f"    .series_rhs_cost = {cost},"]
         lines += ["    .jet_places = jet_places,", f"    .is_long_state = {int(series.is_long_state)},"]
         lines += [f"    .series_may_hide = {int(series.may_hide)},", "    .taylor = taylor,"]
+    lines += ["    .wide = wide,"] if wide else []
     return "\n".join([*lines, "};", ""])
 
 
-def write_functions(tapes: Mapping[str, Tape], interpreted: Collection[str] = ()) -> tuple[list[str], dict[str, str]]:
-    """The C text of functions, and by name the initializer of a LagFunction."""
+def write_functions(
+    tapes: Mapping[str, Tape], interpreted: Collection[str] = (), kept: Collection[str] = (),
+) -> tuple[list[str], dict[str, str]]:
+    """The C text of functions, and by name the initializer of a LagFunction. Those `interpreted` are tapes, those `kept` both."""
     lines: list[str] = []
     values = {}
     for label, tape in tapes.items():
-        is_data = label in interpreted
-        lines += _data(label, tape) if is_data else _function(label, tape)
-        work, how = (tape.n_work, f"0, &{label}_tape") if is_data else (_work(tape), f"{label}, 0")
+        is_code, is_data = label not in interpreted, label in interpreted or label in kept
+        lines += [_ints(f"{label}_in", tape.in_sizes), _ints(f"{label}_out", tape.out_sizes)]
+        lines += [*(_data(label, tape) if is_data else []), *(_function(label, tape) if is_code else [])]
+        work, how = tape.n_work if is_data else _work(tape), f"{label if is_code else 0}, {f'&{label}_tape' if is_data else 0}"
         values[label] = f"{{{len(tape.in_sizes)}, {len(tape.out_sizes)}, {label}_in, {label}_out, {work}, {how}}}"
     return lines, values
 
@@ -79,9 +86,18 @@ def _cost(tape: Tape) -> int:
     return sum(0 if op in _MOVES else _SINE if op in SINES and b else _SLOW.get(Op(op), _QUICK) for op, b in operations)
 
 
+def _usual(tapes: Mapping[str, Tape]) -> str:
+    return "regular" if "regular" in tapes else "rhs"
+
+
 def usual_rhs(tapes: Mapping[str, Tape]) -> Tape:
     """The function that gives the accelerations of nearly all states."""
-    return tapes.get("regular", tapes["rhs"])
+    return tapes[_usual(tapes)]
+
+
+def may_hide(tape: Tape) -> bool:
+    """Whether it has exponentials of what changes."""
+    return any(op in EXPONENTIALS for op in tape.code[::4])
 
 
 def write_motion_series(tapes: Mapping[str, Tape]) -> Series | str:
@@ -89,9 +105,13 @@ def write_motion_series(tapes: Mapping[str, Tape]) -> Series | str:
     if len(tapes["rhs"].code) // 4 > _LONGEST_SERIES:
         return f"not supported yet beyond {_LONGEST_SERIES} operations"
     try:
-        return write_series(tapes["rhs"], lambda op, a, b: _TEMPLATES[op].format(a=a, b=b), _number)
+        return write_series(tapes["rhs"], _expression, _number)
     except NoSeriesError as error:
         return str(error)
+
+
+def _expression(op: int, a: str, b: str) -> str:
+    return _TEMPLATES[op].format(a=a, b=b)
 
 
 def _comment(text: str) -> str:
@@ -106,8 +126,7 @@ def _data(label: str, tape: Tape) -> list[str]:
     """A function that the run time interprets in its own arithmetic."""
     numbers = ", ".join(map(_number, tape.constants)) or "0"
     sizes = f"{len(tape.code) // 4}, {len(tape.constants)}"
-    return [_ints(f"{label}_in", tape.in_sizes), _ints(f"{label}_out", tape.out_sizes),
-            f"static const int32_t {label}_code[] = {{{', '.join(map(str, tape.code)) or '0'}}};",
+    return [f"static const int32_t {label}_code[] = {{{', '.join(map(str, tape.code)) or '0'}}};",
             f"static const double {label}_constants[] = {{{numbers}}};",
             f"static const LagTape {label}_tape = {{{sizes}, {label}_code, {label}_constants}};",
             ""]
@@ -123,13 +142,12 @@ def _work(tape: Tape) -> int:
 
 
 def _function(label: str, tape: Tape) -> list[str]:
-    head = [_ints(f"{label}_in", tape.in_sizes), _ints(f"{label}_out", tape.out_sizes)]
     signature = "(const double *const *in, double *const *out, double *w)"
     count = len(tape.code) // 4
     if not _is_long(tape):
         body = _body(tape, 0, count, set())
         opening = [f"static int {label}{signature}", "{", "    (void)in; (void)out; (void)w;"]
-        return [*head, *opening, *body, "    return 0;", "}", ""]
+        return [*opening, *body, "    return 0;", "}", ""]
     starts = range(0, count, _PIECE)
     needed = _needed_after(tape, [*starts[1:], count])
     pieces, calls = [], []
@@ -137,7 +155,7 @@ def _function(label: str, tape: Tape) -> list[str]:
         body = _body(tape, start, min(count, start + _PIECE), later)
         pieces += [f"static void {label}_{number}{signature}", "{", "    (void)in; (void)out; (void)w;", *body, "}", ""]
         calls.append(f"    {label}_{number}(in, out, w);")
-    return [*head, *pieces, f"static int {label}{signature}", "{", *calls, "    return 0;", "}", ""]
+    return [*pieces, f"static int {label}{signature}", "{", *calls, "    return 0;", "}", ""]
 
 
 def _needed_after(tape: Tape, ends: Sequence[int]) -> list[set[int]]:

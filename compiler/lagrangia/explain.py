@@ -23,6 +23,7 @@ _WHY = {
     "erk": "of those that serve every scene it costs least at this tolerance",
     "erk5": "at so loose a tolerance it costs less than erk",
     "erk9": "where rows are far apart it costs less than erk, which goes on where they are not",
+    "pirk": "its long steps cost less than those of other methods, whose stages wait for each other",
     "adams": "its equations are long, and Adams' methods evaluate them half as often as Runge-Kutta steps",
     "taylor": "its series cost less here than Runge-Kutta steps",
     "linear": "the equations are linear, and exponentials cost less than steps",
@@ -82,7 +83,7 @@ def _reason(scene: Scene, chosen: str) -> str:
         return "nothing can run it: there is no C compiler (pip install ziglang brings one)"
     if chosen not in WAYS:
         return f"{_of_casadi(chosen)}: there is no C compiler"
-    turns = chosen in ("erk", "erk5", "erk9", "adams", "taylor") and "implicit" not in scene.refused
+    turns = chosen in ("erk", "erk5", "erk9", "pirk", "adams", "taylor") and "implicit" not in scene.refused
     return f"{WAYS[chosen].title}: {_WHY[chosen]}" + ("; implicit steps where it turns out stiff" if turns else "")
 
 

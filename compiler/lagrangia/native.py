@@ -33,6 +33,7 @@ _FLAGS = ("-std=c99", "-shared", "-ffp-contract=off", "-fno-math-errno", "-fvisi
 _PLATFORM_FLAGS = () if sys.platform == "win32" else ("-fPIC",)
 _LIBRARIES = () if sys.platform == "win32" else ("-lm",)
 _PROCESSOR = Path("/proc/cpuinfo")
+_WIDE_FLAGS = ("-mavx512f", "-mavx512dq", "-mavx512vl")
 _MOST_LINES = 20
 _ATTEMPTS = 10  # to put a library in its place, where others put it or damage it at the same time
 
@@ -350,14 +351,16 @@ def _options(level: str) -> tuple[str, ...]:
 @cache
 def _processor_flags() -> tuple[str, ...]:
     """Instructions of three operands and wide registers, where this machine has them: a tenth of the time of series and long
-    equations. No fused multiply-add: the digits stay those of every machine."""
+    equations, half or more of that of states evaluated abreast. No fused multiply-add: the digits stay those of every machine."""
     if machine() not in ("x86_64", "AMD64"):
         return ()
     try:
         flags = next((line.split() for line in _PROCESSOR.read_text().splitlines() if line.startswith("flags")), [])
     except OSError:
         return ()
-    return ("-mavx2",) if "avx2" in flags else ()
+    if "avx2" not in flags:
+        return ()
+    return ("-mavx2", *_WIDE_FLAGS) if {"avx512f", "avx512dq", "avx512vl"} <= {*flags} else ("-mavx2",)
 
 
 def _digest(library: Path) -> str:

@@ -56,6 +56,7 @@ class Solver(IntEnum):
     ADAMS = 8
     STEPWISE = 9
     ERK9 = 12
+    PIRK = 13
 
 
 @dataclass(frozen=True)
@@ -177,7 +178,7 @@ class _Model(c.Structure):
         ("linear_pattern", _Ints),
         ("solver", c.c_int),
         *((name, c.c_int) for name in ("n_entries", "n_lower", "n_upper", "n_colours")),
-        *((name, c.c_int) for name in ("rhs_cost", "jacobian_cost", "has_corners", "is_swing", "is_separable")),
+        *((name, c.c_int) for name in ("rhs_cost", "jacobian_cost", "has_corners", "may_hide", "is_swing", "is_separable")),
         ("jacobian_pattern", _Ints),
         ("n_islands", c.c_int),
         ("island", _Ints),
@@ -191,6 +192,7 @@ class _Model(c.Structure):
         ("is_long_state", c.c_int),
         ("series_may_hide", c.c_int),
         ("taylor", c.c_void_p),
+        ("wide", c.c_void_p),
     )
 
 
@@ -336,6 +338,7 @@ class Model:
             code = getattr(other.struct, name).code
             if code:
                 getattr(self.struct, name).code = code
+        self.struct.wide = other.struct.wide
         self._kept = (self._kept, other)
 
 

@@ -6,7 +6,7 @@ from math import prod
 
 import casadi as ca
 
-from lagrangia.ccode import usual_rhs, write_motion_series
+from lagrangia.ccode import may_hide, usual_rhs, write_motion_series
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.diagnostics import fail
 from lagrangia.dimensions import unit_of
@@ -121,7 +121,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         **_of_constraints(motion.constrained), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
         "n_whens": motion.impacts.conditions.numel(), "n_resets": motion.impacts.rates.numel(),
         "n_rubs": len(functions.patterns.get("rubs", ())) // 3,
-        "has_corners": int(has_corners(motion)),
+        "has_corners": int(has_corners(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
     }
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
     return found | ({"solver": int(Solver.LINEAR)} if functions.linear_pays else {})

@@ -23,6 +23,7 @@ WAYS: Mapping[str, Way] = {
     "erk": Way(Solver.ERK, "explicit Runge-Kutta 8(5,3) of Dormand and Prince"),
     "erk5": Way(Solver.ERK5, "explicit Runge-Kutta 5(4) of Tsitouras"),
     "erk9": Way(Solver.ERK9, "explicit Runge-Kutta 9(8) of Verner, whose steps end at rows"),
+    "pirk": Way(Solver.PIRK, "Gauss collocation of order 16, its eight stages at once"),
     "adams": Way(Solver.ADAMS, "Adams' methods of variable order, one evaluation a step"),
     "linear": Way(Solver.LINEAR, "matrix exponential, exact for linear scenes"),
     "islands": Way(Solver.ISLANDS, "islands that do not interact, each by its own solver and steps"),

@@ -61,6 +61,8 @@ class Op(IntEnum):
     ERF = 46
 
 
+# Too faint, perhaps, to tell of themselves where they are large a little later.
+EXPONENTIALS = (int(Op.EXP), int(Op.SINH), int(Op.COSH), int(Op.TANH))
 # Their b says how many that go together, this one among them, are still to come. Plain numbers: members are slow to compare.
 SINES = (int(Op.SIN), int(Op.COS))
 

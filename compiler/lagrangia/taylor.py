@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from lagrangia.rolled import Constants, find_loops, needed, write_loop
-from lagrangia.tapes import Op, Tape
+from lagrangia.tapes import EXPONENTIALS, Op, Tape
 
 _MOST_POWER = 8  # integer powers up to this one are products
 _ORDERS = 18  # LAG_JET_ORDER of runtime/jets.h
@@ -249,7 +249,7 @@ class _Writer:
             return self.constant(self.expression(op, a, b))
         jets = [x for x in (a, b) if isinstance(x, _Jet)]
         is_even = all(jet.slot in self.even for jet in jets)
-        self.may_hide |= op in _EXPONENTIALS and not is_even
+        self.may_hide |= op in EXPONENTIALS and not is_even
         found = self.binary(op, a, b) if _is_binary(op) else self.unary(op, jets[0])
         scales = op == Op.MUL or (op == Op.DIV and isinstance(b, str))
         if isinstance(found, _Jet) and is_even and (op in _SUMS or (scales and len(jets) == 1)):
@@ -265,7 +265,6 @@ def _is_binary(op: int) -> bool:
     return op in _BINARY
 
 
-_EXPONENTIALS = (Op.EXP, Op.SINH, Op.COSH, Op.TANH)
 _SUMS = (Op.ADD, Op.SUB, Op.NEG, Op.TWICE)
 _BINARY = frozenset((
     Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.POW, Op.CONSTPOW, Op.ATAN2, Op.FMIN, Op.FMAX, Op.FMOD, Op.COPYSIGN, Op.LT, Op.LE, Op.EQ,

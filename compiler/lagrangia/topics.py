@@ -130,16 +130,26 @@ erk     explicit Runge-Kutta of order 8(5,3) by Dormand and Prince with dense ou
         dense output: a step holds what conditions say at its beginning, and ends where one of them changes (implicit steps are
         taken again until they end there, as springs make much of errors in between).
 erk5    explicit Runge-Kutta of order 5(4) by Tsitouras with dense output of order 4 (Computers & Mathematics with Applications,
-        2011): half as many evaluations a step. auto takes it instead of erk at loose tolerances: above 5e-6 where there are
-        constraints, above 5e-5 where equations are long (over 40 operations a coordinate), above 5e-3 elsewhere.
+        2011): half as many evaluations a step. auto takes it where pirk and taylor do not serve, instead of erk, at loose
+        tolerances: above 5e-6 where there are constraints, above 5e-5 where equations are long (over 40 operations a coordinate),
+        above 5e-3 elsewhere.
 erk9    explicit Runge-Kutta of order 9(8) by Verner (Numerical Algorithms 53, 2010): 16 evaluations a step and up to a quarter
-        fewer in all, but no dense output: its steps end at rows. auto takes it where rows lie some steps apart, at tolerances
-        below 2e-4, in closed loops below 2e-2, unless something depends on conditions of the state.
+        fewer in all, but no dense output: its steps end at rows. auto takes it in closed loops at tolerances from 2e-4 to 1.5e-2,
+        where rows lie some steps apart, unless something depends on conditions of the state.
+pirk    Gauss collocation of order 16 whose eight stages are found by iteration (parallel iterated Runge-Kutta methods: van der
+        Houwen, Sommeijer, J. Comput. Appl. Math. 29, 1990). A sweep evaluates all eight at once, in registers of up to eight
+        numbers or on the tape, for the time of one to three evaluations; a step takes some six sweeps and is three to six times
+        as long as one of erk. Same digits whatever the registers. Rows inside a step ask for two to four sweeps more, however
+        many they are. auto takes it at tolerances up to 2e-3, in closed loops 2e-4, where no conditions on the state, corners or
+        exponentials of what changes ask for closer looks and rows are not dozens to a step; from series it takes over where poles
+        of the motion in complex time keep their steps short, not vibration. Where sweeps hardly come nearer (stiffness) or a loop
+        comes near a singular position, auto goes on with the others.
 adams   Adams' methods of order 1 to 13 in variable steps (Shampine, Gordon, Computer Solution of Ordinary Differential Equations,
         1975; integrated twice for positions, Krogh 1974): one evaluation a step, half as many to an error as erk, rows for next
         to nothing, and more work beside each evaluation. After an event they begin anew at order 1, behind a step of erk, which
-        also goes on where they cannot. auto takes them where equations are long (chains of 15 links and more) without closed
-        loops (where several fold flat at once, only longer steps lead across), events, conditions on the state and inputs.
+        also goes on where they cannot. auto takes them instead of pirk where equations are long (chains of 15 links and more)
+        and rows many, without closed loops (where several fold flat at once, only longer steps lead across), events, conditions
+        on the state and inputs.
 linear  exact, for scenes whose equations are M a + C v + K q = b(t): constant M, C, K and loads that are made of constants,
         polynomials, sines, cosines and exponentials of time and products of these, in pieces between time events, or inputs
         that are linear between the rows of their table. By the matrix exponential, computed in double-double arithmetic: at any
@@ -152,10 +162,10 @@ implicit  Radau IIA with 3, 5 or 7 stages, order 5, 9 or 13 (Hairer, Wanner, Sol
         length of steps follow Newton's iterations and the error; what is stiff is damped, not resolved.
 islands  coordinates that do not interact are run apart, each group by the solver and the steps that suit it; up to 8 groups of at
         most 200 coordinates, each with its constraints. auto takes it where some are at least four times as fast as others.
-auto    islands or linear where they pay; else erk, erk5, erk9, adams or taylor, and from there over to implicit where stability
-        and not accuracy keeps steps short, if that gets on faster for the same work, and back. What has one degree of freedom and
-        keeps its energy is stepped from one moment of rest to the next, and read from these steps from then on: it swings back
-        the way it came. The summary says what was used.
+auto    islands or linear where they pay; else pirk, taylor, adams, or erk, erk5, erk9, and from there over to implicit where
+        stability and not accuracy keeps steps short, if that gets on faster for the same work, and back. What has one degree of
+        freedom and keeps its energy is stepped from one moment of rest to the next, and read from these steps from then on: it
+        swings back the way it came. The summary says what was used.
 taylor  Taylor series of the motion about the beginning of each step, of an order that follows from the tolerance (Jorba, Zou,
         Exp. Math. 14, 2005), for small scenes of smooth functions: C written for the scene computes the coefficients. Steps are
         long and rows inside them cost next to nothing. auto takes it instead of erk where it is cheaper, most of all at small

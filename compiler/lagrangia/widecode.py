@@ -1,0 +1,85 @@
+"""The accelerations of eight states at once, as C (runtime/wide.h): operations of the tape, each on as many states as a register
+holds.
+
+The digits are those of one state after another.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from lagrangia.tapes import SINES, Op, Tape
+
+_LONGEST = 10_000  # instructions: compilers take time that grows faster than a function's length
+_SHARED = (4, 5)  # inputs that are the same for all states: modes, and what was hoisted
+_KEPT = 2  # outputs: accelerations and powers
+_DOUBT = "doubt"
+
+_TEMPLATES: Mapping[int, str] = {
+    Op.ASSIGN: "{a}", Op.ADD: "{a} + {b}", Op.SUB: "{a} - {b}", Op.MUL: "{a} * {b}", Op.DIV: "{a} / {b}", Op.NEG: "-{a}",
+    Op.SQ: "{a} * {a}", Op.TWICE: "2.0 * {a}", Op.INV: "1.0 / {a}", Op.FABS: "LAG_WIDE_ABS({a})",
+    Op.LT: "LAG_WIDE_SELECT({a} < {b}, one, zero)", Op.LE: "LAG_WIDE_SELECT({a} <= {b}, one, zero)",
+    Op.IF_ELSE_ZERO: "LAG_WIDE_SELECT({a} != 0.0, {b}, zero)",
+}
+
+
+def write_wide(
+    tape: Tape, has_doubt: bool, expression: Callable[[int, str, str], str], number: Callable[[float], str],
+) -> list[str]:
+    """C text of a LagWideCode; nothing where the tape is long.
+
+    `has_doubt`: the tape's third output tells where it does not hold. `expression` is C for an operation on numbers of one state.
+    """
+    count = len(tape.code) // 4
+    if count > _LONGEST:
+        return []
+    body: list[str] = []
+    written: set[int] = set()
+    angles: dict[int, list[str]] = {}
+    for k in range(0, 4 * count, 4):
+        op, out, a, b = tape.code[k : k + 4]
+        if op == Op.OUTPUT:
+            body += _output(out, a, b, has_doubt)
+            continue
+        written.add(out)
+        if op in SINES and b > 0:
+            angles.setdefault(a, []).append(f"w{out} = {'sine' if op == Op.SIN else 'cosine'};")
+            if b == 1:
+                body += [line for angle, found in angles.items() for line in _sines(angle, found)]
+                angles = {}
+        else:
+            body += _statement(op, out, a, b, tape.constants, expression, number)
+    names = sorted(written)
+    declared = [f"LagWide {', '.join(f'w{n}' for n in names[i : i + 20])};" for i in range(0, len(names), 20)]
+    lines = [*declared, f"LagWide largest = zero, {_DOUBT} = zero;", *body,
+             f"{_DOUBT} = LAG_WIDE_SELECT(largest > LAG_WIDE_OF(LAG_LARGEST_ANGLE), one, {_DOUBT});",
+             f"lag_wide_write(out[{_KEPT}] + lane, {_DOUBT});"]
+    return ["static void wide(const double *const *in, double *const *out)", "{",
+            "    const LagWide zero = LAG_WIDE_OF(0.0), one = LAG_WIDE_OF(1.0);", "    (void)in; (void)one;",
+            "    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {", *(f"        {line}" for line in lines), "    }",
+            "}", ""]
+
+
+def _output(out: int, a: int, b: int, has_doubt: bool) -> list[str]:
+    if out < _KEPT:
+        return [f"lag_wide_write(out[{out}] + {b} * LAG_ABREAST + lane, w{a});"]
+    return [f"{_DOUBT} = w{a};"] if has_doubt else []
+
+
+def _sines(angle: int, found: Sequence[str]) -> list[str]:
+    return ["{", "    LagWide sine, cosine;", f"    lag_sines_of_wide(&w{angle}, &sine, &cosine);",
+            f"    largest = LAG_WIDE_SELECT(LAG_WIDE_ABS(w{angle}) > largest, LAG_WIDE_ABS(w{angle}), largest);",
+            *(f"    {line}" for line in found), "}"]
+
+
+def _statement(op: int, out: int, a: int, b: int, constants: Sequence[float], expression: Callable[[int, str, str], str],
+               number: Callable[[float], str]) -> list[str]:
+    if op == Op.INPUT:
+        return [f"w{out} = LAG_WIDE_OF(in[{a}][{b}]);" if a in _SHARED else
+                f"w{out} = lag_wide_read(in[{a}] + {b} * LAG_ABREAST + lane);"]
+    if op == Op.CONST:
+        return [f"w{out} = LAG_WIDE_OF({number(constants[a])});"]
+    if op in _TEMPLATES:
+        return [f"w{out} = {_TEMPLATES[op].format(a=f'w{a}', b=f'w{b}')};"]
+    second = "y" if "y[i]" in expression(op, "x[i]", "y[i]") else "x"
+    return ["{", "    double x[LAG_WIDE], y[LAG_WIDE];", f"    memcpy(x, &w{a}, sizeof x);",
+            f"    memcpy(y, &w{b if second == 'y' else a}, sizeof y);", "    for (int i = 0; i < LAG_WIDE; ++i)",
+            f"        x[i] = {expression(op, 'x[i]', 'y[i]')};", f"    memcpy(&w{out}, x, sizeof x);", "}"]
