@@ -53,7 +53,7 @@ int lag_tape_valid(const LagFunction *function)
 
 static double sign(double x) { return x < 0 ? -1 : x > 0 ? 1 : x; }
 
-double lag_tape_uncommon(int32_t op, double x, double y)
+static double uncommon(int32_t op, double x, double y)
 {
     switch (op) {
     case LAG_OP_SQRT: return sqrt(x);
@@ -92,6 +92,9 @@ double lag_tape_uncommon(int32_t op, double x, double y)
     default: return NAN;
     }
 }
+
+/* Apart: as part of the loop below it is a quarter of the time faster. */
+double lag_tape_uncommon(int32_t op, double x, double y) { return uncommon(op, x, y); }
 
 /* The sine or cosine, and as many of the next ones as are computed with it; how many these are. */
 static int32_t run_sines(const int32_t *first, double *work)
@@ -140,7 +143,7 @@ void lag_tape_run(const LagTape *tape, const double *const *in, double *const *o
         case LAG_OP_SIN:
         case LAG_OP_COS: i += FIELDS * run_sines(i, work); break;
         case LAG_OP_IF_ELSE_ZERO: work[o] = work[a] != 0 ? work[b] : 0; break;
-        default: work[o] = lag_tape_uncommon(i[0], work[a], work[b]); break;
+        default: work[o] = uncommon(i[0], work[a], work[b]); break;
         }
     }
 }

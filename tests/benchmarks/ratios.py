@@ -26,7 +26,7 @@ from lagrangia.bench_table import ERRORS, as_csv, by_solver, duration, seconds_a
 from lagrangia.native import CompilerError
 from lagrangia.solvers import WAYS
 
-SOLVERS = ("auto", "erk", "erk5", "taylor", "linear", "implicit", "casadi:erk", "heyoka")
+SOLVERS = ("auto", "pirk", "erk", "erk5", "taylor", "linear", "implicit", "casadi:erk", "heyoka")
 OURS = ("auto", *WAYS)
 AUTO = Solver("auto", "lagrangia", partial(prepare_ours, "auto"))
 FAILURES = (Unsuitable, ArithmeticError, RuntimeError, CompilerError)
