@@ -20,12 +20,14 @@
 #include "step.h"
 #include "taylor.h"
 
-/* Sweeps have converged when what the next ones would change is below this share of the error allowed, or is rounding. */
-static const double CONVERGED = 0.3, ROUNDING = 1e-14;
+/* Sweeps have converged when what the next ones would change is below this share of the error allowed, or is rounding: so small in the
+ * same measure, or beside accelerations. What sweeps change by tells how quickly they come nearer where it is larger than this. */
+static const double CONVERGED = 0.03, NOISE = 0.3, ROUNDING = 1e-14, TOLD = 1;
 static const double SLOW = 0.9, LEAST = 0.01, MOST = 0.8, UNKNOWN = 0.5; /* factors by which sweeps come nearer */
 static const double BEST = 0.4; /* the one at which steps of given length take least: longer ones take more sweeps than they save */
 enum { MOST_SWEEPS = 20, EARLY = 2, PATIENT = 4 };
 static const double HOPELESS = 3; /* error, as it looks early, of a step that is given up then */
+static const double FLAT = 0.3; /* share of the first coefficients that the last ones have of rounding */
 static const double CAUTION = 4; /* errors are as those of Dormand-Prince at the same tolerance */
 static const double SAFETY = 0.75, GROW = 2, SHRINK = 0.3, CLEARLY_LESS = 0.9;
 
@@ -59,8 +61,7 @@ static void restart(void *self, LagMotion *m)
     LagPirk *s = self;
     memcpy(s->slope, m->slope + m->n, (size_t)(m->size - m->n) * sizeof *s->slope);
     s->length = 0;
-    s->contraction = UNKNOWN;
-    s->per = INFINITY;
+    s->per = 0;
     s->was_careful = 0;
 }
 
@@ -237,6 +238,7 @@ static double estimate(LagPirk *s, const LagMotion *m, double h, int *worst)
         }
     }
     double error = remainder_of(last, first);
+    s->is_flat = last > FLAT * first;
     for (int c = m->n; c < m->size - m->n && energy > 0; ++c) {
         const double *end = s->end + c * LAG_ABREAST;
         error = lag_max(remainder_of(h / energy * high(end), h / energy * low(end)), error);
@@ -257,27 +259,40 @@ void lag_pirk_set_times(LagPirk *s, const LagMotion *m, double t, double h, cons
     }
 }
 
-/* The factor by which a sweep comes nearer that is best: its root in the step's length is 1 (rates) or 1/2 (positions). */
-static double length_factor(double contraction, double error)
+/* Rounding, whose coefficients do not fall, grows with the length of a step itself. The factor by which a sweep comes nearer that is
+ * best: its root in the step's length is 1 (rates) or 1/2 (positions). */
+static double length_factor(LagPirk *s, double contraction, double error)
 {
-    const double by_error = SAFETY * lag_rough_power(lag_max(error, 1e-12), -1.0 / 16);
-    return lag_max(SHRINK, lag_min(lag_min(by_error, GROW), contraction > BEST ? BEST / contraction : GROW));
+    const double smooth = SAFETY * lag_rough_power(lag_max(error, 1e-12), -1.0 / 16);
+    const double by_error = lag_min(s->is_flat ? lag_max(0.5 / lag_max(error, 1e-12), smooth) : smooth, GROW);
+    const double by_sweeps = contraction > BEST ? BEST / contraction : GROW;
+    s->limited += by_sweeps < by_error;
+    return lag_max(SHRINK, lag_min(by_error, by_sweeps));
+}
+
+/* Of what sweeps change when they come no nearer. */
+static int is_noise(const LagPirk *s, int n, double moved)
+{
+    return moved <= NOISE || moved <= ROUNDING * distance(s, n, s->a, NULL);
 }
 
 /* Sweeps until the stages of the step from (t, y) are known. Returns its error in units: below 1 only when they are. */
 static double iterate(LagPirk *s, LagMotion *m, const double *y, double h, int *worst)
 {
-    double before = 0, nearer = lag_max(LEAST, lag_min(s->contraction * (h / s->per), MOST)), error = INFINITY;
+    const double known = s->per > 0 ? lag_max(LEAST, lag_min(s->contraction * (h / s->per), MOST)) : UNKNOWN;
+    double before = 0, nearer = known, error = INFINITY;
     for (int k = 0; k < MOST_SWEEPS; ++k) {
         if (!sweep(s, m, y, h))
             return INFINITY;
         const double moved = distance(s, m->n, s->a, s->tried);
-        if (k > 0) {
-            s->contraction = nearer = before > 0 ? lag_max(LEAST, moved / before) : LEAST;
+        if (k > 0)
+            nearer = before > 0 ? lag_max(LEAST, moved / before) : LEAST;
+        if (k > 0 && before > TOLD) {
+            s->contraction = nearer;
             s->per = h;
         }
         const int is_slow = nearer > SLOW;
-        if ((nearer < 1 && moved * nearer < CONVERGED * (1 - nearer)) || (is_slow && moved <= ROUNDING * distance(s, m->n, s->a, NULL)))
+        if ((nearer < 1 && moved * nearer < CONVERGED * (1 - nearer)) || (is_slow && is_noise(s, m->n, moved)))
             return estimate(s, m, h, worst);
         if (k == EARLY && (error = estimate(s, m, h, worst)) > HOPELESS)
             return error;
@@ -308,7 +323,7 @@ static double attempt(void *self, LagMotion *m, double t_new, const LagScale *sc
         s->factor = SHRINK;
         return INFINITY;
     }
-    s->factor = length_factor(s->per == h ? s->contraction : 0, error);
+    s->factor = length_factor(s, s->per == h ? s->contraction : 0, error);
     if (error > 1)
         s->factor = lag_min(s->factor, CLEARLY_LESS);
     displacement(s, m, m->y, h, m->sum);

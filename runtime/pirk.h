@@ -18,9 +18,11 @@ typedef struct LagPirk {
     double *slope;     /* n + n_power: where a segment begins */
     double *unit, *weight; /* 2 n; n: what an acceleration is worth in a step, in units of error */
     double *one;       /* state and slope of a single stage */
-    double contraction, per; /* by which the latest sweeps brought stages nearer, in a step so long */
+    double contraction, per; /* by which the latest sweeps brought stages nearer, in a step so long; 0: nobody knows */
     double factor;     /* for the next step */
     int was_careful;   /* in the latest step */
+    int is_flat;       /* coefficients of the latest accelerations do not fall */
+    int limited;       /* steps, of late, that are as long as sweeps bear and not as errors allow */
     LagPirkDense dense;
 } LagPirk;
 

@@ -14,10 +14,13 @@
 #include "step.h"
 
 /* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
- * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1; sweeps of iterated collocation come nearer up to 7 or so), the
+ * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1; sweeps of iterated collocation come nearer up to some 5), the
  * share of it where stability does not rule by far; relative length of differences; how much faster the other method must be. */
 static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_PIRK = 2.5, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6,
                     FASTER = 1.2;
+/* Steps times spectral radius of iterated collocation from which on limits by sweeps are those of stability; the share of steps that
+ * are limited so. */
+static const double SWEPT = 1, MOSTLY = 0.7;
 static const double SMALL = 0.25; /* share of a first step of order 1 */
 /* Steps to a row: fewer ask for dense output, or for one that costs less. */
 static const double STEPS_A_ROW = 1.5, STEPS_A_ROW_OF_LOOPS = 0.4, STEPS_A_ROW_OF_PIRK = 0.03;
@@ -158,6 +161,7 @@ static void begin(LagRun *run)
     s->t = run->motion.t;
     s->work = work(run);
     s->events = run->statistics.events;
+    run->methods.pirk.limited = 0;
     s->interval = s->look = first_look(run);
 }
 
@@ -199,6 +203,12 @@ static void watch_poles(LagRun *run)
         s->next = s->explicit_solver = LAG_SOLVER_PIRK;
 }
 
+static int is_ruled(const LagRun *run, double ruled)
+{
+    const int is_swept = is_pirk(run) && run->methods.pirk.limited > MOSTLY * run->stiffness.steps;
+    return ruled > rules(run) || (is_swept && ruled > SWEPT);
+}
+
 static void watch_explicit(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
@@ -209,7 +219,7 @@ static void watch_explicit(LagRun *run)
     const double h = (run->motion.t - s->t) / s->steps, ruled = h * radius(run);
     const double spent = run->methods.solver == LAG_SOLVER_TAYLOR || is_pirk(run) ? s->steps * explicit_step_work(run) : work(run) - s->work;
     s->pace = (run->motion.t - s->t) / spent;
-    s->suspicions = ruled > rules(run) ? s->suspicions + 1 : 0;
+    s->suspicions = is_ruled(run, ruled) ? s->suspicions + 1 : 0;
     const int suspicious = steps_for_one(run) * SUSPICIOUS_INTERVAL, most = steps_for_one(run) * MOST_INTERVAL;
     s->interval = s->suspicions > 0 ? suspicious : ruled > FAR * rules(run) ? first_look(run) : 2 * s->interval;
     s->interval = s->interval < most ? s->interval : most;

@@ -150,3 +150,23 @@ def test_stiff_scenes_are_left_to_implicit_steps(scene: Write) -> None:
     assert run.statistics.solver is Solver.IMPLICIT
     assert run.statistics.rhs_evaluations < 10_000
     assert np.abs(found - exact).max() < 1e-5
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-9])
+def test_segments_of_a_few_steps_add_no_error(scene: Write, tolerance: float) -> None:
+    """Each row of a table of inputs begins anew, where nobody knows how quickly sweeps come nearer: 160 tolerances off, once."""
+    model = scene("""model Driven
+      input Torque M;
+      Revolute h[3]; Bar l[3](each m = 1, each L = 0.5);
+      AppliedTorque drive(on = l[1].center, torque = M);
+    equation
+      connect(world, h[1].a);
+      for i in 1:3 loop connect(h[i].b, l[i].a); end for;
+      for i in 1:2 loop connect(l[i].b, h[i+1].a); end for;
+    end Driven;""")
+    t = np.linspace(0, 2, 201)
+    inputs = (t.tolist(), {"M": np.sin(7 * t).tolist()})
+    exact, _ = positions(model, at=[1, 2], tolerance=1e-13, inputs=inputs, solver="erk")
+    found, run = positions(model, at=[1, 2], tolerance=tolerance, inputs=inputs)
+    assert run.statistics.solver is Solver.PIRK and run.statistics.events == 199
+    assert np.abs(found - exact).max() < 10 * tolerance
