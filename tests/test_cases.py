@@ -120,7 +120,8 @@ def test_the_error_falls_in_step_with_the_tolerance(case: Case) -> None:
     assert average < 3 * case.constant, f"a digit is lost: {ratios}"
     assert ratios.max() < 30 * case.constant, f"a digit is lost at one tolerance: {ratios}"
     is_exact = errors.max() < EXACT
-    assert is_exact or (errors[2:] < errors[:-2] / case.gain).all(), f"a finer tolerance does not pay: {errors}"
+    pays = (errors[2:] < errors[:-2] / case.gain) | (errors[2:] < 2 * EXACT)  # rounding does not fall
+    assert is_exact or pays.all(), f"a finer tolerance does not pay: {errors}"
 
 
 @pytest.mark.parametrize("file", sorted({case.file for case in CASES}))
