@@ -112,7 +112,7 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
     methods->explicit_solver = explicit_of(settings, model, solver);
     methods->rows_solver = stepwise(settings, model);
     const int may_turn = lag_methods_turn(settings) && lag_methods_alternate(model, solver);
-    const int leaves = solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_PIRK || solver == LAG_SOLVER_CONSERVATIVE;
+    const int leaves = lag_methods_find(methods, solver).table->leaves_trouble || solver == LAG_SOLVER_CONSERVATIVE;
     const int needs_other = leaves || lag_methods_alternate(model, solver) || model->n_switches > 0;
     methods->may_find_poles = may_turn && solver == LAG_SOLVER_TAYLOR && settings->solver != LAG_SOLVER_STEPWISE
         && lag_pirk_outruns_series(model, settings->tolerance);

@@ -67,16 +67,10 @@ static void restart(void *self, LagMotion *m)
 
 /* -------- sums over stages */
 
-/* sum of a[j] times column j of a table, for the stages from `lane` on: in two chains. */
+/* Of a table of columns, one for each of the stages that `a` belongs to. */
 LAG_UNROLLED LagWide weighed(const double *a, const double *table, int lane)
 {
-    LagWide even = LAG_WIDE_OF(0), odd = LAG_WIDE_OF(0);
-    LAG_UNROLL_ALL
-    for (int j = 0; j < LAG_ABREAST; j += 2) {
-        even += LAG_WIDE_OF(a[j]) * lag_wide_read(table + j * LAG_ABREAST + lane);
-        odd += LAG_WIDE_OF(a[j + 1]) * lag_wide_read(table + (j + 1) * LAG_ABREAST + lane);
-    }
-    return even + odd;
+    return lag_wide_weighed(a, table, LAG_ABREAST, LAG_ABREAST, lane);
 }
 
 /* Lagrange's polynomials at the stages of a step from t, of length h, in the measure of the known one: by columns. */

@@ -70,17 +70,6 @@ static void tabulate(LagPirkDense *dense)
 
 /* -------- coefficients */
 
-/* sum of a[j] times row j of a table, for the columns from `lane` on: in two chains. */
-LAG_UNROLLED LagWide weighed(const double *a, const double *table, int count, int pitch, int lane)
-{
-    LagWide even = LAG_WIDE_OF(0), odd = LAG_WIDE_OF(0);
-    for (int j = 0; j < count; j += 2) {
-        even += LAG_WIDE_OF(a[j]) * lag_wide_read(table + j * pitch + lane);
-        odd += LAG_WIDE_OF(a[j + 1]) * lag_wide_read(table + (j + 1) * pitch + lane);
-    }
-    return even + odd;
-}
-
 /* Those of the step's own polynomial. */
 static void begin(LagPirkDense *dense, const double *known, int all)
 {
@@ -88,7 +77,7 @@ static void begin(LagPirkDense *dense, const double *known, int all)
     for (int c = 0; c < all; ++c)
         for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
             lag_wide_write(dense->coefficient + c * DEGREES + lane,
-                           weighed(known + c * LAG_ABREAST, &dense->coarse[0][0], LAG_ABREAST, LAG_ABREAST, lane));
+                           lag_wide_weighed(known + c * LAG_ABREAST, &dense->coarse[0][0], LAG_ABREAST, LAG_ABREAST, lane));
 }
 
 /* Accelerations at all nodes along the motion that the coefficients tell. */
@@ -102,8 +91,8 @@ static int evaluate(LagPirk *s, LagMotion *m)
             for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
                 const double *sum = dense->coefficient + c * DEGREES;
                 const LagWide share = lag_wide_read(lag_pirk_dense_node + first + lane);
-                const LagWide rate = weighed(sum, &dense->rate[0][0], DEGREES, LAG_PIRK_DENSE, first + lane);
-                const LagWide place = weighed(sum, &dense->place[0][0], DEGREES, LAG_PIRK_DENSE, first + lane);
+                const LagWide rate = lag_wide_weighed(sum, &dense->rate[0][0], DEGREES, LAG_PIRK_DENSE, first + lane);
+                const LagWide place = lag_wide_weighed(sum, &dense->place[0][0], DEGREES, LAG_PIRK_DENSE, first + lane);
                 lag_wide_write(s->v + c * LAG_ABREAST + lane, y[n + c] + h * rate);
                 lag_wide_write(s->q + c * LAG_ABREAST + lane, y[c] + h * (share * y[n + c] + h * place));
             }
@@ -125,7 +114,7 @@ static double expand(LagPirk *s, const LagMotion *m)
         double *sum = dense->coefficient + c * DEGREES, before[DEGREES];
         memcpy(before, sum, sizeof before);
         for (int lane = 0; lane < DEGREES; lane += LAG_WIDE)
-            lag_wide_write(sum + lane, weighed(dense->a + c * LAG_PIRK_DENSE, &dense->fine[0][0], LAG_PIRK_DENSE, DEGREES, lane));
+            lag_wide_write(sum + lane, lag_wide_weighed(dense->a + c * LAG_PIRK_DENSE, &dense->fine[0][0], LAG_PIRK_DENSE, DEGREES, lane));
         memcpy(sum, before, KEPT * sizeof *sum);
         for (int k = KEPT; k < DEGREES && c < m->n; ++k)
             largest = lag_max(fabs(sum[k] - before[k]) * s->weight[c] / (2 * k), largest);

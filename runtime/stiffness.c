@@ -16,8 +16,8 @@
 /* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
  * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1; sweeps of iterated collocation come nearer up to some 5), the
  * share of it where stability does not rule by far; relative length of differences; how much faster the other method must be. */
-static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_PIRK = 2.5, RULES_SERIES = 0.95, FAR = 1 / 3.5, DIFFERENCE = 1e-6,
-                    FASTER = 1.2;
+static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_PIRK = 2.5, RULES_SERIES = 0.95, FAR = 1 / 3.5;
+static const double DIFFERENCE = 1e-6, FASTER = 1.2;
 /* Steps times spectral radius of iterated collocation from which on limits by sweeps are those of stability; the share of steps that
  * are limited so. */
 static const double SWEPT = 1, MOSTLY = 0.7;
@@ -194,7 +194,7 @@ static int leave(LagRun *run)
     return run->stiffness.explicit_solver = is_next ? LAG_SOLVER_ADAMS : run->methods.explicit_solver;
 }
 
-/* Series begin what iterated collocation goes on with if poles of the motion limit their steps, and rows are not many or nobody knows. */
+/* Series begin what iterated collocation goes on with if poles of the motion limit their steps, and rows are known to be few. */
 static void watch_poles(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
@@ -217,7 +217,8 @@ static void watch_explicit(LagRun *run)
     if (s->steps < s->look || s->steps < s->wait)
         return;
     const double h = (run->motion.t - s->t) / s->steps, ruled = h * radius(run);
-    const double spent = run->methods.solver == LAG_SOLVER_TAYLOR || is_pirk(run) ? s->steps * explicit_step_work(run) : work(run) - s->work;
+    const int is_by_steps = run->methods.solver == LAG_SOLVER_TAYLOR || is_pirk(run); /* evaluations are not what they cost */
+    const double spent = is_by_steps ? s->steps * explicit_step_work(run) : work(run) - s->work;
     s->pace = (run->motion.t - s->t) / spent;
     s->suspicions = is_ruled(run, ruled) ? s->suspicions + 1 : 0;
     const int suspicious = steps_for_one(run) * SUSPICIOUS_INTERVAL, most = steps_for_one(run) * MOST_INTERVAL;

@@ -50,6 +50,18 @@ static inline LagWide lag_wide_read(const double *place)
 
 static inline void lag_wide_write(double *place, LagWide a) { memcpy(place, &a, sizeof a); }
 
+/* sum of a[j] times row j of a table whose rows are `pitch` long, for the columns from `lane` on: in two chains. */
+LAG_UNROLLED LagWide lag_wide_weighed(const double *a, const double *table, int count, int pitch, int lane)
+{
+    LagWide even = LAG_WIDE_OF(0), odd = LAG_WIDE_OF(0);
+    LAG_UNROLL_ALL
+    for (int j = 0; j < count; j += 2) {
+        even += LAG_WIDE_OF(a[j]) * lag_wide_read(table + j * pitch + lane);
+        odd += LAG_WIDE_OF(a[j + 1]) * lag_wide_read(table + (j + 1) * pitch + lane);
+    }
+    return even + odd;
+}
+
 /* The sum of eight numbers, which are lost: by halves, so that few operations wait for each other. */
 static inline double lag_wide_total(double *each)
 {

@@ -12,6 +12,7 @@ from lagrangia.native import find_compiler
 from lagrangia.runtime import Solver, Status
 from lagrangia.runtime_library import Runtime
 from native_models import FOLDER, compiled, started
+from test_stiffness import FLEXIBLE
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Write = Callable[[str], lag.Model]
@@ -142,8 +143,6 @@ def test_singular_positions_are_left_to_others(scene: Write, tolerance: float) -
 
 
 def test_stiff_scenes_are_left_to_implicit_steps(scene: Write) -> None:
-    from test_stiffness import FLEXIBLE
-
     model = scene(FLEXIBLE)
     exact, _ = positions(model, at=[0.5, 1], tolerance=1e-11, solver="implicit")
     found, run = positions(model, at=[0.5, 1], tolerance=1e-6)
