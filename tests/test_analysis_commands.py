@@ -159,6 +159,16 @@ def test_where_nothing_rests(run: Lag, tmp_path: Path) -> None:
     assert code == 2 and "L0505" in err
 
 
+@pytest.mark.parametrize("command", ["equilibrium", "modes", "linearize"])
+def test_small_motion_out_of_the_range_of_numbers(command: str, run: Lag, tmp_path: Path) -> None:
+    """k/m = 1e312 is none of them; 1e305 is, and its root is told."""
+    (tmp_path / "tiny.lag").write_text("model Tiny Block b(m = 1, base = world); Spring s(k = 100, stretch = b.s); end Tiny;")
+    code, _, err = run(command, "tiny.lag", "-p", "b.m=1e-310")
+    assert code == 1 and err.startswith("error: small motion is out of the range of numbers here") and "Warning" not in err
+    code, out, _ = run("modes", "tiny.lag", "-p", "b.m=1e-200", "-p", "s.k=1e105")
+    assert code == 0 and "3.162278e+152" in out
+
+
 def test_files_hold_json_also_of_singular_positions(run: Lag) -> None:
     """No NaN, which JSON does not know."""
     code, out, _ = run("equilibrium", str(EXAMPLES / "pantograph.lag"), "-o", "rest.json")

@@ -304,3 +304,16 @@ def test_explain_says_why(path: Path, capsys: pytest.CaptureFixture[str]) -> Non
     text = capsys.readouterr().out
     assert all(need["what"] in text for need in told["needs"])
     assert max(map(len, text.splitlines())) <= 118
+
+
+@pytest.mark.parametrize("loop", ["", "Link rod(a = shift(world, {2, 0}), b = c.b, L = 1);"])
+def test_stops_are_explained(loop: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Several of them, with friction and in loops: what their contact forces would do is no part of the spectrum."""
+    file = tmp_path / "stops.lag"
+    file.write_text(f"""model Stops
+        Revolute i(a = world, phi(start = 1)), j(a = b.b, phi(start = -1));
+        Bar b(m = 1, L = 1, a = i.b), c(m = 1, L = 2, a = j.b); {loop}
+        RoughStop s(a = world, b = c.center, mu = 0.3); TorsionStop t(a = world, b = i.b);
+    end Stops;""")
+    assert main(["explain", str(file)]) == 0
+    assert "2 events at which rates are reset" in capsys.readouterr().out

@@ -238,7 +238,12 @@ def _inverse_mass(t: Tangent) -> Matrix:
     if M.size and (not np.isfinite(M).all() or not scale.all()
                    or np.linalg.eigvalsh(M / np.outer(scale, scale)).min() < 1e-14):
         raise no_mass()
-    return np.asarray(np.linalg.solve(M, t.W.T)) if M.size else np.zeros((0, t.M.shape[0]))
+    inverse = np.asarray(np.linalg.solve(M, t.W.T)) if M.size else np.zeros((0, t.M.shape[0]))
+    with np.errstate(all="ignore"):
+        if not all(np.isfinite(inverse @ x).all() for x in (t.K, t.C, *t.E)):
+            raise RunError("small motion is out of the range of numbers here: forces by masses are above 1.8e308; larger masses "
+                           "or softer springs have numbers")
+    return inverse
 
 
 Column = tuple[str, int, int]  # name, order of the derivative, excitation

@@ -40,7 +40,8 @@ def find_spectrum(kinematics: Kinematics, motion: Motion, initial: InitialCondit
     parameters, start = declared if given is None else given, [initial.q[:n], initial.v[:n]]
     if p.numel():
         start = ca.substitute(start, [p], [ca.SX(parameters)])
-    slopes = kinematics.algebra.with_modes([slopes])
+    freed = ca.vertcat(motion.impacts.forces, motion.impacts.impulses)  # between impacts nothing holds at contacts
+    slopes = kinematics.algebra.with_modes([ca.substitute(slopes, freed, ca.SX.zeros(freed.numel()))])
     function = ca.Function("slopes", [motion.t, motion.q, motion.v, motion.u, motion.p], slopes)
     instant = kinematics.graph.model.experiment.start
     q, v = (ca.evalf(x)[:n] for x in start)
