@@ -8,6 +8,7 @@ void lag_dense_lu_layout(LagDenseLu *lu, int size, int is_complex, LagArena *are
     const size_t n = (size_t)size;
     lu->size = size;
     lu->dependent = LAG_DEPENDENT;
+    lu->early = 1;
     lu->re = lag_take(arena, n * n);
     lu->im = is_complex ? lag_take(arena, n * n) : NULL;
     lu->scale = lag_take(arena, n);
@@ -30,19 +31,19 @@ static void scale_rows(LagDenseLu *lu)
         lu->scale[i] = lu->scale[i] > 0 ? 1 / lu->scale[i] : 0;
 }
 
-/* The row of the best pivot of column k among rows `first` and below, and its size relative to its row. */
+/* Relative to its row. */
+static double size_of(const LagDenseLu *lu, int i, int k) { return length(lu, i + k * lu->size) * lu->scale[i]; }
+
+/* The first row of pivots of column k that are good enough, among rows `first` and below, and its size relative to its row. */
 static int best_pivot(const LagDenseLu *lu, int first, int k, double *size)
 {
-    const int n = lu->size;
+    double largest = 0;
     int best = first;
-    *size = -1;
-    for (int i = first; i < n; ++i) {
-        const double candidate = length(lu, i + k * n) * lu->scale[i];
-        if (candidate > *size) {
-            *size = candidate;
-            best = i;
-        }
-    }
+    for (int i = first; i < lu->size; ++i)
+        largest = fmax(largest, size_of(lu, i, k));
+    while (best < lu->size - 1 && !(size_of(lu, best, k) >= lu->early * largest))
+        ++best;
+    *size = best < lu->size ? size_of(lu, best, k) : -1;
     return best;
 }
 
@@ -50,7 +51,7 @@ static double largest_of_column(const LagDenseLu *lu, int k)
 {
     double largest = 0;
     for (int i = 0; i < lu->size; ++i)
-        largest = fmax(largest, length(lu, i + k * lu->size) * lu->scale[i]);
+        largest = fmax(largest, size_of(lu, i, k));
     return largest;
 }
 

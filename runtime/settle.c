@@ -33,13 +33,15 @@ void lag_sliding_rates(LagRun *run, double t, const double *y)
     lag_conditions_by(run, t, y, y + n, run->switches.slope + n, run->sliding.g, run->sliding.rate);
 }
 
+/* Contacts first: where friction and a contact hold the same rate, friction is what may not know its share. */
 static int gather(LagRun *run, const int *candidates)
 {
     LagSliding *s = &run->sliding;
     int count = 0;
-    for (int i = 0; i < run->model->n_switches && count < s->most; ++i)
-        if (candidates[i] == 1)
-            s->which[count++] = i;
+    for (int contacts = 1; contacts >= 0; --contacts)
+        for (int i = 0; i < run->model->n_switches && count < s->most; ++i)
+            if (candidates[i] == 1 && lag_may_have_all(run, i) == !contacts)
+                s->which[count++] = i;
     return count;
 }
 

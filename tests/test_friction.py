@@ -369,3 +369,31 @@ def test_a_slip_begins_inside_a_long_step(tolerance: float, scene: Write) -> Non
     for solver in ("auto", "implicit"):
         run = scene(STIFF_TRAIN).simulate(at=[1.5, 3.0], tolerance=tolerance, solver=solver)
         np.testing.assert_allclose(run["ax[3].phi"], [0.007860224, 0], rtol=1e-5, atol=1e-8)
+
+
+TURNED = """model Turned "A wall that turns round carries a box back over a rough floor, which carries a second one"
+  parameter Force F = 0.5;
+  Prismatic wall(a = world); Motion d(of = wall.s, to = 0.1*sin(5*time));
+  Block box(m = 2, base = world, s(start = -0.001), v(start = 1)), other(m = 1, base = world, s(start = -0.04));
+  DryFriction floor(F = F, rate = box.v), floor2(F = 0.7*F, rate = other.v);
+  Stop stop(along = {-1, 0}, a = wall.b, b = box.center), between(along = {-1, 0}, a = box.center, b = other.center);
+end Turned;"""
+LEVER = """model Lever "A cam lifts a lever and lowers it again; its bearing rubs"
+  parameter Torque tau = 0.5;
+  Prismatic cam(a = world, along = {0, 1}); Motion d(of = cam.s, to = 0.1*sin(3*time));
+  Revolute h(a = world, phi(start = 0.3)); Bar bar(m = 2, L = 1, a = h.b);
+  TorsionDryFriction f(tau = tau, a = world, b = h.b);
+  Stop s(a = cam.b, b = shift(h.b, {0.5, 0}));
+end Lever;"""
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_friction_gives_way_to_what_a_contact_prescribes(scene: Write, solver: str) -> None:
+    """Where the wall turns round, its contact and friction hold the same rate: one of them cannot. Nor where the lever does,
+    whose weight is more than its friction by enough to follow the cam."""
+    boxes, lever = scene(TURNED), scene(LEVER)
+    for share in np.linspace(0.05, 1, 12):
+        run = boxes.simulate(at=[0.6], tolerance=1e-9, solver=solver, parameters={"F": 4.4 * share})
+        np.testing.assert_allclose(run["box.s"], 0.1 * np.sin(3), rtol=0, atol=1e-9)
+        run = lever.simulate(at=[0.7, 1.2], tolerance=1e-9, solver=solver, parameters={"tau": 6 * share})
+        np.testing.assert_allclose(np.sin(run["h.phi"]), 0.2 * np.sin([2.1, 3.6]), rtol=0, atol=1e-8)
