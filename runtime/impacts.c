@@ -18,7 +18,7 @@ enum { MOST_ROUNDS = 100000, MOST_AT_ONCE = 100000 };
 
 void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena *arena)
 {
-    const size_t resets = (size_t)model->n_resets, whole = resets > 0 ? (size_t)size : 0;
+    const size_t resets = (size_t)model->n_resets, rubs = (size_t)model->n_rubs, whole = resets > 0 ? (size_t)size : 0;
     s->fires = lag_take_ints(arena, (size_t)model->n_whens);
     s->is_plastic = lag_take_ints(arena, (size_t)model->n_whens);
     s->has_contact = lag_take_ints(arena, (size_t)model->n_whens);
@@ -28,7 +28,11 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->rate = lag_take(arena, resets);
     s->wanted = lag_take(arena, resets);
     s->rate_after = lag_take(arena, resets);
-    s->way = lag_take(arena, resets * (size_t)model->n);
+    s->way = lag_take(arena, (resets + rubs) * (size_t)model->n);
+    s->place = lag_take_ints(arena, rubs);
+    s->slip = lag_take(arena, rubs);
+    s->sense = lag_take(arena, resets);
+    lag_complementarity_layout(&s->problem, model->n_resets + model->n_rubs, arena);
     s->impulse = lag_take(arena, resets);
     s->after = lag_take(arena, resets > 0 ? (size_t)model->n : 0);
     s->state = lag_take(arena, whole);
@@ -110,8 +114,9 @@ static int find_events(LagRun *run, int is_first)
     return found;
 }
 
-/* Where closed contacts still approach, slower than can be told, all that move so slowly stop together. */
-static void calm(LagRun *run)
+/* Where closed contacts still approach, slower than can be told, all that move so slowly stop together. Returns 0 where nothing stops
+ * them. */
+static int calm(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
     const LagSwitches *switches = &run->switches;
@@ -122,9 +127,9 @@ static void calm(LagRun *run)
         some |= s->fires[k] && switches->rate[gap] > 0;
     }
     if (!some)
-        return;
+        return 1;
     read_wanted(run);
-    lag_impulses_reset(run);
+    return lag_impulses_reset(run, 0);
 }
 
 /* What conditions of events that are no contacts have become. */
@@ -142,21 +147,21 @@ LagStatus lag_impacts_strike(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
     const int sliding = run->sliding.count;
-    int rounds = 0;
+    int rounds = 0, is_found = 1;
     if (run->model->n_whens == 0)
         return LAG_OK;
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
     lag_contacts_find_errors(run);
     memset(s->is_plastic, 0, (size_t)run->model->n_whens * sizeof *s->is_plastic);
-    for (int fire = find_events(run, 1); fire && rounds < MOST_ROUNDS; ++rounds) {
+    for (int fire = find_events(run, 1); fire && is_found && rounds < MOST_ROUNDS; ++rounds) {
         read_wanted(run);
-        lag_impulses_reset(run);
+        is_found = lag_impulses_reset(run, 0);
         if ((rounds & (rounds + 1)) == 0) /* now and then: what was at rest has a speed now */
             lag_contacts_find_errors(run);
         fire = find_events(run, 0);
     }
     if (rounds > 0) {
-        calm(run);
+        is_found = is_found && calm(run);
         note_events(run);
         run->switches.resolved = 0; /* conditions are as quick as the motion is now */
         run->switches.unlooked = 0;
@@ -165,5 +170,7 @@ LagStatus lag_impacts_strike(LagRun *run)
     run->sliding.count = sliding;
     const int stands = run->motion.t - run->motion.t_old <= lag_time_resolution(run->motion.t);
     s->at_once = stands ? s->at_once + 1 : 0;
+    if (!is_found)
+        return lag_fail(run, LAG_NO_IMPULSE, -1, 0, 0);
     return rounds < MOST_ROUNDS && s->at_once < MOST_AT_ONCE ? LAG_OK : lag_fail(run, LAG_EVENTS_GO_ON, -1, 0, 0);
 }

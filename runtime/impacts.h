@@ -2,7 +2,7 @@
 #ifndef LAG_IMPACTS_H
 #define LAG_IMPACTS_H
 
-#include "dense_lu.h"
+#include "complementarity.h"
 #include "model.h"
 #include "run.h"
 
@@ -13,7 +13,11 @@ typedef struct {
     int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
     int *which;      /* n_resets: the resets of these */
     double *rate, *wanted, *rate_after; /* n_resets */
-    double *way;     /* n_resets x n: change of the rates by an impulse of 1 */
+    double *way;     /* (n_resets + n_rubs) x n: change of the rates by an impulse of 1, of resets and then of what rubs */
+    int *place;      /* n_rubs: among the ways; -1: it does not act */
+    double *slip;    /* n_rubs: where nothing moves but supports */
+    double *sense;   /* n_resets: in which contacts push, 1 or -1 */
+    LagComplementarity problem;
     double *impulse; /* n_resets */
     double *after;   /* n: rates after them */
     double *state, *slope, *slope_without; /* size */

@@ -48,6 +48,12 @@ static void find_way(LagRun *run, int reset, double *way)
         way[i] = s->slope[n + i] / force;
 }
 
+void lag_impulses_find_way(LagRun *run, int reset, double *way)
+{
+    lag_motion_slope(&run->motion, run->motion.t, run->motion.y, run->motion.y + run->model->n, run->impacts.slope_without);
+    find_way(run, reset, way);
+}
+
 void lag_impulses_look(LagRun *run, const double *v, double *rate, double *wanted)
 {
     const double *in[] = {&run->motion.t, run->motion.y, v, run->u, run->d, run->c};
@@ -117,8 +123,7 @@ double lag_impulses_closing(const LagRun *run, int k)
     return run->switches.rate_begin[gap] - run->switches.rate_inside[gap];
 }
 
-/* How much an impulse of 1 opens the contact of active reset k. */
-static double opening(LagRun *run, int k)
+double lag_impulses_opening(LagRun *run, int k)
 {
     lag_impulses_look_along(run, k);
     return -lag_impulses_closing(run, k);
@@ -134,7 +139,7 @@ static int leave_out(LagRun *run, int *count)
         return 0;
     lag_impulses_look_at_rest(run);
     for (int i = 0; i < *count; ++i) {
-        const double opens = lag_is_contact(run->model, s->which[i]) ? s->impulse[i] * opening(run, i) : 0;
+        const double opens = lag_is_contact(run->model, s->which[i]) ? s->impulse[i] * lag_impulses_opening(run, i) : 0;
         if (opens < most) {
             most = opens;
             worst = i;
@@ -174,35 +179,41 @@ static void count_energy(LagRun *run, double lost)
     run->energy_before -= lost;
 }
 
-int lag_impulses_solve(LagRun *run)
+/* Of `count` resets, where nothing rubs. Returns how many act. */
+static int solve_smooth(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    const int n = run->model->n;
+    solve(run, count);
+    while (leave_out(run, &count))
+        solve(run, count);
+    memcpy(s->after, run->motion.y + n, (size_t)n * sizeof *s->after);
+    for (int k = 0; k < count; ++k)
+        for (int i = 0; i < n; ++i)
+            s->after[i] += s->way[i + k * n] * s->impulse[k];
+    return count;
+}
+
+int lag_impulses_reset(LagRun *run, int presses)
 {
     LagImpacts *s = &run->impacts;
     const LagModel *model = run->model;
+    const size_t size = (size_t)model->n * sizeof(double);
+    double *v = run->motion.y + model->n;
+    const int rubs = lag_rubs_act(run), is_live = run->switches.is_live;
     int count = 0;
     for (int j = 0; j < model->n_resets; ++j)
         if (s->fires[lag_event_of(model, j)])
             s->which[count++] = j;
-    solve(run, count);
-    while (leave_out(run, &count))
-        solve(run, count);
-    memcpy(s->after, run->motion.y + model->n, (size_t)model->n * sizeof *s->after);
-    for (int k = 0; k < count; ++k)
-        for (int i = 0; i < model->n; ++i)
-            s->after[i] += s->way[i + k * model->n] * s->impulse[k];
-    return count;
-}
-
-void lag_impulses_reset(LagRun *run)
-{
-    const size_t size = (size_t)run->model->n * sizeof(double);
-    double *v = run->motion.y + run->model->n;
-    const int rubs = lag_rubs_act(run), is_live = run->switches.is_live;
-    if (rubs)
-        lag_rubs_settle(run);
-    const int count = lag_impulses_solve(run);
-    const double before = rubs ? kinetic_energy(run) : 0;
+    const int is_found = rubs ? lag_rubs_solve(run, count, presses) : 1;
+    if (!rubs)
+        count = solve_smooth(run, count);
     run->switches.is_live = is_live;
-    memcpy(v, run->impacts.after, size);
-    memset(run->motion.carry + run->model->n, 0, size);
+    if (!is_found)
+        return 0;
+    const double before = rubs ? kinetic_energy(run) : 0;
+    memcpy(v, s->after, size);
+    memset(run->motion.carry + model->n, 0, size);
     count_energy(run, rubs ? before - kinetic_energy(run) : energy_taken(run, count));
+    return 1;
 }

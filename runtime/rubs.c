@@ -1,23 +1,26 @@
-/* The friction of an impact is mu P against the slip, with the impulse P of the contact, as its force is mu N: to where the slip was
- * before, unless that would turn it round. Then it takes what leaves no slip (C. Glocker, F. Pfeiffer, Multiple impacts with friction in
- * rigid multibody systems, Nonlinear Dynamics 7 (1995), by one law for each contact, and Newton's restitution).
+/* Impulses push and do not pull, and the friction of an impact is mu P against the slip that it leaves, with the impulse P of the contact,
+ * as its force is mu N; or it leaves no slip: one complementarity problem of all that is struck at once, by Newton's restitution
+ * (C. Glocker, F. Pfeiffer, Multiple impacts with friction in rigid multibody systems, Nonlinear Dynamics 7 (1995)).
+ *
+ * Friction acts with a share s of its range, from 0 to 1. Each way of an impulse is taken at s = 0; what s = 1 adds to it is the
+ * direction of the friction, and how much of it there is, that of its range.
  */
 #include "rubs.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "evaluate.h"
-#include "extremes.h"
 #include "impulses.h"
 #include "state.h"
 
-enum { MOST_SWEEPS = 100, MOST_ITERATIONS = 60, PATIENCE = 5 };
-static const double NOTHING = 1e-13; /* of the slips before and after */
-static const double UNCHANGED = 1e-12; /* of a share */
+static const double FAINT = 1e-6; /* of the speed at which a contact would close if its slip were stopped: the least that presses */
 
 static int switch_of(const LagModel *model, int rub) { return model->rubs[3 * rub]; }
 
-static int acts(const LagRun *run, int rub) { return run->impacts.fires[run->model->rubs[3 * rub + 1]]; }
+static int event_of(const LagModel *model, int rub) { return model->rubs[3 * rub + 1]; }
+
+static int acts(const LagRun *run, int rub) { return run->impacts.fires[event_of(run->model, rub)]; }
 
 int lag_rubs_act(const LagRun *run)
 {
@@ -49,63 +52,171 @@ static const double *slips(LagRun *run, const double *v)
     return s->g_inside;
 }
 
-/* The slip of switch i after impulses with this share. */
-static double slip_after(LagRun *run, int i, double share)
-{
-    *lag_share(run, i) = share;
-    lag_impulses_solve(run);
-    return slips(run, run->impacts.after)[i];
-}
+/* -------- ways */
 
-/* The share between 0 and 1 that leaves no slip, where friction of one sign leaves one and of the other another: by the regula falsi
- * (Illinois), halving now and then. */
-static double find_share(LagRun *run, int i, double at_0, double at_1, double enough)
+static void set_acting(LagRun *run, double share)
 {
-    double low = 0, high = 1, a = at_0, b = at_1, x = 0.5;
-    int side = 0;
-    for (int k = 1; k <= MOST_ITERATIONS && high - low > UNCHANGED; ++k) {
-        x = k % PATIENCE != 0 ? low + (high - low) * (a / (a - b)) : low + (high - low) / 2;
-        const double here = slip_after(run, i, x);
-        const int now = here > 0 ? 1 : -1;
-        if (fabs(here) <= enough)
-            return x;
-        *(here > 0 ? &low : &high) = x;
-        *(here > 0 ? &a : &b) = here;
-        if (now == side)
-            *(here > 0 ? &b : &a) *= 0.5;
-        side = now;
-    }
-    return x;
-}
-
-/* Finds the share of switch i anew, the others given. Returns whether it is another one. */
-static int adjust(LagRun *run, int i)
-{
-    const double before = *lag_share(run, i), slip = slips(run, run->motion.y + run->model->n)[i];
-    const double at_0 = slip_after(run, i, 0), at_1 = slip_after(run, i, 1);
-    const double enough = NOTHING * lag_max(fabs(slip), lag_max(fabs(at_0), fabs(at_1)));
-    double share = at_1 >= -enough ? 1 : at_0 <= enough ? 0 : find_share(run, i, at_0, at_1, enough);
-    if (at_0 - at_1 <= enough) /* nothing rubs */
-        share = before;
-    *lag_share(run, i) = share;
-    return fabs(share - before) > UNCHANGED;
-}
-
-void lag_rubs_settle(LagRun *run)
-{
-    const LagModel *model = run->model;
-    const LagMotion *m = &run->motion;
-    int changes = 1;
-    if (run->switches.is_live)
-        lag_switches_set(run, m->t, m->y, m->y + m->n);
-    run->switches.is_live = 0;
-    for (int k = 0; k < model->n_rubs; ++k)
+    for (int k = 0; k < run->model->n_rubs; ++k)
         if (acts(run, k))
-            *lag_share(run, switch_of(model, k)) = slips(run, m->y + m->n)[switch_of(model, k)] > 0;
-    for (int sweep = 0; changes && sweep < MOST_SWEEPS; ++sweep) {
-        changes = 0;
-        for (int k = 0; k < model->n_rubs; ++k)
-            if (acts(run, k))
-                changes |= adjust(run, switch_of(model, k));
+            *lag_share(run, switch_of(run->model, k)) = share;
+}
+
+/* The places in the problem of what rubs, behind `count` resets: each switch has one. Returns the size of the problem. */
+static int find_places(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    for (int k = 0; k < model->n_rubs; ++k) {
+        s->place[k] = -1;
+        for (int other = 0; other < k && acts(run, k); ++other)
+            if (s->place[other] >= 0 && switch_of(model, other) == switch_of(model, k))
+                s->place[k] = s->place[other];
+        if (acts(run, k) && s->place[k] < 0)
+            s->place[k] = count++;
     }
+    return count;
+}
+
+static double product(const double *a, const double *b, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; ++i)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+/* How friction k goes with the impulse of the reset at place j of which: its direction, where none is known yet, and how much that
+ * impulse raises its range. */
+static void find_direction(LagRun *run, int k, int j)
+{
+    LagImpacts *s = &run->impacts;
+    LagComplementarity *p = &s->problem;
+    const int n = run->model->n, place = s->place[k], size = p->size;
+    double *share = lag_share(run, switch_of(run->model, k)), *direction = s->way + (size_t)place * (size_t)n;
+    *share = 1;
+    lag_impulses_find_way(run, s->which[j], s->after);
+    *share = 0;
+    for (int i = 0; i < n; ++i)
+        s->after[i] -= s->way[i + j * n];
+    const double square = product(direction, direction, n);
+    if (!(square > 0))
+        memcpy(direction, s->after, (size_t)n * sizeof *direction);
+    p->press[place + j * size] = square > 0 ? product(s->after, direction, n) / square : product(s->after, s->after, n) > 0;
+}
+
+/* Ways of all that is struck, and of what rubs there; the sense in which the former push, into s->sense. */
+static void find_ways(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    set_acting(run, 0.5);
+    lag_impulses_find_ways(run, count);
+    lag_impulses_look_at_rest(run);
+    for (int j = 0; j < count; ++j)
+        s->sense[j] = lag_is_contact(model, s->which[j]) && lag_impulses_opening(run, j) < 0 ? -1 : 1;
+    set_acting(run, 0);
+    lag_impulses_find_ways(run, count);
+    for (int place = count; place < s->problem.size; ++place)
+        memset(s->way + (size_t)place * (size_t)model->n, 0, (size_t)model->n * sizeof *s->way);
+    for (int k = 0; k < model->n_rubs; ++k)
+        for (int j = 0; j < count && acts(run, k); ++j)
+            if (lag_event_of(model, s->which[j]) == event_of(model, k) && lag_is_contact(model, s->which[j]))
+                find_direction(run, k, j);
+}
+
+/* -------- the problem */
+
+/* What a way does to all rates: into column j. */
+static void fill_column(LagRun *run, int count, int j)
+{
+    LagImpacts *s = &run->impacts;
+    LagComplementarity *p = &s->problem;
+    const LagModel *model = run->model;
+    const double *way = s->way + (size_t)j * (size_t)model->n, sense = j < count ? s->sense[j] : 1;
+    double *column = p->jump + (size_t)j * (size_t)p->size;
+    lag_impulses_look(run, way, s->rate_after, s->lu.scale);
+    for (int i = 0; i < count; ++i) {
+        const double towards = p->kind[i] == LAG_PUSHES ? -s->sense[i] : 1;
+        column[i] = towards * sense * (s->rate_after[s->which[i]] - s->impulse[s->which[i]]);
+    }
+    const double *slip = slips(run, way);
+    for (int k = 0; k < model->n_rubs; ++k)
+        if (s->place[k] >= 0)
+            column[s->place[k]] = sense * (slip[switch_of(model, k)] - s->slip[k]);
+}
+
+/* w before the impulses: what closes faster than it should afterwards, and slips. */
+static void fill_rates(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    LagComplementarity *p = &s->problem;
+    const LagModel *model = run->model;
+    for (int i = 0; i < count; ++i) {
+        const int j = s->which[i];
+        p->kind[i] = lag_is_contact(model, j) ? LAG_PUSHES : LAG_BINDS;
+        p->rate[i] = (p->kind[i] == LAG_PUSHES ? -s->sense[i] : 1) * (s->rate[j] - s->wanted[j]);
+        p->terms[i] = fabs(s->rate[j]) + fabs(s->wanted[j]);
+    }
+    const double *slip = slips(run, run->motion.y + model->n);
+    for (int k = 0; k < model->n_rubs; ++k)
+        if (s->place[k] >= 0) {
+            p->kind[s->place[k]] = LAG_RUBS;
+            p->rate[s->place[k]] = slip[switch_of(model, k)];
+        }
+    memset(s->state, 0, (size_t)model->n * sizeof *s->state);
+    lag_impulses_look(run, s->state, s->impulse, s->rate_after); /* rates that supports have */
+    slip = slips(run, s->state);
+    for (int k = 0; k < model->n_rubs; ++k)
+        s->slip[k] = slip[switch_of(model, k)];
+}
+
+/* Where contacts press without approaching: they approach so slowly that nothing else is changed by it. */
+static void press(LagComplementarity *p, int count)
+{
+    for (int i = 0; i < count; ++i)
+        for (int j = count; j < p->size && p->kind[i] == LAG_PUSHES; ++j)
+            p->rate[i] += FAINT * fabs(p->rate[j] * p->jump[i + j * p->size] / p->jump[j + j * p->size]);
+}
+
+/* Rates after the impulses that were found; shares of what rubs, into d. */
+static void act(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    const LagComplementarity *p = &s->problem;
+    const LagModel *model = run->model;
+    memcpy(s->after, run->motion.y + model->n, (size_t)model->n * sizeof *s->after);
+    for (int j = 0; j < p->size; ++j) {
+        const double impulse = (j < count ? s->sense[j] : 1) * p->force[j];
+        for (int i = 0; i < model->n; ++i)
+            s->after[i] += s->way[i + j * model->n] * impulse;
+    }
+    for (int k = 0; k < model->n_rubs; ++k) {
+        const double limit = s->place[k] >= 0 ? lag_complementarity_limit(p, s->place[k]) : 0;
+        if (limit > 0)
+            *lag_share(run, switch_of(model, k)) = p->force[s->place[k]] / limit;
+    }
+}
+
+int lag_rubs_solve(LagRun *run, int count, int presses)
+{
+    LagImpacts *s = &run->impacts;
+    LagComplementarity *p = &s->problem;
+    if (run->switches.is_live)
+        lag_switches_set(run, run->motion.t, run->motion.y, run->motion.y + run->model->n);
+    run->switches.is_live = 0;
+    lag_complementarity_begin(p, find_places(run, count));
+    find_ways(run, count);
+    fill_rates(run, count);
+    for (int j = 0; j < p->size; ++j)
+        fill_column(run, count, j);
+    if (presses)
+        press(p, count);
+    if (!lag_complementarity_solve(p))
+        return 0;
+    if (presses) {
+        fill_rates(run, count);
+        lag_complementarity_find_forces(p);
+    }
+    act(run, count);
+    return 1;
 }

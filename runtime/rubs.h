@@ -11,8 +11,10 @@ int lag_rubs_alone(const LagModel *model, int i);
 /* Whether something rubs at the contacts of impacts.fires. */
 int lag_rubs_act(const LagRun *run);
 
-/* Into d, before impulses of impacts.fires: the shares with which friction acts in them. Switches are not live then. */
-void lag_rubs_settle(LagRun *run);
+/* Impulses of the `count` resets of impacts.which and what rubs there: the rates after them into impacts.after, and the shares with
+ * which friction acts in them into d. Switches are not live then. `presses`: contacts that do not approach take what stops the slip that
+ * would press them further and further. Returns 0 where there are no such impulses. */
+int lag_rubs_solve(LagRun *run, int count, int presses);
 
 /* Into d: nothing rubs. */
 void lag_rubs_let_go(LagRun *run);

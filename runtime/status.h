@@ -17,7 +17,8 @@ typedef enum {
     LAG_BAD_SETTINGS,
     LAG_BAD_INPUTS, /* input times are not ascending or not finite */
     LAG_OUT_OF_MEMORY,
-    LAG_EVENTS_GO_ON /* events that reset rates bring each other about without end */
+    LAG_EVENTS_GO_ON, /* events that reset rates bring each other about without end */
+    LAG_NO_IMPULSE    /* contacts and their friction have neither forces nor impulses that go together */
 } LagStatus;
 
 typedef struct {

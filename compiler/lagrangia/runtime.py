@@ -36,6 +36,7 @@ class Status(IntEnum):
     BAD_INPUTS = 10
     OUT_OF_MEMORY = 11
     EVENTS_GO_ON = 12
+    NO_IMPULSE = 13
 
 
 _STATUS = tuple(Status)

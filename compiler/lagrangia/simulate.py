@@ -321,6 +321,9 @@ def explain(scene: Scene, failure: Failure) -> str:
     if failure.status is Status.EVENTS_GO_ON:
         return (f"the motion cannot be continued beyond t = {failure.time:.9g}: events that reset rates bring each other about "
                 "without end; look at what `when` and reinit make of each other there")
+    if failure.status is Status.NO_IMPULSE:
+        return (f"the motion cannot be continued beyond t = {failure.time:.9g}: contacts and their friction have neither forces "
+                "nor impulses that go together (Painleve's paradox: rigid bodies jam); try less friction, or springs in between")
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
