@@ -10,11 +10,19 @@
 #include "contacts.h"
 #include "extremes.h"
 #include "impulses.h"
+#include "rubs.h"
 #include "schedule.h"
 #include "state.h"
 
 /* Events that bring each other about so many times, or come again without time passing, do not end. */
 enum { MOST_ROUNDS = 100000, MOST_AT_ONCE = 100000 };
+
+/* Of impulses, or of what holds. */
+static int largest_problem(const LagModel *model)
+{
+    const int impulses = model->n_resets + model->n_rubs, held = lag_sliding_most(model);
+    return impulses > held ? impulses : held;
+}
 
 void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena *arena)
 {
@@ -32,7 +40,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->place = lag_take_ints(arena, rubs);
     s->slip = lag_take(arena, rubs);
     s->sense = lag_take(arena, resets);
-    lag_complementarity_layout(&s->problem, model->n_resets + model->n_rubs, arena);
+    lag_complementarity_layout(&s->problem, largest_problem(model), arena);
     s->impulse = lag_take(arena, resets);
     s->after = lag_take(arena, resets > 0 ? (size_t)model->n : 0);
     s->state = lag_take(arena, whole);
@@ -173,4 +181,19 @@ LagStatus lag_impacts_strike(LagRun *run)
     if (!is_found)
         return lag_fail(run, LAG_NO_IMPULSE, -1, 0, 0);
     return rounds < MOST_ROUNDS && s->at_once < MOST_AT_ONCE ? LAG_OK : lag_fail(run, LAG_EVENTS_GO_ON, -1, 0, 0);
+}
+
+int lag_impacts_press(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    for (int k = 0; k < model->n_whens; ++k)
+        s->fires[k] = s->has_contact[k] && run->switches.turned[lag_contact(model, k)] == LAG_CHANGES;
+    if (!lag_rubs_act(run))
+        return 0;
+    run->sliding.count = 0; /* accelerations as the shares say */
+    lag_impulses_look(run, run->motion.y + model->n, s->rate, s->wanted);
+    for (int j = 0; j < model->n_resets; ++j)
+        s->wanted[j] = lag_is_contact(model, j) ? 0 : s->rate[j];
+    return lag_impulses_reset(run, 1);
 }

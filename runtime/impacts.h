@@ -37,6 +37,10 @@ void lag_impacts_reset(LagRun *run);
  * LAG_OK, or a failure where such events do not end. */
 LagStatus lag_impacts_strike(LagRun *run);
 
+/* At the present state: contacts in switches.turned that no forces hold, since friction presses them further, take the impulse that stops
+ * their slip (an impact without a collision). Returns 0 where there is none. */
+int lag_impacts_press(LagRun *run);
+
 /* The places among the switches of event k: of its condition, of the gap of a contact, of what rests there. Whether switch i is the
  * first of them. */
 static inline int lag_when(const LagModel *model, int k) { return model->n_switches - 3 * model->n_whens + k; }

@@ -77,6 +77,8 @@ LagStatus lag_segment_evaluate(LagRun *run)
         lag_stiffness_reset(run);
     }
     const int is_bend = lag_switches_enter(run);
+    if (run->sliding.jams)
+        return lag_fail(run, LAG_NO_IMPULSE, -1, 0, 0);
     if (run->sliding.count > run->methods.table->most_sliding)
         lag_stiffness_pass(run);
     else if (run->methods.table->begins_low)

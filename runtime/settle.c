@@ -13,6 +13,7 @@
 
 #include "evaluate.h"
 #include "extremes.h"
+#include "jams.h"
 #include "rubs.h"
 #include "state.h"
 
@@ -288,6 +289,38 @@ static int choose(LagRun *run, double t, const double *y, int count)
     }
 }
 
+/* Whether a contact closes that nothing could hold: its friction would press it further. */
+static int presses(const LagSliding *s, int count)
+{
+    for (int k = 0; k < count; ++k) {
+        const double rounding = ROUNDING * size_of(s, count, k);
+        const int is_jam = s->state[k] == GIVEN && s->jump[k + k * count] * s->unit[k] > rounding;
+        if (is_jam && s->limit[k] == INFINITY && rate_of(s, count, k, 1) > rounding)
+            return 1;
+    }
+    return 0;
+}
+
+/* The same where each depends on the others. */
+static int choose_together(LagRun *run, double t, const double *y, int count)
+{
+    LagSliding *s = &run->sliding;
+    static const int states[] = {SLIDES, LOW, HIGH};
+    if (!lag_jams_solve(run, t, y, count))
+        return 0;
+    for (int k = 0; k < count; ++k) {
+        s->state[k] = lag_jams_may_act(run, k) ? states[run->impacts.problem.state[k]] : s->limit[k] == INFINITY ? LOW : GIVEN;
+        s->unit[k] = s->limit[k] == INFINITY && s->state[k] == SLIDES ? lag_max(s->share[k], s->unit[k]) : s->unit[k];
+    }
+    set_shares(run, count);
+    find_jumps(run, t, y, count, PRESENT);
+    s->lu.dependent = run->impacts.problem.lu.dependent;
+    solve(s, count);
+    let_go(run, count);
+    set_shares(run, count);
+    return is_linear(run, t, y, count);
+}
+
 /* What the switches hold, and those that slide to the front of `which`. Returns how many do. */
 static int hold(LagRun *run, int count)
 {
@@ -319,10 +352,14 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
         find_jumps(run, t, y, count, FIRST);
     }
     lag_sliding_end(run);
+    s->jams = 0;
     if (count == 0)
         return;
     note_energy(run, t, y);
-    const int is_right = choose(run, t, y, count), sliding = hold(run, count);
+    s->lu.dependent = LAG_SLIDING_DEPENDENT;
+    const int is_right = (choose(run, t, y, count) && !presses(s, count)) || choose_together(run, t, y, count);
+    s->jams = !is_right && run->model->n_rubs > 0;
+    const int sliding = hold(run, count);
     if (is_right)
         s->count = sliding;
     else /* step control makes the best of it */

@@ -15,8 +15,6 @@
  * a change is not as large as the one before. */
 static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, MOST_RATIO = 0.9;
 static const double MOMENT = 1e-6, DRIFT = 10; /* of a step; of tolerances */
-/* Pivots below this are those of shares that hold the same: corners of a box that is all but flat. */
-static const double DEPENDENT = 1e-9;
 /* Where equations contradict each other those of contacts, which come first, are kept. */
 static const double EARLY = 0.1;
 enum { MOST_TRIES = 12 };
@@ -54,7 +52,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->slope_before = lag_take(arena, whole);
     s->slope_without = lag_take(arena, whole);
     lag_dense_lu_layout(&s->lu, s->most, 0, arena);
-    s->lu.dependent = DEPENDENT;
+    s->lu.dependent = LAG_SLIDING_DEPENDENT;
     s->lu.early = EARLY;
 }
 

@@ -7,6 +7,9 @@
 #include "model.h"
 #include "run.h"
 
+/* Pivots below this are those of shares that hold the same: corners of a box that is all but flat. */
+#define LAG_SLIDING_DEPENDENT 1e-9
+
 typedef struct {
     int count, most; /* switches that slide; no more of them can */
     int *which;      /* most: which they are */
@@ -27,6 +30,7 @@ typedef struct {
     double *state_before, *slope_before; /* the same a moment before */
     double *slope_without; /* and without jumps */
     double latest, first; /* of the latest changes: the largest, and the first one */
+    int jams;        /* no forces hold contacts that close, since friction presses them further */
     int is_lost;     /* the latest evaluation found no shares */
     double energy;   /* of what the jumps would set in motion in a second */
 } LagSliding;
@@ -56,7 +60,7 @@ int lag_may_have_all(const LagRun *run, int i);
 void lag_sliding_rates(LagRun *run, double t, const double *y);
 
 /* Chooses at a state what slides among `candidates` (n_switches: 1), whose g is 0 but for rounding: into which, d and what the
- * switches hold; the others go either way. */
+ * switches hold; the others go either way. Where that is not possible since friction jams: into jams. */
 void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candidates);
 
 /* How dg/dt of those that slide depends on their shares at a state, and the shares by that. */

@@ -21,7 +21,7 @@
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
 static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
 static const double AT_END = 1e-3; /* of a step: near enough to one of its ends */
-enum { MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
+enum { MOST_JAMS = 4, MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
 
 void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
 {
@@ -164,11 +164,10 @@ static int let_slide(LagRun *run)
     return candidates;
 }
 
-int lag_switches_enter(LagRun *run)
+/* Chooses what is held at the present state. Returns whether something has changed. */
+static int settle(LagRun *run)
 {
     LagSwitches *s = &run->switches;
-    if (run->model->n_switches == 0)
-        return 0;
     s->is_live = s->live_steps > 0 || !run->methods.table->holds_switches;
     if (run->sliding.count > 0) /* what is torn off begins to move from rest */
         lag_sliding_stop(run);
@@ -179,6 +178,17 @@ int lag_switches_enter(LagRun *run)
         lag_sliding_end(run);
     if ((!s->is_live || run->model->n_whens > 0) && run->model->switches_need_acceleration && let_slide(run))
         lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
+    return turned;
+}
+
+int lag_switches_enter(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    if (run->model->n_switches == 0)
+        return 0;
+    int turned = settle(run);
+    for (int impulses = 0; run->sliding.jams && impulses < MOST_JAMS && lag_impacts_press(run); ++impulses)
+        turned |= settle(run);
     if (run->sliding.count > 0)
         lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     lag_contacts_foresee(run);
@@ -280,7 +290,7 @@ void lag_switches_resolve(LagRun *run)
     if (!s->is_live || s->live_steps > 0 || !run->methods.table->holds_switches)
         return;
     lag_switches_enter(run);
-    run->segment_over |= run->sliding.count > 0; /* what is held now is another motion */
+    run->segment_over |= run->sliding.count > 0 || run->sliding.jams; /* what is held now is another motion */
 }
 
 /* Takes the step back, where its end tells more than its dense output: the next one ends at the share x of it. Returns whether it

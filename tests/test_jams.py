@@ -55,3 +55,30 @@ def test_a_block_rocks_on_a_rough_floor(b: float, h: float, mu: float, scene: Wr
                                  parameters={"b": b, "h": h, "mu": mu, "lean": lean})
             found = run["block.center.phi"][-1], run["block.center.w"][-1]
             np.testing.assert_allclose(found, wanted, rtol=0, atol=20 * tolerance)
+
+
+STANCE = """model StanceLeg "a hub on one massless leg that stands on a rough floor: it turns about its foot without slip"
+  parameter Real mu = 0.5; parameter Inertia I = 1e-5;
+  Body hub(m = 1, I = I);
+  Frame foot = shift(hub.center, {0, -1});
+  RoughStop ground(mu = mu, gap = foot.y, slip = foot.v[1]);
+  output Length away = foot.x;
+initial equation
+  hub.center.phi = 0; foot.x = 0; foot.y = 0;
+  hub.center.w = -1.5; hub.center.v[1] = 1.5; hub.center.v[2] = 0;
+end StanceLeg;"""
+
+
+@pytest.mark.parametrize("I", [1.0, 1e-3, 1e-5, 1e-7])
+@pytest.mark.parametrize("at", [[0.1, 0.2], np.linspace(0, 0.2, 41)[1:]], ids=["few", "many"])
+def test_a_leg_of_little_inertia_stands(I: float, at: list[float], scene: Write) -> None:
+    """H/N < 0.33: it turns as a pendulum does. A force that is usual in rates is a millionth of the one that holds; what slides
+    jams."""
+    pendulum = solve_ivp(lambda t, y: [y[1], G / (1 + I) * np.sin(y[0])], (0, 0.2), [0, -1.5], method="DOP853",
+                         rtol=1e-13, atol=1e-15)
+    model = scene(STANCE)
+    for solver in ("auto", "erk", "implicit"):
+        for tolerance in (1e-5, 1e-9, 1e-12):
+            run = model.simulate(at=at, solver=solver, tolerance=tolerance, parameters={"I": I}, max_steps=2000)
+            found = run["hub.center.phi"][-1], run["hub.center.w"][-1], run["away"][-1]
+            np.testing.assert_allclose(found, [*pendulum.y[:, -1], 0], rtol=0, atol=max(20 * tolerance, 1e-15 / I))
