@@ -9,6 +9,8 @@
  * Where no solution is found, what nobody guessed is tried elsewhere, at last the guesses, too: a link that points the wrong way
  * may keep its loop from closing although all guesses are near.
  *
+ * Where an equation is not finite at the guess, as y/x = 2 where both are 0, the values it speaks of are moved aside first.
+ *
  * An assembly may be singular although others are regular: a parallelogram folded flat. Where the guesses leave values open,
  * these are tried elsewhere, and an assembly is preferred in which more of the equations are independent.
  */
@@ -20,9 +22,10 @@
 #include "linear.h"
 
 static const double GOLDEN_RATIO = 0.6180339887498949, CLOSE = 1e-7, SHORTEST_LEAN = 0.1, FALL = 1e-13;
-static const double SINGULAR = 1e-5, SPREAD = 1, WIDE_SPREAD = 6.283185307179586, NEAR = 0.5, MOVED = 1e-9;
+static const double SINGULAR = 1e-5, SPREAD = 1, WIDE_SPREAD = 6.283185307179586, NEAR = 0.5, MOVED = 1e-9, BOUNDLESS = 1e100;
+static const double STEPS_ASIDE[] = {0.00390625, 1, 0.25, 4, 0.0625, 16, 0.015625, 64};
 enum { MOST_ITERATIONS = 100, FEW_ITERATIONS = 30, MOST_PUSHES = 3, MOST_LEANS = 30, MOST_RETURNS = 20, MOST_TRIES = 4,
-       FREE_SEARCHES = 12, MOST_SEARCHES = 20, MANY = 100 };
+       FREE_SEARCHES = 12, MOST_SEARCHES = 20, LAST_SEARCHES = 32, MANY = 100, MOST_ASIDE = 32 };
 
 void lag_assembly_layout(LagAssembly *s, LagArena *arena)
 {
@@ -45,6 +48,9 @@ static int is_angle(const LagAssembly *s, int j) { return s->model->coordinate_k
 
 /* From -0.5 to 0.5, different for each value. */
 static double spread(int j, int turn) { return fmod((j + 1) * GOLDEN_RATIO + turn * GOLDEN_RATIO * GOLDEN_RATIO, 1) - 0.5; }
+
+/* The same, the signs of different values independent of each other. */
+static double all_ways(int j, int turn) { return fmod((j + 1) * (double)turn * GOLDEN_RATIO, 1) - 0.5; }
 
 /* The largest of its kind. */
 static double largest_like(const LagAssembly *s, const double *x, int j)
@@ -98,6 +104,61 @@ static void set_reach(LagAssembly *s, const double *p, const double *x, double *
     for (int j = 0; j < n; ++j)
         s->reach[n + j] = fmax(largest_like(s, x + n, j), s->reach[j]);
     lag_newton_survey(&s->newton, s->reach);
+}
+
+/* Whether an equation, of those evaluated last, and its slopes are finite: the slope of the direction of a vector that vanishes is
+ * not, but for rounding. */
+static int is_finite(const LagAssembly *s, int i)
+{
+    const int equations = s->model->n_initial, unknowns = 2 * lag_start_size(s->model);
+    int finite = isfinite(s->newton.g[i]) != 0;
+    for (int j = 0; finite && j < unknowns; ++j)
+        finite = fabs(s->newton.jacobian[i + j * equations]) < BOUNDLESS;
+    return finite;
+}
+
+static int are_finite(const LagAssembly *s)
+{
+    int finite = 1;
+    for (int i = 0; finite && i < s->model->n_initial; ++i)
+        finite = is_finite(s, i);
+    return finite;
+}
+
+/* Whether a value is one that an equation that is not finite speaks of. */
+static int is_lost(const LagAssembly *s, int j)
+{
+    const int equations = s->model->n_initial;
+    int lost = 0;
+    for (int i = 0; !lost && i < equations; ++i) {
+        const double slope = fabs(s->newton.jacobian[i + j * equations]);
+        lost = (slope > 0 || isnan(slope)) && !is_finite(s, i);
+    }
+    return lost;
+}
+
+/* Moves the guess x to where all equations are finite, the values that these speak of alone; leaves it where there is no such place. */
+static void step_aside(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+{
+    const int n = lag_start_size(s->model), widths = (int)(sizeof STEPS_ASIDE / sizeof *STEPS_ASIDE);
+    copy(s, x, s->kept);
+    lag_newton_evaluate(&s->newton, p, x, work);
+    if (are_finite(s))
+        return;
+    for (int j = 0; j < 2 * n; ++j) {
+        const double like = is_angle(s, j % n) ? 0 : largest_like(s, j < n ? x : x + n, j % n);
+        s->lean[j] = fixed[j] == LAG_START_FIXED || !is_lost(s, j) ? 0 : like > 0 ? like : 1;
+    }
+    for (int guesses = 0; guesses < 2; ++guesses) {
+        for (int turn = 1; turn <= MOST_ASIDE; ++turn) {
+            const double width = STEPS_ASIDE[turn % widths];
+            for (int j = 0; j < 2 * n; ++j)
+                x[j] += guesses || fixed[j] == LAG_START_FREE ? width * s->lean[j] * all_ways(j, turn) : 0;
+            if (lag_newton_evaluate(&s->newton, p, x, work) == 0 && are_finite(s))
+                return;
+            copy(s, s->kept, x);
+        }
+    }
 }
 
 /* Goes from a solution x to the one nearest to the guess. */
@@ -210,8 +271,10 @@ static int solve_elsewhere(LagAssembly *s, const double *p, const int *fixed, in
 {
     const int n = lag_start_size(s->model);
     copy(s, s->guess, x);
-    for (int j = 0; j < n; ++j)
-        x[j] += fixed[j] != LAG_START_FIXED && fixed[j] >= least ? width * s->reach[j] * spread(j, turn) : 0;
+    for (int j = 0; j < n; ++j) {
+        const double place = turn <= MOST_SEARCHES ? spread(j, turn) : all_ways(j, turn);
+        x[j] += fixed[j] != LAG_START_FIXED && fixed[j] >= least ? width * s->reach[j] * place : 0;
+    }
     return solve(s, p, fixed, s->model->n_initial_positions, 0, n, way, x, work);
 }
 
@@ -237,15 +300,24 @@ static double missed(const LagAssembly *s, const int *fixed, const double *x)
     return largest;
 }
 
+/* Whether a place is tried; the last ones where nothing was found at all. */
+static int is_tried(const LagAssembly *s, const int *fixed, int turn, double nearest)
+{
+    const int n = lag_start_size(s->model);
+    if (turn > MOST_SEARCHES)
+        return isinf(nearest);
+    return nearest > NEAR && holds(fixed, n, turn <= FREE_SEARCHES ? LAG_START_FREE : LAG_START_GUESS);
+}
+
 /* Positions where they do not follow from the guesses: what nobody guessed is tried elsewhere, at last all that is not fixed. The
  * first solution near the guesses is taken, else the nearest. Returns 1 when there is one; in large scenes nothing is tried. */
 static int search(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
-    const int n = lag_start_size(s->model), first = holds(fixed, n, LAG_START_FREE) ? 1 : FREE_SEARCHES + 1;
-    const int last = n >= MANY ? 0 : holds(fixed, n, LAG_START_GUESS) ? MOST_SEARCHES : FREE_SEARCHES;
     double nearest = INFINITY;
     copy(s, x, s->best);
-    for (int turn = first; turn <= last && nearest > NEAR; ++turn) {
+    for (int turn = 1; turn <= LAST_SEARCHES && lag_start_size(s->model) < MANY; ++turn) {
+        if (!is_tried(s, fixed, turn, nearest))
+            continue;
         const int least = turn <= FREE_SEARCHES ? LAG_START_FREE : LAG_START_GUESS;
         const int is_solved = solve_elsewhere(s, p, fixed, turn, WIDE_SPREAD, least, LAG_METRIC_EVEN, x, work) < 0;
         if (is_solved && missed(s, fixed, x) < nearest) {
@@ -262,6 +334,7 @@ static int search(LagAssembly *s, const double *p, const int *fixed, double *x, 
 int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
     const int n = lag_start_size(s->model), all = s->model->n_initial, positions = s->model->n_initial_positions;
+    step_aside(s, p, fixed, x, work);
     copy(s, x, s->guess);
     set_reach(s, p, x, work);
     if (positions > 0) {

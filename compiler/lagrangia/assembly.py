@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from lagrangia.initial import FIXED, FREE, GUESS, InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.metric import Way
-from lagrangia.newton import Equations, General, Newton, pattern, start_equations
+from lagrangia.newton import GOLDEN_RATIO, Equations, General, Newton, pattern, start_equations
 from lagrangia.orthogonal import Vector, independent_columns
 
 _DEPENDENT, _LONGEST_STEP = 1e-10, 0.5
 _CLOSED, _MOST_CLOSINGS = 1e-11, 40
 _NO_MASS = 1e-30
 _CLOSE, _SHORTEST_LEAN, _FALL, _SINGULAR, _SPREAD, _MOVED = 1e-7, 0.1, 1e-13, 1e-5, 1.0, 1e-9
-_WIDE_SPREAD, _NEAR, _FREE_SEARCHES, _MOST_SEARCHES, _MANY = 2 * np.pi, 0.5, 12, 20, 100
+_WIDE_SPREAD, _NEAR, _FREE_SEARCHES, _MOST_SEARCHES, _LAST_SEARCHES, _MANY = 2 * np.pi, 0.5, 12, 20, 32, 100
+_BOUNDLESS = 1e100  # a slope: the direction of a vector that vanishes
+_STEPS_ASIDE, _MOST_ASIDE = (0.00390625, 1.0, 0.25, 4.0, 0.0625, 16.0, 0.015625, 64.0), 32  # to where equations are finite
 _MOST_ITERATIONS, _FEW_ITERATIONS, _MOST_PUSHES, _MOST_LEANS, _MOST_RETURNS, _MOST_TRIES = 100, 30, 3, 30, 20, 4
 
 
@@ -34,13 +36,15 @@ class Assembly:
     """A state in the making; `reach` are the natural sizes of its values."""
 
     def __init__(self, equations: Equations, fixed: NDArray[np.int_], guess: Vector) -> None:
-        self.equations, self.fixed, self.guess, self.n = equations, fixed, guess, equations.n
+        self.equations, self.fixed, self.n = equations, fixed, equations.n
+        self.guess = self._step_aside(guess)
         angles = np.where(equations.is_angle, pattern(self.n, 0), 0.0)
-        self.near = equations(guess + np.concatenate([angles, np.zeros(self.n)]))
+        self.near = equations(self.guess + np.concatenate([angles, np.zeros(self.n)]))
         self.reach = self._reach()
         length = np.linalg.norm(self.near[1] * self.reach, axis=1)
         self.general = General(self.near[1], np.where(np.isfinite(length), length, 0.0))
 
+    @np.errstate(all="ignore")
     def assemble(self) -> tuple[Vector, int]:
         """The state (2 n,) found from the guess; and -1, or the equation that fails most."""
         all_of_them, positions, x, n = self.equations.initial.numel_out(0), self.equations.n_positions, self.guess, self.n
@@ -61,6 +65,29 @@ class Assembly:
             together = self._solve(all_of_them, 0, 2 * n, x)
             return together if together[1] < 0 else rates  # positions close: what fails are rates
         return self._solve(all_of_them, 0, 2 * n, x)
+
+    def _step_aside(self, guess: Vector) -> Vector:
+        """The guess, or a place beside it where all equations are finite: y/x = 2 says nothing where both are 0."""
+        n, fixed = self.n, self.fixed
+        lost, slopes = self._lost_at(guess)
+        if not lost.any():
+            return guess
+        like = np.concatenate([self._like(guess[:n]), self._like(guess[n:])])
+        size = np.where((like > 0) & ~np.tile(self.equations.is_angle, 2), like, 1.0)
+        concerned = (slopes[lost] != 0).any(axis=0) & (fixed != FIXED)
+        for least in (FREE, GUESS):
+            moving = concerned & (fixed >= least)
+            for turn in range(1, _MOST_ASIDE + 1):
+                width = _STEPS_ASIDE[turn % len(_STEPS_ASIDE)]
+                trial = guess + np.where(moving, width * size * _all_ways(2 * n, turn), 0.0)
+                if not self._lost_at(trial)[0].any():
+                    return trial
+        return guess
+
+    def _lost_at(self, x: Vector) -> tuple[NDArray[np.bool_], Vector]:
+        """The equations that are not finite, or whose slopes are not, and all slopes."""
+        g, jacobian = self.equations(x)
+        return ~(np.isfinite(g) & (np.abs(jacobian) < _BOUNDLESS).all(axis=1)), jacobian
 
     def _like(self, x: Vector) -> Vector:
         """The largest of its kind, of each."""
@@ -166,7 +193,8 @@ class Assembly:
 
     def _solve_elsewhere(self, turn: int, width: float, least: int, ways: tuple[Way, ...]) -> tuple[Vector, int]:
         n, fixed = self.n, self.fixed[: self.n]
-        push = np.where((fixed != FIXED) & (fixed >= least), width * self.reach[:n] * pattern(n, turn), 0.0)
+        places = pattern(n, turn) if turn <= _MOST_SEARCHES else _all_ways(n, turn)
+        push = np.where((fixed != FIXED) & (fixed >= least), width * self.reach[:n] * places, 0.0)
         return self._solve(self.equations.n_positions, 0, n, self.guess + np.concatenate([push, np.zeros(n)]), ways)
 
     def _prefer_regular(self, x: Vector) -> Vector:
@@ -184,14 +212,22 @@ class Assembly:
         is_guess = self.fixed[: self.n] == GUESS
         return float((np.abs(x - self.guess)[: self.n] / self.reach[: self.n])[is_guess].max(initial=0.0))
 
+    def _is_tried(self, turn: int, nearest: float) -> bool:
+        if turn > _MOST_SEARCHES:
+            return nearest == np.inf
+        return nearest > _NEAR and bool((self.fixed[: self.n] == (FREE if turn <= _FREE_SEARCHES else GUESS)).any())
+
     def _search(self) -> Vector | None:
-        n, nearest, best = self.n, np.inf, None
-        first = 1 if (self.fixed[:n] == FREE).any() else _FREE_SEARCHES + 1
-        last = 0 if n >= _MANY else _MOST_SEARCHES if (self.fixed[:n] == GUESS).any() else _FREE_SEARCHES
-        for turn in range(first, last + 1):
-            if nearest <= _NEAR:
-                break
+        nearest, best = np.inf, None
+        for turn in range(1, _LAST_SEARCHES + 1 if self.n < _MANY else 0):
+            if not self._is_tried(turn, nearest):
+                continue
             x, worst = self._solve_elsewhere(turn, _WIDE_SPREAD, FREE if turn <= _FREE_SEARCHES else GUESS, (Way.EVEN,))
             if worst < 0 and self._missed(x) < nearest:
                 nearest, best = self._missed(x), x
         return best
+
+
+def _all_ways(n: int, turn: int) -> Vector:
+    """As `pattern`, the signs of different values independent of each other."""
+    return np.asarray(np.fmod((np.arange(n) + 1) * turn * GOLDEN_RATIO, 1) - 0.5)

@@ -14,6 +14,7 @@ from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import isfinite
 from typing import Any, Literal, NoReturn
 
 Severity = Literal["error", "warning", "note"]
@@ -138,6 +139,11 @@ class Report:
 def fail(code: str, message: str, span: Span | None = None, *hints: str, label: str = "") -> NoReturn:
     """Raise a LagError with one diagnostic."""
     raise LagError([Diagnostic("error", code, message, span, label, hints)])
+
+
+def tell_miss(gap: float, unit: str) -> str:
+    """By how much an equation fails to hold."""
+    return f"it misses by {abs(gap):.3g} ({unit})" if isfinite(gap) else "it has no finite value wherever it was looked for"
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:

@@ -171,7 +171,7 @@ def _joined(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
     units = {"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0], "phi": [0.0, 0.0, 1.0]}
     clusters: dict[str, Cluster] = {}
     for root in graph.roots:
-        directions = [(number[f"{root.frame}.{a}"], units[a]) for a in root.attributes]
+        directions = [(number[name], units[a]) for a in root.attributes if (name := f"{root.frame}.{a}") in number]
         clusters[root.frame] = Cluster(root.frame, None, directions, kinematics.pose(root.frame, 0))
     for edge in graph.edges:
         if edge.is_rigid:

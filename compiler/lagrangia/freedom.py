@@ -14,7 +14,7 @@ from lagrangia.assemblies import Alternatives, find_alternatives
 from lagrangia.assembly import Assembly, begin
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints, Row
-from lagrangia.diagnostics import Diagnostic
+from lagrangia.diagnostics import Diagnostic, tell_miss
 from lagrangia.functions import Functions
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
@@ -99,7 +99,7 @@ def _problem(initial: InitialConditions, worst: int, residuals: Vector) -> Diagn
     together = [k for k in alike if loop and initial.residual_loops[k] == loop]
     gap = float(np.linalg.norm(residuals[together or [worst]]))
     unit = "m/s or rad/s" if is_rate else "m or rad"
-    return Diagnostic("error", "L0606", f"{initial.complaint(worst)}: it misses by {gap:.3g} ({unit})", span, "",
+    return Diagnostic("error", "L0606", f"{initial.complaint(worst)}: {tell_miss(gap, unit)}", span, "",
                       ("change the lengths, the places of the joints, or the start values it is solved from",))
 
 

@@ -14,7 +14,7 @@ from lagrangia.orthogonal import Vector, nearest
 from lagrangia.parameters import default_parameters
 
 _SATISFIED, _DEPENDENT, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL = 1e-10, 1e-10, 1e-4, 0.5, 0.9
-_CRITICAL, _PUSH, _GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
+_CRITICAL, _PUSH, GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def start_equations(kinematics: Kinematics, initial: InitialConditions, table: M
 
 def pattern(n: int, turn: int) -> Vector:
     """From -0.5 to 0.5, different for each value."""
-    places = (np.arange(n) + 1) * _GOLDEN_RATIO + turn * _GOLDEN_RATIO * _GOLDEN_RATIO
+    places = (np.arange(n) + 1) * GOLDEN_RATIO + turn * GOLDEN_RATIO * GOLDEN_RATIO
     return np.asarray(np.fmod(places, 1) - 0.5)
 
 
@@ -79,7 +79,8 @@ class Newton:
         halves = (slice(0, n), slice(n, 2 * n))
         self.metrics = [Metric(equations.momenta, x[:n], fixed[half], scale[half], way) for half in halves]
         self.middle = self.metrics[0].order.size
-        self.weight = np.linalg.norm(self._measured(general.jacobian[:active]), axis=1)
+        weight = np.linalg.norm(self._measured(general.jacobian[:active]), axis=1)
+        self.weight = np.where(np.isfinite(weight), weight, 0.0)
 
     def solve(self, x: Vector, most_iterations: int, most_pushes: int) -> tuple[Vector, int]:
         pushes, size, worst = 0, np.inf, 0
@@ -133,7 +134,7 @@ class Newton:
         return np.concatenate([metric.of_gradients(part) for metric, part in parts], axis=1)
 
     def _correct(self, wish: Vector) -> float:
-        rows = self._measured(self.jacobian)
+        rows = self._measured(np.where(np.isfinite(self.jacobian), self.jacobian, 0.0))
         length = np.maximum(np.linalg.norm(rows, axis=1), self.weight)
         unit = np.where(length > 0, length, np.inf)
         z, _ = nearest(rows / unit[:, None], -self.g / unit, wish, _DEPENDENT, length / self.length)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
-from lagrangia.diagnostics import Diagnostic, LagError, Report, RunError, fail, suggest
+from lagrangia.diagnostics import Diagnostic, LagError, Report, RunError, fail, suggest, tell_miss
 from lagrangia.engines import Engine
 from lagrangia.given import a_count, a_number, by_name, numbers
 from lagrangia.runtime import Failure, Run, Settings, Statistics, Status
@@ -301,7 +301,7 @@ def _fail_start(scene: Scene, failure: Failure) -> None:
     if failure.status is Status.INITIAL_FAILED:
         what, excerpt = scene.initial_places[failure.index]
         unit = "m or rad" if failure.index < scene.sizes["n_initial_positions"] else "m/s or rad/s"
-        raise LagError([Diagnostic("error", "L0606", f"{what}: it misses by {abs(failure.value):.3g} ({unit})", None, "",
+        raise LagError([Diagnostic("error", "L0606", f"{what}: {tell_miss(failure.value, unit)}", None, "",
                                    ("change the parameters it depends on, or the start values it is solved from",), excerpt)])
     raise RunError(explain(scene, failure))
 
