@@ -68,7 +68,8 @@ LagStatus lag_step_adaptive(LagRun *run)
         if (!(error > attempts.allowed && error < INFINITY) && lag_switches_release(run))
             continue;
         ++attempts.rejected;
-        lag_onset_learn(motion, &run->scale, t_new, error * run->scale.tolerance, FORESEEN);
+        if (lag_project_is_near(run, t_new, motion->other))
+            lag_onset_learn(motion, &run->scale, t_new, error * run->scale.tolerance, FORESEEN);
         const double shorter = shrunk(run, h, error <= attempts.allowed ? INFINITY : error);
         if (lag_attempts_leave(run, &attempts, h, error, shorter))
             return run->methods.table->step(run);

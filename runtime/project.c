@@ -32,6 +32,7 @@ static const double MOST_UNITS = 100, FINEST = 1e-11, NEAR_SINGULAR = 1e-9, FALL
 /* After a step that was projected by less than so many units of error the next one need not be; more in a row would cost digits
  * near singular positions. */
 static const double DRIFT = 0.05;
+static const double NEAR = 0.1; /* of coordinates and rates: corrections of a state that has not run away */
 enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2, BOTH_ITERATIONS = 4 };
 
 typedef enum { POSITIONS, RATES } Level;
@@ -174,6 +175,18 @@ static void note_residuals(LagRun *run)
     LagProjection *s = &run->projection;
     s->latest.gap = lag_largest(s->phi, (size_t)run->model->n_holonomic);
     s->latest.rate = lag_largest(s->rate, (size_t)run->model->n_multipliers);
+}
+
+int lag_project_is_near(LagRun *run, double t, const double *y)
+{
+    const LagModel *model = run->model;
+    int is_near = 1;
+    if (model->n_multipliers == 0)
+        return 1;
+    memcpy(run->projection.state, y, 2 * (size_t)model->n * sizeof *y);
+    for (Level level = model->n_holonomic > 0 ? POSITIONS : RATES; level <= RATES && is_near; ++level)
+        is_near = evaluate(run, level, t, y) && lag_correction_size(run, first_of(run, level)) < NEAR;
+    return is_near;
 }
 
 int lag_project_waits(LagRun *run, double t)

@@ -184,7 +184,7 @@ static LagStatus step(LagRun *run)
         }
         ++attempts.rejected;
         has_failed |= convergence != LAG_STAGES_CONVERGED;
-        if (convergence == LAG_STAGES_CONVERGED)
+        if (convergence == LAG_STAGES_CONVERGED && lag_project_is_near(run, t_new, m->other))
             lag_onset_learn(m, &run->scale, t_new, error * run->scale.tolerance, FORESEEN);
         run->step = lag_attempts_next(run, &attempts, h, error, h * shorter(s, convergence, asked, error));
         if (run->careful && attempts.rejected > HOPELESS && lag_stiffness_pass(run)) {

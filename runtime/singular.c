@@ -12,7 +12,7 @@ static const double HELD = 1e-3; /* of the largest part of a displacement: less 
 
 void lag_singular_layout(LagRun *run, LagArena *arena)
 {
-    run->probe = lag_take(arena, run->model->n_multipliers > 0 ? 5 * (size_t)run->model->n : 0);
+    run->probe = lag_take(arena, run->model->n_multipliers > 0 ? 6 * (size_t)run->model->n : 0);
 }
 
 /* The accelerations at positions q and the present rates, less those of `before`. Returns 0 when they have no value. */
@@ -58,28 +58,43 @@ static double largest_held(const double *a, const double *normal, double size, i
     return most;
 }
 
-static double measure(LagRun *run, double h, double size)
+/* What the motion, by its rates and accelerations, does over a part of a step of length h, into q less the present state: it may
+ * begin at rest. Returns its largest part. */
+static double along(const LagMotion *m, double h, const double *a, double *q)
+{
+    double largest = 0;
+    for (int i = 0; i < m->n; ++i) {
+        q[i] = PART * h * (m->y[m->n + i] + h / 2 * a[i]);
+        largest = lag_max(fabs(q[i]), largest);
+    }
+    return largest;
+}
+
+static double measure(LagRun *run, double h)
 {
     const LagMotion *m = &run->motion;
     const int n = m->n;
-    double *a = run->probe, *changed = a + n, *q = changed + n, *normal = q + n;
-    if (!(size > 0) || !across(run, size, q, normal) || !change(run, m->y, NULL, a))
+    double *a = run->probe, *changed = a + n, *q = changed + n, *normal = q + n, *way = normal + 2 * n;
+    if (!change(run, m->y, NULL, a))
+        return INFINITY;
+    const double size = along(m, h, a, way);
+    if (!(size > 0) || !across(run, size, q, normal))
         return INFINITY;
     for (int i = 0; i < n; ++i)
-        q[i] = m->y[i] + PART * h * m->y[n + i];
+        q[i] = m->y[i] + way[i];
     if (!change(run, q, a, changed))
         return INFINITY;
-    const double along = largest_held(changed, normal, size, n);
+    const double by_motion = largest_held(changed, normal, size, n);
     for (int i = 0; i < n; ++i)
         q[i] = m->y[i] + normal[i];
-    return change(run, q, a, changed) ? largest_held(changed, normal, size, n) / along : INFINITY;
+    return change(run, q, a, changed) ? largest_held(changed, normal, size, n) / by_motion : INFINITY;
 }
 
 double lag_singularity(LagRun *run, double h)
 {
     const int was_careful = run->careful;
     run->careful = 0;
-    const double ratio = measure(run, h, PART * h * lag_largest(run->motion.y + run->motion.n, (size_t)run->motion.n));
+    const double ratio = measure(run, h);
     run->careful = was_careful;
     return ratio;
 }

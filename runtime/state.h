@@ -59,7 +59,7 @@ struct LagRun {
     double wanted;        /* time of the row that is asked for */
     double row_spacing;   /* of the rows that are asked for at once, on average; 0: nobody knows */
     double step;          /* length proposed for the next step */
-    double *probe; /* 5 n: scratch of lag_singularity, with constraints */
+    double *probe; /* 6 n: scratch of lag_singularity, with constraints */
     double start_energy, energy_before;
     double given_energy;  /* by jumps of modes, inputs and parameters, where no work is integrated */
     double deadline;      /* by lag_clock, of the call under way; infinity: none */
