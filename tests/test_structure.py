@@ -65,6 +65,8 @@ ORDER = """
     constraints
     initial
     orthogonal
+    branches
+    equilibrium
     metric
     newton
     assembly
@@ -96,7 +98,6 @@ ORDER = """
     functions
     assemblies
     freedom
-    equilibrium
     linearization
     sympy_algebra
     symbolic

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra import value_of
 from lagrangia.assembly import Assembly
+from lagrangia.branches import told
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.dimensions import unit_of
 from lagrangia.equilibrium import Rest, StaticEquations, find_all, find_rest, onto_constraints
@@ -20,7 +21,7 @@ from lagrangia.initial import FIXED, FREE
 from lagrangia.joints import all_reactions, reaction_ports
 from lagrangia.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of
 from lagrangia.mechanism import Mechanism, build_mechanism
-from lagrangia.modes import Modes, find_modes, stability
+from lagrangia.modes import Modes, find_modes, modes_of_ways, stability_of_ways
 from lagrangia.newton import start_equations
 from lagrangia.observables import observe
 from lagrangia.probes import Probe, find_probes, usual_probes
@@ -45,7 +46,8 @@ _LARGE = 40  # coordinates: above, the usual search is from few starts
 class Equilibrium:
     """`position`: all coordinates, those that constraints give too, m and rad. `stability` after the linearised motion:
     asymptotically stable, stable (it oscillates without damping), neutral (some motion costs nothing), unstable; fixed, where
-    nothing can move; singular, where constraints are less independent than elsewhere and the linearised motion says nothing."""
+    nothing can move; singular, where constraints are less independent than elsewhere and the linearised motion says nothing.
+    Where ways of moving meet it is that of the least stable one."""
 
     position: Mapping[str, float]
     potential: float
@@ -55,6 +57,7 @@ class Equilibrium:
     n_neutral: int
     reactions: Mapping[str, float]
     residual: float  # the largest force left, N or N.m
+    ways: tuple[str, ...] = ()  # of moving, by the coordinates that move, where several meet; the eigenvalues are of all of them
 
     @property
     def is_stable(self) -> bool:
@@ -277,16 +280,31 @@ class Study:
         position = dict(zip(self.names, map(float, rest.q), strict=True))
         position |= dict(zip(e.outputs[:n_given], map(float, y[:n_given]), strict=True))
         reactions = dict(zip(e.outputs[n_given:], map(float, y[n_given:]), strict=True))
-        linear = self.linear_at(e, rest.q, np.zeros(self.scene.n), rest.multipliers, pace, True)
-        kind, growth = ("singular", math.nan) if rest.is_singular else stability(linear)
+        linears = self.linears_at(e, rest, pace)
+        kind, growth = ("singular", math.nan) if linears is None else stability_of_ways(list(linears.values()))
+        eigenvalues = [complex(x) for linear in (linears or {}).values() for x in linear.eigenvalues]
         R = self.call(e.static, rest.q, rest.multipliers, pace)[0]
-        return Equilibrium(position, rest.V, kind, growth, tuple(map(complex, linear.eigenvalues)), rest.n_neutral, reactions,
-                           float(np.abs(R).max(initial=0.0)))
+        ways = tuple(name for name in linears or () if name)
+        reactions = {} if rest.ways is not None and rest.ways.is_rigid else reactions  # these have no bound
+        return Equilibrium(position, rest.V, kind, growth, tuple(eigenvalues), rest.n_neutral, reactions,
+                           float(np.abs(R).max(initial=0.0)), ways)
+
+    def linears_at(self, e: SmallMotion, rest: Rest, pace: float) -> dict[str, Linearization] | None:
+        """About a position of rest, one of each way of moving, by their names; one without a name at an ordinary position. None
+        where ways meet that linear motion does not know."""
+        planes: Sequence[Vector | None] = [None]
+        if rest.ways is not None:
+            if rest.ways.is_open:
+                return None
+            planes = [self.reach[:, None] * plane for plane in rest.ways.planes or (np.zeros((self.scene.n, 0)),)]
+        still = np.zeros(self.scene.n)
+        return {told(plane, self.names) if plane is not None and len(planes) > 1 else "":
+                self.linear_at(e, rest.q, still, rest.multipliers, pace, True, plane=plane) for plane in planes}
 
     def linear_at(self, e: SmallMotion, q: Vector, v: Vector, lam: Vector, pace: float, is_equilibrium: bool,
-                  a: Vector | None = None) -> Linearization:
+                  a: Vector | None = None, plane: Vector | None = None) -> Linearization:
         """About a state and its accelerations; the forces R that are left over without those are the load."""
-        tangent = tangent_of(self.tangent(e, q, lam, pace, v, a), self.is_preferred, self.reach)
+        tangent = tangent_of(self.tangent(e, q, lam, pace, v, a), self.is_preferred, self.reach, plane)
         residual = np.zeros(e.n) if is_equilibrium else self.call(e.static, q, lam, pace, v)[0].ravel()
         given = Given(self.scene.name, self.names, tuple(p.name for p in e.probes), e.outputs,
                       dict(zip(self.names, map(float, q), strict=True)), residual, is_equilibrium,
@@ -301,10 +319,21 @@ class Study:
         probes = usual_probes(kinematics) if excitations is None else find_probes(kinematics, self.c.constraints, excitations)
         e = self.equations(probes, self._usual_outputs() if outputs is None else tuple(dict.fromkeys(outputs)))
         pace = self.pace(e)
-        if about == "equilibrium":
-            rest = self.rest(e, pace)
-            return self.linear_at(e, rest.q, np.zeros(self.scene.n), rest.multipliers, pace, True)
-        return self._about_start(e, pace)
+        if about == "start":
+            return self._about_start(e, pace)
+        found = self._linears(e, pace)
+        if len(found) > 1:
+            raise RunError(f"the equilibrium is a singular position, where {len(found)} ways of moving meet, and matrices are of "
+                           f"one: {'; or '.join(found)}; lag modes tells the modes of each")
+        return next(iter(found.values()))
+
+    def _linears(self, e: SmallMotion, pace: float) -> dict[str, Linearization]:
+        """Of each way of moving, about the equilibrium found from the start. Raises RunError where none is linear."""
+        found = self.linears_at(e, self.rest(e, pace), pace)
+        if found is None:
+            raise RunError("the equilibrium is a singular position, where ways of moving meet that no linear motion tells; "
+                           "try other values with --initial")
+        return found
 
     def _usual_outputs(self) -> tuple[str, ...]:
         """The coordinates, those that others give too, but none that is itself what excites; and the declared outputs."""
@@ -336,7 +365,13 @@ class Study:
         return self.linear_at(e, q, v, lam, pace, is_rest, a)
 
     def modes(self, about: str, mass_normalised: bool) -> Modes:
-        return find_modes(self.linearize(about, (), ()), self.names, mass_normalised, self.mechanism)
+        if about == "equilibrium":
+            e = self.equations()
+            linears = self._linears(e, self.pace(e))
+        else:
+            linears = {"": self.linearize(about, (), ())}
+        found = {way: find_modes(linear, self.names, mass_normalised, self.mechanism) for way, linear in linears.items()}
+        return modes_of_ways(found) if len(found) > 1 else found[""]
 
     @property
     def mechanism(self) -> Mechanism:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from lagrangia.analysis import Equilibria, Equilibrium
     from lagrangia.linearization import Linearization
-    from lagrangia.modes import Modes
+    from lagrangia.modes import Mode, Modes
     from lagrangia.response import Response
 
 Matrix = NDArray[np.float64]
@@ -30,6 +30,7 @@ def equilibria_text(found: "Equilibria") -> str:
     for k, item in enumerate(found.found):
         reached = ", reached from the start" if k == 0 and found.is_reached else ""
         lines.append(f"{k + 1}: {_verdict(item)}{reached}")
+        lines += [f"  {len(item.ways)} ways of moving meet here: {'; or '.join(item.ways)}"] * bool(item.ways)
         lines += [f"  {text}" for text in _positions(item.position, found.units)]
         lines.append(f"  V = {_shown(item.potential)} J; the largest force left over is {item.residual:.1e}")
         if item.reactions:
@@ -127,18 +128,14 @@ def modes_text(modes: "Modes") -> str:
     lines = [f"{modes.name}: modes about {point}{more}", ""]
     if not len(modes):
         return f"{lines[0]}: none, nothing can move"
-    lines.append(f"mode{'f [Hz]':>14}{'omega [rad/s]':>15}{'period [s]':>13}")
-    for k, mode in enumerate(modes.modes[:_MOST_ROWS]):
-        if mode.kind == "oscillation":
-            lines.append(f"{k + 1:>4}{mode.frequency:>14.7g}{mode.omega:>15.7g}{1 / mode.frequency:>13.6g}")
-        elif mode.kind == "rigid body":
-            lines.append(f"{k + 1:>4}{0:>14g}{0:>15g}   rigid-body motion: nothing brings it back")
-        else:
-            lines.append(f"{k + 1:>4}   runs away as exp({mode.growth:.7g} t): the equilibrium is unstable")
+    for way in modes.ways:
+        own = [(k, mode) for k, mode in enumerate(modes.modes[:_MOST_ROWS]) if mode.way == way]
+        lines += [*([f"way of moving: {way}"] if way else []), *_undamped_rows(own)]
+        if modes.has_damping or modes.is_gyroscopic:
+            lines += ["", *_damped(modes, way)]
+        lines += [""] * bool(way and way != modes.ways[-1])
     if len(modes) > _MOST_ROWS:
         lines.append(f" ... and {len(modes) - _MOST_ROWS} more; -o FILE.json has all of them")
-    if modes.has_damping or modes.is_gyroscopic:
-        lines += ["", *_damped(modes)]
     scaled = "mass-normalised" if modes.scaling == "mass" else "the largest entry of each is 1"
     lines += ["", f"shapes ({scaled})"]
     shown = min(len(modes), 8)
@@ -146,10 +143,21 @@ def modes_text(modes: "Modes") -> str:
     return "\n".join([*lines, *(f"note: {note}" for note in modes.notes)])
 
 
-def _damped(modes: "Modes") -> Iterator[str]:
+def _undamped_rows(modes: Sequence[tuple[int, "Mode"]]) -> Iterator[str]:
+    yield f"mode{'f [Hz]':>14}{'omega [rad/s]':>15}{'period [s]':>13}"
+    for k, mode in modes:
+        if mode.kind == "oscillation":
+            yield f"{k + 1:>4}{mode.frequency:>14.7g}{mode.omega:>15.7g}{1 / mode.frequency:>13.6g}"
+        elif mode.kind == "rigid body":
+            yield f"{k + 1:>4}{0:>14g}{0:>15g}   rigid-body motion: nothing brings it back"
+        else:
+            yield f"{k + 1:>4}   runs away as exp({mode.growth:.7g} t): the equilibrium is unstable"
+
+
+def _damped(modes: "Modes", way: str) -> Iterator[str]:
     head = "with damping" if modes.has_damping else "gyroscopic  "
     yield f"{head}{'f [Hz]':>14}{'omega [rad/s]':>15}{'|s| [rad/s]':>13}{'zeta':>11}"
-    for item in modes.damped[:_MOST_ROWS]:
+    for item in [item for item in modes.damped[:_MOST_ROWS] if item.way == way]:
         if item.eigenvalue.imag > 0:
             zeta = item.damping_ratio if abs(item.damping_ratio) > _UNDAMPED else 0.0
             yield f"{'':12}{item.frequency:>14.7g}{item.damped_omega:>15.7g}{item.omega:>13.7g}{zeta:>11.5g}"

@@ -44,7 +44,12 @@ def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
         lines.append(f"  coordinates {shown}" + (f"; {held} constraint{'s' if held != 1 else ''}{closed}" if held else ""))
     if notes["dependent"]:
         lines.append(f"  given by others: {', '.join(notes['dependent'][:8])}")
-    if freedom["degrees_at_start"] > degrees:
+    if freedom["is_rigid_at_start"]:
+        lines.append("  the start is a singular position: nothing moves there, and parts a little longer let it go")
+    elif freedom["ways_at_start"]:
+        ways = freedom["ways_at_start"]
+        lines.append(f"  the start is a singular position, where {len(ways)} ways of moving meet: {'; or '.join(ways)}")
+    elif freedom["degrees_at_start"] > degrees:
         lines.append(f"  the start is a singular position: {freedom['degrees_at_start']} degrees of freedom there")
     lines += [f"  {text}" for text in (*freedom["repeated"], *freedom["assemblies"])]
     return "\n".join(lines)

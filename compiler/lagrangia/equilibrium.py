@@ -8,17 +8,20 @@ scene is let down, by steps that turn back in directions of negative stiffness, 
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.branches import Ways, find_ways
+
 Vector = NDArray[np.float64]
 _MOST_STEPS, _MOST_DESCENTS, _MOST_RETURNS, _SHORTEST = 50, 300, 15, 1e-3
 _RANK = 1e-9
 _NEAR = 0.5  # natural sizes: rad, or the size of the scene
-_ASIDE, _SAFE = 0.03, 1e-6  # where the rank is compared; constraints less independent leave no digits
+_ASIDE, _FAR, _SAFE = 0.03, 0.3, 1e-6  # where the rank is compared; constraints less independent leave no digits
+_DOUBTFUL, _MET, _MOST_MEETINGS = 1e-4, 1e-12, 8  # of normalised rows: where a singular position may be near; is found
 _STALLED, _PATIENCE = 0.5, 8  # so many steps that take off less than half of the residual
 _AT_REST = 1e-9  # of the forces that a natural displacement calls up,
 _STEEPEST = 1e4  # which are at most so many times those at the start
@@ -32,14 +35,14 @@ _LARGEST_TURN, _SETTLING = 0.8, 0.2  # of one step, in natural sizes
 class Rest:
     """A position of rest, its multipliers, its potential energy, and how many free directions cost nothing there.
 
-    Singular: fewer constraints are independent there than in general positions, so that ways of moving meet.
+    Where fewer constraints are independent than in general positions `ways` tells the ways of moving that meet, in natural sizes.
     """
 
     q: Vector
     multipliers: Vector
     V: float
     n_neutral: int
-    is_singular: bool = False
+    ways: Ways | None = None
 
 
 @dataclass(frozen=True)
@@ -58,10 +61,21 @@ def find_rest(equations: StaticEquations, start: Vector) -> Rest | None:
     """The position of rest near the start, or else the one where it would settle; None when there is no rest to be found."""
     newton = _Newton(equations, start)
     with np.errstate(all="ignore"):
+        if (stuck := newton.find_rigid(start)) is not None:
+            return stuck
         near = newton.solve(start)
         if near is not None and np.abs((near.q - start) / equations.reach).max(initial=0.0) < _NEAR:
             return near
         return newton.settle(start) or near
+
+
+def ways_at(equations: StaticEquations, q: Vector) -> Ways | None:
+    """The ways of moving that meet at a position or very near it; None where constraints are as independent as elsewhere."""
+    with np.errstate(all="ignore"):
+        try:
+            return _Newton(equations, q).ways_near(q)
+        except np.linalg.LinAlgError:
+            return None
 
 
 def onto_constraints(equations: StaticEquations, q: Vector, is_free: NDArray[np.bool_]) -> Vector | None:
@@ -214,8 +228,78 @@ class _Newton:
         sizes = np.linalg.svd(reduced, compute_uv=False)
         neutral = int((sizes <= 1e-9 * max(sizes.max(initial=0.0), 1e-3 * size)).sum()) if sizes.size else 0
         rank, margin = self._rank(q)
-        general = max((self._rank(x)[0] for x in nearby), default=rank)
-        return Rest(q, lam, V, neutral, rank < general) if rank < general or margin > _SAFE else None
+        if margin <= _DOUBTFUL and (meeting := self._onto_singular(q)) is not None:
+            return self._judge(self._look(meeting))
+        if margin <= _SAFE:
+            return None
+        ways = self._ways(q, max((self._rank(x)[0] for x in nearby), default=rank))
+        return Rest(q, lam, V, neutral, ways)
+
+    def find_rigid(self, start: Vector) -> Rest | None:
+        """The start, where it is a singular position in which nothing moves, as of two bars that are just long enough."""
+        try:
+            q = self.onto(start)
+            ways = None if q is None else self.ways_near(q)
+            if q is None or ways is None or not ways.is_rigid or (q := self._onto_singular(q)) is None:
+                return None
+            look = self._look(q)
+            return Rest(q, look[4], look[5], 0, ways)
+        except np.linalg.LinAlgError:
+            return None
+
+    def ways_near(self, q: Vector) -> Ways | None:
+        """At the singular position very near by; others are tried along the constraints, and where there are none, anywhere."""
+        if not (self._decomposed(q)[1] <= _DOUBTFUL).any() or (meeting := self._onto_singular(q)) is None:
+            return None
+        _, sizes, right = self._decomposed(meeting)
+        nearby = self._nearby(meeting, right[int((sizes > _RANK).sum()):].T)
+        distinct = [x for x in nearby if np.abs((x - meeting) / self.reach).max() > _ASIDE / 10]
+        return self._ways(meeting, max(self._rank(x)[0] for x in distinct or [self.aside]))
+
+    def _ways(self, q: Vector, general: int) -> Ways | None:
+        """Those that meet at a singular position, others having `general` independent constraints; None at an ordinary one."""
+        left, sizes, right = self._decomposed(q)
+        rank = int((sizes > _RANK).sum())
+        if rank == len(left):
+            return None
+        N = right[rank:].T
+        ways = find_ways(N, [self._bend(q, w) for w in left[:, rank:].T], q.size - general, partial(self._leads_on, q))
+        return None if len(ways.planes) == 1 and ways.planes[0].shape[1] == q.size - rank else ways
+
+    def _leads_on(self, q: Vector, direction: Vector) -> bool:
+        """Whether positions lie along it, either way."""
+        ends = [self.onto(q + side * _ASIDE * self.reach * direction) for side in (-1, 1)]
+        gone = [-1.0 if x is None else side * ((x - q) / self.reach) @ direction for side, x in zip((-1, 1), ends, strict=True)]
+        return bool(min(gone) > _ASIDE / 2)
+
+    def _bend(self, q: Vector, w: Vector) -> Vector:
+        """w^T d2Phi/dq2 of the normalised holonomic rows, in natural sizes."""
+        is_place = np.arange(w.size) < self.e.static(q)[1].size
+        plain, _, _ = self.e.stiffness(q, np.zeros(w.size))
+        bent, _, _ = self.e.stiffness(q, np.where(is_place, w / self.row_sizes, 0.0))
+        return np.asarray((bent - plain) * self.reach * self.reach[:, None])
+
+    def _decomposed(self, q: Vector) -> tuple[Vector, Vector, Vector]:
+        """The singular values of the normalised rows, as many as there are rows, and their vectors."""
+        _, _, rows = self.e.stiffness(q, np.zeros(0))
+        left, sizes, right = np.linalg.svd(self._scaled(rows))
+        return left, np.concatenate([sizes, np.zeros(len(rows) - sizes.size)]), right
+
+    def _onto_singular(self, q: Vector) -> Vector | None:
+        """The singular position very near by: Newton's method for Phi = 0 and w^T dPhi/dq = 0 in the free directions N."""
+        for _ in range(_MOST_MEETINGS):
+            left, sizes, right = self._decomposed(q)
+            rank = int((sizes > _DOUBTFUL).sum())
+            if (sizes[rank:] <= _MET).all():
+                return q
+            _, phi, _ = self.e.static(q)
+            gaps = np.concatenate([phi, np.zeros(len(left) - phi.size)]) / self.row_sizes
+            N, A, b = right[rank:].T, [sizes[:rank, None] * right[:rank]], [-(left.T @ gaps)[:rank]]
+            for k in range(rank, len(left)):
+                A.append(N.T @ self._bend(q, left[:, k]))
+                b.append(-(N.T @ right[k]) * sizes[k] if k < len(right) else np.zeros(N.shape[1]))
+            q = q + np.linalg.lstsq(np.vstack(A), np.concatenate(b), rcond=1e-8)[0] * self.reach
+        return None
 
     def _nearby(self, q: Vector, N: Vector) -> list[Vector]:
         """Other positions near by that the constraints allow."""
@@ -226,9 +310,20 @@ class _Newton:
     def _rank(self, q: Vector) -> tuple[int, float]:
         """How many constraints are independent, and the least of them beside the largest."""
         _, _, rows = self.e.stiffness(q, np.zeros(0))
-        sizes = np.linalg.svd(rows * self.reach, compute_uv=False)
-        kept = sizes[sizes > _RANK * sizes.max(initial=0.0)]
-        return kept.size, float(kept.min() / kept.max()) if kept.size else 1.0
+        sizes = np.linalg.svd(self._scaled(rows), compute_uv=False)
+        kept = sizes[sizes > _RANK * max(1.0, sizes.max(initial=0.0))]
+        return kept.size, float(kept.min() / max(1.0, kept.max())) if kept.size else 1.0
+
+    def _scaled(self, rows: Vector) -> Vector:
+        """In natural displacements, each row by its usual size: one that vanishes in a singular position stays small."""
+        return np.asarray(rows * self.reach / self.row_sizes[:, None])
+
+    @cached_property
+    def row_sizes(self) -> Vector:
+        far = self.start + _FAR / _ASIDE * (self.aside - self.start)
+        sizes = [np.abs(self.e.stiffness(q, np.zeros(0))[2] * self.reach).max(axis=1, initial=0.0) for q in (self.start, far)]
+        largest = np.maximum(*sizes)
+        return np.where(largest > 0, largest, 1.0)
 
     @cached_property
     def usual(self) -> float:
@@ -250,9 +345,9 @@ class _Newton:
         """In natural sizes: the residual in the free directions, those directions, the stiffness, the multipliers, V."""
         R, _, V = self.e.static(q)
         K, _, rows = self.e.stiffness(q, np.zeros(0))
-        scaled = rows * self.reach
-        lam = -np.linalg.pinv(scaled.T, rcond=_RANK) @ (R * self.reach) if scaled.size else np.zeros(len(scaled))
-        N = _null_space(scaled)
+        scaled = self._scaled(rows)
+        lam, N = _held(scaled, R * self.reach)
+        lam = lam / self.row_sizes
         if lam.size:
             K, _, _ = self.e.stiffness(q, lam)
         return q, N.T @ (R * self.reach), N, K * self.reach * self.reach[:, None], lam, V
@@ -303,11 +398,12 @@ class _Newton:
 _Look = tuple[Vector, Vector, Vector, Vector, Vector, float]
 
 
-def _null_space(A: Vector) -> Vector:
-    if not A.shape[0]:
-        return np.eye(A.shape[1])
-    _, sizes, rows = np.linalg.svd(A)
-    rank = int((sizes > _RANK * sizes.max(initial=0.0)).sum())
-    return np.asarray(rows[rank:].T)
+def _held(rows: Vector, force: Vector) -> tuple[Vector, Vector]:
+    """Multipliers of normalised rows that balance the force as well as they can, and the directions that are left free."""
+    if not rows.shape[0]:
+        return np.zeros(0), np.eye(rows.shape[1])
+    left, sizes, right = np.linalg.svd(rows)
+    rank = int((sizes > _RANK * max(1.0, sizes.max(initial=0.0))).sum())
+    return -left[:, :rank] @ ((right[:rank] @ force) / sizes[:rank]), np.asarray(right[rank:].T)
 
 

@@ -8,18 +8,22 @@ singular position is not known better.
 from dataclasses import dataclass, replace
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from lagrangia.assemblies import Alternatives, find_alternatives
 from lagrangia.assembly import Assembly, begin
+from lagrangia.branches import told
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints, Row
 from lagrangia.diagnostics import Diagnostic, tell_miss
+from lagrangia.equilibrium import StaticEquations, ways_at
 from lagrangia.functions import Functions
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
 from lagrangia.orthogonal import Vector
+from lagrangia.parameters import at_declared_values
 from lagrangia.positions import Positions, shortest
 
 _RANK = 1e-7
@@ -30,8 +34,8 @@ _NOTHING = 1e-300
 
 @dataclass(frozen=True)
 class Freedom:
-    """`degrees` of freedom at general positions and `now`, at the start; rows that repeat others, told and by their places; what
-    does not assemble; loops that close in several ways."""
+    """`degrees` of freedom at general positions and `now`, at the start, where `ways` of moving meet if it is singular; rows that
+    repeat others, told and by their places; what does not assemble; loops that close in several ways."""
 
     degrees: int
     now: int
@@ -39,6 +43,8 @@ class Freedom:
     problem: Diagnostic | None
     alternatives: tuple[Alternatives, ...] = ()
     dependent: tuple[int, ...] = ()
+    ways: tuple[str, ...] = ()
+    is_rigid: bool = False  # the start: nothing moves there
 
 
 def is_held_still(
@@ -58,6 +64,8 @@ def find_freedom(
     found, assembly, x = _find(kinematics, motion, constraints, initial, functions)
     if found.problem is not None or assembly is None:
         return found
+    if motion.constrained is not None:
+        found = _at_the_start(found, kinematics, motion.constrained, x[: motion.q.numel()])
     return replace(found, alternatives=find_alternatives(kinematics, initial, assembly, x))
 
 
@@ -86,6 +94,35 @@ def _find(
     return found, assembly, x
 
 
+def _at_the_start(found: Freedom, kinematics: Kinematics, held: ConstrainedMotion, q: Vector) -> Freedom:
+    """Where constraints are dependent, what second order allows of what first order does."""
+    ways = ways_at(_places(kinematics, held), q)
+    if ways is None or ways.is_open:
+        return found
+    names = [c.name for c in kinematics.graph.coordinates]
+    if len(ways.planes) > 1:
+        return replace(found, ways=tuple(told(plane, names) for plane in ways.planes))
+    now = ways.planes[0].shape[1] if ways.planes else 0
+    return replace(found, degrees=now, now=now, is_rigid=ways.is_rigid)
+
+
+def _places(kinematics: Kinematics, held: ConstrainedMotion) -> StaticEquations:
+    """The constraints alone, without forces."""
+    q = ca.vertcat(*kinematics.symbols.positions.values())
+    lam = ca.SX.sym("lambda", held.J.shape[0])
+    phi, J = (ca.densify(x) for x in at_declared_values(kinematics, [held.rows.phi, held.J]))
+    bent = ca.jacobian(ca.jtimes(phi, q, lam[: phi.numel()], True), q) if phi.numel() else ca.SX(q.numel(), q.numel())
+    gaps = ca.Function("gaps", [q], [phi])
+    slopes = ca.Function("slopes", [q, lam], [ca.densify(bent), ca.densify(ca.jacobian(phi, q)), J])
+    nothing, ones = np.zeros(q.numel()), np.ones(q.numel())
+
+    def stiffness(x: Vector, multipliers: Vector) -> tuple[Vector, Vector, Vector]:
+        K, own, rows = slopes(x, multipliers if multipliers.size else 0)
+        return K.full(), own.full(), rows.full()
+
+    return StaticEquations(lambda x: (nothing, gaps(x).full().ravel(), 0.0), stiffness, ones, np.full(q.numel(), False))
+
+
 def _tell(row: Row) -> str:
     what = f"the loop {row.loop.around}" if row.loop else f"the equation '{row.span.text}' at {row.span}"
     return f"{what} repeats in part what others already impose"
@@ -106,6 +143,7 @@ def _problem(initial: InitialConditions, worst: int, residuals: Vector) -> Diagn
 def freedom_notes(freedom: Freedom) -> dict[str, Any]:
     """As plain data, for a scene that is kept."""
     return {"degrees_of_freedom": freedom.degrees, "degrees_at_start": freedom.now, "repeated": list(freedom.repeated),
+            "ways_at_start": list(freedom.ways), "is_rigid_at_start": freedom.is_rigid,
             "assemblies": [item.text for item in freedom.alternatives],
             "given_by_loops": [name for item in freedom.alternatives for name in item.coordinates],
             "problem": freedom.problem.render() if freedom.problem else ""}

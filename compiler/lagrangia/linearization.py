@@ -59,11 +59,14 @@ class TangentParts:
     pushed: Matrix
 
 
-def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix) -> Tangent:
-    """Coordinates that are preferred stay free where the choice is open."""
+def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix, plane: Matrix | None = None) -> Tangent:
+    """Coordinates that are preferred stay free where the choice is open. `plane` (n, f): of one way of moving of several."""
     M, C, K, J, rates, (E0, E1, E2), pushed = x.M, x.C, x.K, x.J, x.rates, x.E, x.pushed
     n = M.shape[0]
     weight = reach * np.where(is_preferred, _PREFERRED, 1.0)
+    if plane is not None:  # what is normal to it takes the place of the constraints
+        J, pushed = _null_space(plane.T).T, np.zeros((n - plane.shape[1], E0.shape[1]))
+        rates = np.vstack([J, rates[x.J.shape[0]:]])
     dependent = pivots(J, weight)
     independent = tuple(k for k in range(n) if k not in set(dependent))
     N, P = np.zeros((n, len(independent))), np.zeros((n, E0.shape[1]))
@@ -75,7 +78,7 @@ def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix) -> 
     W = _null_space(rates @ N) if rates.shape[0] > J.shape[0] else np.eye(len(independent))
     E = (E0 + K @ P, E1 + C @ P, E2 + M @ P)
     return Tangent(independent, N, P, W, N.T @ M @ N, N.T @ C @ N, N.T @ K @ N, (N.T @ E[0], N.T @ E[1], N.T @ E[2]),
-                   (M, C, K, rates, E0, E1, E2))
+                   (M, C, K, x.rates, E0, E1, E2))
 
 
 def pivots(J: Matrix, weight: Matrix) -> list[int]:

@@ -1,7 +1,7 @@
 """Natural modes: undamped, K phi = omega^2 M phi, and the eigenvalues of the damped motion, s = -zeta omega +- i omega_d."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ class Mode:
     omega2: float
     shape: Mapping[str, float]
     kind: str  # "oscillation", "rigid body", "divergence"
+    way: str = ""  # where several ways of moving meet: the one that it belongs to
 
     @property
     def omega(self) -> float:
@@ -45,6 +46,7 @@ class DampedMode:
     """One eigenvalue s of the damped motion, of a pair the one with the positive imaginary part."""
 
     eigenvalue: complex
+    way: str = ""
 
     @property
     def omega(self) -> float:
@@ -68,7 +70,8 @@ class DampedMode:
 
 @dataclass(frozen=True)
 class Modes:
-    """Undamped modes by frequency; `damped` by |s|. `notes` say what does not fit the picture of plain vibration."""
+    """Undamped modes by frequency; `damped` by |s|. `notes` say what does not fit the picture of plain vibration. Where several
+    ways of moving meet, the modes of each way stand together, and `linearization` is that of the first."""
 
     name: str
     coordinates: tuple[str, ...]
@@ -80,6 +83,11 @@ class Modes:
     notes: tuple[str, ...]
     linearization: Linearization
     mechanism: Mechanism | None = None
+
+    @property
+    def ways(self) -> tuple[str, ...]:
+        """By the coordinates that move; one without a name at ordinary positions."""
+        return tuple(dict.fromkeys(mode.way for mode in self.modes))
 
     def __len__(self) -> int:
         return len(self.modes)
@@ -103,10 +111,11 @@ class Modes:
         return np.array([[mode.shape[name] for mode in self.modes] for name in self.coordinates])
 
     def to_dict(self) -> dict[str, Any]:
-        undamped = [{"frequency": m.frequency, "omega": m.omega, "growth": m.growth, "kind": m.kind, "shape": dict(m.shape)}
-                    for m in self.modes]
+        undamped = [{"frequency": m.frequency, "omega": m.omega, "growth": m.growth, "kind": m.kind, "shape": dict(m.shape),
+                     **_of_way(m.way)} for m in self.modes]
         damped = [{"real": m.eigenvalue.real, "imag": m.eigenvalue.imag, "frequency": m.frequency, "omega": m.omega,
-                   "damping_ratio": None if np.isnan(m.damping_ratio) else m.damping_ratio} for m in self.damped]
+                   "damping_ratio": None if np.isnan(m.damping_ratio) else m.damping_ratio, **_of_way(m.way)}
+                  for m in self.damped]
         return {"name": self.name, "point": dict(self.linearization.point), "scaling": self.scaling, "modes": undamped,
                 "damped": damped, "notes": self.notes}
 
@@ -115,6 +124,21 @@ class Modes:
         from lagrangia.analysis_plot import draw_modes
 
         return draw_modes(self, path)
+
+
+def _of_way(way: str) -> dict[str, str]:
+    return {"way": way} if way else {}
+
+
+def modes_of_ways(found: Mapping[str, Modes]) -> Modes:
+    """The modes of ways of moving that meet, by their names, as one."""
+    first = next(iter(found.values()))
+    modes = tuple(replace(mode, way=way) for way, own in found.items() for mode in own.modes)
+    damped = tuple(replace(mode, way=way) for way, own in found.items() for mode in own.damped)
+    notes = dict.fromkeys(note for own in found.values() for note in own.notes)
+    word = f"a singular position, where {len(found)} ways of moving meet: small motion is along one of them"
+    return replace(first, modes=modes, damped=damped, has_damping=any(own.has_damping for own in found.values()),
+                   is_gyroscopic=any(own.is_gyroscopic for own in found.values()), notes=(*notes, word))
 
 
 def find_modes(linear: Linearization, coordinates: tuple[str, ...], mass_normalised: bool = False,
@@ -172,6 +196,14 @@ def damped_modes(linear: Linearization, has_rigid: bool) -> tuple[DampedMode, ..
     nothing = (_DEFECTIVE if has_rigid else 1e-14) * largest
     found = [complex(0.0) if abs(x) <= nothing else complex(x.real, 0.0 if abs(x.imag) <= 1e-13 * largest else x.imag) for x in s]
     return tuple(DampedMode(x) for x in sorted((x for x in found if x.imag >= 0), key=abs))
+
+
+_WORST = ("unstable", "neutral", "stable", "asymptotically stable", "fixed")
+
+
+def stability_of_ways(found: Sequence[Linearization]) -> tuple[str, float]:
+    """That of the way of moving that is least stable; nothing moves where there is none."""
+    return min((stability(linear) for linear in found), key=lambda x: (_WORST.index(x[0]), -x[1]), default=("fixed", 0.0))
 
 
 def stability(linear: Linearization) -> tuple[str, float]:
