@@ -57,13 +57,15 @@ static double first_step(LagRun *run, int is_bend)
     return fmin(longest, lag_first_step(&run->scale, slowness, run->methods.table->order));
 }
 
-/* What the loads will be: with switches as they will be. */
+/* What the loads will be: with switches as they will be, and nothing that holds. */
 static void look_ahead(LagRun *run)
 {
-    const int is_live = run->switches.is_live;
+    const int is_live = run->switches.is_live, sliding = run->sliding.count;
     run->switches.is_live = run->model->n_switches > 0;
+    run->sliding.count = 0;
     lag_onset_look(&run->motion, &run->scale, fmin(run->segment_end, run->settings.t_stop));
     run->switches.is_live = is_live;
+    run->sliding.count = sliding;
     lag_switches_recall(run);
 }
 

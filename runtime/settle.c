@@ -9,30 +9,22 @@
 
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "evaluate.h"
 #include "extremes.h"
 #include "jams.h"
+#include "jumps.h"
 #include "rubs.h"
 #include "state.h"
 
 enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
-enum { BLOCKS = 8, MOST_SINGLE = 3, MOST_TURNS = 20 };
-/* What of dg/dt is rounding, by its terms: in the choice, and while they slide; what of accelerations is; the share of the largest jump
- * so far that is none. */
-static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON, UNKNOWN = 1024 * DBL_EPSILON, VANISHED = 1e-10;
+enum { BLOCKS = 8, MOST_SINGLE = 3, MOST_TURNS = 20, LOOKS = 16 };
+/* What of dg/dt is rounding, by its terms: in the choice, and while they slide. */
+static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON;
 static const double NEARLY = 1e-9; /* of the terms of dg/dt */
-static const double NO_FORCE = 1e-13; /* of a force of the size of others: what others hold, a contact does not */
-static const double MOMENT = 1e-3; /* s */
-static const double LITTLE = 1e-3; /* of the largest change of an acceleration by a contact */
-
-void lag_sliding_rates(LagRun *run, double t, const double *y)
-{
-    const int n = run->model->n;
-    lag_motion_slope(&run->motion, t, y, y + n, run->switches.slope);
-    lag_conditions_by(run, t, y, y + n, run->switches.slope + n, run->sliding.g, run->sliding.rate);
-}
+static const double MOMENT = 1e-3; /* of a step; of a second where no step tells of one */
+static const double FAINT = 1e-6;  /* of the jump a moment later, or of the largest so far */
+static const double TIE = 1e-9; /* of the own jump */
 
 /* Contacts first: where friction and a contact hold the same rate, friction is what may not know its share. */
 static int gather(LagRun *run, const int *candidates)
@@ -44,114 +36,6 @@ static int gather(LagRun *run, const int *candidates)
             if (candidates[i] == 1 && lag_may_have_all(run, i) == !contacts)
                 s->which[count++] = i;
     return count;
-}
-
-/* Takes notice of accelerations without the jumps, in slope_without, and of the latest ones, with one: rounding of what slides is that
- * of a difference of such ones. */
-static void note_noise(LagRun *run)
-{
-    LagScale *scale = &run->scale;
-    const int n = run->model->n;
-    const double *with = run->switches.slope + n, *without = run->sliding.slope_without + n;
-    for (int i = 0; i < n; ++i) {
-        scale->onset[i] = lag_max(UNKNOWN * lag_max(fabs(with[i]), fabs(without[i])), scale->onset[i]);
-        scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
-    }
-}
-
-/* What slides has energies of the size of what the latest jump would set in motion. */
-static void note_energy(LagRun *run, double t, const double *y)
-{
-    LagSliding *s = &run->sliding;
-    const int n = run->model->n;
-    double energies[3];
-    for (int i = 0; i < n; ++i) {
-        s->state_here[i] = y[i];
-        s->state_here[n + i] = 2 * (run->switches.slope[n + i] - s->slope_without[n + i]);
-    }
-    lag_energies(run, t, s->state_here, energies);
-    s->energy = fabs(energies[0]);
-}
-
-/* How much another share of candidate j changes all rates, by the share: into its column. */
-static void probe(LagRun *run, double t, const double *y, int count, int j, double change)
-{
-    LagSliding *s = &run->sliding;
-    *lag_share(run, s->which[j]) = s->base[j] + change;
-    lag_sliding_rates(run, t, y);
-    for (int k = 0; k < count; ++k)
-        s->jump[k + j * count] = (s->rate[s->which[k]] - s->middle[k]) / change;
-    *lag_share(run, s->which[j]) = s->base[j];
-}
-
-/* A force of a contact that changes accelerations by as much as they are without it, or usually: v^2/q. Those with it, 1, are the
- * latest. */
-static double force_of_size(const LagRun *run)
-{
-    const double *without = run->sliding.slope_without, *with = run->switches.slope, *size = run->scale.floor;
-    const int n = run->model->n;
-    double most = 0, change = 0;
-    for (int i = n; i < 2 * n; ++i)
-        change = lag_max(fabs(with[i] - without[i]), change);
-    for (int i = n; i < 2 * n; ++i) {
-        const double place = lag_max(size[i - n], size[i] * MOMENT); /* what has just begun has no size yet */
-        const double usual = place > 0 ? size[i] * size[i] / place : 0, own = lag_max(fabs(without[i]), usual);
-        if (fabs(with[i] - without[i]) > LITTLE * change)
-            most = lag_max(own / fabs(with[i] - without[i]), most);
-    }
-    return most > 0 && most < INFINITY ? most : 1;
-}
-
-/* What shares of candidate j are measured by. */
-static void find_unit(LagRun *run, double t, const double *y, int count, int j)
-{
-    LagSliding *s = &run->sliding;
-    const int is_jump = lag_may_have_all(run, s->which[j]);
-    if (!is_jump)
-        probe(run, t, y, count, j, 1);
-    s->unit[j] = is_jump ? 1 : force_of_size(run);
-    s->least[j] = is_jump ? 0 : NO_FORCE * s->unit[j];
-}
-
-/* Shares that a choice begins with. */
-static void begin_shares(LagRun *run, int count)
-{
-    LagSliding *s = &run->sliding;
-    for (int k = 0; k < count; ++k) {
-        const int is_jump = lag_may_have_all(run, s->which[k]);
-        s->share[k] = is_jump ? 0.5 : 0;
-        s->limit[k] = is_jump ? 1 : INFINITY;
-        *lag_share(run, s->which[k]) = s->share[k];
-    }
-}
-
-/* The jumps of all `count` candidates, around the shares in d; of contacts by a force of the size that is needed. What is large and
- * what is rounding is learned at present states alone: stages of steps that are too long may be anywhere. */
-enum { ELSEWHERE, PRESENT, FIRST }; /* the latter: at the present state, with nothing known of it */
-static void find_jumps(LagRun *run, double t, const double *y, int count, int where)
-{
-    LagSliding *s = &run->sliding;
-    lag_sliding_rates(run, t, y);
-    memcpy(s->slope_without, run->switches.slope, 2 * (size_t)run->model->n * sizeof *y);
-    for (int k = 0; k < count; ++k) {
-        s->middle[k] = s->rate[s->which[k]];
-        s->base[k] = *lag_share(run, s->which[k]);
-    }
-    for (int j = 0; j < count; ++j) {
-        if (where == FIRST)
-            find_unit(run, t, y, count, j);
-        probe(run, t, y, count, j, lag_share_step(run, j));
-        if (where != ELSEWHERE)
-            note_noise(run);
-    }
-    for (int k = 0; k < count; ++k) {
-        double *jump = &s->jump[k + k * count];
-        const double size = fabs(*jump) * s->unit[k], most = lag_max(size, s->most_jump[s->which[k]]);
-        if (where != ELSEWHERE)
-            s->most_jump[s->which[k]] = most;
-        const int rests = run->switches.slides[s->which[k]] && size + fabs(s->middle[k]) < VANISHED * most;
-        *jump = rests ? -VANISHED * most / s->unit[k] : *jump; /* nothing holds it, or need to: friction may come again */
-    }
 }
 
 /* Those that nothing is known of: whether they act on their own g. */
@@ -285,7 +169,7 @@ static int choose(LagRun *run, double t, const double *y, int count)
         set_shares(run, count);
         if (!is_right || turn == MOST_TURNS || (may_end && is_linear(run, t, y, count)))
             return is_right && turn < MOST_TURNS;
-        find_jumps(run, t, y, count, PRESENT);
+        lag_jumps_find(run, t, y, count, LAG_PRESENT);
     }
 }
 
@@ -313,7 +197,7 @@ static int choose_together(LagRun *run, double t, const double *y, int count)
         s->unit[k] = s->limit[k] == INFINITY && s->state[k] == SLIDES ? lag_max(s->share[k], s->unit[k]) : s->unit[k];
     }
     set_shares(run, count);
-    find_jumps(run, t, y, count, PRESENT);
+    lag_jumps_find(run, t, y, count, LAG_PRESENT);
     s->lu.dependent = run->impacts.problem.lu.dependent;
     solve(s, count);
     let_go(run, count);
@@ -342,28 +226,156 @@ static int hold(LagRun *run, int count)
     return sliding;
 }
 
+/* -------- what holds with no force yet */
+
+/* What the present state does not tell: what friction that has no force, or a contact at which nothing presses, does where it need not
+ * do anything; and whether friction that has all its force, which is just enough, holds. */
+enum { TOLD, NOTHING_ACTS, JUST_HOLDS };
+
+/* That of candidate k; `size`: of the change of its rate by a share. */
+static int find_openness(const LagSliding *s, int count, int k, int is_jump, double size)
+{
+    const double jump = is_jump ? fabs(s->jump[k + k * count]) : 0, rate = fabs(s->rate[s->which[k]]);
+    const int is_at_end = s->state[k] == HIGH || (is_jump && s->state[k] == LOW), slides = s->state[k] == SLIDES;
+    if (is_at_end)
+        return rate <= TIE * jump ? JUST_HOLDS : TOLD;
+    return (is_jump || !slides) && jump + rate <= FAINT * size ? NOTHING_ACTS : TOLD;
+}
+
+/* Whether there may be such, where nothing was known of it before, or where it has been much more: into `open`. */
+static int find_open(LagRun *run, int count)
+{
+    LagSliding *s = &run->sliding;
+    const int touches = !lag_may_have_all(run, s->which[0]); /* contacts come first */
+    int some = 0;
+    for (int k = 0; k < count; ++k) {
+        const int i = s->which[k], is_jump = lag_may_have_all(run, i), may_press = touches || !lag_rubs_alone(run->model, i);
+        const double size = is_jump && s->is_new[k] ? INFINITY : s->most_jump[i];
+        s->open[k] = may_press ? find_openness(s, count, k, is_jump, size) : TOLD;
+        some |= s->open[k] != TOLD;
+    }
+    return some;
+}
+
+/* The state a moment later, into state_before. Returns the moment. */
+static double look_ahead(LagRun *run, double t, const double *y)
+{
+    LagSliding *s = &run->sliding;
+    const int n = run->model->n;
+    const double step = run->step > 0 ? MOMENT * run->step : MOMENT * MOMENT;
+    const double moment = lag_min(step, MOMENT * (run->segment_end - t));
+    lag_sliding_rates(run, t, y);
+    for (int i = 0; i < n; ++i) {
+        const double a = run->switches.slope[n + i];
+        s->state_before[i] = y[i] + moment * (y[n + i] + moment * a / 2);
+        s->state_before[n + i] = y[n + i] + moment * a;
+    }
+    return moment;
+}
+
+/* Forces of the time to come, with the present state, tell what of accelerations and energies will be rounding. */
+static void note_sizes_to_come(LagRun *run, double t, const double *y, int count)
+{
+    const double end = lag_min(run->segment_end, run->settings.t_stop), whole = isfinite(end) ? end - t : lag_max(1, fabs(t));
+    for (int look = 1; look <= LOOKS; ++look)
+        lag_jumps_find(run, t + look * (whole / (LOOKS + 1)), y, count, LAG_PRESENT);
+}
+
+static void remember(LagRun *run, int count)
+{
+    LagSliding *s = &run->sliding;
+    for (int k = 0; k < count; ++k) {
+        const int is_jump = lag_may_have_all(run, s->which[k]);
+        s->known[k] = s->state[k];
+        s->known_share[k] = *lag_share(run, s->which[k]);
+        s->known_rate[k] = fabs(s->rate[s->which[k]]) + (is_jump ? fabs(s->jump[k + k * count]) : 0);
+    }
+}
+
+/* Of the choice a moment later, what was open at the present state, and has more force by then. Returns whether something has force
+ * that had none. */
+static int take_over(LagRun *run, int count, int is_right)
+{
+    LagSliding *s = &run->sliding;
+    int some = 0;
+    for (int k = 0; k < count; ++k) {
+        const int i = s->which[k], is_jump = lag_may_have_all(run, i);
+        const double size = fabs(s->jump[k + k * count]) * (is_jump ? 1 : s->share[k]);
+        const int acts = is_right && s->state[k] != GIVEN && s->known_rate[k] <= FAINT * size && size > 0;
+        const int holds = is_right && s->state[k] == SLIDES && s->open[k] == JUST_HOLDS;
+        s->open[k] = s->open[k] == NOTHING_ACTS && acts ? NOTHING_ACTS : TOLD;
+        if (s->open[k] == NOTHING_ACTS) {
+            s->share[k] = is_jump ? s->share[k] : 0;
+            s->most_jump[i] = lag_max(size, s->most_jump[i]);
+            some = 1;
+        } else {
+            s->state[k] = holds ? SLIDES : s->known[k];
+            s->share[k] = s->known_share[k];
+        }
+    }
+    return some;
+}
+
+/* Friction whose limit grows from nothing, with a load that does: the share that it begins with is that of a moment later, and so is the
+ * side to which it does not hold; and where a contact begins to press, it holds from now on. The choice at the present state is known,
+ * and stays for all others. */
+static void choose_open(LagRun *run, double t, const double *y, int count)
+{
+    LagSliding *s = &run->sliding;
+    remember(run, count);
+    const double moment = look_ahead(run, t, y);
+    lag_jumps_begin(run, count);
+    lag_jumps_find(run, t + moment, s->state_before, count, LAG_ELSEWHERE);
+    s->grows |= take_over(run, count, choose(run, t + moment, s->state_before, count));
+    set_shares(run, count);
+    if (s->grows)
+        note_sizes_to_come(run, t, y, count);
+    lag_jumps_find(run, t, y, count, LAG_ELSEWHERE);
+    for (int k = 0; k < count; ++k)
+        if (s->open[k] == NOTHING_ACTS && lag_may_have_all(run, s->which[k]))
+            s->jump[k + k * count] = -LAG_VANISHED * s->most_jump[s->which[k]];
+    solve(s, count);
+    set_shares(run, count);
+}
+
 void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candidates)
 {
     LagSliding *s = &run->sliding;
     const int count = gather(run, candidates);
     s->count = 0; /* accelerations as the shares say */
+    s->energy = 0;
     if (count > 0) {
-        begin_shares(run, count);
-        find_jumps(run, t, y, count, FIRST);
+        lag_jumps_begin(run, count);
+        lag_jumps_find(run, t, y, count, LAG_FIRST);
     }
+    const double energy = s->energy;
     lag_sliding_end(run);
     s->jams = 0;
     if (count == 0)
         return;
-    note_energy(run, t, y);
+    s->energy = energy;
     s->lu.dependent = LAG_SLIDING_DEPENDENT;
     const int is_right = (choose(run, t, y, count) && !presses(s, count)) || choose_together(run, t, y, count);
     s->jams = !is_right && run->model->n_rubs > 0;
+    if (is_right && find_open(run, count))
+        choose_open(run, t, y, count);
     const int sliding = hold(run, count);
+    s->grows &= sliding > 0;
     if (is_right)
         s->count = sliding;
     else /* step control makes the best of it */
         lag_sliding_end(run);
+}
+
+void lag_sliding_grow(LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    const int count = run->sliding.count;
+    if (!run->sliding.grows || count == 0)
+        return;
+    run->sliding.count = 0; /* accelerations as the shares say */
+    lag_jumps_find(run, m->t, m->y, count, LAG_PRESENT);
+    run->sliding.count = count;
 }
 
 void lag_sliding_refresh(LagRun *run, double t, const double *y)
@@ -371,7 +383,7 @@ void lag_sliding_refresh(LagRun *run, double t, const double *y)
     LagSliding *s = &run->sliding;
     const int count = s->count;
     s->count = 0; /* accelerations as the shares say */
-    find_jumps(run, t, y, count, ELSEWHERE);
+    lag_jumps_find(run, t, y, count, LAG_ELSEWHERE);
     for (int k = 0; k < count; ++k)
         s->state[k] = SLIDES;
     solve(s, count);

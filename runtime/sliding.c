@@ -33,6 +33,11 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->which = lag_take_ints(arena, most);
     s->state = lag_take_ints(arena, most);
     s->next = lag_take_ints(arena, most);
+    s->is_new = lag_take_ints(arena, most);
+    s->open = lag_take_ints(arena, most);
+    s->known = lag_take_ints(arena, most);
+    s->known_share = lag_take(arena, most);
+    s->known_rate = lag_take(arena, most);
     s->share = lag_take(arena, most);
     s->share_here = lag_take(arena, most);
     s->jump = lag_take(arena, most * most);
@@ -62,6 +67,7 @@ void lag_sliding_reset(LagRun *run)
     const size_t size = run->model->switches_need_acceleration ? (size_t)run->model->n_switches * sizeof *s->error : 0;
     lag_sliding_end(run);
     s->latest = s->first = 0;
+    s->grows = 0;
     if (size > 0) {
         memset(s->error, 0, size);
         memset(s->most_jump, 0, size);
@@ -186,7 +192,9 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     LagSliding *s = &run->sliding;
     const size_t size = (size_t)run->model->n * sizeof *q;
     const double change = find_change(run, t, q, v, a);
-    const int is_settled = change <= ENOUGH || (tries > 0 && change < FAINT && change > SLOW * s->latest);
+    s->is_fresh &= tries > 0;
+    const int is_known = !s->grows || s->is_fresh; /* jumps that grow are others than a moment before */
+    const int is_settled = change <= ENOUGH || (is_known && tries > 0 && change < FAINT && change > SLOW * s->latest);
     if (is_settled && are_kept(run))
         return LAG_SHARES_KEPT;
     const int is_slow = tries > 0 && change * pow(change / s->latest, s->count + 1) > ENOUGH, was_lost = tries == 0 && s->is_lost;
@@ -197,10 +205,11 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     }
     const double ratio = s->change[0] / s->first;
     s->latest = change;
-    if (was_lost || is_settled || (is_slow && !learn(s, ratio))) { /* the jumps that are known may be those of nowhere */
+    if (was_lost || is_settled || (!is_known && tries > 0) || (is_slow && !learn(s, ratio))) { /* the jumps that are known may be those of nowhere */
         memcpy(s->state_here, q, size);
         memcpy(s->state_here + run->model->n, v, size);
         lag_sliding_refresh(run, t, s->state_here);
+        s->is_fresh = 1;
     } else {
         for (int k = 0; k < s->count; ++k)
             *lag_share(run, s->which[k]) += s->change[k];

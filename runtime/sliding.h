@@ -14,6 +14,9 @@ typedef struct {
     int count, most; /* switches that slide; no more of them can */
     int *which;      /* most: which they are */
     int *state, *next; /* most: of candidates */
+    int *is_new;     /* most: nothing is known of its jump */
+    int *open, *known; /* most: whether nothing tells at the present time what they do, and what they did before that was asked */
+    double *known_share, *known_rate; /* most: the same; the latter with the jump of friction */
     double *share;   /* most */
     double *jump;    /* most x most, column-major: change of dg/dt by a share */
     double *middle;  /* most: dg/dt at the shares `base` */
@@ -31,6 +34,8 @@ typedef struct {
     double *slope_without; /* and without jumps */
     double latest, first; /* of the latest changes: the largest, and the first one */
     int jams;        /* no forces hold contacts that close, since friction presses them further */
+    int grows;       /* something that slides had no force when it began to */
+    int is_fresh;    /* the jumps that are known are those of the latest evaluation */
     int is_lost;     /* the latest evaluation found no shares */
     double energy;   /* of what the jumps would set in motion in a second */
 } LagSliding;
@@ -65,6 +70,9 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
 
 /* How dg/dt of those that slide depends on their shares at a state, and the shares by that. */
 void lag_sliding_refresh(LagRun *run, double t, const double *y);
+
+/* A step was taken: what had no force when it began to slide may have some now, which tells what is rounding. */
+void lag_sliding_grow(LagRun *run);
 
 /* What rounding has left of the g of those that slide goes, by an impulse of what holds them on the present state: accelerations are
  * linear in the shares. */

@@ -320,6 +320,7 @@ static void watch_held(LagRun *run)
     if (x == LAG_NOWHERE) {
         s->hurried = s->again = 0;
         run->segment_over |= !lag_sliding_lasts(run);
+        lag_sliding_grow(run);
         return;
     }
     if (step_again(run, x))

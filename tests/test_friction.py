@@ -397,3 +397,55 @@ def test_friction_gives_way_to_what_a_contact_prescribes(scene: Write, solver: s
         np.testing.assert_allclose(run["box.s"], 0.1 * np.sin(3), rtol=0, atol=1e-9)
         run = lever.simulate(at=[0.7, 1.2], tolerance=1e-9, solver=solver, parameters={"tau": 6 * share})
         np.testing.assert_allclose(np.sin(run["h.phi"]), 0.2 * np.sin([2.1, 3.6]), rtol=0, atol=1e-8)
+
+
+def grown(pull: str, limit: str, more: str = "") -> str:
+    return f"""model Grown "friction whose limit begins with nothing, as the load does"
+      World world(gravity = {{0, 0}});
+      Block b(m = 1, base = world); {more}
+      AppliedForce pull(at = b.center, force = {{{pull}, 0}});
+      Friction f(mu = 0.5, normal = {limit}, rate = b.v);
+    end Grown;"""
+
+
+PRESSED = """model Pressed "a block is pressed on a rough floor from nothing, and drawn along it"
+  World world(gravity = {0, 0});
+  Prismatic x(a = world), y(a = x.b, along = {0, 1});
+  PointMass b(m = 1, center = y.b);
+  RoughStop f(a = world, b = y.b, mu = 0.5);
+  AppliedForce p(at = b.center, force = {%s*time, -10[N/s]*time});
+end Pressed;"""
+CLUTCH = """model Plates Torque tau; Frame a, b; AngularVelocity rate = b.w - a.w; energy dissipation tau*abs(rate); end Plates;
+model Clutch "a clutch closes from nothing while the engine pulls"
+  World world(gravity = {0, 0});
+  Revolute e(a = world), v(a = world);
+  Body engine(m = 1, I = 1, center = e.b), load(m = 1, I = 2, center = v.b);
+  Plates plates(a = e.b, b = v.b, tau = 5[N.m/s]*time);
+  AppliedTorque drive(on = e.b, torque = 6[N.m/s]*time);
+end Clutch;"""
+FROM_NOTHING = {
+    "still": (grown("2[N/s]*time", "10[N/s]*time"), 0.0),
+    "slips": (grown("-8[N/s]*time", "10[N/s]*time"), -0.5),  # (8 - 5) t^3/6
+    "late": (grown("2*max(0, time/1[s] - 0.5)", "10*max(0, time/1[s] - 0.5)"), 0.0),
+    "profile": (grown("2*table(time, {0[s], 0.3[s], 0.7[s], 1[s]}, {0, 1, 1, 0})",
+                      "10*table(time, {0[s], 0.3[s], 0.7[s], 1[s]}, {0, 1, 1, 0})"), 0.0),
+    "returns": (grown("2*sin(7*time)^3", "10*sin(7*time)^2"), 0.0),
+    "turns": (grown("2*sin(7*time)", "10*abs(sin(7*time))"), 0.0),
+    "spring": (grown("8[N/m]*o.s", "40[N/m]*o.s", "Block o(m = 1, base = world, v(start = 1));"), 0.0),
+    "accelerated": (grown("8[N/m]*o.s", "40[N/m]*o.s", """Block o(m = 1, base = world);
+        AppliedForce q(at = o.center, force = {1, 0});"""), 0.0),
+    "pressed": (PRESSED % "2[N/s]", 0.0),
+    "pressed and slips": (PRESSED % "8[N/s]", 0.5),
+    "clutch": (CLUTCH, 1 / 3),  # 6 t drives 3
+}
+
+
+@pytest.mark.parametrize("kind", FROM_NOTHING)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-11])
+def test_friction_that_begins_with_nothing(scene: Write, kind: str, tolerance: float) -> None:
+    """At the start its share of the limit is 0/0: what it is a moment later."""
+    text, end = FROM_NOTHING[kind]
+    for solver in ("auto", "erk5", "implicit"):
+        run = scene(text).simulate(at=[0.3, 1.0], tolerance=tolerance, solver=solver)
+        np.testing.assert_allclose(run[run.names[1]][-1], end, rtol=0, atol=1e-2 * tolerance)
+        assert run.statistics.rhs_evaluations < 4000
