@@ -21,7 +21,8 @@ from lagrangia.fmu_check import check_fmu, read_faults
 from lagrangia.fmu_run import open_fmu
 
 PATH = EXAMPLES / "double_pendulum.lag"
-BUILD = "sources/buildDescription.xml"
+BUILD, TERMINALS = "sources/buildDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"
+MANIFEST = (b'<m xmlns:l="http://fmi-standard.org/fmi-ls-manifest" l:fmi-ls-name="org.y" l:fmi-ls-description="d"%s/>')
 Break = Callable[[Path, Path], Path]
 
 
@@ -65,7 +66,7 @@ SILENT = {
                                 "starts at 1, above its maximum 0.5"),
     "listed source missing, FMI 2": ("2", file("sources/run.c", None), "there is no file 'sources/run.c'"),
     "listed source missing, FMI 3": ("3", file("sources/run.c", None), "there is no file 'sources/run.c'"),
-    "built for another version, FMI 2": ("2", file(BUILD, replaced('"2.0"', '"3.0"')), "it is for FMI '3.0', and "),
+    "built for another version, FMI 2": ("2", file(BUILD, replaced('"3.0"', '"2.0"')), "The value '2.0' is not accepted"),
     "built for another version, FMI 3": ("3", file(BUILD, replaced('"3.0"', '"3.0.1"')), "it is for FMI '3.0.1', and "),
     "state that is discrete, FMI 2": ("2", text(r'(name="elbow.phi"[^\n]*variability=)"continuous"', r'\1"discrete"'),
                                       "'elbow.phi' is a state and discrete"),
@@ -123,9 +124,17 @@ FAULTS = {
     "build of another model": ("3", file(BUILD, replaced("DoublePendulum", "Other")), "L0736", "no interface is called 'Other'"),
     "build description that is no XML": ("2", file(BUILD, b"<a>"), "L0730", "this is no XML"),
     "no build description": ("3", file(BUILD, None), "L0736", "says how to compile them"),
-    "terminal that names nothing": ("3", file("terminalsAndIcons/terminalsAndIcons.xml", replaced(
-        "<GraphicalRepresentation>", '<Terminals><Terminal name="t"><TerminalMemberVariable variableName="nobody" memberName="m" '
-        'variableKind="signal"/></Terminal></Terminals><GraphicalRepresentation>')), "L0738", "names 'nobody'"),
+    "terminal that names nothing": ("3", file(TERMINALS, replaced(
+        "</fmiTerminalsAndIcons>", '<Terminals><Terminal name="t" matchingRule="bus"><TerminalMemberVariable '
+        'variableName="nobody" memberName="m" variableKind="signal"/></Terminal></Terminals></fmiTerminalsAndIcons>')),
+        "L0738", "names 'nobody'"),
+    "terminals out of order": ("3", file(TERMINALS, replaced("<Graphical", '<Terminals><Terminal name="t" matchingRule="bus"/>'
+                                                             "</Terminals><Graphical")), "L0728", "Expected is"),
+    "no scaling of the icon": ("3", file(TERMINALS, replaced(' suggestedScalingFactorTo_mm="[^"]*"', "")), "L0728",
+                               "'suggestedScalingFactorTo_mm' is required but missing"),
+    "definition without a name": ("2", file(BUILD, replaced(' name="LAG_STATIC"', "")), "L0728",
+                                  "'name' is required but missing"),
+    "manifest that says nothing": ("2", file("extra/org.x/fmi-ls-manifest.xml", MANIFEST % b""), "L0728", "no fmi-ls-version"),
     "link": ("2", file("resources/link", b"/etc/passwd", external_attr=0o120777 << 16), "L0731", "is a link"),
     "packed by LZMA": ("2", file("resources/a", b"a" * 99, compress_type=zipfile.ZIP_LZMA), "L0731", "packed by lzma"),
     "ZIP64": ("2", file("resources/a", b"a", extract_version=45), "L0731", "needs version 4.5 of ZIP"),
@@ -137,6 +146,8 @@ WARNINGS = {
                          r'<UnitDefinitions><Unit name="1"/>\1\2unit="1"'), "L0733", "is '1'"),
     "headers of the standard": ("2", file("sources/fmi2Functions.h", b"/* */"), "L0736", "header of the standard"),
     "capitals alone": ("2", file("modeldescription.xml", b"<a/>"), "L0731", "where capitals do not count"),
+    "manifest of another": ("3", file("extra/org.x/fmi-ls-manifest.xml", MANIFEST % b' l:fmi-ls-version="1"'), "L0728",
+                            "lies in the folder of 'org.x'"),
     "platform nobody knows": ("3", file("binaries/amiga/DoublePendulum.so", b"x"), "L0737", "no importer knows"),
     "depends on what is not known": ("2", text(r'(<Derivatives>\s*<Unknown index="\d+" dependencies=)"\d+"', r'\1"14"'),
                                      "L0734", "which is not known before it"),

@@ -153,6 +153,7 @@ ORDER = """
     fmu_structure
     fmu_binary
     fmu_parts
+    fmu_schemas
     sweep_measures
     sweep_values
     sweep_plan

@@ -127,7 +127,7 @@ def archive(described: FmuModel, wanted: Export, extras: Extras, tell: Callable[
         files[f"binaries/{_folder(PLATFORMS[name], wanted.version)}/{identifier}{PLATFORMS[name].suffix}"] = binary
     if wanted.sources:
         files |= {f"sources/{name}": text.encode() for name, text in sources.items()}
-        files["sources/buildDescription.xml"] = write_build_description(f"{wanted.version}.0", identifier, names).encode()
+        files["sources/buildDescription.xml"] = write_build_description(wanted.version, identifier, names).encode()
     files |= _documents(described, about, wanted, extras)
     return zipped(files)
 

@@ -11,6 +11,7 @@ from lagrangia.fmu_parts import part_rules
 from lagrangia.fmu_process import SPOKEN, Job, require_fmpy, run_job
 from lagrangia.fmu_rules import unit_rules, variable_rules
 from lagrangia.fmu_run import Opened, has_binary, open_fmu, unpacked
+from lagrangia.fmu_schemas import schema_rules
 from lagrangia.fmu_structure import structure_rules
 
 FMPY = "L0739"
@@ -53,6 +54,7 @@ def read_faults(opened: Opened) -> Iterator[Diagnostic]:
     yield from variable_rules(description)
     yield from structure_rules(description)
     yield from part_rules(opened.archive, description)
+    yield from schema_rules(opened.archive)
 
 
 def _fmpy_rules(path: Path, found: list[Diagnostic]) -> Iterator[Diagnostic]:

@@ -60,7 +60,9 @@ def write_terminals(model: FmuModel) -> str:
         if dot:
             members.setdefault(component, []).append(variable)
     flanges = {name: found for name, found in members.items() if {v.group for v in found} == {"input", "output"}}
-    lines = ['<?xml version="1.0" encoding="UTF-8"?>', '<fmiTerminalsAndIcons fmiVersion="3.0">']
+    lines = ['<?xml version="1.0" encoding="UTF-8"?>', '<fmiTerminalsAndIcons fmiVersion="3.0">', "  <GraphicalRepresentation>",
+             '    <CoordinateSystem x1="-100" y1="-100" x2="100" y2="100" suggestedScalingFactorTo_mm="0.1"/>',
+             '    <Icon x1="-100" y1="-100" x2="100" y2="100"/>', "  </GraphicalRepresentation>"]
     if flanges:
         lines.append("  <Terminals>")
         for name, found in flanges.items():
@@ -70,6 +72,4 @@ def write_terminals(model: FmuModel) -> str:
                       ' variableKind="signal"/>' for long, member in short.items()]
             lines.append("    </Terminal>")
         lines.append("  </Terminals>")
-    lines += ["  <GraphicalRepresentation>", '    <CoordinateSystem x1="-100" y1="-100" x2="100" y2="100"/>',
-              '    <Icon x1="-100" y1="-100" x2="100" y2="100"/>', "  </GraphicalRepresentation>", "</fmiTerminalsAndIcons>", ""]
-    return "\n".join(lines)
+    return "\n".join([*lines, "</fmiTerminalsAndIcons>", ""])

@@ -100,11 +100,11 @@ def _unknowns(model: FmuModel, name: str, rows: Sequence[tuple[Variable, list[st
 
 
 def write_build_description(version: str, identifier: str, sources: Sequence[str]) -> str:
-    """How to compile the sources: one library of C99."""
+    """How to compile the sources: one library of C99. `version` "2" or "3" of the FMU; the file is FMI 3's in both."""
     files = [element("SourceFile", {"name": name}, indent=3) for name in sources]
-    names = ["LAG_STATIC", *(["FMI3_OVERRIDE_FUNCTION_PREFIX"] if version == "3.0" else [])]
+    names = ["LAG_STATIC", *(["FMI3_OVERRIDE_FUNCTION_PREFIX"] if version == "3" else [])]
     definitions = [element("PreprocessorDefinition", {"name": name, "value": "1"}, indent=3) for name in names]
     libraries = element("Library", {"name": "m", "external": True}, indent=2)
     configuration = element("BuildConfiguration", {"modelIdentifier": identifier, "description": "C99, nothing but its library"},
                             element("SourceFileSet", {"language": "C99"}, *files, *definitions, indent=2), libraries)
-    return _HEAD + element("fmiBuildDescription", {"fmiVersion": version}, configuration, indent=0) + "\n"
+    return _HEAD + element("fmiBuildDescription", {"fmiVersion": "3.0"}, configuration, indent=0) + "\n"
