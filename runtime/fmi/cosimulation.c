@@ -1,5 +1,6 @@
 /* Co-Simulation: the run steps as it likes and communication points are rows inside its steps, until something is set at one
- * of them: then the run is cut there and goes on anew. So a scene that nobody disturbs costs what it costs alone.
+ * of them: then the run is cut there and goes on anew. So a scene that nobody disturbs costs what it costs alone. Events end a
+ * communication step where the importer has event mode and lets steps return early; else they are only told of.
  */
 #include <math.h>
 #include <string.h>
@@ -7,8 +8,8 @@
 #include "instance.h"
 
 #include "schedule.h"
-#include "segment.h"
 #include "state.h"
+#include "step.h"
 
 static const double LONGEST_STEP = 1e6, CLOSE = 1e-6; /* s; of a step */
 enum { MOST_STEPS = 10000000 };
@@ -53,7 +54,19 @@ static LagAnswer check_step(const LagInstance *s, double t, double h)
     return LAG_ANSWER_OK;
 }
 
-/* Inputs go on with their slopes over this step. */
+/* Whether inputs change in the step that begins: those slopes that were not given for it end. */
+static int begin_slopes(LagInstance *s)
+{
+    int some = 0;
+    for (int i = 0; i < s->model->n_inputs; ++i) {
+        s->u_slope[i] = s->vital.has_slopes ? s->u_slope[i] : 0;
+        some |= s->u_slope[i] != 0;
+    }
+    s->vital.has_slopes = 0;
+    return some;
+}
+
+/* Inputs go on with their slopes over this step; from its end on they are held, unless told otherwise. */
 static LagAnswer interpolate_inputs(LagInstance *s, double end)
 {
     const int n = s->model->n_inputs;
@@ -62,13 +75,20 @@ static LagAnswer interpolate_inputs(LagInstance *s, double end)
     times[1] = end;
     for (int i = 0; i < n; ++i) {
         values[i] = s->u[i];
-        s->u[i] = values[n + i] = s->u[i] + s->u_slope[i] * (end - s->vital.t);
+        values[n + i] = s->u[i] + s->u_slope[i] * (end - s->vital.t);
     }
     LagStatus status = lag_run_cut(s->run, s->vital.t);
     if (status == LAG_OK)
         status = lag_run_set_inputs(s->run, times, values, 2);
-    s->vital.inputs_changed = 1; /* from the end of this step on they are held, unless told otherwise */
     return status == LAG_OK ? LAG_ANSWER_OK : lag_instance_failed(s, status);
+}
+
+/* Where they are after a step that began at `begin`. */
+static void keep_inputs(LagInstance *s, double begin)
+{
+    for (int i = 0; i < s->model->n_inputs; ++i)
+        s->u[i] += s->u_slope[i] * (s->vital.t - begin);
+    s->vital.inputs_changed = 1;
 }
 
 static LagAnswer advance(LagInstance *s, double target)
@@ -79,6 +99,35 @@ static LagAnswer advance(LagInstance *s, double target)
         return lag_instance_failed(s, status);
     take(s);
     return LAG_ANSWER_OK;
+}
+
+/* Whether the latest step of the run has ended at a condition that changes. */
+static int is_state_event(const LagRun *run)
+{
+    int some = 0;
+    for (int i = 0; i < run->model->n_switches && run->segment_over; ++i)
+        some |= run->switches.turned[i] != LAG_STAYS;
+    return some;
+}
+
+/* Until the target, or an event that has not been told of; the run may step beyond the target. */
+static LagAnswer advance_to_event(LagInstance *s, double target, LagStepResult *result)
+{
+    LagRun *run = s->run;
+    const double begin = s->vital.t;
+    int is_event = run->motion.t > begin + lag_time_resolution(begin) && is_state_event(run);
+    run->wanted = target;
+    run->row_spacing = target - run->motion.t;
+    while (run->motion.t < target && !(is_event && s->may_return_early)) {
+        const LagStatus status = lag_step(run);
+        if (status != LAG_OK)
+            return lag_instance_failed(s, status);
+        result->is_event |= is_event;
+        is_event = is_state_event(run);
+    }
+    result->is_event |= is_event && run->motion.t <= target + lag_time_resolution(target);
+    result->is_early |= run->motion.t < target - lag_time_resolution(target);
+    return advance(s, result->is_early && run->motion.t < target ? run->motion.t : target);
 }
 
 /* One internal step after another, each followed by the importer's intermediate update. */
@@ -94,21 +143,38 @@ static LagAnswer advance_watched(LagInstance *s, double target, LagStepResult *r
         if (done == 0)
             break;
         take(s);
+        const int is_event = s->uses_events && is_state_event(s->run);
         double time = target;
         s->vital.mode = LAG_MODE_INTERMEDIATE;
         const int early = s->intermediate(s, s->vital.t, &time);
         s->vital.mode = LAG_MODE_STEP;
-        if (early && s->may_return_early)
-            wanted = time;
+        result->is_event |= is_event;
+        if (s->may_return_early && (early || is_event))
+            wanted = is_event ? s->vital.t : time;
     }
-    result->is_early = s->vital.t < target;
+    result->is_early |= s->vital.t < target;
     return LAG_ANSWER_OK;
+}
+
+/* Where the step ends at the latest: at an event of a known time, where one is asked for. */
+static double end_of_step(const LagInstance *s, double t, double h, LagStepResult *result)
+{
+    const LagVital *vital = &s->vital;
+    const LagRun *run = s->run;
+    const double target = vital->has_stop ? fmin(t + h, vital->stop) : t + h;
+    const double event = lag_schedule_next(s->model->n_events, s->model->event_kind, run->event_a, run->event_b, vital->t);
+    if (!s->uses_events || event > target + lag_time_resolution(target))
+        return target;
+    result->is_event = 1;
+    result->is_early = s->may_return_early && event < target - lag_time_resolution(target);
+    return s->may_return_early ? event : target;
 }
 
 LagAnswer lag_instance_step(LagInstance *s, double t, double h, LagStepResult *result)
 {
     LagVital *vital = &s->vital;
     LagRun *run = s->run;
+    const double begin = vital->t;
     result->is_event = result->is_early = 0;
     result->time = vital->t;
     LagAnswer answer = check_step(s, t, h);
@@ -116,23 +182,21 @@ LagAnswer lag_instance_step(LagInstance *s, double t, double h, LagStepResult *r
         answer = lag_instance_settle(s);
     if (answer != LAG_ANSWER_OK)
         return answer;
-    double target = vital->has_stop ? fmin(t + h, vital->stop) : t + h;
-    if (vital->has_slopes)
+    const double target = end_of_step(s, t, h, result);
+    const int has_slopes = begin_slopes(s);
+    if (has_slopes)
         answer = interpolate_inputs(s, target);
-    const double event = lag_schedule_next(s->model->n_events, s->model->event_kind, run->event_a, run->event_b, vital->t);
-    if (s->uses_events && event <= target + lag_time_resolution(target)) {
-        result->is_event = s->may_return_early || fabs(event - target) <= lag_time_resolution(target);
-        result->is_early = s->may_return_early && event < target - lag_time_resolution(target);
-        target = s->may_return_early ? event : target;
-    }
     lag_run_set_stop(run, vital->has_stop ? vital->stop : INFINITY);
     run->settings.max_steps = run->statistics.steps + MOST_STEPS;
-    if (answer == LAG_ANSWER_OK)
-        answer = s->intermediate ? advance_watched(s, target, result) : advance(s, target);
+    if (answer == LAG_ANSWER_OK && s->intermediate)
+        answer = advance_watched(s, target, result);
+    else if (answer == LAG_ANSWER_OK && s->uses_events)
+        answer = advance_to_event(s, target, result);
+    else if (answer == LAG_ANSWER_OK)
+        answer = advance(s, target);
     result->time = vital->t;
-    if (vital->has_slopes) /* they are of one step */
-        memset(s->u_slope, 0, (size_t)s->model->n_inputs * sizeof *s->u_slope);
-    vital->has_slopes = 0;
+    if (has_slopes)
+        keep_inputs(s, begin);
     return answer;
 }
 
@@ -141,8 +205,9 @@ LagAnswer lag_instance_input_slope(LagInstance *s, unsigned int reference, int o
     int index = 0;
     if (lag_instance_locate(s->fmu, reference, &index) != LAG_GROUP_INPUT || order != 1 || !isfinite(value))
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "inputs have first derivatives that are finite, and no others");
+    if (!s->vital.has_slopes) /* those in force are of the last step */
+        memset(s->u_slope, 0, (size_t)s->model->n_inputs * sizeof *s->u_slope);
     s->u_slope[index] = value;
-    if (value != 0)
-        s->vital.has_slopes = 1;
+    s->vital.has_slopes = 1;
     return LAG_ANSWER_OK;
 }

@@ -74,7 +74,7 @@ struct LagInstance {
     size_t saved_size;       /* so many of them are part of the state */
     double *given;           /* n_parameters */
     double *start;           /* 2 n: start values given, NaN where none is */
-    double *u, *u_slope;     /* n_inputs */
+    double *u, *u_slope;     /* n_inputs; slopes of the last step, or given for the next one */
     double *x, *slope;       /* 2 n */
     double *outputs, *energies;
     double *power;           /* n_power */

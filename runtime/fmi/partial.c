@@ -141,7 +141,8 @@ LagAnswer lag_instance_output_slope(LagInstance *s, unsigned int reference, int 
     const Directions d = clear(s);
     *d.t = 1;
     memcpy(d.x, s->slope, 2 * (size_t)n * sizeof *d.x);
-    lag_inputs_slope(&s->run->inputs, d.u);
+    if (s->model->n_inputs > 0)
+        memcpy(d.u, s->u_slope, (size_t)s->model->n_inputs * sizeof *d.u);
     lag_inputs_at(&s->run->inputs, s->vital.t, s->run->u);
     const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, lag_run_parameters(s->run),
                           d.t, d.x, d.x + n, d.u, d.p};

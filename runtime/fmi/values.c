@@ -297,7 +297,8 @@ static LagAnswer set_parameter(LagInstance *s, unsigned int reference, int index
 
 static LagAnswer set_input(LagInstance *s, int index, double value)
 {
-    s->u_slope[index] = 0;
+    if (!s->vital.has_slopes) /* else it is of the step to come, as this value is */
+        s->u_slope[index] = 0;
     if (s->u[index] == value)
         return LAG_ANSWER_OK;
     s->u[index] = value;

@@ -1,0 +1,93 @@
+"""FMUs with contacts and friction: events, indicators, derivatives while something is held; slopes of outputs."""
+
+import ctypes
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("fmpy")
+
+from fmus import Instance
+
+BALL = """model Ball
+  Prismatic y(a = world, along = {0, 1}, s(start = 1));
+  PointMass p(m = 1, center = y.b);
+  Stop floor(e = 0.7, gap = y.s);
+  input Force F(start = 0);
+  AppliedForce f(at = p.center, force = {0, F});
+  output Length h = y.s;
+  output Force twice = 2*F;
+  output Power P = F*y.v;
+end Ball;"""
+G = 9.81
+FALL = (2 / G) ** 0.5  # to the first impact of the ball
+SECOND = FALL * (1 + 2 * 0.7)
+
+
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("events") / "ball.lag"
+    path.write_text(BALL)
+    return path
+
+
+# ---------------------------------------------------------------- Co-Simulation
+
+
+@pytest.mark.parametrize("early", [True, False])
+def test_impacts_are_told_in_event_mode(ball: Path, early: bool) -> None:
+    one = Instance(ball, "3", "CoSimulation", eventModeUsed=True, earlyReturnAllowed=early).start(tolerance=1e-10)
+    one.update()
+    one.fmu.enterStepMode()
+    t, told = 0.0, []
+    for k in range(1, 15):
+        while t < 0.1 * k - 1e-9:
+            needed, _, is_early, reached = one.step(t, 0.1 * k - t)
+            assert is_early == (reached < 0.1 * k - 1e-9)
+            t = reached
+            if needed:
+                told.append(t)
+                one.fmu.enterEventMode()
+                before = one.get("y.v")[0]
+                one.update()
+                assert not early or one.get("y.v")[0] == pytest.approx(-0.7 * before, rel=1e-9)
+                one.fmu.enterStepMode()
+    right = [FALL, SECOND] if early else [0.1 * np.ceil(FALL / 0.1), 0.1 * np.ceil(SECOND / 0.1)]
+    assert told == pytest.approx(right, abs=1e-9)
+    speed = 0.7**2 * G * FALL - G * (1.4 - SECOND)
+    assert one.get("y.v")[0] == pytest.approx(speed, rel=1e-9)
+    one.free()
+
+
+def slope(one: Instance, name: str) -> float:
+    reference, order, given = (ctypes.c_uint * 1)(one.reference[name]), (ctypes.c_int * 1)(1), (ctypes.c_double * 1)()
+    if one.version == "2":
+        one.fmu.fmi2GetRealOutputDerivatives(one.fmu.component, reference, 1, order, given)
+    else:
+        one.fmu.fmi3GetOutputDerivatives(one.fmu.component, reference, 1, order, given, 1)
+    return given[0]
+
+
+def test_slopes_of_outputs_know_those_of_inputs(ball: Path) -> None:
+    """F = 1 + 3 t on 1 kg that falls: F, v and their product, before the step and after it; then F is held."""
+    one = Instance(ball, "2", "CoSimulation").start(tolerance=1e-10)
+    one.fmu.setRealInputDerivatives([one.reference["F"]], [1], [3.0])  # before the value as well as after it
+    one.set({"F": 1.0})
+    assert [slope(one, name) for name in ("twice", "P", "h")] == pytest.approx([6, 1 - G, 0], abs=1e-12)
+    one.step(0, 0.1)
+    v = 0.1 + 0.015 - G * 0.1
+    assert one.get("F", "P") == pytest.approx([1.3, 1.3 * v], rel=1e-12)
+    assert [slope(one, name) for name in ("twice", "P", "h")] == pytest.approx([6, 3 * v + 1.3 * (1.3 - G), v], rel=1e-12)
+    one.set({"F": 2.0})
+    assert [slope(one, name) for name in ("twice", "P")] == pytest.approx([0, 2 * (2 - G)], abs=1e-12)
+    one.step(0.1, 0.1)
+    assert slope(one, "twice") == 0
+    one.free()
+
+
+def test_slopes_of_outputs_in_fmi_3(ball: Path) -> None:
+    one = Instance(ball, "3", "CoSimulation").start({"F": 2.0}, tolerance=1e-10)
+    one.step(0, 0.1)
+    assert [slope(one, name) for name in ("h", "P")] == pytest.approx([(2 - G) * 0.1, 2 * (2 - G)], rel=1e-12)
+    one.free()
