@@ -173,7 +173,7 @@ int lag_contacts_find_rest(LagRun *run)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
         const int gap = lag_gap(model, k), rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
-        const double slow = s->slides[rests] ? LAG_SLIDING_FAR * lag_sliding_drift(run, rests) : run->sliding.error[rests];
+        const double slow = lag_max(lag_sliding_held(run, rests), run->sliding.error[rests]);
         const double leaves = -s->rate_inside[gap], returns = s->rate_inside[rests];
         const int touches = run->impacts.has_contact[k] && lag_contacts_are_closed(run, k, s->g_inside, run->sliding.error[gap]);
         const int stands = touches && (fabs(leaves) <= slow || (leaves > 0 && lag_contacts_stay(run, k, leaves, returns)));

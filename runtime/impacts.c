@@ -161,7 +161,10 @@ LagStatus lag_impacts_strike(LagRun *run)
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
     lag_contacts_find_errors(run);
     memset(s->is_plastic, 0, (size_t)run->model->n_whens * sizeof *s->is_plastic);
-    for (int fire = find_events(run, 1); fire && is_found && rounds < MOST_ROUNDS; ++rounds) {
+    int fire = find_events(run, 1);
+    if (fire)
+        lag_sliding_note_impact(run, run->switches.g);
+    for (; fire && is_found && rounds < MOST_ROUNDS; ++rounds) {
         read_wanted(run);
         is_found = lag_impulses_reset(run, 0);
         if ((rounds & (rounds + 1)) == 0) /* now and then: what was at rest has a speed now */
@@ -192,6 +195,8 @@ int lag_impacts_press(LagRun *run)
     if (!lag_rubs_act(run))
         return 0;
     run->sliding.count = 0; /* accelerations as the shares say */
+    lag_conditions_of_events(run, run->switches.g, run->switches.rate);
+    lag_sliding_note_impact(run, run->switches.g);
     lag_impulses_look(run, run->motion.y + model->n, s->rate, s->wanted);
     for (int j = 0; j < model->n_resets; ++j)
         s->wanted[j] = lag_is_contact(model, j) ? 0 : s->rate[j];

@@ -38,6 +38,14 @@ int lag_rubs_alone(const LagModel *model, int i)
     return 0;
 }
 
+int lag_rubs_nowhere(const LagModel *model, int i, const int *candidates)
+{
+    for (int k = 0; k < model->n_rubs; ++k)
+        if (switch_of(model, k) == i && candidates[lag_contact(model, event_of(model, k))] == 1)
+            return 0;
+    return lag_rubs_alone(model, i);
+}
+
 void lag_rubs_let_go(LagRun *run)
 {
     for (int k = 0; k < run->model->n_rubs; ++k)
@@ -145,55 +153,72 @@ static void fill_column(LagRun *run, int count, int j)
             column[s->place[k]] = sense * (slip[switch_of(model, k)] - s->slip[k]);
 }
 
-/* w before the impulses: what closes faster than it should afterwards, and slips. */
-static void fill_rates(LagRun *run, int count)
+/* w at rates v[n]: what closes faster than it should after the impulses, and slips. */
+static void fill_rates(LagRun *run, int count, const double *v)
 {
     LagImpacts *s = &run->impacts;
     LagComplementarity *p = &s->problem;
     const LagModel *model = run->model;
+    lag_impulses_look(run, v, s->rate_after, s->lu.scale);
     for (int i = 0; i < count; ++i) {
         const int j = s->which[i];
-        p->kind[i] = lag_is_contact(model, j) ? LAG_PUSHES : LAG_BINDS;
-        p->rate[i] = (p->kind[i] == LAG_PUSHES ? -s->sense[i] : 1) * (s->rate[j] - s->wanted[j]);
+        p->rate[i] = (p->kind[i] == LAG_PUSHES ? -s->sense[i] : 1) * (s->rate_after[j] - s->wanted[j]);
         p->terms[i] = fabs(s->rate[j]) + fabs(s->wanted[j]);
     }
-    const double *slip = slips(run, run->motion.y + model->n);
+    const double *slip = slips(run, v);
     for (int k = 0; k < model->n_rubs; ++k)
-        if (s->place[k] >= 0) {
-            p->kind[s->place[k]] = LAG_RUBS;
+        if (s->place[k] >= 0)
             p->rate[s->place[k]] = slip[switch_of(model, k)];
-        }
+}
+
+static void fill(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    LagComplementarity *p = &s->problem;
+    const LagModel *model = run->model;
+    for (int i = 0; i < p->size; ++i)
+        p->kind[i] = i >= count ? LAG_RUBS : lag_is_contact(model, s->which[i]) ? LAG_PUSHES : LAG_BINDS;
     memset(s->state, 0, (size_t)model->n * sizeof *s->state);
     lag_impulses_look(run, s->state, s->impulse, s->rate_after); /* rates that supports have */
-    slip = slips(run, s->state);
+    const double *slip = slips(run, s->state);
     for (int k = 0; k < model->n_rubs; ++k)
         s->slip[k] = slip[switch_of(model, k)];
+    for (int j = 0; j < p->size; ++j)
+        fill_column(run, count, j);
+    fill_rates(run, count, run->motion.y + model->n);
 }
 
 /* Where contacts press without approaching: they approach so slowly that nothing else is changed by it. */
 static void press(LagComplementarity *p, int count)
 {
     for (int i = 0; i < count; ++i)
+        p->rate[i] = p->kind[i] == LAG_PUSHES ? 0 : p->rate[i];
+    for (int i = 0; i < count; ++i)
         for (int j = count; j < p->size && p->kind[i] == LAG_PUSHES; ++j)
             p->rate[i] += FAINT * fabs(p->rate[j] * p->jump[i + j * p->size] / p->jump[j + j * p->size]);
 }
 
-/* Rates after the impulses that were found; shares of what rubs, into d. */
+/* The impulses that were found act on the rates in impacts.after. */
 static void act(LagRun *run, int count)
 {
     LagImpacts *s = &run->impacts;
     const LagComplementarity *p = &s->problem;
-    const LagModel *model = run->model;
-    memcpy(s->after, run->motion.y + model->n, (size_t)model->n * sizeof *s->after);
+    const int n = run->model->n;
     for (int j = 0; j < p->size; ++j) {
         const double impulse = (j < count ? s->sense[j] : 1) * p->force[j];
-        for (int i = 0; i < model->n; ++i)
-            s->after[i] += s->way[i + j * model->n] * impulse;
+        for (int i = 0; i < n; ++i)
+            s->after[i] += s->way[i + j * n] * impulse;
     }
-    for (int k = 0; k < model->n_rubs; ++k) {
-        const double limit = s->place[k] >= 0 ? lag_complementarity_limit(p, s->place[k]) : 0;
+}
+
+/* Of what rubs, into d. */
+static void set_shares(const LagRun *run)
+{
+    const LagImpacts *s = &run->impacts;
+    for (int k = 0; k < run->model->n_rubs; ++k) {
+        const double limit = s->place[k] >= 0 ? lag_complementarity_limit(&s->problem, s->place[k]) : 0;
         if (limit > 0)
-            *lag_share(run, switch_of(model, k)) = p->force[s->place[k]] / limit;
+            *lag_share(run, switch_of(run->model, k)) = s->problem.force[s->place[k]] / limit;
     }
 }
 
@@ -201,22 +226,24 @@ int lag_rubs_solve(LagRun *run, int count, int presses)
 {
     LagImpacts *s = &run->impacts;
     LagComplementarity *p = &s->problem;
+    const double *v = run->motion.y + run->model->n;
     if (run->switches.is_live)
-        lag_switches_set(run, run->motion.t, run->motion.y, run->motion.y + run->model->n);
+        lag_switches_set(run, run->motion.t, run->motion.y, v);
     run->switches.is_live = 0;
     lag_complementarity_begin(p, find_places(run, count));
     find_ways(run, count);
-    fill_rates(run, count);
-    for (int j = 0; j < p->size; ++j)
-        fill_column(run, count, j);
+    fill(run, count);
     if (presses)
         press(p, count);
     if (!lag_complementarity_solve(p))
         return 0;
-    if (presses) {
-        fill_rates(run, count);
+    memcpy(s->after, v, (size_t)run->model->n * sizeof *v);
+    for (int turn = 0; turn < 2; ++turn) { /* what is left of the rates that are none is rounding of the impulses: it goes, too */
+        fill_rates(run, count, s->after);
         lag_complementarity_find_forces(p);
+        act(run, count);
+        if (turn == 0)
+            set_shares(run);
     }
-    act(run, count);
     return 1;
 }

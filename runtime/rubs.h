@@ -8,6 +8,9 @@
 /* Whether switch i is that of friction that presses with the force of a contact, and of nothing else. */
 int lag_rubs_alone(const LagModel *model, int i);
 
+/* Whether it is, and nothing rests at those contacts, of `candidates` (n_switches: 1). */
+int lag_rubs_nowhere(const LagModel *model, int i, const int *candidates);
+
 /* Whether something rubs at the contacts of impacts.fires. */
 int lag_rubs_act(const LagRun *run);
 

@@ -25,15 +25,16 @@ static const double NEARLY = 1e-9; /* of the terms of dg/dt */
 static const double MOMENT = 1e-3; /* of a step; of a second where no step tells of one */
 static const double FAINT = 1e-6;  /* of the jump a moment later, or of the largest so far */
 static const double TIE = 1e-9; /* of the own jump */
+static const double LARGE = 16; /* times the force of the usual size: forces hold each other, and it is theirs */
 
-/* Contacts first: where friction and a contact hold the same rate, friction is what may not know its share. */
+/* Contacts first: where friction and a contact hold the same rate, friction is what may not know its share. What nothing presses is none. */
 static int gather(LagRun *run, const int *candidates)
 {
     LagSliding *s = &run->sliding;
     int count = 0;
     for (int contacts = 1; contacts >= 0; --contacts)
         for (int i = 0; i < run->model->n_switches && count < s->most; ++i)
-            if (candidates[i] == 1 && lag_may_have_all(run, i) == !contacts)
+            if (candidates[i] == 1 && lag_may_have_all(run, i) == !contacts && !lag_rubs_nowhere(run->model, i, candidates))
                 s->which[count++] = i;
     return count;
 }
@@ -167,9 +168,16 @@ static int choose(LagRun *run, double t, const double *y, int count)
         if (may_end)
             let_go(run, count);
         set_shares(run, count);
-        if (!is_right || turn == MOST_TURNS || (may_end && is_linear(run, t, y, count)))
-            return is_right && turn < MOST_TURNS;
-        lag_jumps_find(run, t, y, count, LAG_PRESENT);
+        if (!is_right || turn == MOST_TURNS)
+            return 0;
+        if (may_end && is_linear(run, t, y, count)) {
+            if (turn > 1) {
+                lag_jumps_find(run, t, y, count, LAG_PRESENT);
+                lag_sliding_rates(run, t, y);
+            }
+            return 1;
+        }
+        lag_jumps_find(run, t, y, count, LAG_ELSEWHERE); /* forces on the way may be large without measure */
     }
 }
 
@@ -194,7 +202,8 @@ static int choose_together(LagRun *run, double t, const double *y, int count)
         return 0;
     for (int k = 0; k < count; ++k) {
         s->state[k] = lag_jams_may_act(run, k) ? states[run->impacts.problem.state[k]] : s->limit[k] == INFINITY ? LOW : GIVEN;
-        s->unit[k] = s->limit[k] == INFINITY && s->state[k] == SLIDES ? lag_max(s->share[k], s->unit[k]) : s->unit[k];
+        if (s->state[k] == SLIDES && s->limit[k] == INFINITY)
+            s->unit[k] = lag_max(s->share[k], s->unit[k]);
     }
     set_shares(run, count);
     lag_jumps_find(run, t, y, count, LAG_PRESENT);
@@ -215,8 +224,11 @@ static int hold(LagRun *run, int count)
         run->switches.held[i] = *lag_share(run, i);
         run->switches.slides[i] = s->state[k] == SLIDES;
         run->switches.is_idle[i] = s->state[k] == GIVEN && s->jump[k + k * count] == 0 && lag_rubs_alone(run->model, i);
-        s->noise[k] = NOISE * size_of(s, count, k);
+        if (s->state[k] == SLIDES && s->limit[k] == INFINITY && s->share[k] > LARGE * s->unit[k])
+            s->unit[k] = s->share[k];
     }
+    for (int k = 0; k < count; ++k)
+        s->noise[k] = NOISE * size_of(s, count, k);
     for (int k = 0; k < count; ++k)
         if (s->state[k] == SLIDES) {
             s->noise[sliding] = s->noise[k];
@@ -351,12 +363,14 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
     const double energy = s->energy;
     lag_sliding_end(run);
     s->jams = 0;
+    for (int i = 0; i < run->model->n_switches; ++i)
+        run->switches.is_idle[i] = candidates[i] == 1 && lag_rubs_nowhere(run->model, i, candidates);
     if (count == 0)
         return;
     s->energy = energy;
     s->lu.dependent = LAG_SLIDING_DEPENDENT;
     const int is_right = (choose(run, t, y, count) && !presses(s, count)) || choose_together(run, t, y, count);
-    s->jams = !is_right && run->model->n_rubs > 0;
+    s->jams = !is_right && run->model->n_rubs > 0 && !run->switches.is_live;
     if (is_right && find_open(run, count))
         choose_open(run, t, y, count);
     const int sliding = hold(run, count);

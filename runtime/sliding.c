@@ -15,14 +15,15 @@
  * a change is not as large as the one before. */
 static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, MOST_RATIO = 0.9;
 static const double MOMENT = 1e-6, DRIFT = 10; /* of a step; of tolerances */
+static const double MOVED = 2; /* times as far from 0 as before an impact: it was moved */
 /* Where equations contradict each other those of contacts, which come first, are kept. */
 static const double EARLY = 0.1;
-enum { MOST_TRIES = 12 };
+enum { MOST_TRIES = 12, SPARE = 16 }; /* what holds more than once, as feet of one body do */
 
 int lag_sliding_most(const LagModel *model)
 {
     const int possible = model->switches_need_acceleration ? model->n_switches : 0;
-    return possible < 2 * model->n ? possible : 2 * model->n;
+    return possible < 2 * model->n + SPARE ? possible : 2 * model->n + SPARE;
 }
 
 void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
@@ -44,6 +45,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->middle = lag_take(arena, most);
     s->change = lag_take(arena, most);
     s->error = lag_take(arena, count);
+    s->before = lag_take(arena, count);
     s->most_jump = lag_take(arena, count);
     s->g = lag_take(arena, count);
     s->rate = lag_take(arena, count);
@@ -66,6 +68,7 @@ void lag_sliding_reset(LagRun *run)
     LagSliding *s = &run->sliding;
     const size_t size = run->model->switches_need_acceleration ? (size_t)run->model->n_switches * sizeof *s->error : 0;
     lag_sliding_end(run);
+    lag_sliding_forget_impact(run);
     s->latest = s->first = 0;
     s->grows = 0;
     if (size > 0) {
@@ -98,6 +101,24 @@ double lag_sliding_drift(const LagRun *run, int i)
     const LagSliding *s = &run->sliding;
     const double error = lag_may_have_all(run, i) ? s->error[i] : lag_max(1, run->impacts.coarse) * s->error[i];
     return DRIFT * (error + run->scale.tolerance * run->scale.step * s->most_jump[i]);
+}
+
+double lag_sliding_held(const LagRun *run, int i)
+{
+    const double before = run->sliding.before[i];
+    return run->switches.slides[i] ? lag_min(MOVED * before, LAG_SLIDING_FAR * lag_sliding_drift(run, i)) : 0;
+}
+
+void lag_sliding_note_impact(LagRun *run, const double *g)
+{
+    for (int i = 0; i < run->model->n_switches && run->model->switches_need_acceleration; ++i)
+        run->sliding.before[i] = fabs(g[i]);
+}
+
+void lag_sliding_forget_impact(LagRun *run)
+{
+    for (int i = 0; i < run->model->n_switches && run->model->switches_need_acceleration; ++i)
+        run->sliding.before[i] = INFINITY;
 }
 
 /* Whether at rates that differ by slope_before no more is left of the g of those that slide. */

@@ -27,6 +27,7 @@ typedef struct {
     double *noise;   /* most: dg/dt that is rounding */
     double *error;   /* n_switches: of g that is one tolerance */
     double *most_jump; /* n_switches: change of dg/dt by the own share, the largest so far */
+    double *before;  /* n_switches: how far g was from 0 before the impact of this moment; infinity: there was none */
     double *g, *rate;      /* n_switches: at the latest evaluation, of which g is one of the conditions themselves */
     double *state_here; /* size */
     double *share_here; /* most */
@@ -94,6 +95,13 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
 /* How far g of switch i may go from 0 while it slides; FAR times as far where its velocity has jumped, as inputs do. */
 double lag_sliding_drift(const LagRun *run, int i);
 #define LAG_SLIDING_FAR 10
+
+/* So far g of switch i may be from 0 where it is still held: 0 if it was not. Where an impact has come, what it has moved is not. */
+double lag_sliding_held(const LagRun *run, int i);
+
+/* An impact comes, before which conditions are g[n_switches]; what is held has been chosen after it. */
+void lag_sliding_note_impact(LagRun *run, const double *g);
+void lag_sliding_forget_impact(LagRun *run);
 
 /* A step was taken. Returns 0 where those that slide should be chosen anew: their g have drifted. */
 int lag_sliding_lasts(LagRun *run);

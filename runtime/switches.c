@@ -152,8 +152,7 @@ static int let_slide(LagRun *run)
     int candidates = 0;
     for (int i = 0; i < first && !s->is_live; ++i) {
         const int has_gone = s->turned[i] == LAG_TO_0 || s->turned[i] == LAG_TO_1;
-        const double drift = s->slides[i] ? LAG_SLIDING_FAR * lag_sliding_drift(run, i) : 0;
-        if (!has_gone && fabs(s->g[i]) <= lag_max(drift, s->unknown[i]))
+        if (!has_gone && fabs(s->g[i]) <= lag_max(lag_sliding_held(run, i), s->unknown[i]))
             s->turned[i] = LAG_CHANGES;
         candidates |= s->turned[i] == LAG_CHANGES;
     }
@@ -199,6 +198,7 @@ int lag_switches_enter(LagRun *run)
         if (s->is_idle[i])
             s->unknown[i] = INFINITY;
     lag_switches_forget(run);
+    lag_sliding_forget_impact(run);
     return turned;
 }
 
