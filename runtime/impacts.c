@@ -8,6 +8,7 @@
 
 #include "conditions.h"
 #include "contacts.h"
+#include "evaluate.h"
 #include "extremes.h"
 #include "impulses.h"
 #include "rubs.h"
@@ -31,6 +32,7 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
     s->is_plastic = lag_take_ints(arena, (size_t)model->n_whens);
     s->has_contact = lag_take_ints(arena, (size_t)model->n_whens);
     s->is_on = lag_take_ints(arena, (size_t)model->n_whens);
+    s->before = lag_take(arena, (size_t)model->n_whens);
     s->slack = lag_take(arena, (size_t)model->n_whens);
     s->which = lag_take_ints(arena, resets);
     s->rate = lag_take(arena, resets);
@@ -56,6 +58,41 @@ void lag_impacts_reset(LagRun *run)
     run->impacts.coarse = 0;
     run->impacts.at_once = 0;
     run->impacts.seen = INFINITY;
+}
+
+/* Of event k by the latest conditions inside: positive where it is true. */
+static double truth(const LagRun *run, int k)
+{
+    const double *g = run->switches.g_inside;
+    const double all = g[lag_when(run->model, k)];
+    return run->impacts.has_contact[k] ? fmin(all, g[lag_gap(run->model, k)]) : all;
+}
+
+static void look_at_events(LagRun *run, double t, const double *y)
+{
+    LagSwitches *s = &run->switches;
+    lag_conditions_by(run, t, y, y + run->model->n, s->slope + run->model->n, s->g_inside, s->rate_inside);
+}
+
+void lag_impacts_await_jump(LagRun *run, double t, const double *y)
+{
+    if (run->model->n_whens == 0)
+        return;
+    look_at_events(run, t, y);
+    for (int k = 0; k < run->model->n_whens; ++k)
+        run->impacts.before[k] = truth(run, k);
+}
+
+void lag_impacts_note_jump(LagRun *run, double t, const double *y)
+{
+    if (run->model->n_whens == 0)
+        return;
+    look_at_events(run, t, y);
+    for (int k = 0; k < run->model->n_whens; ++k) {
+        const int i = lag_when(run->model, k);
+        if (run->impacts.before[k] <= 0 && truth(run, k) > 0 && run->switches.held[i] == 0)
+            run->switches.turned[i] = LAG_JUMPS;
+    }
 }
 
 /* What rates become. */
@@ -98,6 +135,14 @@ static int find_contact(LagRun *run, int k, int comes)
     return approaches;
 }
 
+/* Whether contact k, whose event comes, is passed already. */
+static int is_passed(const LagRun *run, int k)
+{
+    const LagSwitches *s = &run->switches;
+    const int i = lag_when(run->model, k), gap = lag_gap(run->model, k);
+    return s->g[i] < s->g[gap] || (s->turned[i] == LAG_JUMPS && s->g[gap] > run->sliding.error[gap]);
+}
+
 /* Events whose conditions have come true (contacts that are passed already, where the rest of the condition comes true, are so from
  * then on), and contacts that are closed and approach. Returns whether there are some. */
 static int find_events(LagRun *run, int is_first)
@@ -108,10 +153,11 @@ static int find_events(LagRun *run, int is_first)
     int found = 0;
     lag_conditions_of_events(run, switches->g, switches->rate);
     for (int k = 0; k < model->n_whens; ++k) {
-        const int i = lag_when(model, k), comes = is_first && switches->turned[i] == LAG_CHANGES && switches->held[i] == 0;
+        const int i = lag_when(model, k), turned = switches->turned[i], may_come = is_first && switches->held[i] == 0;
+        const int comes = may_come && (turned == LAG_CHANGES || turned == LAG_JUMPS);
         if (s->has_contact[k]) {
             found |= find_contact(run, k, comes);
-            switches->turned[i] = !comes ? switches->turned[i] : switches->g[i] < switches->g[lag_gap(model, k)] ? LAG_TO_1 : LAG_TO_0;
+            switches->turned[i] = !comes ? turned : is_passed(run, k) ? LAG_TO_1 : LAG_TO_0;
         } else {
             const int is_now = comes || is_true(switches, i);
             s->fires[k] = is_first ? comes : is_now && !s->is_on[k];

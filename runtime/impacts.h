@@ -23,6 +23,7 @@ typedef struct {
     double *state, *slope, *slope_without; /* size */
     LagDenseLu lu;   /* changes of what is reset by impulses of 1 */
     double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */
+    double *before;  /* n_whens: their conditions before a time at which they may jump; positive: true */
     double *slack;   /* n_whens: how far what rests may pass, which others hold, without being an event */
     double seen;     /* the time up to which the next step may go, so that a short bounce is seen in it */
     int at_once;     /* events in a row between which no time passed */
@@ -40,6 +41,11 @@ LagStatus lag_impacts_strike(LagRun *run);
 /* At the present state: contacts in switches.turned that no forces hold, since friction presses them further, take the impulse that stops
  * their slip (an impact without a collision). Returns 0 where there is none. */
 int lag_impacts_press(LagRun *run);
+
+/* At a state and a time: before modes, inputs and rates jump; and afterwards, where the conditions that have come true by that are
+ * told of in switches.turned. */
+void lag_impacts_await_jump(LagRun *run, double t, const double *y);
+void lag_impacts_note_jump(LagRun *run, double t, const double *y);
 
 /* The places among the switches of event k: of its condition, of the gap of a contact, of what rests there. Whether switch i is the
  * first of them. */

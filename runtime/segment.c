@@ -105,9 +105,12 @@ LagStatus lag_segment_evaluate(LagRun *run)
 
 LagStatus lag_segment_next(LagRun *run)
 {
+    const double t = run->motion.t;
     lag_account_open(run);
+    lag_impacts_await_jump(run, t, run->motion.y);
     lag_segment_enter(run);
-    lag_kick(run, run->motion.t, run->motion.y);
+    lag_kick(run, t, run->motion.y);
+    lag_impacts_note_jump(run, t, run->motion.y);
     const LagStatus status = lag_impacts_strike(run);
     if (status != LAG_OK)
         return status;

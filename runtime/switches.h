@@ -6,8 +6,9 @@
 #include "model.h"
 #include "run.h"
 
-/* What becomes of each at the present time; the latter two: what slid, or an event that has come, goes to that side. */
-enum { LAG_STAYS, LAG_CHANGES, LAG_TO_0, LAG_TO_1 };
+/* What becomes of each at the present time; the next two: what slid, or an event that has come, goes to that side. The last: an event
+ * comes where its condition jumps. */
+enum { LAG_STAYS, LAG_CHANGES, LAG_TO_0, LAG_TO_1, LAG_JUMPS };
 
 typedef struct {
     int is_live;    /* they are evaluated with the accelerations: no step holds them */

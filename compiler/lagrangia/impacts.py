@@ -98,8 +98,7 @@ class _Event:
         model = kinematics.graph.model
         self.inputs = ca.vertcat(_NONE, *[x for name, v in model.variables.items() if v.kind == "input"
                                           for x in scalars_of(kinematics.symbols.values[name])])
-        self.level = level_of(when.condition)
-        self.g = self._expression(kinematics.evaluator.value(self.level))
+        self.g = self._level(when.condition)
         self.positions = [position_of(reset, model) for reset in when.resets]
         self.places, self.rates, self.wanted = list[Flat](), list[ca.SX](), list[ca.SX]()  # of each scalar that is reset
         for reset, position in zip(when.resets, self.positions, strict=True):
@@ -113,13 +112,36 @@ class _Event:
         self.contact: Flat | None = None
         self.gap = ca.SX(0)
         for contact in (contact for contact in found if contact is not None):
-            self.contact, others = level_of(contact), [level_of(x) for x in parts_of(when.condition) if x is not contact]
-            value = kinematics.evaluator.value
-            self.gap, *guards = (self._expression(value(level)) for level in (self.contact, *others))
+            self.contact, guards = level_of(contact), [self._level(x) for x in parts_of(when.condition) if x is not contact]
+            self.gap = self._expression(kinematics.evaluator.value(self.contact))
             self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
 
     def _expression(self, x: Scalar) -> ca.SX:
         return ca.substitute(ca.SX(x), self.kinematics.symbols.tau, ca.SX(1))
+
+    def _level(self, node: Flat) -> ca.SX:
+        """Positive where a condition is true, negative where it is not."""
+        match node:
+            case Binary("and", left, right):
+                return ca.fmin(self._level(left), self._level(right))
+            case Binary("or", left, right):
+                return ca.fmax(self._level(left), self._level(right))
+            case Unary("not", operand):
+                return -self._level(operand)
+        value, level = self.kinematics.evaluator.value, level_of(node)
+        g = self._expression(value(level))
+        if not _is_comparison(node):
+            return g
+        truth = self._expression(value(node))
+        return 2 * truth - 1 if self._jumps_alone(g, truth) else g
+
+    def _jumps_alone(self, g: ca.SX, truth: ca.SX) -> bool:
+        """Whether a comparison changes at time events and at jumps alone: at these its sides may be equal for a while."""
+        algebra = self.kinematics.algebra
+        moving = ca.vertcat(self.kinematics.symbols.time, algebra.state)
+        if not ca.depends_on(truth, moving):
+            return ca.depends_on(truth, algebra.mode_symbols)
+        return ca.jacobian(g, moving).is_zero()
 
     def _add(self, reset: Reset, position: Flat) -> None:
         evaluator = self.kinematics.evaluator
@@ -133,7 +155,7 @@ class _Event:
     def _check(self) -> None:
         symbols, rates = self.kinematics.symbols, ca.vertcat(_NONE, *self.rates)
         accelerations = ca.vertcat(_NONE, *symbols.accelerations.values())
-        known = ca.vertcat(self.kinematics.algebra.state, symbols.time)
+        known = ca.vertcat(self.kinematics.algebra.state, symbols.time, self.kinematics.algebra.mode_symbols)
         if not ca.depends_on(self.g, known):
             fail("L0225", "this is true or false for good, and no event", self.when.condition.span,
                  "compare what moves, as x < 0")

@@ -179,7 +179,7 @@ class _Model(c.Structure):
         ("linear_pattern", _Ints),
         ("solver", c.c_int),
         *((name, c.c_int) for name in ("n_entries", "n_lower", "n_upper", "n_colours")),
-        *((name, c.c_int) for name in ("rhs_cost", "jacobian_cost", "has_corners", "may_hide", "is_swing", "is_separable")),
+        *((name, c.c_int) for name in ("rhs_cost", "jacobian_cost", "has_corners", "may_hide", "conditions_know_time", "is_swing", "is_separable")),
         ("jacobian_pattern", _Ints),
         ("n_islands", c.c_int),
         ("island", _Ints),

@@ -94,7 +94,9 @@ def _whole(motion: Motion) -> tuple[str, list[tuple[int, ...]]]:
 def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: tuple[int, ...]) -> Scene:
     held = motion.constrained
     rows = [held.rows.phi, held.rows.rate, held.rows.bias] if held else []
-    everything = ca.vertcat(motion.h, motion.momentum, motion.acceleration, motion.dissipated_power, motion.source_power, *rows)
+    events = [motion.impacts.conditions, motion.impacts.gaps, motion.impacts.wanted]
+    everything = ca.vertcat(motion.h, motion.momentum, motion.acceleration, motion.dissipated_power, motion.source_power, *rows,
+                            *events)
     used = symbols_in(everything)
     is_kicked = "kick" in scene.tapes  # by modes that may stand in no equation
     modes = [mode for mode in kinematics.algebra.modes if is_kicked or mode.symbol.__hash__() in used]
@@ -122,6 +124,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "n_whens": motion.impacts.conditions.numel(), "n_resets": motion.impacts.rates.numel(),
         "n_rubs": len(functions.patterns.get("rubs", ())) // 3,
         "has_corners": int(has_corners(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
+        "conditions_know_time": int(ca.depends_on(motion.impacts.conditions, motion.t)),
     }
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
     return found | ({"solver": int(Solver.LINEAR)} if functions.linear_pays else {})

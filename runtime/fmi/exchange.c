@@ -362,6 +362,7 @@ static int switch_over(LagInstance *s)
     stand_at(s, s->vital.t, projected);
     run->impacts.coarse = coarseness(s);
     lag_switches_note(run);
+    lag_impacts_note_jump(run, s->vital.t, run->motion.y);
     lag_impacts_strike(run);
     if (s->model->n_power == 2) {
         s->vital.dissipated += run->motion.y[2 * n];
@@ -382,6 +383,7 @@ static int begin_segment(LagInstance *s)
     double before[3], after[3];
     lag_energies(run, s->vital.t, s->x, before);
     run->motion.t = run->motion.t_old = s->vital.t;
+    lag_impacts_await_jump(run, s->vital.t, s->x);
     lag_segment_enter(run);
     const int kicked = lag_kick(run, s->vital.t, s->x), astray = is_astray(s);
     if (astray) {
