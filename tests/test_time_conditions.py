@@ -1,6 +1,7 @@
 """Events whose conditions are conditions on time: each comes at its time, exactly, and none is lost."""
 
 from collections.abc import Callable
+from itertools import pairwise
 from math import ceil, floor, sin
 from pathlib import Path
 
@@ -50,14 +51,15 @@ CONDITIONS = {
 
 def rising(holds: Callable[[float, float], bool], stop: float) -> list[float]:
     """When a condition comes true after the start, to rounding."""
-    ticks, found = np.linspace(1e-9, stop, 20011), []
-    for low, high in zip(ticks, ticks[1:], strict=False):
-        if holds(high, high - 0.333) and not holds(low, low - 0.333):
-            for _ in range(60):
-                middle = (low + high) / 2
-                low, high = (low, middle) if holds(middle, middle - 0.333) else (middle, high)
-            found.append(high)
-    return found
+    ticks = np.linspace(1e-9, stop, 20011)
+    return [_root(holds, a, b) for a, b in pairwise(ticks) if holds(b, b - 0.333) and not holds(a, a - 0.333)]
+
+
+def _root(holds: Callable[[float, float], bool], low: float, high: float) -> float:
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (low, middle) if holds(middle, middle - 0.333) else (middle, high)
+    return high
 
 
 @pytest.mark.parametrize("condition", CONDITIONS)
