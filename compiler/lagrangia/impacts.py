@@ -140,8 +140,8 @@ class _Event:
         algebra = self.kinematics.algebra
         moving = ca.vertcat(self.kinematics.symbols.time, algebra.state)
         if not ca.depends_on(truth, moving):
-            return ca.depends_on(truth, algebra.mode_symbols)
-        return ca.jacobian(g, moving).is_zero()
+            return bool(ca.depends_on(truth, algebra.mode_symbols))
+        return bool(ca.jacobian(g, moving).is_zero())
 
     def _add(self, reset: Reset, position: Flat) -> None:
         evaluator = self.kinematics.evaluator
