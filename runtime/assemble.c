@@ -153,7 +153,7 @@ static void step_aside(LagAssembly *s, const double *p, const int *fixed, double
         for (int turn = 1; turn <= MOST_ASIDE; ++turn) {
             const double width = STEPS_ASIDE[turn % widths];
             for (int j = 0; j < 2 * n; ++j)
-                x[j] += guesses || fixed[j] == LAG_START_FREE ? width * s->lean[j] * all_ways(j, turn) : 0;
+                x[j] += guesses || fixed[j] >= LAG_START_FREE ? width * s->lean[j] * all_ways(j, turn) : 0;
             if (lag_newton_evaluate(&s->newton, p, x, work) == 0 && are_finite(s))
                 return;
             copy(s, s->kept, x);
@@ -185,15 +185,15 @@ static void approach(LagAssembly *s, const double *p, double *x, double *work)
     }
 }
 
-/* Moves what nobody guessed, the guesses held. Returns 1 when that is enough; 0 where all or nothing may move. */
-static int follow(LagAssembly *s, const double *p, const int *fixed, int way, double *x, double *work)
+/* Moves what is as free as `least`, all else held. Returns 1 when that is enough; 0 where all or nothing may move. */
+static int follow_by(LagAssembly *s, const double *p, const int *fixed, int least, int way, double *x, double *work)
 {
     LagNewton *newton = &s->newton;
     double *scale = s->lean;
     int free = 0, others = 0;
     copy(s, newton->scale, scale);
     for (int j = 0; j < 2 * lag_start_size(s->model); ++j) {
-        const int is_free = fixed[j] == LAG_START_FREE;
+        const int is_free = fixed[j] >= least;
         free |= is_free && scale[j] > 0;
         others |= !is_free && scale[j] > 0;
         newton->scale[j] = is_free ? scale[j] : 0;
@@ -207,6 +207,38 @@ static int follow(LagAssembly *s, const double *p, const int *fixed, int way, do
     return worst < 0;
 }
 
+/* Moves what nobody guessed, the guesses held: first what moves no mass, which alone would follow if the other's mass were huge. */
+static int follow(LagAssembly *s, const double *p, const int *fixed, int way, double *x, double *work)
+{
+    if (follow_by(s, p, fixed, LAG_START_LOOSE, way, x, work))
+        return 1;
+    copy(s, s->found, x);
+    return follow_by(s, p, fixed, LAG_START_FREE, way, x, work);
+}
+
+/* The first `active` equations, and the unknowns first .. last-1 that may move. */
+static void choose(LagAssembly *s, const int *fixed, int active, int first, int last)
+{
+    s->newton.active = active;
+    for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
+        s->newton.scale[j] = j < first || j >= last || fixed[j] == LAG_START_FIXED ? 0 : s->reach[j];
+}
+
+/* Satisfies all equations by what nobody guessed: rates, or where these do not do, positions as well. Returns 1 when that is enough. */
+static int follow_guesses(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
+{
+    const int n = lag_start_size(s->model);
+    copy(s, x, s->best);
+    for (int first = n; first >= 0; first -= n) {
+        choose(s, fixed, s->model->n_initial, first, 2 * n);
+        copy(s, x, s->found);
+        if (follow(s, p, fixed, first > 0 ? LAG_METRIC_MASS : LAG_METRIC_UNITS, x, work))
+            return 1;
+        copy(s, s->best, x);
+    }
+    return 0;
+}
+
 /* Satisfies the first `active` equations by moving the unknowns first .. last-1 from x, measured in the ways from `way` on: not from
  * the first one when it is one place of many where a solution is looked for. Returns -1, or the worst equation. */
 static int solve(LagAssembly *s, const double *p, const int *fixed, int active, int first, int last, int way, double *x,
@@ -214,9 +246,7 @@ static int solve(LagAssembly *s, const double *p, const int *fixed, int active, 
 {
     const int is_search = way > 0, iterations = is_search ? FEW_ITERATIONS : MOST_ITERATIONS, pushes = is_search ? 0 : MOST_PUSHES;
     LagNewton *newton = &s->newton;
-    newton->active = active;
-    for (int j = 0; j < 2 * lag_start_size(s->model); ++j)
-        newton->scale[j] = j < first || j >= last || fixed[j] == LAG_START_FIXED ? 0 : s->reach[j];
+    choose(s, fixed, active, first, last);
     copy(s, x, s->found);
     if (follow(s, p, fixed, first > 0 ? LAG_METRIC_MASS : LAG_METRIC_UNITS, x, work))
         return -1;
@@ -329,8 +359,8 @@ static int search(LagAssembly *s, const double *p, const int *fixed, double *x, 
     return nearest < INFINITY;
 }
 
-/* Rates where the positions are are a linear matter; all together only when that does not do: an equation that ties rates to
- * positions. */
+/* Rates where the positions are are a linear matter; all together only when that does not do: rates that are given, and an equation
+ * that ties them to positions. */
 int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, double *work)
 {
     const int n = lag_start_size(s->model), all = s->model->n_initial, positions = s->model->n_initial_positions;
@@ -344,14 +374,15 @@ int lag_assemble(LagAssembly *s, const double *p, const int *fixed, double *x, d
         prefer_regular(s, p, fixed, x, work);
         if (positions == all)
             return -1;
-        copy(s, x, s->best);
-        if (solve(s, p, fixed, all, n, 2 * n, 0, x, work) < 0)
-            return -1;
-        copy(s, s->best, x);
-        if (solve(s, p, fixed, all, 0, 2 * n, 0, x, work) < 0)
-            return -1;
-        copy(s, s->best, x); /* positions close: what fails are rates */
-        return solve(s, p, fixed, all, n, 2 * n, 0, x, work);
+    } else if (follow_guesses(s, p, fixed, x, work)) {
+        return -1;
     }
-    return solve(s, p, fixed, all, 0, 2 * n, 0, x, work);
+    copy(s, x, s->best);
+    if (solve(s, p, fixed, all, n, 2 * n, 0, x, work) < 0)
+        return -1;
+    copy(s, s->best, x);
+    if (solve(s, p, fixed, all, 0, 2 * n, 0, x, work) < 0)
+        return -1;
+    copy(s, s->best, x); /* positions close: what fails are rates */
+    return solve(s, p, fixed, all, n, 2 * n, 0, x, work);
 }

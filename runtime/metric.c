@@ -30,7 +30,7 @@ static void choose_order(LagMetric *s, const int *fixed, const double *unit, int
     s->count = 0;
     for (int pass = 0; pass < 2; ++pass) {
         for (int j = 0; j < lag_start_size(s->model); ++j)
-            if (unit[j] > 0 && (fixed[j] == LAG_START_FREE && way != LAG_METRIC_EVEN) == (pass == 0))
+            if (unit[j] > 0 && (fixed[j] >= LAG_START_FREE && way != LAG_METRIC_EVEN) == (pass == 0))
                 s->order[s->count++] = j;
         if (pass == 0)
             s->n_free = s->count;

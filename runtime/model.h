@@ -44,7 +44,7 @@ typedef struct {
 } LagFunction;
 
 /* How far assembly may move a start value: it is a guess, it is exact, or nobody said anything about it. */
-enum { LAG_START_GUESS, LAG_START_FIXED, LAG_START_FREE };
+enum { LAG_START_GUESS, LAG_START_FIXED, LAG_START_FREE, LAG_START_LOOSE }; /* FREE: nobody guessed it; LOOSE: and it moves no mass */
 
 /* When the argument x(t) = a + b t causes an event. */
 enum { LAG_EVENT_ZERO, LAG_EVENT_INTEGER };

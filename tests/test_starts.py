@@ -2,12 +2,14 @@
 
 import warnings
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lagrangia as lag
 from lagrangia import assembly
+from lagrangia.cli import main
 from lagrangia.pipeline import compile_file
 
 Write = Callable[[str], lag.Model]
@@ -70,3 +72,55 @@ def test_a_direction_that_contradicts_is_told_although_its_slope_is_boundless_at
     model = scene(f"model M PointMass A(m = 1); initial equation {stated} end M;")
     with pytest.raises(lag.LagError, match="L0606"):
         begin(model)
+
+
+# ---------------------------------------------------------------- equations between rates
+
+LAG = "coordinate Real F(unit = \"N\"{start}); Block m(m = 1, base = world{v}); "\
+      "AppliedForce push(at = m.center, force = {{F, 0}}); equation 0.2[s]*der(F) = 10 - 4[N.s/m]*m.v - F;"
+LAGS = {  # what is stated of F and of the mass; F, its rate and the speed at the start
+    "nothing of F": ("", ", v(start = 2)", "", (0, 10, 2)),
+    "nothing at all": ("", "", "", (0, 50, 0)),
+    "F": (", start = 3", ", v(start = 2)", "", (3, -5, 2)),
+    "F, fixed": (", start = 3, fixed = true", "", "", (3, 35, 0)),
+    "its rate is to be 0": ("", ", v(start = 2)", "initial equation der(F) = 0;", (2, 0, 2)),
+}
+
+
+@pytest.mark.parametrize("case", LAGS)
+def test_an_equation_between_rates_moves_no_place_that_could_stay(case: str, scene: Write) -> None:
+    of_f, of_v, more, right = LAGS[case]
+    start = begin(scene(f"model M {LAG.format(start=of_f, v=of_v)} {more} end M;"))
+    assert [start[name] for name in ("F", "der(F)", "der(m.s)")] == pytest.approx(right, abs=1e-14)
+
+
+def test_a_lag_runs_from_zero(scene: Write) -> None:
+    """Closed form: F and v from the matrix exponential of T F' = 10 - 4 v - F, v' = F."""
+    model = scene(f"model M {LAG.format(start='', v=', v(start = 2)')} end M;")
+    run = model.simulate(stop=2, tolerance=1e-10)
+    roots = np.roots([0.2, 1, 4])  # v - 2.5 = Re c exp(root t), with v = 2 and v' = F = 0 at 0
+    c = np.linalg.solve([[1, 1], roots], [-0.5, 0])
+    v, F = (sum(c * roots**k * np.exp(2 * roots)).real for k in (0, 1))
+    assert run["F"][-1] == pytest.approx(F, abs=1e-9)
+    assert run["der(m.s)"][-1] == pytest.approx(2.5 + v, abs=1e-9)
+
+
+def test_rates_of_things_with_mass_that_nobody_stated_stay_zero_beside_a_massless_one(scene: Write) -> None:
+    parts = "coordinate Length n; Block m(m = 1e-6, base = world, s(start = 0.1)), k(m = 1e6, base = world);"
+    start = begin(scene(f"model M {parts} equation 5[N.s/m]*(der(n) - m.v - k.v) = 100[N/m]*(m.s - n); end M;"))
+    assert (start["n"], start["der(n)"], start["der(m.s)"], start["der(k.s)"]) == (0, pytest.approx(2, rel=1e-14), 0, 0)
+
+
+def test_what_is_moved_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "m.lag"
+    file.write_text(f"model M {LAG.format(start='', v=', v(start = 2)')} initial equation der(F) = 0; end M;"
+                    "model N PointMass A(m = 1, center(x(start = 2), y(start = 0))); Link l(a = world, b = A.center, L = 1); "
+                    "end N;"
+                    f"model O {LAG.format(start='', v=', v(start = 2)')} end O;")
+    said = []
+    for name in "MNO":
+        assert main(["simulate", str(file), "--model", name, "--at", "0,0.1", "-o", str(tmp_path / "o.csv")]) == 0
+        said.append([line for line in capsys.readouterr().out.splitlines() if " begins at " in line])
+    assert "F begins at 2 N, not at 0 N" in said[0][0]
+    assert "A.center.x begins at 1 m, not at 2 m" in said[1][0]
+    assert [len(lines) for lines in said] == [1, 1, 0]

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.initial import FIXED, FREE, GUESS, InitialConditions
+from lagrangia.initial import FIXED, FREE, GUESS, LOOSE, InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.metric import Way
 from lagrangia.newton import GOLDEN_RATIO, Equations, General, Newton, pattern, start_equations
@@ -59,12 +59,13 @@ class Assembly:
             x = self._prefer_regular(x)
             if positions == all_of_them:
                 return x, -1
-            rates = self._solve(all_of_them, n, 2 * n, x)
-            if rates[1] < 0:
-                return rates
-            together = self._solve(all_of_them, 0, 2 * n, x)
-            return together if together[1] < 0 else rates  # positions close: what fails are rates
-        return self._solve(all_of_them, 0, 2 * n, x)
+        elif (followed := self._follow_guesses(x)) is not None:
+            return followed, -1
+        rates = self._solve(all_of_them, n, 2 * n, x)
+        if rates[1] < 0:
+            return rates
+        together = self._solve(all_of_them, 0, 2 * n, x)
+        return together if together[1] < 0 else rates  # positions close: what fails are rates
 
     def _step_aside(self, guess: Vector) -> Vector:
         """The guess, or a place beside it where all equations are finite: y/x = 2 says nothing where both are 0."""
@@ -110,8 +111,7 @@ class Assembly:
         return np.concatenate([reach, np.maximum(self._like(self.guess[n:]), reach)])
 
     def _solve(self, active: int, first: int, last: int, x: Vector, ways: tuple[Way, ...] = tuple(Way)) -> tuple[Vector, int]:
-        places = np.arange(2 * self.n)
-        scale = np.where((places < first) | (places >= last) | (self.fixed == FIXED), 0.0, self.reach)
+        scale = self._scale(first, last)
         found, is_solved = self._follow(active, scale, x, Way.MASS if first > 0 else Way.UNITS)
         if is_solved:
             return found, -1
@@ -123,9 +123,26 @@ class Assembly:
                 return self._approach(newton, found), worst
         return found, worst
 
+    def _scale(self, first: int, last: int) -> Vector:
+        """The sizes of what may move."""
+        places = np.arange(2 * self.n)
+        return np.where((places < first) | (places >= last) | (self.fixed == FIXED), 0.0, self.reach)
+
+    def _follow_guesses(self, x: Vector) -> Vector | None:
+        """All equations by what nobody guessed: rates, or where these do not do, positions as well."""
+        for first, way in ((self.n, Way.MASS), (0, Way.UNITS)):
+            found, is_solved = self._follow(self.equations.initial.numel_out(0), self._scale(first, 2 * self.n), x, way)
+            if is_solved:
+                return found
+        return None
+
     def _follow(self, active: int, scale: Vector, x: Vector, way: Way) -> tuple[Vector, bool]:
-        """Moves what nobody guessed, the guesses held; whether that is enough."""
-        free = np.where(self.fixed == FREE, scale, 0.0)
+        """Moves what nobody guessed, the guesses held, first what moves no mass; whether that is enough."""
+        found, is_solved = self._follow_by(active, scale, x, LOOSE, way)
+        return (found, True) if is_solved else self._follow_by(active, scale, x, FREE, way)
+
+    def _follow_by(self, active: int, scale: Vector, x: Vector, least: int, way: Way) -> tuple[Vector, bool]:
+        free = np.where(self.fixed >= least, scale, 0.0)
         if not free.any() or (free == scale).all():
             return x, False
         x, worst = Newton(self.equations, self.general, active, free, self.fixed, x, way).solve(x, _MOST_RETURNS, 0)

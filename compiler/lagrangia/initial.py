@@ -7,7 +7,7 @@ A coordinate that others give, by a loop or a linear constraint, is a value like
 rate: s, with the residuals s - s(q) and der(s) - ds/dt.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
@@ -26,13 +26,13 @@ from lagrangia.tree import Call, Flat, FrameRef, Ref
 _AGREES = 1e-9  # two values of one start, in m or rad
 
 
-GUESS, FIXED, FREE = range(3)  # LAG_START_... of runtime/model.h
+GUESS, FIXED, FREE, LOOSE = range(4)  # LAG_START_... of runtime/model.h
 
 
 @dataclass(frozen=True)
 class InitialConditions:
     """q and v in SX of the parameters, each followed by the values of `lost` coordinates; `fixed` says of each, q then v,
-    whether it is a GUESS, FIXED or FREE; the residuals have the spans of their equations."""
+    whether it is a GUESS, FIXED, FREE or, a rate that moves no mass, LOOSE; the residuals have the spans of their equations."""
 
     q: ca.SX
     v: ca.SX
@@ -57,6 +57,14 @@ class InitialConditions:
 def build_initial(kinematics: Kinematics, constraints: Constraints) -> InitialConditions:
     """Raises LagError (L06xx)."""
     return _Starts(kinematics).build(constraints)
+
+
+def loosen(initial: InitialConditions, momentum: ca.SX, v: ca.SX) -> InitialConditions:
+    """Rates that nobody guessed and that move no mass go before all others: that of a lag follows from its equation."""
+    n = len(initial.fixed) // 2
+    is_massless = [not moves for moves in ca.which_depends(momentum, v, 1, True)]
+    loose = {n + k for k, nothing in enumerate(is_massless) if nothing and initial.fixed[n + k] == FREE}
+    return replace(initial, fixed=tuple(LOOSE if k in loose else kind for k, kind in enumerate(initial.fixed)))
 
 
 def start_function(kinematics: Kinematics, initial: InitialConditions) -> ca.Function:

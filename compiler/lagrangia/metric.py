@@ -26,7 +26,7 @@ class Metric:
 
     def __init__(self, momenta: Momenta | None, q: Vector, fixed: NDArray[np.int_], unit: Vector, way: Way) -> None:
         moving = np.flatnonzero(unit > 0)
-        is_free = (fixed[moving] == FREE) & (way is not Way.EVEN)
+        is_free = (fixed[moving] >= FREE) & (way is not Way.EVEN)
         self.order = np.concatenate([moving[is_free], moving[~is_free]])
         self.unit = unit[self.order]
         self.size = unit.size

@@ -64,7 +64,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
     from lagrangia.hamilton import build_hamilton, energy_flow, is_separable, no_momenta
-    from lagrangia.initial import build_initial
+    from lagrangia.initial import build_initial, loosen
     from lagrangia.kinematics import build_kinematics
     from lagrangia.motion import build_motion
     from lagrangia.partition import find_partition
@@ -82,6 +82,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             initial = build_initial(kinematics, constraints)
             made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
             motion = build_motion(kinematics, energies, *made_of)
+            initial = loosen(initial, motion.momentum, motion.v)
             struck, run = _with_impacts(kinematics, energies, motion, made_of)
         with _timed(took, "functions"):
             flow = energy_flow(kinematics, constraints, energies, run)

@@ -24,7 +24,7 @@ from lagrangia.model import Model
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.simulate import Experiment, Progress, check_values, is_lost, plan
 from lagrangia.statics import is_static
-from lagrangia.summary import summarise, tell_assembly, tell_reactions
+from lagrangia.summary import summarise, tell_assembly, tell_moved, tell_reactions
 from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names
 
 _BAR_AFTER = 2.0  # seconds
@@ -110,6 +110,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     if not options.quiet:
         summarise(options, model, progress, target, compiled, loaded)
         tell_assembly(scene, experiment, first, sys.stdout if target != "-" else sys.stderr)
+        tell_moved(scene, progress, values, first, sys.stdout if target != "-" else sys.stderr)
         tell_reactions(scene, last, sys.stdout if target != "-" else sys.stderr)
     if progress.interrupted:
         print(f"interrupted at t = {progress.time:.6g}; the {progress.rows} rows before are kept", file=sys.stderr)

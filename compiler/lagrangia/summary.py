@@ -7,12 +7,14 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from lagrangia.engines import Engine, describe
+from lagrangia.interpret import evaluate
 from lagrangia.model import Model
-from lagrangia.simulate import Experiment, Progress, shortcomings
+from lagrangia.simulate import Experiment, Progress, Values, shortcomings
 from lagrangia.solvers import name_of
 from lagrangia.statics import is_static, reaction_table
 
-_FIXED = 1  # LAG_START_FIXED of runtime/model.h
+_GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model.h
+_MOVED = 1e-3  # less is taken for the rounding of a start value
 
 
 def summarise(options: Namespace, model: Model, progress: Progress, target: str, compiled: float, loaded: float) -> None:
@@ -60,6 +62,20 @@ def tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out:
     shown = [f"{scene.coordinates[k].name} = {_quantity(kept[k], scene.coordinates[k].unit)}" for k in free[:4]]
     more = ", ..." if len(free) > 4 else ""
     print(f"  loops closed at {', '.join(shown)}{more}; `lag check` tells whether there are other ways", file=out)
+
+
+def tell_moved(scene: Any, progress: Progress, values: Values, row: Sequence[float], out: Any) -> None:
+    """Starts that were stated and do not hold, and where no equation is of places, those that nobody stated and that moved."""
+    if not (scene.sizes["n_initial"] and row and row[0] == progress.experiment.start) or scene.notes["loops"]:
+        return
+    guess = [part[: scene.n] for part in evaluate(scene.tapes["start"], progress.parameters)]
+    kinds = [*scene.fixed[: scene.n], *scene.fixed[len(scene.fixed) // 2 :][: scene.n]]
+    stated = zip((*scene.coordinates, *scene.rates), kinds, [*guess[0], *guess[1]], (*values.q, *values.v), row[1:], strict=True)
+    for k, (column, kind, wanted, given, value) in enumerate(stated):
+        may_tell = kind == _GUESS or (kind == _FREE and k < scene.n and not scene.sizes["n_initial_positions"])
+        if may_tell and math.isnan(given) and abs(value - wanted) > _MOVED * max(abs(value), abs(wanted)):
+            print(f"  {column.name} begins at {_quantity(value, column.unit)}, not at {_quantity(wanted, column.unit)}: the "
+                  "equations ask for it", file=out)
 
 
 def _quantity(value: float, unit: str) -> str:
