@@ -82,8 +82,8 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             initial = build_initial(kinematics, constraints)
             made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
             motion = build_motion(kinematics, energies, *made_of)
-            initial = loosen(initial, motion.momentum, motion.v)
             struck, run = _with_impacts(kinematics, energies, motion, made_of)
+            initial = loosen(initial, motion.momentum, motion.v)
         with _timed(took, "functions"):
             flow = energy_flow(kinematics, constraints, energies, run)
             stuck = flow or no_momenta(constraints, run)
@@ -92,8 +92,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
         with _timed(took, "freedom"):
             is_still = is_held_still(kinematics, motion, constraints, initial, functions)
         with _timed(took, "scene"):
-            whole = build_scene(kinematics, run, initial, functions, is_still, flow, stuck)
-            scene = divide(whole, kinematics, run, initial)
+            scene = divide(build_scene(kinematics, run, initial, functions, is_still, flow, stuck), kinematics, run, initial)
     return Compilation(syntax, flat, graph, kinematics, constraints, energies, motion, run, initial, functions, scene, took)
 
 
