@@ -1,11 +1,17 @@
 #include "account.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "evaluate.h"
 #include "extremes.h"
 
 enum { KINETIC, POTENTIAL, TOTAL, DISSIPATED, WORK };
+
+/* What a run may miss in its account, in its tolerance: at all, for each step, at most of all energy, and where that is loose; of
+ * 1 248 runs of examples and benchmark scenes none that was right missed by more than 7 tolerances. Multiples of estimates, and of
+ * rounding. */
+static const double BASE = 100, EACH = 0.05, MOST = 0.1, FEW = 10, DOUBTS = 3, ROUNDINGS = 100, NOISES = 1e3;
 
 typedef struct {
     double total, largest; /* the largest of T, V, H */
@@ -24,7 +30,49 @@ static Seen look(LagRun *run)
     return (Seen){energies[TOTAL], largest};
 }
 
-void lag_account_note(LagRun *run, const double *y, double *entries)
+/* By how much the energies are uncertain by rounding of a state: what changes when each coordinate and rate is moved by the rounding
+ * of the largest of its kind, of its natural size, or of an angle of 1; in two ways, so that changes do not cancel in both. */
+static double rounding_of(LagRun *run, double t, const double *y)
+{
+    const LagScale *scale = &run->scale;
+    const int n = run->model->n;
+    double *moved = run->motion.point, before[3], after[3], largest = 0;
+    lag_energies(run, t, y, before);
+    for (int way = 1; way <= 2; ++way) {
+        for (int i = 0; i < 2 * n; ++i) {
+            const int place = i % n, kind = scale->kind[place];
+            const double *group = scale->group + kind, own = i < n ? lag_max(group[0], scale->size[place]) : group[scale->kinds];
+            const double size = i < n && isfinite(scale->cap[i]) ? lag_max(1, own) : own;
+            moved[i] = y[i] + (i / way % 2 ? DBL_EPSILON : -DBL_EPSILON) * size;
+        }
+        lag_energies(run, t, moved, after);
+        for (int i = KINETIC; i <= TOTAL; ++i)
+            largest = lag_max(fabs(after[i] - before[i]), largest);
+    }
+    return largest;
+}
+
+/* The miss that the tolerance explains, and rounding: each step may add a part of it. */
+static double explained(const LagRun *run)
+{
+    const LagStatistics *s = &run->statistics;
+    const double tolerance = run->settings.tolerance, steps = (double)s->steps, size = lag_max(s->energy_scale, s->energy_stored);
+    const double by_steps = tolerance * (BASE + EACH * steps), rounding = ROUNDINGS * DBL_EPSILON * (1 + steps);
+    return lag_min(by_steps + rounding, lag_max(MOST, FEW * tolerance)) * size + DOUBTS * run->motion.doubt;
+}
+
+/* The account is open from the first row on at which the largest miss is more than what explains it, unless that comes to do so. */
+static void judge(LagRun *run, double t, const double *y)
+{
+    LagStatistics *s = &run->statistics;
+    const double left = s->energy_residual - explained(run);
+    const int is_open = left > 0 && left > NOISES * rounding_of(run, t, y);
+    if (is_open && !s->energy_is_open)
+        s->energy_open = t;
+    s->energy_is_open = is_open;
+}
+
+void lag_account_note(LagRun *run, double t, const double *y, double *entries)
 {
     LagStatistics *statistics = &run->statistics;
     const double *quadratures = y + 2 * run->model->n;
@@ -39,6 +87,7 @@ void lag_account_note(LagRun *run, const double *y, double *entries)
         statistics->energy_stored = lag_max(fabs(entries[i]), statistics->energy_stored);
     statistics->energy_risen = lag_max(entries[TOTAL] - run->start_energy, statistics->energy_risen);
     statistics->energy_given = lag_max(entries[WORK] - entries[DISSIPATED], statistics->energy_given);
+    judge(run, t, y);
 }
 
 void lag_account_glance(LagRun *run)

@@ -6,8 +6,9 @@
 
 enum { LAG_ACCOUNT_SIZE = 5 };
 
-/* Completes the {T, V, H, dissipated, work} of a state whose {T, V, H} are known; notes residual and scale in the statistics. */
-void lag_account_note(LagRun *run, const double *y, double *entries);
+/* Completes the {T, V, H, dissipated, work} of a state at t whose {T, V, H} are known; notes residual and scale in the statistics, and
+ * whether the tolerance explains by how much it misses. */
+void lag_account_note(LagRun *run, double t, const double *y, double *entries);
 
 /* Notes how large the energies are in the present state: rows may all lie where there is none. */
 void lag_account_glance(LagRun *run);

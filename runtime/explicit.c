@@ -188,18 +188,23 @@ LAG_UNROLLED double estimate(const LagExplicit *s, LagMotion *m, const LagTablea
     return tableau->caution * share * sqrt(fine_squares / moving);
 }
 
-/* The largest error of the energy quadratures, in units of the tolerance. */
-static double energy_error(const LagExplicit *s, const LagMotion *m, const LagTableau *tableau, double h, const LagScale *scale)
+/* The error of one of the energy quadratures. */
+static double quadrature_error(const LagExplicit *s, const LagTableau *tableau, double h, int i)
 {
     const LagTableauRow *row = tableau->error;
+    double sum = 0;
+    for (int j = 0; j < row->count; ++j)
+        sum += row->weight[j] * s->k[row->column[j]][i];
+    return fabs(h * sum);
+}
+
+/* The largest of them, in units of the tolerance. */
+static double energy_error(const LagExplicit *s, const LagMotion *m, const LagTableau *tableau, double h, const LagScale *scale)
+{
     const double energy = fmax(m->energy, h * h * m->strength);
     double largest = 0;
-    for (int i = 2 * m->n; i < m->size; ++i) {
-        double sum = 0;
-        for (int j = 0; j < row->count; ++j)
-            sum += row->weight[j] * s->k[row->column[j]][i];
-        largest = fmax(fabs(h * sum) / (scale->tolerance * fmax(fabs(m->other[i]), energy)), largest);
-    }
+    for (int i = 2 * m->n; i < m->size; ++i)
+        largest = fmax(quadrature_error(s, tableau, h, i) / (scale->tolerance * fmax(fabs(m->other[i]), energy)), largest);
     return largest;
 }
 
@@ -265,6 +270,8 @@ static int accept(void *self, LagMotion *m, double t_new)
         memcpy(s->k[s->tableau->stages], m->other + m->n, (size_t)m->n * sizeof *m->other);
     else if (!end_slope(s, m, t_new))
         return 0;
+    for (int i = 2 * m->n; i < m->size; ++i)
+        m->doubt += quadrature_error(s, s->tableau, t_new - m->t, i);
     lag_motion_take(m, t_new);
     s->first_slope_is_last = 1;
     s->dense_ready = 0;

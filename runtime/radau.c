@@ -98,6 +98,7 @@ static int accept(LagRadau *s, LagMotion *m, double t_new)
         return 0;
     memcpy(s->trial.slope, s->slope, (size_t)m->size * sizeof *s->slope);
     memcpy(s->slope, m->sum, (size_t)m->size * sizeof *s->slope);
+    m->doubt += s->doubt;
     lag_motion_take(m, t_new);
     swap_steps(s);
     s->had_last = s->has_last;

@@ -26,6 +26,7 @@ typedef struct {
     double *weight;             /* 2 n: 1 / unit of error; 0: does not count */
     double *error, *filtered;   /* 2 n */
 
+    double doubt;       /* error of the energy quadratures in the step being tried */
     double contraction; /* of the latest iterations, per iteration */
     double patience;    /* error left, as a multiple of the latest change */
     int iterations;

@@ -254,13 +254,17 @@ int lag_radau_finish(LagRadau *s, LagRun *run, double h)
     int worst;
     if (n_power > 0 && !evaluate_stages(s, m, h, &worst)) /* the powers of the last iteration, not of the one before */
         return 0;
+    s->doubt = 0;
     memcpy(m->sum, s->place + last * n, (size_t)n * sizeof *m->sum);
     memcpy(m->sum + n, s->trial.rate + last * n, (size_t)n * sizeof *m->sum);
     for (int k = 0; k < n_power; ++k) {
-        double sum = s->slope[2 * n + k];
-        for (int i = 0; i <= last; ++i)
+        double sum = s->slope[2 * n + k], error = 0;
+        for (int i = 0; i <= last; ++i) {
             sum += s->tableau->a[last * (last + 1) + i] * s->trial.power[i * n_power + k];
+            error += s->tableau->error_place[i] * s->trial.power[i * n_power + k];
+        }
         m->sum[2 * n + k] = h * sum;
+        s->doubt += fabs(h / s->tableau->eigenvalue[0] * error);
     }
     lag_motion_add(m, m->sum);
     return 1;

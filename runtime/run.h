@@ -55,6 +55,7 @@ typedef struct {
     double energy_stored;   /* largest of |T|, |V|, |H| in rows, and in steps now and then */
     double energy_risen;    /* largest H - H(0) seen */
     double energy_given;    /* largest work - dissipated seen: what H could rise by */
+    double energy_open;     /* time of the first row from which on the account misses by more than the tolerance explains */
     double constraint_residual;      /* largest |Phi| in rows */
     double constraint_rate_residual; /* largest |J v + dPhi/dt| in rows */
     int32_t worst;          /* component that last limited the step: q is 0 .. n-1, v is n .. 2n-1 */
@@ -62,6 +63,7 @@ typedef struct {
     int32_t tolerance_missed; /* steps near singular positions that were taken with a larger error */
     int32_t solver;           /* LAG_SOLVER_...: in use now */
     int32_t switches;         /* from one solver to another */
+    int32_t energy_is_open;   /* whether there is such a row */
     int32_t passed;           /* 1 + the first event whose contact was passed at the start, so that it does not come; 0: none */
 } LagStatistics;
 

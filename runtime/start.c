@@ -47,7 +47,7 @@ static void clear(LagRun *run)
     /* a run does not depend on what this memory was used for before */
     run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0;
     run->calm_step = 0;
-    run->motion.energy = 0;
+    run->motion.energy = run->motion.doubt = 0;
     run->wanted = run->settings.t_start;
     run->row_spacing = 0;
 }

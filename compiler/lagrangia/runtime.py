@@ -101,6 +101,8 @@ class Statistics:
     energy_risen: float = 0.0
     energy_given: float = 0.0
     passed: int = 0
+    energy_open: float = 0.0
+    energy_is_open: bool = False
 
     @property
     def energy_size(self) -> float:
@@ -228,6 +230,7 @@ class _Statistics(c.Structure):
         ("energy_stored", c.c_double),
         ("energy_risen", c.c_double),
         ("energy_given", c.c_double),
+        ("energy_open", c.c_double),
         ("constraint_residual", c.c_double),
         ("constraint_rate_residual", c.c_double),
         ("worst", c.c_int32),
@@ -235,6 +238,7 @@ class _Statistics(c.Structure):
         ("tolerance_missed", c.c_int32),
         ("solver", c.c_int32),
         ("switches", c.c_int32),
+        ("energy_is_open", c.c_int32),
         ("passed", c.c_int32),
     )
 
@@ -455,7 +459,8 @@ class Run:
     def statistics(self) -> Statistics:
         struct = self._library.lag_run_statistics(self._run).contents
         values = {name: getattr(struct, name) for name, _ in _Statistics._fields_}
-        return Statistics(**values | {"tolerance_raised": bool(struct.tolerance_raised), "solver": Solver(struct.solver)})
+        flags = {name: bool(values[name]) for name in ("tolerance_raised", "energy_is_open")}
+        return Statistics(**values | flags | {"solver": Solver(struct.solver)})
 
     @property
     def failure(self) -> Failure:

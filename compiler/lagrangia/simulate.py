@@ -339,7 +339,7 @@ def shortcomings(progress: Progress) -> list[str]:
     statistics, tolerance = progress.statistics, progress.experiment.tolerance
     if statistics is None:
         return []
-    found = []
+    found: list[str] = []
     if statistics.tolerance_raised:
         found.append("the tolerance was raised to 1e-14, the smallest that double precision can keep")
     if statistics.tolerance_missed:
@@ -349,7 +349,7 @@ def shortcomings(progress: Progress) -> list[str]:
         found.append(f"{progress.contacts[statistics.passed - 1]} is passed at the start already, so that nothing "
                      "strikes it before it has been left: start outside it")
     missed = _missed_energy(progress)
-    if missed > _MUCH * tolerance:
+    if missed > _MUCH * tolerance and not loss(progress):
         what = f"errors have added up until the energy account misses by {missed:.1e} of its size"
         if not progress.has_power:
             found.append(f"the tolerance {tolerance:g} was not kept to the end: {what}")
@@ -359,8 +359,26 @@ def shortcomings(progress: Progress) -> list[str]:
     return found
 
 
-def is_lost(progress: Progress) -> bool:
-    """Whether the motion computed has nothing to do with that of the scene: a singularity was jumped over, for example."""
+def loss(progress: Progress) -> str:
+    """Why rows cannot be those of the scene; empty where nothing tells so.
+
+    The run time judges the energy account at each row, by the tolerance, the number of steps and what these know of the errors of
+    its integrals of powers; CasADi's integrators tell nothing of that.
+    """
+    s = progress.statistics
+    if s is None or not (s.energy_is_open or _is_beyond_doubt(progress)):
+        return ""
+    relative, reason = s.energy_residual / s.energy_size, ""
+    what = (f"misses by {s.energy_residual:.1e} J, {relative:.1e} of its size, more than the tolerance "
+            f"{progress.experiment.tolerance:g} explains,")
+    if relative > DOUBTFUL:
+        what, reason = "does not close at all", "has a singularity (a collision, a division by zero) or "
+    since = f" from t = {s.energy_open:.6g} on" if s.energy_is_open else ""
+    return (f"the energy account {what}{since}: the rows there are not the motion of this scene, which {reason}needs a smaller "
+            "tolerance, or another solver")
+
+
+def _is_beyond_doubt(progress: Progress) -> bool:
     if _missed_energy(progress) <= max(DOUBTFUL, _MUCH * progress.experiment.tolerance):
         return False
     return not progress.has_power or _rises_from_nothing(progress)
@@ -385,6 +403,6 @@ def _missed_energy(progress: Progress) -> float:
 
 
 __all__ = [
-    "DOUBTFUL", "Engine", "Experiment", "Progress", "Values", "check_values", "explain", "is_lost", "plan", "shortcomings",
+    "DOUBTFUL", "Engine", "Experiment", "Progress", "Values", "check_values", "explain", "loss", "plan", "shortcomings",
     "simulate", "start_run",
 ]

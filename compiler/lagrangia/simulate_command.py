@@ -22,7 +22,7 @@ from lagrangia.diagnostics import LagError, RunError, fail
 from lagrangia.interruptions import undisturbed
 from lagrangia.model import Model
 from lagrangia.pipeline import ALL_REACTIONS
-from lagrangia.simulate import Experiment, Progress, check_values, is_lost, plan
+from lagrangia.simulate import Experiment, Progress, check_values, loss, plan
 from lagrangia.statics import is_static
 from lagrangia.summary import summarise, tell_assembly, tell_moved, tell_reactions
 from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names
@@ -123,9 +123,8 @@ def _raise_failure(failure: RunError | None, progress: Progress, target: str) ->
     """Raises RunError for a run that stopped, and for one that went on beyond all sense."""
     if failure is not None:
         raise RunError(f"{failure}\n{progress.rows} rows before it are kept in {target}")
-    if is_lost(progress):
-        raise RunError(f"the energy account does not close at all: the rows in {target} are not the motion of this scene, which "
-                       "has a singularity (a collision, a division by zero) or needs a far smaller tolerance, or another solver")
+    if why := loss(progress):
+        raise RunError(f"{why}\nthe rows are kept in {target}")
 
 
 class _writer:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.diagnostics import fail, suggest
 from lagrangia.scene import Column, Scene
-from lagrangia.simulate import Progress, shortcomings
+from lagrangia.simulate import Progress, loss, shortcomings
 from lagrangia.targets import Target, cells, quoted
 
 if TYPE_CHECKING:
@@ -99,8 +99,8 @@ class Trajectory:
 
     @property
     def warnings(self) -> list[str]:
-        """What kept the run from its tolerance, in words; empty when nothing did."""
-        return shortcomings(self.progress)
+        """What kept the run from its tolerance, in words, and why it cannot be right; empty when nothing did."""
+        return [*shortcomings(self.progress), *filter(None, [loss(self.progress)])]
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Comma-separated columns with a line of names; all 17 digits that matter. Where a quantity has no finite value, its
