@@ -32,7 +32,7 @@ static void layout(LagRun *run, LagArena *arena)
     run->c = lag_take(arena, (size_t)model->n_hoisted);
     run->u = lag_take(arena, (size_t)model->n_inputs);
     run->u_slope = lag_take(arena, (size_t)model->n_inputs);
-    run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches + model->n_resets));
+    run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches + model->n_resets + model->n_rests));
     run->d_before = lag_take(arena, (size_t)model->n_modes);
     run->event_a = lag_take(arena, events);
     run->event_b = lag_take(arena, events);

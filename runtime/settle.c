@@ -214,11 +214,76 @@ static int choose_together(LagRun *run, double t, const double *y, int count)
     return is_linear(run, t, y, count);
 }
 
+static int choose_any(LagRun *run, double t, const double *y, int count)
+{
+    return (choose(run, t, y, count) && !presses(&run->sliding, count)) || choose_together(run, t, y, count);
+}
+
+/* -------- what holds more than it rubs */
+
+/* The place among `count` candidates of the switch of rest k; -1: it is none. */
+static int place_of(const LagRun *run, int count, int k)
+{
+    for (int j = 0; j < count; ++j)
+        if (run->sliding.which[j] == run->model->rests[k])
+            return j;
+    return -1;
+}
+
+/* Whether candidate k stays at 0: it slides, or what slides holds it. */
+static int is_held(const LagSliding *s, int count, int k)
+{
+    int is_acted_on = 0;
+    for (int j = 0; j < count; ++j)
+        is_acted_on |= s->state[j] == SLIDES && s->jump[k + j * count] != 0;
+    return s->state[k] == SLIDES || (is_acted_on && fabs(rate_of(s, count, k, 1)) <= ROUNDING * size_of(s, count, k));
+}
+
+/* All candidates may hold. */
+static void begin_rests(LagRun *run, int count)
+{
+    for (int k = 0; k < run->model->n_rests; ++k)
+        *lag_rest(run, k) = place_of(run, count, k) >= 0;
+}
+
+/* Which of them hold: those that do not have less force, which may set others in motion, or else hold after all. */
+static int choose_rests(LagRun *run, double t, const double *y, int count, int is_right)
+{
+    const LagSliding *s = &run->sliding;
+    int changes = run->model->n_rests > 0;
+    for (int turn = 0; changes && is_right; ++turn) {
+        changes = 0;
+        for (int k = 0; k < run->model->n_rests; ++k) {
+            const int j = place_of(run, count, k), may_act = j >= 0 && s->state[j] == GIVEN && s->jump[j + j * count] == 0;
+            const int holds = j >= 0 && (may_act || is_held(s, count, j));
+            if (*lag_rest(run, k) == holds || (holds && turn > count)) /* in the end what has let go stays so */
+                continue;
+            *lag_rest(run, k) = holds;
+            changes = 1;
+        }
+        if (changes) {
+            lag_jumps_find(run, t, y, count, LAG_PRESENT);
+            is_right = choose_any(run, t, y, count);
+        }
+    }
+    return is_right;
+}
+
+/* Those that nothing holds move. */
+static void end_rests(LagRun *run, int count)
+{
+    for (int k = 0; k < run->model->n_rests; ++k) {
+        const int j = place_of(run, count, k);
+        *lag_rest(run, k) *= j >= 0 && is_held(&run->sliding, count, j);
+    }
+}
+
 /* What the switches hold, and those that slide to the front of `which`. Returns how many do. */
 static int hold(LagRun *run, int count)
 {
     LagSliding *s = &run->sliding;
     int sliding = 0;
+    end_rests(run, count);
     for (int k = 0; k < count; ++k) {
         const int i = s->which[k];
         run->switches.held[i] = *lag_share(run, i);
@@ -357,6 +422,7 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
     s->count = 0; /* accelerations as the shares say */
     s->energy = 0;
     if (count > 0) {
+        begin_rests(run, count);
         lag_jumps_begin(run, count);
         lag_jumps_find(run, t, y, count, LAG_FIRST);
     }
@@ -369,7 +435,8 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
         return;
     s->energy = energy;
     s->lu.dependent = LAG_SLIDING_DEPENDENT;
-    const int is_right = (choose(run, t, y, count) && !presses(s, count)) || choose_together(run, t, y, count);
+    begin_rests(run, count);
+    const int is_right = choose_rests(run, t, y, count, choose_any(run, t, y, count));
     s->jams = !is_right && run->model->n_rubs > 0 && !run->switches.is_live;
     if (is_right && find_open(run, count))
         choose_open(run, t, y, count);

@@ -82,10 +82,17 @@ void lag_sliding_end(LagRun *run)
     run->sliding.count = run->sliding.is_lost = 0;
     run->sliding.energy = 0;
     memset(run->switches.slides, 0, (size_t)run->model->n_switches * sizeof *run->switches.slides);
+    for (int k = 0; k < run->model->n_rests; ++k)
+        *lag_rest(run, k) = 0;
     memset(run->switches.is_idle, 0, (size_t)run->model->n_switches * sizeof *run->switches.is_idle);
 }
 
 double *lag_share(const LagRun *run, int i) { return &run->d[run->model->n_modes + i]; }
+
+double *lag_rest(const LagRun *run, int k)
+{
+    return &run->d[run->model->n_modes + run->model->n_switches + run->model->n_resets + k];
+}
 
 double lag_share_step(const LagRun *run, int k)
 {

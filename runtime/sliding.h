@@ -62,6 +62,9 @@ double lag_share_step(const LagRun *run, int k);
 /* Whether a share ends at 1, as that of a jump does: contacts push with any force, and do not pull. */
 int lag_may_have_all(const LagRun *run, int i);
 
+/* In d: 1 where the switch of rests[k] of the model is held, which may take more than what moves. */
+double *lag_rest(const LagRun *run, int k);
+
 /* dg/dt at a state by the shares in d, while none is corrected: into `rate`. */
 void lag_sliding_rates(LagRun *run, double t, const double *y);
 

@@ -100,11 +100,15 @@ class CasadiAlgebra:
             return a - b * self.call("floor", a / b)
         if all(isinstance(a, float | int) for a in arguments):
             return _call_float(function, *arguments)
+        if function == "abs" and (inner := _of_sign(arguments[0])) is not arguments[0]:
+            return self.compare("<>", inner, 0.0)
         return _SX_FUNCTIONS[function](*arguments)
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
         if isinstance(a, float | int) and isinstance(b, float | int):
             return float(_COMPARE[operator](a, b))
+        if is_zero(b) or is_zero(a):
+            a, b = _of_sign(a), _of_sign(b)
         difference = a - b
         crossing = self._crossing(difference) if operator not in ("==", "<>") else None
         if crossing is not None:
@@ -119,9 +123,14 @@ class CasadiAlgebra:
         return apply(ca.OP_IF_ELSE_ZERO, condition, then) + apply(ca.OP_IF_ELSE_ZERO, opposite, otherwise)
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
+        """Of a condition and its mirror image, as v > 0 or v < 0, it is said whether both are equal: see switches.py."""
         if operator == "not":
-            return 1.0 - conditions[0]
+            opposite = _relation(conditions[0], _OPPOSITES)
+            return 1.0 - conditions[0] if opposite is None else opposite
         a, b = conditions
+        asks, tells = (ca.OP_LE, ca.OP_EQ) if operator == "and" else (ca.OP_LT, ca.OP_NE)
+        if _are_mirrored(a, b, asks):
+            return apply(tells, a.dep(0), a.dep(1))
         return a * b if operator == "and" else a + b - a * b
 
     def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
@@ -197,6 +206,27 @@ def _cases(less: list[Scalar], xs: Sequence[Scalar]) -> list[Scalar]:
     if not all(isinstance(at, _NUMBERS) for at in xs):
         less = list(accumulate(less, lambda a, b: apply(ca.OP_OR, a, b)))
     return [less[0], *(b - a for a, b in pairwise(less)), apply_to_one(ca.OP_NOT, less[-1])]
+
+
+_OPPOSITES = {ca.OP_LT: ca.OP_LE, ca.OP_LE: ca.OP_LT, ca.OP_EQ: ca.OP_NE, ca.OP_NE: ca.OP_EQ}
+
+
+def _relation(condition: Scalar, table: Mapping[int, int]) -> Scalar | None:
+    """The one that is true where the condition is not: b <= a for a < b."""
+    if not isinstance(condition, ca.SX) or condition.op() not in table:
+        return None
+    return apply(table[condition.op()], condition.dep(1), condition.dep(0))
+
+
+def _are_mirrored(a: Scalar, b: Scalar, op: int) -> bool:
+    """Whether they are x op y and y op x."""
+    return (isinstance(a, ca.SX) and isinstance(b, ca.SX) and a.op() == b.op() == op
+            and ca.is_equal(a.dep(0), b.dep(1), 9) and ca.is_equal(a.dep(1), b.dep(0), 9))
+
+
+def _of_sign(x: Scalar) -> Scalar:
+    """What is as positive as x."""
+    return x.dep(0) if isinstance(x, ca.SX) and x.op() == ca.OP_SIGN else x
 
 
 def _in_force(where: list[Scalar], column: list[Scalar]) -> Scalar:

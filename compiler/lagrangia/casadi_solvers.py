@@ -144,7 +144,7 @@ class _Run:
             return np.tile(self.y[:, None], (1, len(wanted)))
         self.segment = now, target
         self._enter(now, target)
-        rhs = live("rhs", self.compilation.functions.table)
+        rhs = live("rhs", self.compilation.functions.table, self.compilation.functions.patterns.get("rests", ()))
         t, y = ca.SX.sym("t"), ca.SX.sym("y", self.y.size)
         q, v = y[: self.n], y[self.n : 2 * self.n]
         a, power, _ = rhs(t, q, v, self._inputs(t, now, target), self._modes(now, target), self.c)
@@ -182,7 +182,8 @@ class _Run:
         table, n = self.compilation.functions.table, self.n
         now, target = getattr(self, "segment", (times[0], times[0]))
         d = self._modes(now, target)
-        rhs, outputs_of, rows = live("rhs", table), live("outputs", table), []
+        resting = self.compilation.functions.patterns.get("rests", ())
+        rhs, outputs_of, rows = live("rhs", table, resting), live("outputs", table, resting), []
         for t, y in zip(times, states.T, strict=True):
             q, v, e = y[:n], y[n : 2 * n], y[2 * n :]
             u = self._inputs(t, now, target)

@@ -32,6 +32,7 @@ class Variable:
     description: str
     span: Span
     is_evaluated: bool = False  # annotation(Evaluate = true)
+    may_vary: bool = False  # annotation(Varying = true): a parameter, unless what it is bound to changes during the run
 
     def compiled(self) -> list[float | None]:
         """The elements that are compiled in: numbers 0, 1 and -1, with which products fall away, of evaluated parameters."""

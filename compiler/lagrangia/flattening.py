@@ -48,6 +48,7 @@ from lagrangia.tree import (
     WorkTerm,
 )
 from lagrangia.unread import find_unread
+from lagrangia.walk import leaves
 
 
 def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None) -> FlatModel:
@@ -180,16 +181,17 @@ class _Flattening:
             slot.path, kind, slot.dimensions, self._unit(slot), self._text(slot, "displayUnit"), binding, start,
             self._flag(slot, "fixed"), self._limit(slot, "min"), self._limit(slot, "max"),
             "output" in declaration.prefixes and owner.parent is None, declaration.description,
-            self._place(declaration.name_span, owner), kind == "parameter" and self._is_evaluated(declaration),
+            self._place(declaration.name_span, owner), kind == "parameter" and self._has(declaration, "Evaluate"),
+            kind == "parameter" and self._has(declaration, "Varying"),
         )
 
     @staticmethod
-    def _is_evaluated(declaration: Declaration) -> bool:
-        """Whether a declaration has annotation(Evaluate = true)."""
-        values = [argument.value for argument in declaration.annotation if argument.name == "Evaluate"]
+    def _has(declaration: Declaration, name: str) -> bool:
+        """Whether a declaration has annotation(name = true)."""
+        values = [argument.value for argument in declaration.annotation if argument.name == name]
         for value in values:
             if not isinstance(value, Boolean):
-                fail("L0208", "'Evaluate' is true or false", declaration.name_span)
+                fail("L0208", f"'{name}' is true or false", declaration.name_span)
         return any(isinstance(value, Boolean) and value.value for value in values)
 
     def _kind(self, slot: Slot) -> Kind:
@@ -356,7 +358,17 @@ class _Flattening:
                 constraints.append(equation)
         if not self.report.errors:  # an equation that is wrong may have been meant to give the value
             self._require_bindings()
+        self._let_vary()
         return tuple(constraints)
+
+    def _let_vary(self) -> None:
+        """What may vary and is bound to what does so, is a variable."""
+        bindings = {name: variable.binding for name, variable in self.variables.items()}
+        moving = {name for name, variable in self.variables.items() if variable.kind in ("coordinate", "input")}
+        for name, variable in self.variables.items():
+            if variable.may_vary and variable.binding is not None and any(
+                    not isinstance(leaf, Ref) or leaf.name in moving for leaf in leaves([variable.binding], bindings)):
+                self.variables[name] = replace(variable, kind="variable")
 
     def _require_bindings(self) -> None:
         for variable in self.variables.values():

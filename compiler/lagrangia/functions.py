@@ -68,7 +68,7 @@ def build_functions(
     d = kinematics.algebra.mode_symbols
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
-    full = [t, q, v, a, symbols, u, ca.vertcat(d, switches.symbols, motion.impacts.impulses), c]
+    full = [t, q, v, a, symbols, u, ca.vertcat(d, switches.symbols, motion.impacts.impulses, switches.rest_symbols), c]
     all_labels = [*labels[:3], "a", "lambda", *labels[3:]]
     table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
@@ -85,7 +85,7 @@ def build_functions(
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     if not jacobian.values:
         refused["implicit"] = "not supported yet: implicit steps of so many coordinates that all act on each other"
-    patterns |= {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places, "rubs": switches.rubs}
+    patterns |= {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places, **switches.patterns}
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
                      jacobian.sizes, pays)
 
@@ -110,14 +110,14 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(kind for _, kind in _events(modes)), power.numel(), False,
-                     patterns | {"jacobian_pattern": jacobian.pattern}, refused, jacobian.sizes, pays)
+                     patterns | {"jacobian_pattern": jacobian.pattern, **switches.patterns}, refused, jacobian.sizes, pays)
 
 
 def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, found: Mapping[str, list[ca.SX]], d: ca.SX,
                         c: ca.SX) -> dict[str, ca.Function]:
     """What steps evaluate, with switches held: they follow the modes in `d`."""
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
-    held_d = ca.vertcat(d, switches.symbols, motion.impacts.impulses)
+    held_d = ca.vertcat(d, switches.symbols, motion.impacts.impulses, switches.rest_symbols)
     state, labels = [t, q, v, u, held_d, c], ["t", "q", "v", "u", "d", "c"]
     table = {"rhs": ca.Function("rhs", state, found["rhs"], labels, ["a", "power", "lambda"])}
     if "regular" in found:

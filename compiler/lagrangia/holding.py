@@ -9,7 +9,8 @@ from lagrangia.scalars import Expression, apply, as_expression, operate, symbols
 
 RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
 _JUMPS = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN)
-_SIGNS = (ca.OP_FABS, ca.OP_SIGN)
+SIGNS = (ca.OP_FABS, ca.OP_SIGN)
+_EQUALITIES = (ca.OP_EQ, ca.OP_NE)
 _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _NOTHING = frozenset[int]()
 Pair = tuple[int, int]  # the numbers of a and b, the smaller one first
@@ -17,7 +18,7 @@ Pair = tuple[int, int]  # the numbers of a and b, the smaller one first
 
 def pair_of(numbering: Numbering, op: int, numbers: list[int]) -> Pair | None:
     """What an operation compares: a with b, or with 0."""
-    if op in _SIGNS:
+    if op in SIGNS:
         numbers = [numbers[0], numbering.of_number(0.0)]
     elif op not in RELATIONS:
         return None
@@ -25,11 +26,38 @@ def pair_of(numbering: Numbering, op: int, numbers: list[int]) -> Pair | None:
     return (a, b) if a != b else None
 
 
-class Holding:
-    """`places`: the symbols of switches; `shares`: the hashes of those that may be between 0 and 1."""
+def rest_asked(numbering: Numbering, op: int, numbers: list[int]) -> tuple[tuple[Pair, ...], bool] | None:
+    """What a condition compares that is true, or false, just where both are equal: a == b, a <> b, |a| > 0, |a| <= 0 (without its
+    factors, and as it is); and whether it is true there."""
+    if op in _EQUALITIES:
+        a, b = sorted(numbers)
+        return (((a, b),), op == ca.OP_EQ) if a != b else None
+    zero = numbering.of_number(0.0)
+    place = {ca.OP_LT: 1, ca.OP_LE: 0}.get(op)
+    if place is None or numbers[1 - place] != zero:
+        return None
+    outer, *inner = numbering.keys[numbers[place]]
+    if outer != ca.OP_FABS:
+        return None
+    pairs = [sorted((number, zero)) for number in (_without_factors(numbering, int(inner[0])), int(inner[0]))]
+    return tuple((a, b) for a, b in pairs), op == ca.OP_LE
 
-    def __init__(self, places: Mapping[Pair, Expression], shares: frozenset[int], numbering: Numbering) -> None:
-        self.places, self.shares, self.numbering = places, shares, numbering
+
+def _without_factors(numbering: Numbering, number: int) -> int:
+    """The value that is 0 where this one is: of -2 x, x."""
+    op, *operands = numbering.keys[number]
+    inner = [int(x) for x in operands] if op in (ca.OP_NEG, ca.OP_TWICE, ca.OP_MUL) else []
+    left = [x for x in inner if numbering.keys[x][0] != ca.OP_CONST]
+    return _without_factors(numbering, left[0]) if len(left) == 1 else number
+
+
+class Holding:
+    """`places`: the symbols of switches; `shares`: the hashes of those that may be between 0 and 1; `rests`: symbols that are 1
+    where both of a pair are held equal, and 0 elsewhere."""
+
+    def __init__(self, places: Mapping[Pair, Expression], shares: frozenset[int], rests: Mapping[Pair, Expression],
+                 numbering: Numbering) -> None:
+        self.places, self.shares, self.rests, self.numbering = places, shares, rests, numbering
         self.symbols = {s.__hash__(): s for s in places.values()}
         self.jumps = dict[int, tuple[Expression, frozenset[int]]]()  # of expressions by their hashes: the shares they jump with
         self.absolute = dict[int, tuple[Pair, int]]()  # numbers of |x|, with that of x
@@ -37,6 +65,8 @@ class Holding:
 
     def made(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression:
         """An instruction with switches for its conditions."""
+        if (rests := self._rests(op, numbers)) is not None:
+            return rests
         pair = pair_of(self.numbering, op, numbers)
         if pair is not None and pair in self.places:
             return self._switched(op, numbers, operands, pair)
@@ -44,6 +74,11 @@ class Holding:
             self.products[self.numbering.of(op, numbers)] = numbers, operands
         quotient = self._quotient(numbers, operands) if op == ca.OP_DIV else None
         return self._combined(op, operands) if quotient is None else quotient
+
+    def _rests(self, op: int, numbers: list[int]) -> Expression | None:
+        asked = rest_asked(self.numbering, op, numbers) if self.rests else None
+        rest = next((self.rests[pair] for pair in asked[0] if pair in self.rests), None) if asked else None
+        return rest if rest is None or (asked and asked[1]) else as_expression(1.0 - rest)
 
     def _switched(self, op: int, numbers: list[int], operands: list[Expression], pair: Pair) -> Expression:
         is_positive = self.places[pair]  # a > b, where a has the smaller number

@@ -6,7 +6,9 @@ changed at its end the run goes back to the place: the equations are smooth in e
 
 The switch s of a < b, of max(a, b), abs(a - b) and sign(a - b) is 1 where g = a - b > 0, and 0 where g < 0. Where forces that
 jump with a velocity hold it at their jump (dry friction that sticks), s is the share in between that keeps g at 0: forces are as
-linear in s as they can be made (A.F. Filippov, Differential equations with discontinuous righthand sides, 1988).
+linear in s as they can be made (A.F. Filippov, Differential equations with discontinuous righthand sides, 1988). Conditions
+that are true only where a velocity is 0 (v == 0, not abs(v) > 0) are a number of their own, 1 just while it is held there:
+friction that holds more than it rubs.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +17,7 @@ from dataclasses import dataclass, field, replace
 import casadi as ca
 
 from lagrangia.casadi_algebra import CORNERS, uses
-from lagrangia.holding import RELATIONS, Holding, Pair, pair_of
+from lagrangia.holding import RELATIONS, SIGNS, Holding, Pair, pair_of, rest_asked
 from lagrangia.motion import Motion
 from lagrangia.numbering import Numbering, rebuilt
 from lagrangia.scalars import Expression, as_expression, symbol, symbols_in
@@ -32,6 +34,7 @@ class Switches:
     slopes: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
     places: "dict[Pair, Expression]" = field(default_factory=dict)  # the symbol of each
     shares: frozenset[int] = frozenset()  # hashes of the symbols that may be between 0 and 1
+    rests: "dict[Pair, Expression]" = field(default_factory=dict)  # symbols that say whether the two are held equal
     numbering: Numbering = field(default_factory=Numbering)
     rubs: tuple[int, ...] = ()  # of friction that presses with the force of contacts: the switch of its slip, the event, and
     # whether the switch is in no other force
@@ -40,7 +43,17 @@ class Switches:
         """The same with the symbols in place of what they stand for."""
         if not self.places:
             return list(expressions)
-        return rebuilt(expressions, self.numbering, Holding(self.places, self.shares, self.numbering).made)
+        return rebuilt(expressions, self.numbering, Holding(self.places, self.shares, self.rests, self.numbering).made)
+
+    @property
+    def rest_symbols(self) -> ca.SX:
+        return ca.vertcat(ca.SX(0, 1), *self.rests.values())
+
+    @property
+    def patterns(self) -> dict[str, tuple[int, ...]]:
+        """Lists of places of LagModel: `rests`, the switch of each of them."""
+        order = {pair: k for k, pair in enumerate(self.places)}
+        return {"rubs": self.rubs, "rests": tuple(order[pair] for pair in self.rests)}
 
 
 def has_corners(motion: Motion) -> bool:
@@ -51,22 +64,10 @@ def has_corners(motion: Motion) -> bool:
 def find_switches(motion: Motion) -> Switches:
     """Those of the conditions in the forces that the state decides, or time in a way that is not known beforehand; behind them
     those of events, the gaps of those that are contacts, and the rates of these, which are kept at 0 where something rests."""
-    numbering, found = Numbering(), dict[Pair, Expression]()
-    events = motion.impacts.conditions
+    numbering, events = Numbering(), motion.impacts.conditions
     if not has_corners(motion) and not events.numel():
         return Switches()
-    moving = symbols_in(ca.vertcat(motion.t, motion.q, motion.v, motion.u))
-
-    def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
-        pair = pair_of(numbering, op, numbers)
-        if pair is None or pair in found:
-            return
-        a, b = operands if op in RELATIONS else (operands[0], as_expression(0.0))
-        g = a - b if numbers[0] == pair[0] else b - a
-        if not moving.isdisjoint(symbols_in(g)):
-            found[pair] = g
-
-    rebuilt([motion.h], numbering, note)
+    found, rests = _find_conditions(motion, numbering)
     slopes = ca.SX.sym("du", motion.u.numel())
 
     def rates_of(x: ca.SX) -> ca.SX:
@@ -74,12 +75,54 @@ def find_switches(motion: Motion) -> Switches:
 
     gaps = motion.impacts.gaps
     values = ca.vertcat(ca.SX(0, 1), *found.values(), events, gaps, rates_of(gaps))
-    places, velocities = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}, symbols_in(motion.v)
-    shares = frozenset(s.__hash__() for s, g in zip(places.values(), found.values(), strict=True)
-                       if not velocities.isdisjoint(symbols_in(g)))
+    places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
+    shares = frozenset(places[pair].__hash__() for pair, g in found.items() if _is_rate(motion, g))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
-    switches = Switches(symbols, values, rates_of(values), slopes, places, shares, numbering)
+    switches = Switches(symbols, values, rates_of(values), slopes, places, shares, rests, numbering)
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
+
+
+def _find_conditions(motion: Motion, numbering: Numbering) -> tuple[dict[Pair, Expression], dict[Pair, Expression]]:
+    """Differences of what conditions in the forces compare; and symbols for the rates of which it is asked whether they rest."""
+    found, asked = dict[Pair, Expression](), list[tuple[Pair, ...]]()
+    moving = symbols_in(ca.vertcat(motion.t, motion.q, motion.v, motion.u))
+
+    def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
+        rest = rest_asked(numbering, op, numbers)
+        if rest is not None:
+            asked.append(rest[0])
+            if op in RELATIONS:  # of |a|, which is found by itself
+                return
+        pair = rest[0][0] if rest else pair_of(numbering, op, numbers)
+        if pair is None or pair in found:
+            return
+        a, b = (operands[0], as_expression(0.0)) if op in SIGNS else operands
+        g = a - b if numbers[0] == pair[0] else b - a
+        if not moving.isdisjoint(symbols_in(g)):
+            found[pair] = g
+
+    rebuilt([motion.h], numbering, note)
+    rests = _rests(motion, found, asked)
+    return _without_unused(motion, found, rests, numbering) if rests else found, rests
+
+
+def _is_rate(motion: Motion, g: Expression) -> bool:
+    return not symbols_in(motion.v).isdisjoint(symbols_in(g))
+
+
+def _rests(motion: Motion, found: Mapping[Pair, Expression], asked: Sequence[Sequence[Pair]]) -> dict[Pair, Expression]:
+    """Symbols for the rates of which it is asked whether they rest."""
+    chosen = [next((pair for pair in pairs if pair in found and _is_rate(motion, found[pair])), None) for pairs in asked]
+    return {pair: symbol(f"rest_{k}") for k, pair in enumerate(dict.fromkeys(chosen)) if pair is not None}
+
+
+def _without_unused(motion: Motion, found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression], numbering: Numbering
+                    ) -> dict[Pair, Expression]:
+    """Those that forces still have: |v|, of which nothing was asked but whether it is 0, is none."""
+    places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
+    (h,) = rebuilt([motion.h], numbering, Holding(places, frozenset(), rests, numbering).made)
+    used = symbols_in(h)
+    return {pair: g for pair, g in found.items() if pair in rests or places[pair].__hash__() in used}
 
 
 def _find_rubs(motion: Motion, switches: Switches) -> tuple[int, ...]:
@@ -93,8 +136,8 @@ def _find_rubs(motion: Motion, switches: Switches) -> tuple[int, ...]:
     return tuple(x for rub in found for x in rub)
 
 
-def live(name: str, functions: Mapping[str, ca.Function]) -> ca.Function:
-    """`rhs` or `outputs` of the run time's functions with each switch as its condition is."""
+def live(name: str, functions: Mapping[str, ca.Function], resting: Sequence[int] = ()) -> ca.Function:
+    """`rhs` or `outputs` of the run time's functions with each switch as its condition is; `resting`: `rests` of its patterns."""
     held, switches = functions[name], functions.get("switches")
     if switches is None:
         return held
@@ -103,6 +146,7 @@ def live(name: str, functions: Mapping[str, ca.Function]) -> ca.Function:
     given["d"] = ca.SX.sym("d", switches.size1_in("d"))
     known = {switches.name_in(k): ca.SX.zeros(switches.size1_in(k)) for k in range(switches.n_in())}
     g = switches.call(known | {label: given[label] for label in names if label in known})["g"]
-    found = held.call(given | {"d": ca.vertcat(given["d"], (g > 0) + 0.5 * (g == 0))})
+    rests = [g[k] == 0 for k in resting]
+    found = held.call(given | {"d": ca.vertcat(given["d"], (g > 0) + 0.5 * (g == 0), *rests)})
     results = [held.name_out(k) for k in range(held.n_out())]
     return ca.Function(name, [given[label] for label in names], [found[label] for label in results], names, results)
