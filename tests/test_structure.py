@@ -67,6 +67,8 @@ ORDER = """
     orthogonal
     branches
     equilibrium
+    nonnegative
+    grips
     metric
     newton
     assembly
@@ -184,6 +186,7 @@ ORDER = """
     fmu_run
     probes
     small_motion
+    resting
     mechanism
     analysis_plot
     modes

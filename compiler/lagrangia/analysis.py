@@ -15,8 +15,9 @@ from lagrangia.assembly import Assembly
 from lagrangia.branches import told
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.dimensions import unit_of
-from lagrangia.equilibrium import Rest, StaticEquations, find_all, find_rest, onto_constraints
+from lagrangia.equilibrium import Rest, find_all, find_rest, onto_constraints
 from lagrangia.given import a_number
+from lagrangia.grips import Grip, balance, find_all_held, find_held, holds_at
 from lagrangia.initial import FIXED, FREE
 from lagrangia.joints import all_reactions, reaction_ports
 from lagrangia.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of
@@ -26,6 +27,7 @@ from lagrangia.newton import start_equations
 from lagrangia.observables import observe
 from lagrangia.probes import Probe, find_probes, usual_probes
 from lagrangia.response import Response, find_response
+from lagrangia.resting import Resting, forces_of_grip, told_grip
 from lagrangia.simulate import Values, check_parameters
 from lagrangia.small_motion import DIRECTIONS, SmallMotion, build_small_motion
 from lagrangia.tree import Ref
@@ -35,9 +37,12 @@ if TYPE_CHECKING:
     from lagrangia.pipeline import Compilation
 
 Vector = NDArray[np.float64]
+Held = tuple[Rest, Grip | None]  # a position of rest, and what holds there beside constraints
 ABOUT = ("equilibrium", "start")
 _STEADY = 1e-9
-_MOMENTS = (0.37, 1.71)
+_MOMENTS = (0.37, 1.71, 0.0123)
+_STOPPED = ("warning[L0740]: the coefficients of small motion change with time, which was stopped at {:g} s: what moves supports "
+            "or loads may make it stable or unstable, and frequencies are of that moment; lag simulate has the motion itself")
 _BALANCED = 1e-9  # of the forces at the point
 _LARGE = 40  # coordinates: above, the usual search is from few starts
 
@@ -58,6 +63,9 @@ class Equilibrium:
     reactions: Mapping[str, float]
     residual: float  # the largest force left, N or N.m
     ways: tuple[str, ...] = ()  # of moving, by the coordinates that move, where several meet; the eigenvalues are of all of them
+    contacts: Mapping[str, float] = field(default_factory=dict)  # that are closed, and the forces with which they push
+    friction: Mapping[str, tuple[float, float]] = field(default_factory=dict)  # that holds: how much, of how much it can
+    holding: tuple[str, ...] = ()  # both in words
 
     @property
     def is_stable(self) -> bool:
@@ -163,7 +171,9 @@ class Study:
     # ------------------------------------------------------------ the equations in numbers
 
     def equations(self, probes: Sequence[Probe] = (), outputs: Sequence[str] = ()) -> SmallMotion:
-        return build_small_motion(self.c.kinematics, self.c.constraints, self.c.motion, probes, outputs)
+        impacts = self.c.run.impacts
+        known = self.c.kinematics.knowing(impacts.contact_forces()) if impacts.pressing else self.c.kinematics
+        return build_small_motion(known, self.c.constraints, self.c.run, probes, outputs)
 
     def call(self, function: ca.Function, q: Vector, lam: Vector, pace: float, v: Vector | None = None, a: Vector | None = None,
              time: float | None = None, seeds: tuple[Vector, ...] = ()) -> list[Vector]:
@@ -173,20 +183,21 @@ class Study:
         return [x.full() for x in found]
 
     def slopes(self, e: SmallMotion, function: ca.Function, names: Sequence[str], q: Vector, lam: Vector, pace: float,
-               v: Vector | None = None, a: Vector | None = None) -> dict[str, list[Vector]]:
+               v: Vector | None = None, a: Vector | None = None, time: float | None = None) -> dict[str, list[Vector]]:
         """The derivatives of a function's values by each of small_motion.DIRECTIONS named: a column for each of its entries."""
         directions = e.directions(*names)
-        columns = self.call(function, q, lam, pace, v, a, seeds=(np.hstack(list(directions.values())),))
+        columns = self.call(function, q, lam, pace, v, a, time, seeds=(np.hstack(list(directions.values())),))
         ends = np.cumsum([x.shape[1] for x in directions.values()])[:-1]
         parts = [np.split(x, ends, axis=1) for x in columns]
         return {name: [part[k] for part in parts] for k, name in enumerate(names)}
 
-    def tangent(self, e: SmallMotion, q: Vector, lam: Vector, pace: float, v: Vector | None = None, a: Vector | None = None
-                ) -> TangentParts:
-        """At a state."""
-        by = self.slopes(e, e.slopes, ("a", "v", "q", "s", "ds", "dds"), q, lam, pace, v, a)
-        (M, _, _), (C, _, rates), (K, J, _), (E0, pushed, _), (E1, _, _), (E2, _, _) = by.values()
-        return TangentParts(M, C, K, J, rates, (E0, E1, E2), pushed)
+    def tangent(self, e: SmallMotion, q: Vector, lam: Vector, pace: float, v: Vector | None = None, a: Vector | None = None,
+                grip: Grip | None = None) -> tuple[TangentParts, list[int]]:
+        """At a state, what holds there among the constraints, and the places of their multipliers."""
+        by = self.slopes(e, e.slopes, ("a", "v", "q", "s", "ds", "dds", *(("lambda",) if grip else ())), q, lam, pace, v, a)
+        M, (C, _, rates, *_), (K, J, *_), (E0, pushed, *_), E1, E2 = (by[x] for x in ("a", "v", "q", "s", "ds", "dds"))
+        parts = TangentParts(M[0], C, K, J, rates, (E0, E1[0], E2[0]), pushed)
+        return self.resting(e, pace).held(parts, by, grip) if grip else (parts, list(range(e.m)))
 
     def observed(self, e: SmallMotion, q: Vector, lam: Vector, pace: float, v: Vector | None = None, a: Vector | None = None
                  ) -> list[Vector]:
@@ -200,7 +211,7 @@ class Study:
             return 1.0
         random = np.random.default_rng(2)
         q = self.start[0] + 0.1 * self.reach * random.uniform(-1, 1, self.scene.n)
-        v, lam = random.uniform(-1, 1, self.scene.n), np.zeros(e.m)
+        v, lam = random.uniform(-1, 1, self.scene.n), e.multipliers()
         here = self.call(e.unsteady, q, lam, 1.0, v)
         for moment in _MOMENTS:
             there = self.call(e.unsteady, q, lam, 1.0, v, time=self.time + moment)
@@ -213,41 +224,42 @@ class Study:
         m = self.c.motion
         return bool(ca.depends_on(ca.vertcat(m.T, m.V, m.D), m.t))
 
-    def static_equations(self, e: SmallMotion, pace: float) -> StaticEquations:
-        nothing = np.zeros(e.m)
+    def resting(self, e: SmallMotion, pace: float) -> Resting:
+        m_h = sum(row.is_holonomic for row in self.c.constraints.rows)
 
-        def static(q: Vector) -> tuple[Vector, Vector, float]:
-            R, phi, _, V = self.call(e.static, q, nothing, pace)
-            return R.ravel(), phi.ravel(), float(V[0, 0])
+        def slopes(names: Sequence[str], q: Vector, lam: Vector) -> dict[str, list[Vector]]:
+            return self.slopes(e, e.slopes, names, q, lam, pace)
 
-        def stiffness(q: Vector, lam: Vector) -> tuple[Vector, Vector, Vector]:
-            by = self.slopes(e, e.slopes, ("q", "v") if e.m else ("q",), q, lam if lam.size else nothing, pace)
-            K, J, _ = by["q"]
-            return K, J, by["v"][2] if e.m else J
-
-        is_rolling = any(not row.is_holonomic for row in self.c.constraints.rows)
-        return StaticEquations(static, stiffness, self.reach, self.is_angle, is_rolling)
+        return Resting(e, lambda f, q, lam: self.call(f, q, lam, pace), slopes, m_h, self.reach, self.is_angle)
 
     # ------------------------------------------------------------ what is asked for
 
-    def rest(self, e: SmallMotion, pace: float) -> Rest:
-        """The position of rest found from the start. Raises RunError."""
+    def rest(self, e: SmallMotion, pace: float) -> Held:
+        """The position of rest found from the start, and what holds there. Raises RunError."""
         self.require_rest(e, pace)
-        found = find_rest(self.static_equations(e, pace), self.start[0])
+        resting = self.resting(e, pace)
+        found: Held | None
+        if e.holds.contacts or e.holds.rubs:
+            found = find_held(resting.equations(), self.start[0])
+        else:
+            rest = find_rest(resting.statics(), self.start[0])
+            found = None if rest is None else (rest, None)
         if found is None:
             raise RunError("; ".join(["no equilibrium was found from the start values: forces stay unbalanced, or it runs away",
-                                      "try other values with --initial, or look at the start itself with --about start",
-                                      *self.limits()]))
+                                      "try other values with --initial, or look at the start itself with --about start"]))
         return found
 
-    def limits(self) -> list[str]:
-        """What positions of rest are not found for."""
-        return ["what rests at the contact of an event is not looked for"] if self.c.flat.whens else []
+    def all_rests(self, e: SmallMotion, pace: float, most: int) -> tuple[Sequence[Held], bool]:
+        resting = self.resting(e, pace)
+        if e.holds.contacts or e.holds.rubs:
+            return find_all_held(resting.equations(), self.start[0], most)
+        found, is_reached = find_all(resting.statics(), self.start[0], most)
+        return [(rest, None) for rest in found], is_reached
 
     def require_rest(self, e: SmallMotion, pace: float) -> None:
         """Raises RunError when a constraint keeps the scene moving, LagError L0916 when it would at other positions."""
         aside = self.start[0] + self.reach * np.random.default_rng(5).uniform(0.1, 0.3, self.scene.n)
-        rates, other = (self.call(e.static, q, np.zeros(e.m), pace)[2].ravel() for q in (self.start[0], aside))
+        rates, other = (self.call(e.static, q, e.multipliers(), pace)[2].ravel() for q in (self.start[0], aside))
         for row, here, there in zip(self.c.constraints.rows, rates, other, strict=True):
             if not row.is_holonomic and abs(there - here) > 1e-9 * max(abs(there), abs(here)):
                 fail("L0916", "not supported yet: equilibria and small motion where a constraint ties rates to positions",
@@ -262,34 +274,35 @@ class Study:
         e = self.equations((), outputs)
         pace = self.pace(e)
         self.require_rest(e, pace)
-        notes, asked = self.limits(), all_reactions(graph)
+        notes, asked = list[str](), all_reactions(graph)
         if asked and pace == 0.0 and self.scene.notes["is_driven"]:
             notes.append("reactions are not told while supports move")
             asked = []
         full = self.equations((), (*outputs, *asked)) if asked else e
-        equations = self.static_equations(e, pace)
         most = starts if starts is not None else (24 if self.scene.n <= _LARGE else 3)
-        found, is_reached = find_all(equations, self.start[0], most)
+        found, is_reached = self.all_rests(e, pace, most)
+        if found and (linears := self.linears_at(e, *found[0], pace)):
+            notes += [x for x in self._timely(next(iter(linears.values())), e).notes if x.startswith("warning")]
         units = {c.name: c.unit for c in self.scene.coordinates}
         units |= {name: unit_of(graph.model, observe(graph.model, name)) for name in outputs}
-        return Equilibria(self.scene.name, self.time, tuple(self._told(full, rest, pace, len(outputs)) for rest in found),
+        return Equilibria(self.scene.name, self.time, tuple(self._told(full, *x, pace, len(outputs)) for x in found),
                           is_reached, units, tuple(notes), reaction_ports(graph))
 
-    def _told(self, e: SmallMotion, rest: Rest, pace: float, n_given: int) -> Equilibrium:
+    def _told(self, e: SmallMotion, rest: Rest, grip: Grip | None, pace: float, n_given: int) -> Equilibrium:
         y = self.call(e.observed, rest.q, rest.multipliers, pace)[0].ravel()
         position = dict(zip(self.names, map(float, rest.q), strict=True))
         position |= dict(zip(e.outputs[:n_given], map(float, y[:n_given]), strict=True))
         reactions = dict(zip(e.outputs[n_given:], map(float, y[n_given:]), strict=True))
-        linears = self.linears_at(e, rest, pace)
+        linears = self.linears_at(e, rest, grip, pace)
         kind, growth = ("singular", math.nan) if linears is None else stability_of_ways(list(linears.values()))
         eigenvalues = [complex(x) for linear in (linears or {}).values() for x in linear.eigenvalues]
         R = self.call(e.static, rest.q, rest.multipliers, pace)[0]
         ways = tuple(name for name in linears or () if name)
         reactions = {} if rest.ways is not None and rest.ways.is_rigid else reactions  # these have no bound
         return Equilibrium(position, rest.V, kind, growth, tuple(eigenvalues), rest.n_neutral, reactions,
-                           float(np.abs(R).max(initial=0.0)), ways)
+                           float(np.abs(R).max(initial=0.0)), ways, *forces_of_grip(e, grip), told_grip(e, grip))
 
-    def linears_at(self, e: SmallMotion, rest: Rest, pace: float) -> dict[str, Linearization] | None:
+    def linears_at(self, e: SmallMotion, rest: Rest, grip: Grip | None, pace: float) -> dict[str, Linearization] | None:
         """About a position of rest, one of each way of moving, by their names; one without a name at an ordinary position. None
         where ways meet that linear motion does not know."""
         planes: Sequence[Vector | None] = [None]
@@ -299,17 +312,20 @@ class Study:
             planes = [self.reach[:, None] * plane for plane in rest.ways.planes or (np.zeros((self.scene.n, 0)),)]
         still = np.zeros(self.scene.n)
         return {told(plane, self.names) if plane is not None and len(planes) > 1 else "":
-                self.linear_at(e, rest.q, still, rest.multipliers, pace, True, plane=plane) for plane in planes}
+                self.linear_at(e, rest.q, still, rest.multipliers, pace, True, None, plane, grip) for plane in planes}
 
     def linear_at(self, e: SmallMotion, q: Vector, v: Vector, lam: Vector, pace: float, is_equilibrium: bool,
-                  a: Vector | None = None, plane: Vector | None = None) -> Linearization:
+                  a: Vector | None = None, plane: Vector | None = None, grip: Grip | None = None) -> Linearization:
         """About a state and its accelerations; the forces R that are left over without those are the load."""
-        tangent = tangent_of(self.tangent(e, q, lam, pace, v, a), self.is_preferred, self.reach, plane)
+        lam = e.multipliers(lam) if lam.size == e.m else lam
+        parts, places = self.tangent(e, q, lam, pace, v, a, grip)
+        tangent = tangent_of(parts, self.is_preferred, self.reach, plane)
+        y, yq, yv, ya, yl, *ys = self.observed(e, q, lam, pace, v, a)
         residual = np.zeros(e.n) if is_equilibrium else self.call(e.static, q, lam, pace, v)[0].ravel()
         given = Given(self.scene.name, self.names, tuple(p.name for p in e.probes), e.outputs,
                       dict(zip(self.names, map(float, q), strict=True)), residual, is_equilibrium,
-                      self.observed(e, q, lam, pace, v, a))
-        return linearization(tangent, given)
+                      (y, yq, yv, ya, yl[:, places], *ys))
+        return replace(linearization(tangent, given), notes=told_grip(e, grip))
 
     def linearize(self, about: str, excitations: Sequence[str] | None, outputs: Sequence[str] | None) -> Linearization:
         """About the equilibrium found from the start, or the start itself. Raises LagError, RunError."""
@@ -320,7 +336,7 @@ class Study:
         e = self.equations(probes, self._usual_outputs() if outputs is None else tuple(dict.fromkeys(outputs)))
         pace = self.pace(e)
         if about == "start":
-            return self._about_start(e, pace)
+            return self._timely(self._about_start(e, pace), e)
         found = self._linears(e, pace)
         if len(found) > 1:
             raise RunError(f"the equilibrium is a singular position, where {len(found)} ways of moving meet, and matrices are of "
@@ -329,11 +345,27 @@ class Study:
 
     def _linears(self, e: SmallMotion, pace: float) -> dict[str, Linearization]:
         """Of each way of moving, about the equilibrium found from the start. Raises RunError where none is linear."""
-        found = self.linears_at(e, self.rest(e, pace), pace)
+        found = self.linears_at(e, *self.rest(e, pace), pace)
         if found is None:
             raise RunError("the equilibrium is a singular position, where ways of moving meet that no linear motion tells; "
                            "try other values with --initial")
-        return found
+        return {way: self._timely(linear, e) for way, linear in found.items()}
+
+    def _timely(self, linear: Linearization, e: SmallMotion) -> Linearization:
+        """With a word where its coefficients change with time, as supports move or as loads follow the motion."""
+        q = np.array([linear.point[name] for name in self.names])
+        N, free = linear.tangent.N, e.multipliers()
+        if not e.is_timed:
+            return linear
+        found = []
+        for moment in (0.0, *_MOMENTS):
+            by = self.slopes(e, e.slopes, ("a", "v", "q"), q, free, 1.0, time=self.time + moment)
+            found.append([N.T @ by[name][0] @ N for name in ("a", "v", "q")])
+        largest = [max(float(np.abs(x).max(initial=0.0)) for x in tables) for tables in zip(*found, strict=True)]
+        changes = [max(float(np.abs(x - tables[0]).max(initial=0.0)) for x in tables) for tables in zip(*found, strict=True)]
+        if all(change <= _STEADY * max(large, 1e-300) for change, large in zip(changes, largest, strict=True)):
+            return linear
+        return replace(linear, notes=(*linear.notes, _STOPPED.format(self.time)))
 
     def _usual_outputs(self) -> tuple[str, ...]:
         """The coordinates, those that others give too, but none that is itself what excites; and the declared outputs."""
@@ -349,8 +381,13 @@ class Study:
         q, v = self.start
         if not v.any():
             self.require_rest(e, pace)
-        R = self.call(e.static, q, np.zeros(e.m), pace, v)[0].ravel()
-        here = self.tangent(e, q, np.zeros(e.m), pace, v)
+        if e.holds.contacts or e.holds.rubs:
+            if not v.any() and (held := holds_at(self.resting(e, pace).equations(), q)) is not None:
+                return self.linear_at(e, q, v, held[0].multipliers, pace, True, grip=held[1])
+            self._require_free(e, q, v, pace)
+        free = e.multipliers(shares=self._shares(e, q, v, pace))
+        R = self.call(e.static, q, free, pace, v)[0].ravel()
+        here, _ = self.tangent(e, q, free, pace, v)
         M, rows = here.M, here.rates
         lam = np.asarray(-np.linalg.pinv(rows.T, rcond=1e-9) @ R) if e.m else np.zeros(0)
         left = float(np.abs(R + rows.T @ lam).max(initial=0.0))
@@ -362,7 +399,21 @@ class Study:
             a = None if is_rest else np.asarray(-np.linalg.solve(M, R), dtype=np.float64)
         except np.linalg.LinAlgError:
             raise no_mass() from None
-        return self.linear_at(e, q, v, lam, pace, is_rest, a)
+        return self.linear_at(e, q, v, np.concatenate([lam, free[e.m:]]), pace, is_rest, a)
+
+    def _shares(self, e: SmallMotion, q: Vector, v: Vector, pace: float) -> Vector:
+        """Of friction, which way it slips; half way where it does not."""
+        slips = self.call(e.touching, q, e.multipliers(), pace, v)[2].ravel()
+        return np.where(slips == 0, 0.5, slips > 0)
+
+    def _require_free(self, e: SmallMotion, q: Vector, v: Vector, pace: float) -> None:
+        """Raises LagError L0916 where contacts or friction hold a part of what moves."""
+        grip = balance(self.resting(e, pace).equations().look(q), 0.0).grip
+        sticking = [k for k in grip.sticking if self._shares(e, q, v, pace)[k] == 0.5]
+        if names := [*(e.holds.contacts[k] for k in grip.pressing), *(e.holds.rubs[k] for k in sticking)]:
+            fail("L0916", "not supported yet: a linearisation about a point that is no equilibrium, where contacts or friction "
+                 f"hold: {', '.join(names)}", self.c.flat.span,
+                 "linearise about the equilibrium found from there: --about equilibrium")
 
     def modes(self, about: str, mass_normalised: bool) -> Modes:
         if about == "equilibrium":
@@ -379,7 +430,7 @@ class Study:
         frames, places = self.places
         values = {p.name: float(x) for p, x in zip(self.scene.parameters, self.p, strict=True)}
         loops = any(row.is_holonomic for row in self.c.constraints.rows)
-        statics = self.static_equations(self.equations(), 0.0) if loops else None
+        statics = self.resting(self.equations(), 0.0).statics() if loops else None
 
         def closed(q: Vector) -> Vector:
             found = None if statics is None else onto_constraints(statics, q, np.full(q.size, True))

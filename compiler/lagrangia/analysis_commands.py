@@ -46,7 +46,8 @@ def _plain(item: Any) -> dict[str, Any]:
     plain = {name: getattr(item, name) for name in ("stability", "potential", "growth", "n_neutral", "residual", "ways")}
     plain["growth"] = None if math.isnan(item.growth) else item.growth
     pairs = [[x.real, x.imag] for x in item.eigenvalues]
-    return {"position": dict(item.position), **plain, "eigenvalues": pairs, "reactions": dict(item.reactions)}
+    return {"position": dict(item.position), **plain, "eigenvalues": pairs, "reactions": dict(item.reactions),
+            "contacts": dict(item.contacts), "friction": dict(item.friction)}
 
 
 def linearize_command(options: Namespace) -> int:

@@ -33,6 +33,7 @@ def equilibria_text(found: "Equilibria") -> str:
         lines += [f"  {len(item.ways)} ways of moving meet here: {'; or '.join(item.ways)}"] * bool(item.ways)
         lines += [f"  {text}" for text in _positions(item.position, found.units)]
         lines.append(f"  V = {_shown(item.potential)} J; the largest force left over is {item.residual:.1e}")
+        lines += [f"  {text}" for text in item.holding]
         if item.reactions:
             lines += [f"  {text}" for text in _reactions(item.reactions, found.ports, item.residual)]
     return "\n".join([*lines, *found.notes])
@@ -101,6 +102,7 @@ def linearization_text(linear: "Linearization") -> str:
             lines += ["", name, *_matrix(table, rows, columns)]
     s = linear.eigenvalues
     lines += ["", "eigenvalues of A: " + ", ".join(_complex(x) for x in s[:12] if x.imag >= 0) + (", ..." if s.size > 12 else "")]
+    lines += map(_note, linear.notes)
     return "\n".join(lines)
 
 
@@ -127,7 +129,7 @@ def modes_text(modes: "Modes") -> str:
     more = ", ..." if len(modes.coordinates) > 6 else ""
     lines = [f"{modes.name}: modes about {point}{more}", ""]
     if not len(modes):
-        return f"{lines[0]}: none, nothing can move"
+        return "\n".join([f"{lines[0]}: none, nothing can move", *map(_note, modes.notes)])
     for way in modes.ways:
         own = [(k, mode) for k, mode in enumerate(modes.modes[:_MOST_ROWS]) if mode.way == way]
         lines += [*([f"way of moving: {way}"] if way else []), *_undamped_rows(own)]
@@ -140,7 +142,11 @@ def modes_text(modes: "Modes") -> str:
     lines += ["", f"shapes ({scaled})"]
     shown = min(len(modes), 8)
     lines += _matrix(modes.shapes[:, :shown], modes.coordinates, [f"mode {k + 1}" for k in range(shown)]) if shown else []
-    return "\n".join([*lines, *(f"note: {note}" for note in modes.notes)])
+    return "\n".join([*lines, *map(_note, modes.notes)])
+
+
+def _note(text: str) -> str:
+    return text if text.startswith("warning[") else f"note: {text}"
 
 
 def _undamped_rows(modes: Sequence[tuple[int, "Mode"]]) -> Iterator[str]:
@@ -186,7 +192,7 @@ def response_text(response: "Response") -> str:
                 lines.append(f"  {what:8}{f[k]:>12.6g} Hz   no bound: resonance without damping")
             else:
                 lines.append(f"  {what:8}{f[k]:>12.6g} Hz   magnitude {curve[k]:>12.6g}   phase {phase[k, i, j] + 0.0:>9.4g} deg")
-    return "\n".join(lines)
+    return "\n".join([*lines, *map(_note, response.linearization.notes)])
 
 
 def _peaks(curve: Matrix) -> list[int]:

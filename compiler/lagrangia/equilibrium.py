@@ -69,6 +69,12 @@ def find_rest(equations: StaticEquations, start: Vector) -> Rest | None:
         return newton.settle(start) or near
 
 
+def find_rest_near(equations: StaticEquations, start: Vector) -> Rest | None:
+    """By Newton's method alone."""
+    with np.errstate(all="ignore"):
+        return _Newton(equations, start).solve(start)
+
+
 def ways_at(equations: StaticEquations, q: Vector) -> Ways | None:
     """The ways of moving that meet at a position or very near it; None where constraints are as independent as elsewhere."""
     with np.errstate(all="ignore"):

@@ -43,12 +43,15 @@ class Tangent:
     C: Matrix
     K: Matrix
     E: tuple[Matrix, Matrix, Matrix]
-    full: tuple[Matrix, ...]  # M, C, K (n, n), J (m, n), and dR/ds, ds', ds'' at fixed coordinates (n, k)
+    full: tuple[Matrix, ...]  # M, C, K (n, n), what multipliers do (m, n), and dR/ds, ds', ds'' at fixed coordinates (n, k)
 
 
 @dataclass(frozen=True)
 class TangentParts:
-    """dR/da, dR/dv, dR/dq (n, n), dPhi/dq (m_h, n), d rate/dv (m, n), dR/ds, ds', ds'' (n, k), dPhi/ds (m_h, k)."""
+    """dR/da, dR/dv, dR/dq (n, n), dPhi/dq (m_h, n), d rate/dv (m, n), dR/ds, ds', ds'' (n, k), dPhi/ds (m_h, k).
+
+    `pulls`: what multipliers do, (m, n), where that is not what the rates say, as where friction has its limit from a contact.
+    """
 
     M: Matrix
     C: Matrix
@@ -57,6 +60,7 @@ class TangentParts:
     rates: Matrix
     E: tuple[Matrix, Matrix, Matrix]
     pushed: Matrix
+    pulls: Matrix | None = None
 
 
 def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix, plane: Matrix | None = None) -> Tangent:
@@ -78,7 +82,7 @@ def tangent_of(x: TangentParts, is_preferred: Sequence[bool], reach: Matrix, pla
     W = _null_space(rates @ N) if rates.shape[0] > J.shape[0] else np.eye(len(independent))
     E = (E0 + K @ P, E1 + C @ P, E2 + M @ P)
     return Tangent(independent, N, P, W, N.T @ M @ N, N.T @ C @ N, N.T @ K @ N, (N.T @ E[0], N.T @ E[1], N.T @ E[2]),
-                   (M, C, K, x.rates, E0, E1, E2))
+                   (M, C, K, x.rates if x.pulls is None else x.pulls, E0, E1, E2))
 
 
 def pivots(J: Matrix, weight: Matrix) -> list[int]:
@@ -131,6 +135,7 @@ class Linearization:
     D: Matrix
     drift: Matrix
     tangent: Tangent
+    notes: tuple[str, ...] = ()  # what holds at the point beside constraints, and what it is only for
 
     @cached_property
     def eigenvalues(self) -> NDArray[np.complex128]:
@@ -147,7 +152,7 @@ class Linearization:
         """Plain lists and names, as the JSON file has them."""
         names = {"name": self.name, "is_equilibrium": self.is_equilibrium, "point": dict(self.point),
                  "coordinates": self.coordinates, "states": self.states, "excitations": self.excitations, "inputs": self.inputs,
-                 "outputs": self.outputs, "outputs_at_point": self.outputs_at_point}
+                 "outputs": self.outputs, "outputs_at_point": self.outputs_at_point, "notes": self.notes}
         return names | {name: table.tolist() for name, table in self.tables().items()}
 
     def save(self, path: "str | Path") -> Path:
@@ -254,11 +259,11 @@ Column = tuple[str, int, int]  # name, order of the derivative, excitation
 
 def _inputs(t: Tangent, given: Given) -> list[Column]:
     """The excitations, and those derivatives of theirs that matter anywhere."""
-    _, _, yv, ya, _, *ys = given.observed
+    _, _, yv, ya, yl, *ys = given.observed
     found = []
     for order, wrap in enumerate(("{}", "der({})", "der(der({}))")):
         for k, excitation in enumerate(given.excitations):
-            is_carried = t.P[:, k].any() and (ya.any() or (order < 2 and yv.any()))
+            is_carried = t.P[:, k].any() and (ya.any() or yl.any() or (order < 2 and yv.any()))
             if order == 0 or is_carried or any(E[:, k].any() for higher in range(order, 3) for E in (t.E[higher], ys[higher])):
                 found.append((wrap.format(excitation), order, k))
     return found

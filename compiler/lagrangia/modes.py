@@ -146,7 +146,7 @@ def find_modes(linear: Linearization, coordinates: tuple[str, ...], mass_normali
     """Raises RunError where M is singular."""
     t = linear.tangent
     M, C, K = (t.W.T @ A @ t.W for A in (t.M, t.C, t.K))
-    notes = []
+    notes = list(linear.notes)
     is_symmetric = bool(np.abs(K - K.T).max(initial=0.0) <= _SYMMETRIC * np.abs(K).max(initial=0.0))
     if not is_symmetric and linear.is_equilibrium:
         notes.append("the stiffness is not symmetric: forces follow the motion; modes that the undamped form does not know are "

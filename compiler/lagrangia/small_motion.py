@@ -13,12 +13,16 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from lagrangia.casadi_algebra import CORNERS, uses
 from lagrangia.diagnostics import fail
-from lagrangia.energies import evaluate_energies
+from lagrangia.energies import Energies, Load, evaluate_energies
+from lagrangia.holding import Holding, Pair
+from lagrangia.numbering import Numbering, rebuilt
 from lagrangia.observables import observe
 from lagrangia.parameters import scalars
 from lagrangia.probes import Probe, ProbedKinematics, Triple, probe_kinematics
 from lagrangia.reactions import build_reactions
+from lagrangia.switches import conditions_in
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,17 +32,35 @@ if TYPE_CHECKING:
     from lagrangia.motion import Motion
 
 DIRECTIONS = ("q", "v", "a", "lambda", "s", "ds", "dds")
+_NONE = ca.SX(0, 1)
+
+
+@dataclass(frozen=True)
+class Holds:
+    """What may hold at rest beside constraints, as the run time knows it: contacts, by the forces along their gaps, and friction,
+    by the shares of its jumps (switches.py). `gaps` (c,) are positive where a contact is passed, `guards` (c,) where the rest of
+    its condition holds; `slips` (f,) are the rates at which friction jumps."""
+
+    forces: ca.SX = _NONE
+    gaps: ca.SX = _NONE
+    guards: ca.SX = _NONE
+    shares: ca.SX = _NONE
+    slips: ca.SX = _NONE
+    contacts: tuple[str, ...] = ()
+    rubs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class SmallMotion:
     """The equations in numbers: n coordinates, m rows (m_h of them holonomic), k excitations, outputs y.
 
-    Functions of q, v, a, lambda and of t, pace, u, p, made when they are first asked for:
+    Functions of q, v, a, lambda and of t, pace, u, p, made when they are first asked for; behind lambda (m,) stand the forces of
+    contacts and the shares of friction:
     static:   R (n,), Phi (m_h,), rates of all rows (m,), V
+    touching: gaps and guards of contacts (c,), slips of friction (f,)
     unsteady: R without loads, Phi and rates: what tells whether time matters
     observed: y
-    slopes:   and of a direction of (q, v, a, lambda, s, s', s''): the derivatives of R, Phi, the rates
+    slopes:   and of a direction of (q, v, a, lambda, s, s', s''): the derivatives of R, Phi, the rates, the gaps, the slips
     observed_slopes: that of y
     """
 
@@ -53,6 +75,31 @@ class SmallMotion:
     def static(self) -> ca.Function:
         return self._parts.function("static", [self._parts.R, self._parts.phi, self._parts.rate, self._parts.V])
 
+    @property
+    def holds(self) -> Holds:
+        return self._parts.holds
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether time is in the forces."""
+        parts = self._parts
+        modes = ca.vertcat(_NONE, *[mode.symbol for mode in parts.free.algebra.modes])
+        return bool(ca.depends_on(parts.R, ca.vertcat(parts.motion.t, parts.free.symbols.tau, modes)))
+
+    def multipliers(self, lam: "np.ndarray | None" = None, forces: "np.ndarray | None" = None, shares: "np.ndarray | None" = None
+                    ) -> "np.ndarray":
+        """All of them: nothing presses, and friction is half way between its limits, where nothing else is given."""
+        import numpy as np
+
+        h = self.holds
+        parts = ((lam, self.m, 0.0), (forces, h.forces.numel(), 0.0), (shares, h.shares.numel(), 0.5))
+        return np.concatenate([np.full(size, usual) if given is None else given for given, size, usual in parts])
+
+    @cached_property
+    def touching(self) -> ca.Function:
+        h = self.holds
+        return self._parts.function("touching", [h.gaps, h.guards, h.slips])
+
     @cached_property
     def unsteady(self) -> ca.Function:
         return self._parts.function("unsteady", [self._parts.unloaded, self._parts.phi, self._parts.rate])
@@ -63,17 +110,18 @@ class SmallMotion:
 
     @cached_property
     def slopes(self) -> ca.Function:
-        return self._parts.derivatives("slopes", [self._parts.R, self._parts.phi, self._parts.rate])
+        h = self.holds
+        return self._parts.derivatives("slopes", [self._parts.R, self._parts.phi, self._parts.rate, h.gaps, h.slips])
 
     @cached_property
     def observed_slopes(self) -> ca.Function:
         return self._parts.derivatives("observed_slopes", [self._y])
 
     def directions(self, *names: str) -> dict[str, "np.ndarray"]:
-        """Those of `slopes` along each of q, v, a, lambda, s, ds, dds: (3 n + m + 3 k, n, m or k)."""
+        """Those of `slopes` along each of q, v, a, lambda, s, ds, dds: (3 n + m + c + f + 3 k, n, m + c + f or k)."""
         import numpy as np
 
-        sizes = dict(zip(DIRECTIONS, (self.n, self.n, self.n, self.m, *3 * (len(self.probes),)), strict=True))
+        sizes = dict(zip(DIRECTIONS, (self.n, self.n, self.n, self.multipliers().size, *3 * (len(self.probes),)), strict=True))
         ends = dict(zip(sizes, np.cumsum(list(sizes.values())), strict=True))
         return {name: np.eye(sum(sizes.values()), sizes[name], sizes[name] - ends[name]) for name in names}
 
@@ -107,13 +155,23 @@ class _Parts:
         self.unloaded = inertia - ca.gradient(self.T, q) + ca.gradient(self.V, q) + ca.gradient(self.D, v)
         self.R = self.unloaded + held
         self.loads = energies.loads
-        if energies.loads:
-            positions = ca.vertcat(*[x for load in energies.loads for x in load.position])
-            forces = ca.vertcat(*[x for load in energies.loads for x in load.force])
+        struck = motion.impacts.loads_in(free)
+        if loads := (*energies.loads, *struck):
+            positions = ca.vertcat(*[x for load in loads for x in load.position])
+            forces = ca.vertcat(*[x for load in loads for x in load.force])
             self.R = self.R - ca.jtimes(positions, q, forces, True)
+        self.holds, self.holding = _find_holds(motion, energies, self, struck)
+        (self.R,) = self.held([self.R])
         rolling = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.rate(free)) for row in rows if not row.is_holonomic])
         if rolling.numel() and ca.depends_on(rolling, ca.vertcat(*s)):
             fail("L0916", "not supported yet: an excitation of a constraint on velocities", free.graph.model.span)
+
+    def held(self, values: Sequence[ca.SX]) -> list[ca.SX]:
+        """Without impulses, and with the shares of friction in place of the signs of rates."""
+        impulses = self.motion.impacts.impulses
+        if impulses.numel():
+            values = ca.substitute(list(values), [impulses], [ca.SX.zeros(impulses.numel())])
+        return rebuilt(values, self.holding.numbering, self.holding.made) if self.holding.places else list(values)
 
     def function(self, name: str, values: list[ca.SX], seeds: Sequence[ca.SX] = ()) -> ca.Function:
         """Of the state, with the excitations at rest."""
@@ -123,12 +181,13 @@ class _Parts:
             values = ca.substitute(values, [x.symbol for x in modes], [x.value for x in modes])
         if quiet := self.s[0].numel():
             values = ca.substitute(values, [ca.vertcat(*self.s)], [ca.SX.zeros(3 * quiet)])
-        return ca.Function(name, [m.q, m.v, m.a, self.lam, m.t, self.free.symbols.tau, m.u, m.p, *seeds], values)
+        multipliers = ca.vertcat(self.lam, self.holds.forces, self.holds.shares)
+        return ca.Function(name, [m.q, m.v, m.a, multipliers, m.t, self.free.symbols.tau, m.u, m.p, *seeds], values)
 
     def derivatives(self, name: str, values: list[ca.SX]) -> ca.Function:
         """Along a direction: as long as the values themselves; a whole Jacobian would be as many times that as it has columns."""
         m = self.motion
-        state = ca.vertcat(m.q, m.v, m.a, self.lam, *self.s)
+        state = ca.vertcat(m.q, m.v, m.a, self.lam, self.holds.forces, self.holds.shares, *self.s)
         seed = ca.SX.sym("seed", state.numel())
         return self.function(name, [ca.jtimes(x, state, seed) if x.numel() else ca.SX(0, 1) for x in values], [seed])
 
@@ -142,6 +201,7 @@ class _Parts:
         if self.free.reactions:
             self._require_fixed_supports()
             y = ca.substitute(y, *build_reactions(self.free, self.motion.bodies, self.constraints, self.motion))
+        (y,) = self.held([y])
         return tuple(labels), y
 
     def _require_fixed_supports(self) -> None:
@@ -149,3 +209,33 @@ class _Parts:
         if self.s[0].numel() and ca.depends_on(moving, ca.vertcat(*self.s)):
             fail("L0916", "not supported yet: how reactions answer to the motion of a support", self.free.graph.model.span,
                  "ask for reactions to loads, or for displacements")
+
+
+def _find_holds(motion: "Motion", energies: Energies, parts: _Parts, struck: Sequence[Load]) -> tuple[Holds, Holding]:
+    """`struck`: the loads of events, in the kinematics of the parts."""
+    impacts = motion.impacts
+    events = {x.__hash__(): k for k, x in enumerate(impacts.forces.elements())}
+    pressing = [(events[ca.SX(load.force[0]).__hash__()], load) for load in struck if ca.SX(load.force[0]).__hash__() in events]
+    gaps = [-ca.SX(load.position[0]) for _, load in pressing]
+    numbering, whens = Numbering(), parts.free.graph.model.whens
+    conditions = conditions_in([parts.R], motion.v, numbering) if uses(_function_of(parts.R), CORNERS) else {}
+    shares = ca.SX.sym("share", len(conditions))
+    places = dict(zip(conditions, shares.elements(), strict=True))
+    owners = _owners(energies, motion.v, numbering)
+    return Holds(
+        ca.vertcat(_NONE, *[impacts.forces[k] for k, _ in pressing]), ca.vertcat(_NONE, *gaps),
+        ca.vertcat(_NONE, *[impacts.conditions[k] for k, _ in pressing]), shares, ca.vertcat(_NONE, *conditions.values()),
+        tuple(whens[k].component or whens[k].condition.span.text for k, _ in pressing),
+        tuple(owners.get(pair, "friction") for pair in conditions),
+    ), Holding(places, frozenset(x.__hash__() for x in places.values()), numbering)
+
+
+def _function_of(x: ca.SX) -> ca.Function:
+    return ca.Function("of", ca.symvar(x), [x])
+
+
+def _owners(energies: Energies, v: ca.SX, numbering: Numbering) -> dict[Pair, str]:
+    """The component that states what jumps."""
+    stated = [(term.statement.component, [ca.gradient(ca.SX(term.value), v)]) for term in energies.dissipation]
+    stated += [(load.statement.component, [ca.SX(x) for x in load.force]) for load in energies.loads]
+    return {pair: component for component, values in stated for pair in conditions_in(values, v, numbering)}

@@ -67,7 +67,7 @@ def find_switches(motion: Motion) -> Switches:
     numbering, events = Numbering(), motion.impacts.conditions
     if not has_corners(motion) and not events.numel():
         return Switches()
-    found, rests = _find_conditions(motion, numbering)
+    found, rests = conditions_in([motion.h], ca.vertcat(motion.t, motion.q, motion.v, motion.u), motion.v, numbering)
     slopes = ca.SX.sym("du", motion.u.numel())
 
     def rates_of(x: ca.SX) -> ca.SX:
@@ -76,16 +76,17 @@ def find_switches(motion: Motion) -> Switches:
     gaps = motion.impacts.gaps
     values = ca.vertcat(ca.SX(0, 1), *found.values(), events, gaps, rates_of(gaps))
     places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
-    shares = frozenset(places[pair].__hash__() for pair, g in found.items() if _is_rate(motion, g))
+    shares = frozenset(places[pair].__hash__() for pair, g in found.items() if _is_rate(motion.v, g))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
     switches = Switches(symbols, values, rates_of(values), slopes, places, shares, rests, numbering)
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
 
 
-def _find_conditions(motion: Motion, numbering: Numbering) -> tuple[dict[Pair, Expression], dict[Pair, Expression]]:
-    """Differences of what conditions in the forces compare; and symbols for the rates of which it is asked whether they rest."""
-    found, asked = dict[Pair, Expression](), list[tuple[Pair, ...]]()
-    moving = symbols_in(ca.vertcat(motion.t, motion.q, motion.v, motion.u))
+def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering
+                  ) -> tuple[dict[Pair, Expression], dict[Pair, Expression]]:
+    """Differences of what conditions in the forces compare, of those that `movers` decide; and symbols for the rates of which it is
+    asked whether they rest."""
+    found, asked, moving = dict[Pair, Expression](), list[tuple[Pair, ...]](), symbols_in(movers)
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
         rest = rest_asked(numbering, op, numbers)
@@ -101,27 +102,26 @@ def _find_conditions(motion: Motion, numbering: Numbering) -> tuple[dict[Pair, E
         if not moving.isdisjoint(symbols_in(g)):
             found[pair] = g
 
-    rebuilt([motion.h], numbering, note)
-    rests = _rests(motion, found, asked)
-    return _without_unused(motion, found, rests, numbering) if rests else found, rests
+    rebuilt(forces, numbering, note)
+    rests = _rests(v, found, asked)
+    return _without_unused(forces, found, rests, numbering) if rests else found, rests
 
 
-def _is_rate(motion: Motion, g: Expression) -> bool:
-    return not symbols_in(motion.v).isdisjoint(symbols_in(g))
+def _is_rate(v: ca.SX, g: Expression) -> bool:
+    return not symbols_in(v).isdisjoint(symbols_in(g))
 
 
-def _rests(motion: Motion, found: Mapping[Pair, Expression], asked: Sequence[Sequence[Pair]]) -> dict[Pair, Expression]:
+def _rests(v: ca.SX, found: Mapping[Pair, Expression], asked: Sequence[Sequence[Pair]]) -> dict[Pair, Expression]:
     """Symbols for the rates of which it is asked whether they rest."""
-    chosen = [next((pair for pair in pairs if pair in found and _is_rate(motion, found[pair])), None) for pairs in asked]
+    chosen = [next((pair for pair in pairs if pair in found and _is_rate(v, found[pair])), None) for pairs in asked]
     return {pair: symbol(f"rest_{k}") for k, pair in enumerate(dict.fromkeys(chosen)) if pair is not None}
 
 
-def _without_unused(motion: Motion, found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression], numbering: Numbering
-                    ) -> dict[Pair, Expression]:
+def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], rests: Mapping[Pair, Expression],
+                    numbering: Numbering) -> dict[Pair, Expression]:
     """Those that forces still have: |v|, of which nothing was asked but whether it is 0, is none."""
     places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
-    (h,) = rebuilt([motion.h], numbering, Holding(places, frozenset(), rests, numbering).made)
-    used = symbols_in(h)
+    used = symbols_in(ca.veccat(*rebuilt(forces, numbering, Holding(places, frozenset(), rests, numbering).made)))
     return {pair: g for pair, g in found.items() if pair in rests or places[pair].__hash__() in used}
 
 

@@ -1,0 +1,136 @@
+"""The equations at rest in numbers: constraints with the contacts and the friction that are to hold among them.
+
+Rows stand in this order: constraints on positions, contacts that press, constraints on rates, friction that sticks.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangia.equilibrium import StaticEquations
+from lagrangia.grips import Grip, GripEquations, Look
+from lagrangia.linearization import TangentParts
+from lagrangia.small_motion import SmallMotion
+
+Vector = NDArray[np.float64]
+Call = Callable[[ca.Function, Vector, Vector], list[Vector]]  # of a function at q and all multipliers
+Slopes = Callable[[Sequence[str], Vector, Vector], dict[str, list[Vector]]]  # of `slopes` by directions
+
+
+@dataclass(frozen=True)
+class Resting:
+    """`m_h`: how many constraints are on positions; `reach` (n,): natural sizes; `is_angle`: what may go round."""
+
+    e: SmallMotion
+    call: Call
+    slopes: Slopes
+    m_h: int
+    reach: Vector
+    is_angle: NDArray[np.bool_]
+
+    def equations(self) -> GripEquations:
+        return GripEquations(self.look, self.statics, self.e.multipliers, self.reach)
+
+    def statics(self, pressing: tuple[int, ...] = (), sticking: tuple[int, ...] = ()) -> StaticEquations:
+        e, own, p = self.e, self.m_h, len(pressing)
+
+        def static(q: Vector) -> tuple[Vector, Vector, float]:
+            free = self.multipliers(q)
+            R, phi, _, V = self.call(e.static, q, free)
+            gaps = self.call(e.touching, q, free)[0] if pressing else np.zeros((0, 1))
+            return R.ravel(), np.concatenate([phi.ravel(), gaps.ravel()[list(pressing)]]), float(V[0, 0])
+
+        def stiffness(q: Vector, lam: Vector) -> tuple[Vector, Vector, Vector]:
+            full = self.multipliers(q)
+            if lam.size == full.size and not (p or sticking):
+                full = lam
+            elif lam.size:
+                full[:own], full[own : e.m] = lam[:own], lam[own + p : e.m + p]
+                full[[e.m + k for k in pressing]] = lam[own : own + p]
+            by = self.slopes(("q", "v") if e.m or p or sticking else ("q",), q, full)
+            places = np.vstack([by["q"][1], by["q"][3][list(pressing)]])
+            return by["q"][0], places, self._rows(by, pressing, sticking) if "v" in by else places
+
+        return StaticEquations(static, stiffness, self.reach, self.is_angle, e.m > own or bool(sticking))
+
+    def multipliers(self, q: Vector) -> Vector:
+        """Nothing presses; friction is half way, or where it slips at rest already, as on a belt, at its limit."""
+        still = self.e.multipliers()
+        if not self.e.holds.shares.numel():
+            return still
+        slips = self.call(self.e.touching, q, still)[2].ravel()
+        return self.e.multipliers(shares=np.where(np.abs(slips) > 1e-12, slips > 0, 0.5))
+
+    def look(self, q: Vector) -> Look:
+        e, r, c = self.e, self.reach, self.e.holds.forces.numel()
+        free = self.multipliers(q)
+        R = self.call(e.static, q, free)[0].ravel()
+        gaps, guards, slips = (x.ravel() for x in self.call(e.touching, q, free))
+        by = self.slopes(("q", "v", "lambda"), q, free)
+        pulls, spans = by["lambda"][0][:, e.m : e.m + c].T, by["lambda"][0][:, e.m + c :].T
+        pressed = np.zeros((c, slips.size, R.size))
+        for k in range(c if slips.size else 0):
+            one = free.copy()
+            one[e.m + k] = 1.0
+            pressed[k] = self.slopes(("lambda",), q, one)["lambda"][0][:, e.m + c :].T - spans
+        rows, slip_rows = by["v"][2] * r, by["v"][4] * r
+        return Look(R * r, rows, pulls * r, gaps, guards > 0, by["q"][3] * r, slips, slip_rows, spans * r, pressed * r)
+
+    def held(self, parts: TangentParts, by: dict[str, list[Vector]], grip: Grip) -> tuple[TangentParts, list[int]]:
+        """The tangent with what holds among the constraints, and the places of its multipliers among all."""
+        own, m, c = self.m_h, self.e.m, self.e.holds.forces.numel()
+        press, stick = list(grip.pressing), list(grip.sticking)
+        places = [*range(own), *(m + k for k in press), *(m + c + k for k in stick), *range(own, m)]
+        J = np.vstack([parts.J, by["q"][3][press], by["v"][4][stick]])
+        pushed = np.vstack([parts.pushed, by["s"][3][press], by["ds"][4][stick]])
+        rates = np.vstack([J, parts.rates[own:]])
+        return TangentParts(parts.M, parts.C, parts.K, J, rates, parts.E, pushed, by["lambda"][0][:, places].T), places
+
+    def _rows(self, by: dict[str, list[Vector]], pressing: tuple[int, ...], sticking: tuple[int, ...]) -> Vector:
+        rates = by["v"][2]
+        return np.vstack([rates[: self.m_h], by["q"][3][list(pressing)], rates[self.m_h :], by["v"][4][list(sticking)]])
+
+
+# ------------------------------------------------------------ in words
+
+
+def forces_of_grip(e: SmallMotion, grip: Grip | None) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
+    """Contacts that are closed with their forces, friction that sticks with the size of what it holds and its limit."""
+    if grip is None:
+        return {}, {}
+    contacts = _together((e.holds.contacts[k], grip.forces[k]) for k in sorted((*grip.pressing, *grip.grazing)))
+    held = _together((e.holds.rubs[k], abs(grip.held[k])) for k in grip.sticking)
+    limits = _together((e.holds.rubs[k], grip.limits[k]) for k in grip.sticking)
+    return contacts, {name: (x, limits[name]) for name, x in held.items()}
+
+
+def _together(pairs: Iterable[tuple[str, float]]) -> dict[str, float]:
+    """By names; a component that has several gives them numbers."""
+    found: dict[str, float] = {}
+    for name, x in pairs:
+        label, count = name, 1
+        while label in found:
+            count += 1
+            label = f"{name} ({count})"
+        found[label] = float(x)
+    return found
+
+
+def told_grip(e: SmallMotion, grip: Grip | None) -> tuple[str, ...]:
+    """What holds at a position of rest, and which way that leaves free."""
+    if grip is None:
+        return ()
+    contacts, friction = forces_of_grip(e, grip)
+    grazing = [e.holds.contacts[k] for k in grip.grazing]
+    notes = [f"{name} presses with {force:.6g}: it is a constraint, and what moves does so along it; only so much that pulls "
+             "lifts it off" for name, force in contacts.items() if name not in grazing]
+    notes += [f"{name} just touches: nothing presses, and what moves is free to go away from it, but not into it"
+              for name in grazing]
+    verge = [e.holds.rubs[k] for k in grip.is_on_the_verge]
+    for name, (held, limit) in friction.items():
+        notes.append(f"{name} is at its limit of {limit:.6g}: it is a constraint, but slips where anything is added"
+                     if name in verge else f"{name} sticks, it holds {held:.6g} of {limit:.6g}: it is a constraint")
+    return tuple(notes)

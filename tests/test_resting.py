@@ -1,0 +1,225 @@
+"""What holds at rest beside constraints, against closed forms: contacts, which only push, and friction up to its limit."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+
+G = 9.81
+Write = Callable[[str], lag.Model]
+
+
+def close(found: object, wanted: object, tolerance: float = 1e-9) -> None:
+    np.testing.assert_allclose(np.asarray(found), np.asarray(wanted), rtol=tolerance, atol=tolerance)
+
+
+# ---------------------------------------------------------------- contacts
+
+
+@pytest.mark.parametrize(("k", "relaxed", "place", "force"), [
+    (10, 0.5, 0, {"floor": G - 5}), (100, 0.5, 0.5 - G / 100, {}), (100, 2, 0.6, {"ceiling": 140 - G}), (0, 0, 0, {"floor": G})])
+def test_a_weight_on_a_spring_between_two_stops(k: float, relaxed: float, place: float, force: dict[str, float],
+                                                scene: Write) -> None:
+    """Above both, on the floor, or pressed against the ceiling; without a spring it falls onto the floor."""
+    model = scene(f"""model Between Block b(m = 1, base = world, along = {{0, 1}}, s(start = 0.2));
+      Spring k(k = {k}, stretch = b.s - {relaxed}); Stop floor(e = 0.4, gap = b.s), ceiling(gap = 0.6 - b.s); end Between;""")
+    found = model.equilibrium()
+    assert len(found) == 1 and found.is_reached
+    close(found[0].position["b.s"], place)
+    assert found[0].contacts == pytest.approx(force) and found[0].stability == ("fixed" if force else "stable")
+    modes = model.modes()
+    close(modes.omega, [] if force else [np.sqrt(k)])
+    assert len(modes.notes) == len(force) and all("presses with" in note for note in modes.notes)
+
+
+def test_stops_upon_stops(scene: Write) -> None:
+    """Three weights fall onto each other; each stop carries all above it."""
+    found = scene("""model Stack Block a(m = 1, base = world, along = {0, 1}, s(start = 1)),
+      b(m = 2, base = world, along = {0, 1}, s(start = 2)), c(m = 3, base = world, along = {0, 1}, s(start = 3));
+      Stop s1(gap = a.s), s2(gap = b.s - a.s - 0.1), s3(gap = c.s - b.s - 0.1); end Stack;""").equilibrium()
+    close([found[0].position[x] for x in ("a.s", "b.s", "c.s")], [0, 0.1, 0.2])
+    assert found[0].contacts == pytest.approx({"s1": 6 * G, "s2": 5 * G, "s3": 3 * G})
+
+
+@pytest.mark.parametrize("place", [0.0, 0.25, 0.5])
+def test_a_bar_on_two_stops(place: float, scene: Write) -> None:
+    """Its own weight and another one on it: lever arms. Over one of them the other still carries half the bar."""
+    model = scene(f"""model Bar2 Bar b(m = 1, L = 1); PointMass w(m = 1, center = shift(b.center, {{{place}, 0}}));
+      Stop s1(a = world, b = b.a), s2(a = world, b = b.b); initial equation b.center.y = 0.2; end Bar2;""")
+    first = model.equilibrium()[0]
+    assert first.contacts == pytest.approx({"s1": G * (1 - place), "s2": G * (1 + place)})
+    assert first.stability == "neutral"  # it slides along
+    modes = model.modes()
+    assert [mode.kind for mode in modes] == ["rigid body"] and modes[0].shape["b.center.phi"] == pytest.approx(0, abs=1e-12)
+
+
+def test_a_one_way_rope_is_taut_where_it_hangs(scene: Write) -> None:
+    """A pendulum whose rope only pulls, slack at the start: omega^2 = g/L. Also where a stop holds the turning of a hinge."""
+    model = scene("""model Rope1 PointMass P(m = 2); Length r = distance(world, P.center);
+      equation when r > 0.8 then reinit(der(r), 0); end when; initial equation P.center.x = 0.3; P.center.y = -0.4; end Rope1;""")
+    first = model.equilibrium()[0]
+    close([first.position["P.center.x"], first.position["P.center.y"]], [0, -0.8])
+    assert first.contacts == pytest.approx({"r > 0.8": 2 * G}) and first.stability == "stable"
+    close(model.modes().omega, [np.sqrt(G / 0.8)])
+    hinged = scene("""model Hinged Revolute h(a = world, phi(start = 0.2)); Bar b(m = 1, L = 1, a = h.b);
+      TorsionStop t(gap = h.phi + 0.3); end Hinged;""").equilibrium()
+    assert hinged[0].contacts == pytest.approx({"t": G / 2 * np.cos(0.3)}) and hinged[0].stability == "fixed"
+    assert sorted(x.stability for x in hinged) == ["fixed", "stable", "unstable"]
+
+
+def test_what_stands_on_its_end_falls(scene: Write) -> None:
+    """A free bar upright on a floor, found from there: growth sqrt(m g L/2 / (m L^2/12)), for its foot slides."""
+    model = scene("""model Upright Bar b(m = 3, L = 1); Stop s1(a = world, b = b.a), s2(a = world, b = b.b);
+      initial equation b.center.y = 0.5; b.center.phi = pi/2; end Upright;""")
+    first = model.equilibrium(starts=1)[0]
+    assert first.contacts == pytest.approx({"s1": 3 * G})
+    close(first.growth, np.sqrt(6 * G))
+
+
+def test_contacts_carry_what_excites(scene: Write) -> None:
+    """A mass on a platform, with a spring along it: the platform's motion goes through, the force on it answers to loads."""
+    model = scene("""model Platform
+      Frame platform = shift(world, {0, 0.1}); PointMass P(m = 2); Stop on(a = platform, b = P.center);
+      AxialSpring s(a = world, b = P.center, k = 50, along = {1, 0}); AppliedForce F(at = P.center, force = {0, 0});
+      output Force N = on.force; initial equation P.center.x = 0; P.center.y = 0.1; end Platform;""")
+    w = 2 * np.pi * np.array([0.3, 2.0])
+    excited, seen = ["F.force[1]", "F.force[2]", "platform.y"], ["P.center.x", "P.center.y", "N"]
+    response = model.response(excited, seen, frequencies=w / (2 * np.pi))
+    for k, x in enumerate(w):
+        close(response.values[k], [[1 / (50 - 2 * x**2), 0, 0], [0, 0, 1], [0, -1, -2 * x**2]])
+    linear = model.linearize(excitations=["F.force[1]"], outputs=["N"])
+    assert linear.coordinates == ("P.center.x",) and linear.notes
+    close(linear.outputs_at_point, [2 * G])
+    close(model.modes(about="start").omega, [5])
+
+
+# ---------------------------------------------------------------- friction
+
+
+BLOCK = """model Held Frame incline = turn(world, {angle}[deg]); Block b(m = 1, base = incline); {what} end Held;"""
+
+
+@pytest.mark.parametrize("what", ["Friction f(mu = {mu}, normal = 9.81*cos({angle}[deg]), rate = b.v);",
+                                  "DryFriction f(F = {mu}*9.81*cos({angle}[deg]), rate = b.v);"])
+@pytest.mark.parametrize(("angle", "mu", "holds"), [(20, 0.7, True), (20, 0.3639702343, True), (20, 0.36397, False),
+                                                    (-35, 0.71, True)])
+def test_a_block_on_a_slope(what: str, angle: float, mu: float, holds: bool, scene: Write) -> None:
+    """tan 20 deg = 0.36397023426620234 is enough."""
+    model = scene(BLOCK.format(angle=angle, what=what.format(mu=mu, angle=angle)))
+    if not holds:
+        with pytest.raises(lag.RunError, match="no equilibrium was found"):
+            model.modes()
+        assert not model.equilibrium(starts=1).found
+        return
+    first = model.equilibrium()[0]
+    close(first.position["b.s"], 0)
+    angle = np.radians(angle)
+    close(first.friction["f"], [abs(G * np.sin(angle)), mu * G * np.cos(angle)])
+    assert first.stability == "fixed" and len(model.modes()) == 0
+
+
+@pytest.mark.parametrize(("J1", "J2", "k", "tau"), [(1, 0.125, 150, 10), (0.02, 0.09, 5, 1e-3)])
+def test_a_locked_clutch_carries_its_other_half(J1: float, J2: float, k: float, tau: float, scene: Write) -> None:
+    model = scene(f"""model Clutch World world(gravity = {{0, 0}}); Revolute r1(a = world), r2(a = world);
+      Body d1(m = 1, I = {J1}, center = r1.b), d2(m = 1, I = {J2}, center = r2.b);
+      TorsionSpring s(a = world, b = d1.center, k = {k}); TorsionDryFriction c(tau = {tau}, a = d1.center, b = d2.center);
+      AppliedTorque T(on = d2.center, torque = 0); end Clutch;""")
+    modes = model.modes()
+    close(modes.omega, [np.sqrt(k / (J1 + J2))])
+    close([modes[0].shape["r1.phi"], modes[0].shape["r2.phi"]], [1, 1])
+    assert len(modes.notes) == 1 and modes.notes[0].startswith("c sticks")
+    assert len(model.equilibrium()) == 1
+    w = 3.0
+    close(model.response(["T"], ["r1.phi"], frequencies=[w / (2 * np.pi)]).values.ravel(), [1 / (k - (J1 + J2) * w**2)])
+
+
+def test_a_clutch_on_a_train_of_gears(scene: Write) -> None:
+    """k over J1 + (r1/r2)^2 (J2 + J3); with a brake that is held by nothing else no motion is left of J3."""
+    train = """model Train World world(gravity = {{0, 0}}); Revolute r1(a = world), r2(a = world), r3(a = world);
+      Body d1(m = 1, I = 1, center = r1.b), d2(m = 1, I = 0.5, center = r2.b), d3(m = 1, I = 0.25, center = r3.b);
+      Gear g(carrier = world, r_a = 0.1, r_b = 0.2, a = d1.center, b = d2.center);
+      TorsionSpring s(k = 8, a = world, b = d1.center); TorsionDryFriction c(tau = {tau}, a = d2.center, b = d3.center),
+      brake(tau = {brake}, a = world, b = d3.center); end Train;"""
+    close(scene(train.format(tau=5, brake=0)).modes().omega, [np.sqrt(8 / (1 + 0.75 / 4))])
+    close(scene(train.format(tau=0, brake=1)).modes().omega, [np.sqrt(8 / (1 + 0.5 / 4))])
+    assert len(scene(train.format(tau=5, brake=1)).modes()) == 0
+
+
+def test_a_load_behind_a_clutch(scene: Write) -> None:
+    """The clutch carries a torque of 2 to a spring: both turn by 2/5 where it is strong enough, and nothing rests where not."""
+    text = """model Loaded Revolute r1(a = world), r2(a = world);
+      Body d1(m = 1, I = 1, center = r1.b), d2(m = 1, I = 0.5, center = r2.b);
+      TorsionSpring s(k = 5, a = world, b = d1.center); TorsionDryFriction c(tau = {tau}, a = d1.center, b = d2.center);
+      AppliedTorque w(on = d2.center, torque = -2); end Loaded;"""
+    model = scene(text.format(tau=2.001))
+    first = model.equilibrium()[0]
+    close([first.position["r1.phi"], first.position["r2.phi"]], [-0.4, -0.4], 1e-8)
+    close(first.friction["c"], [2, 2.001], 1e-8)
+    close(model.modes().omega, [np.sqrt(5 / 1.5)])
+    with pytest.raises(lag.RunError, match="no equilibrium was found"):
+        scene(text.format(tau=1.999)).modes()
+
+
+@pytest.mark.parametrize(("mu", "rests"), [(0.5, 0.3), (0.2, None)])
+def test_a_rough_stop_holds_across_as_much_as_it_presses(mu: float, rests: float | None, scene: Write) -> None:
+    """Held by 3 N of mu m g where that is enough; else it settles where the spring does not pull more than that."""
+    model = scene(f"""model Rough PointMass P(m = 1); RoughStop floor(a = world, b = P.center, mu = {mu});
+      AxialSpring s(a = world, b = P.center, k = 10, along = {{1, 0}});
+      initial equation P.center.x = 0.3; P.center.y = 0; end Rough;""")
+    first = model.equilibrium()[0]
+    x = first.position["P.center.x"]
+    close(first.friction["floor"], [10 * x, mu * G])
+    assert abs(10 * x) <= mu * G and first.contacts == pytest.approx({"floor": G}) and first.stability == "fixed"
+    if rests is not None:
+        close(x, rests)
+
+
+def test_a_block_falls_onto_a_rough_slope_and_carries_a_pendulum(scene: Write) -> None:
+    """The pendulum swings as if its pivot were fixed; the slope carries both weights."""
+    model = scene("""model Carried Body P(m = 1, I = 0.1); parameter Angle t = 20[deg];
+      RoughStop left(a = world, b = shift(P.center, {-0.1, 0}), mu = 0.7, along = {-sin(20[deg]), cos(20[deg])}),
+                right(a = world, b = shift(P.center, {0.1, 0}), mu = 0.7, along = {-sin(20[deg]), cos(20[deg])});
+      Revolute h(a = P.center, phi(start = -20[deg])); PointMass Q(m = 0.5, center = shift(h.b, {0, -1}));
+      initial equation P.center.x = 0; P.center.y = 0; P.center.phi = t; end Carried;""")
+    first = model.equilibrium(starts=1)[0]
+    close(sum(first.contacts.values()), 1.5 * G * np.cos(np.radians(20)), 1e-8)
+    close([x for x, _ in first.friction.values()], [0.75 * G * np.sin(np.radians(20))] * 2, 1e-8)
+    modes = model.modes()
+    close(modes.omega, [np.sqrt(G)], 1e-8)
+
+
+def test_friction_on_a_belt_slips_at_rest(scene: Write) -> None:
+    """The belt drags with F: k x = F, and swings about there as if nothing held."""
+    model = scene("""model Belt2 World world(gravity = {0, 0}); Block b(m = 1, base = world); Spring s(k = 10, stretch = b.s);
+      DryFriction f(F = 3, rate = b.v - 2); end Belt2;""")
+    first = model.equilibrium()[0]
+    close(first.position["b.s"], 0.3)
+    assert not first.friction
+    close(model.modes().omega, [np.sqrt(10)])
+
+
+def test_what_is_held_away_from_rest_is_not_linearised(scene: Write) -> None:
+    model = scene("""model Pushed PointMass P(m = 1); Stop on(a = world, b = P.center);
+      AppliedForce F(at = P.center, force = {1, 0});
+      initial equation P.center.x = 0; P.center.y = 0; end Pushed;""")
+    with pytest.raises(lag.LagError, match=r"(?s)L0916.*contacts or friction hold: on"):
+        model.linearize(about="start")
+
+
+# ---------------------------------------------------------------- time
+
+
+@pytest.mark.parametrize(("what", "is_told"), [
+    ("Frame pivot = shift(world, {0, 0.05*cos(200*time)}); Revolute h(a = pivot);", True),
+    ("Frame pivot = shift(world, {0.05*cos(200*time), 0}); Revolute h(a = pivot);", False),
+    ("Revolute h(a = world); AppliedForce f(at = P.center, force = {0, 3*sin(2*time)});", True),
+    ("Revolute h(a = world); AppliedForce f(at = P.center, force = {3*sin(2*time), 0});", False),
+    ("Revolute h(a = world); TorsionSpring s(k = 2, twist = h.phi*(1 + 0.2*sin(3*time)));", True),
+])
+def test_coefficients_that_change_with_time_are_told(what: str, is_told: bool, scene: Write) -> None:
+    """Of a hanging pendulum: a pivot that shakes up and down, a load along it, a spring that changes; not what pushes aside."""
+    model = scene(f"model Timed {what} PointMass P(m = 1, center = shift(h.b, {{0, -1}})); end Timed;")
+    for notes in (model.modes().notes, model.linearize().notes, model.equilibrium().notes):
+        assert any(note.startswith("warning[L0740]") for note in notes) == is_told
