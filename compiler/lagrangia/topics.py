@@ -79,8 +79,8 @@ when gap < 0 and x < edge then ...    a contact with an edge. With `or` nothing 
 
 Energy that impulses take is dissipated, what they add is work. FMUs have the events, in both kinds and versions; exports to
 other languages, the solvers linear, conservative and islands, and CasADi's integrators refuse them, as they have none.
-Positions of rest and small motion (lag equilibrium, modes, linearize) do not look for contacts, whose forces are 0 in them and in
-model.functions().
+Positions of rest and small motion (lag equilibrium, modes, linearize, response) know what rests at contacts: lag help analysis. In
+model.functions() contact forces are 0.
 """
 
 _FUNCTIONS = """\
@@ -349,8 +349,16 @@ nothing but loads depends on time, it goes on: a frame that turns steadily keeps
 Constraints are kept by motion in their null space, with the stiffness that their forces give to curved ones; redundant ones do
 no harm. The states are coordinates of the scene and their rates, those that have start values by preference. A mode without
 stiffness is rigid-body motion; one that runs away tells its rate. An equilibrium is asymptotically stable, stable (undamped),
-neutral, unstable, or singular: where constraints are less independent than elsewhere, the linearised motion says nothing. Where
-nothing can move it is fixed, and there are no modes.
+neutral or unstable. Where nothing can move it is fixed, and there are no modes. Where constraints are less independent than
+elsewhere several ways of moving may meet: each is named by the coordinates that move, with modes of its own, and the equilibrium
+is as stable as the least stable of them; matrices of several are refused. Ways that no linear motion tells are called singular.
+
+What holds at rest is among the constraints, and told with its force: contacts that press (a stop, a rope as `when r > L`), which
+only push, and friction that sticks, up to its limit. Friction holds the start, if it can; other positions of rest are found as if
+there were none, where it then holds without force. Small motion goes along contacts that press; what just touches is told.
+
+Where coefficients of small motion change with time (a pivot that shakes up and down, a load along a pendulum), which stands
+still, warning L0740 says so: stability and frequencies are those of that moment.
 
 From Python: model.equilibrium(), model.linearize(excitations=["road.y"], outputs=["car.s"]), model.modes(), model.response(...)
 with parameters=, initial=, inputs=, time=, about=. A linearisation has .M, .C, .K, .A, .B, .output, .D, .save(path) and
