@@ -120,6 +120,17 @@ def test_a_block_on_a_slope(what: str, angle: float, mu: float, holds: bool, sce
     assert first.stability == "fixed" and len(model.modes()) == 0
 
 
+@pytest.mark.parametrize("what", ["DryFriction f(F = 8, F_static = {most}, rate = b.v);",
+    "AppliedForce f(at = b.center, force = {{-(if abs(b.v) > 0 then 8 else {most})*sign(b.v), 0}});"])
+@pytest.mark.parametrize(("most", "holds"), [(10.001, True), (9.999, False)])
+def test_what_holds_at_rest_is_static_friction(what: str, most: float, holds: bool, scene: Write) -> None:
+    found = scene(f"""model Static World world(gravity = {{5, 0}}); Block b(m = 2, base = world); {what.format(most=most)}
+      end Static;""").equilibrium(starts=1)
+    assert len(found) == holds
+    if holds:
+        close(found[0].friction["f"], [10, most])
+
+
 @pytest.mark.parametrize(("J1", "J2", "k", "tau"), [(1, 0.125, 150, 10), (0.02, 0.09, 5, 1e-3)])
 def test_a_locked_clutch_carries_its_other_half(J1: float, J2: float, k: float, tau: float, scene: Write) -> None:
     model = scene(f"""model Clutch World world(gravity = {{0, 0}}); Revolute r1(a = world), r2(a = world);

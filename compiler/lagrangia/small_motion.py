@@ -6,7 +6,7 @@ with excitations s(t) (probes.py). Time may stand still (pace 0): supports then 
 but loads depends on time it goes on (pace 1): a frame that turns steadily keeps turning, and equilibria are relative to it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -22,6 +22,7 @@ from lagrangia.observables import observe
 from lagrangia.parameters import scalars
 from lagrangia.probes import Probe, ProbedKinematics, Triple, probe_kinematics
 from lagrangia.reactions import build_reactions
+from lagrangia.scalars import Expression, as_expression
 from lagrangia.switches import conditions_in
 
 if TYPE_CHECKING:
@@ -218,7 +219,8 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts, struck: Seq
     pressing = [(events[ca.SX(load.force[0]).__hash__()], load) for load in struck if ca.SX(load.force[0]).__hash__() in events]
     gaps = [-ca.SX(load.position[0]) for _, load in pressing]
     numbering, whens = Numbering(), parts.free.graph.model.whens
-    conditions = conditions_in([parts.R], motion.v, numbering) if uses(_function_of(parts.R), CORNERS) else {}
+    has_corners = uses(_function_of(parts.R), CORNERS)
+    conditions, rests = conditions_in([parts.R], motion.v, motion.v, numbering) if has_corners else ({}, {})
     shares = ca.SX.sym("share", len(conditions))
     places = dict(zip(conditions, shares.elements(), strict=True))
     owners = _owners(energies, motion.v, numbering)
@@ -227,7 +229,12 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts, struck: Seq
         ca.vertcat(_NONE, *[impacts.conditions[k] for k, _ in pressing]), shares, ca.vertcat(_NONE, *conditions.values()),
         tuple(whens[k].component or whens[k].condition.span.text for k, _ in pressing),
         tuple(owners.get(pair, "friction") for pair in conditions),
-    ), Holding(places, frozenset(x.__hash__() for x in places.values()), numbering)
+    ), Holding(places, frozenset(x.__hash__() for x in places.values()), _at_rest(conditions, rests), numbering)
+
+
+def _at_rest(conditions: Mapping[Pair, Expression], rests: Mapping[Pair, Expression]) -> dict[Pair, Expression]:
+    """Whether rates rest, by what they are."""
+    return {pair: as_expression(ca.SX(conditions[pair]) == 0) for pair in rests}
 
 
 def _function_of(x: ca.SX) -> ca.Function:
@@ -238,4 +245,4 @@ def _owners(energies: Energies, v: ca.SX, numbering: Numbering) -> dict[Pair, st
     """The component that states what jumps."""
     stated = [(term.statement.component, [ca.gradient(ca.SX(term.value), v)]) for term in energies.dissipation]
     stated += [(load.statement.component, [ca.SX(x) for x in load.force]) for load in energies.loads]
-    return {pair: component for component, values in stated for pair in conditions_in(values, v, numbering)}
+    return {pair: component for component, values in stated for pair in conditions_in(values, v, v, numbering)[0]}

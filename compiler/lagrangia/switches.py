@@ -84,8 +84,8 @@ def find_switches(motion: Motion) -> Switches:
 
 def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering
                   ) -> tuple[dict[Pair, Expression], dict[Pair, Expression]]:
-    """Differences of what conditions in the forces compare, of those that `movers` decide; and symbols for the rates of which it is
-    asked whether they rest."""
+    """Differences of what conditions in the forces compare, of those that `movers` decide; and symbols for the rates of which it
+    is asked whether they rest."""
     found, asked, moving = dict[Pair, Expression](), list[tuple[Pair, ...]](), symbols_in(movers)
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:

@@ -79,8 +79,8 @@ when gap < 0 and x < edge then ...    a contact with an edge. With `or` nothing 
 
 Energy that impulses take is dissipated, what they add is work. FMUs have the events, in both kinds and versions; exports to
 other languages, the solvers linear, conservative and islands, and CasADi's integrators refuse them, as they have none.
-Positions of rest and small motion (lag equilibrium, modes, linearize, response) know what rests at contacts: lag help analysis. In
-model.functions() contact forces are 0.
+Positions of rest and small motion (lag equilibrium, modes, linearize, response) know what rests at contacts: lag help analysis.
+In model.functions() contact forces are 0.
 """
 
 _FUNCTIONS = """\
