@@ -278,14 +278,24 @@ static int accept(void *self, LagMotion *m, double t_new)
     return 1;
 }
 
+static void take_back(LagRun *run)
+{
+    LagExplicit *s = run->methods.self;
+    s->first_slope_is_last = s->dense_ready = 0;
+    lag_motion_take_back(&run->motion);
+    --run->statistics.steps;
+    ++run->statistics.rejected;
+}
+
 static int rows_of(const LagExplicit *s) { return LAG_HERMITE_ROWS + s->tableau->dense_rows; }
 
 /* Coefficients of the polynomial of the step from y_old to y_new, whose slopes are in s->k. */
 static void prepare_dense(LagExplicit *s, LagMotion *m, double t_old, double h, const double *y_old, const double *y_new)
 {
     const double *k_old = s->k[0], *k_new = s->k[s->tableau->stages];
+    m->lacks_slopes = 0;
     for (int i = s->tableau->stages + 1; i < s->tableau->all_stages; ++i)
-        stage(s, m, s->tableau, i, t_old, y_old, h);
+        m->lacks_slopes |= !stage(s, m, s->tableau, i, t_old, y_old, h);
     for (int i = 0; i < m->size; ++i) {
         const double step = y_new[i] - y_old[i];
         s->dense[0][i] = step;
@@ -295,6 +305,8 @@ static void prepare_dense(LagExplicit *s, LagMotion *m, double t_old, double h, 
     for (int r = 0; r < s->tableau->dense_rows; ++r) {
         double *coefficient = s->dense[LAG_HERMITE_ROWS + r];
         combine(s, &s->tableau->dense[r], m->size, h, coefficient);
+        if (m->lacks_slopes)
+            memset(coefficient, 0, (size_t)m->size * sizeof *coefficient);
     }
     ++m->dense_outputs;
 }
@@ -394,7 +406,8 @@ static const LagRecord RECORD = {keep, recall};
 
 const LagMethod lag_dop853 = {
     .name = "erk", .order = 8, .layout = layout_dop853, .restart = restart, .step = lag_step_adaptive, .attempt = attempt_dop853,
-    .accept = accept, .interpolate = interpolate, .holds_switches = 1, .most_sliding = INT_MAX, .stride = 1, .record = &RECORD,
+    .accept = accept, .interpolate = interpolate, .take_back = take_back, .is_good_inside = 1, .holds_switches = 1,
+    .most_sliding = INT_MAX, .stride = 1, .record = &RECORD,
 };
 const LagMethod lag_verner9 = {
     .name = "erk9", .order = 9, .layout = layout_verner9, .restart = restart, .step = lag_step_adaptive,
@@ -403,5 +416,6 @@ const LagMethod lag_verner9 = {
 };
 const LagMethod lag_tsit5 = {
     .name = "erk5", .order = 5, .layout = layout_tsit5, .restart = restart, .step = lag_step_adaptive, .attempt = attempt_tsit5,
-    .accept = accept, .interpolate = interpolate, .holds_switches = 1, .most_sliding = INT_MAX, .stride = 1, .record = &RECORD,
+    .accept = accept, .interpolate = interpolate, .take_back = take_back, .is_good_inside = 1, .holds_switches = 1,
+    .most_sliding = INT_MAX, .stride = 1, .record = &RECORD,
 };

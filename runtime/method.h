@@ -44,8 +44,9 @@ typedef struct {
     /* State y at t in [t_old, t_end]. */
     void (*interpolate)(void *self, LagMotion *motion, double t, double *y);
 
-    /* Takes the latest step back: NULL where dense output is as good as the ends of steps. */
+    /* Takes the latest step back; NULL where dense output is always as good as the ends of steps. */
     void (*take_back)(struct LagRun *run);
+    int is_good_inside; /* it is, but where the motion lacks slopes */
 
     int holds_switches; /* of conditions on the state, through each step */
     int most_sliding;   /* so many forces that jump may hold the motion at their jumps in a step */

@@ -64,6 +64,7 @@ void lag_motion_take(LagMotion *m, double t_new)
     lag_swap(&m->carry, &m->other_carry);
     m->t_old = m->t;
     m->t = m->t_end = t_new;
+    m->lacks_slopes = 0;
 }
 
 void lag_motion_take_back(LagMotion *m)

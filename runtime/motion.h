@@ -28,6 +28,7 @@ typedef struct {
     double energy, strength;     /* its size, at any time and by the square of a step, where errors of its quadratures limit
                                   * steps; 0: they do not */
     double doubt;                /* errors of its quadratures so far, as steps estimated them that they did not limit */
+    int lacks_slopes;            /* dense output of the latest step is a cubic, since accelerations had no values inside it */
     int64_t evaluations, dense_outputs;
 } LagMotion;
 

@@ -186,8 +186,10 @@ int lag_switches_enter(LagRun *run)
     if (run->model->n_switches == 0)
         return 0;
     int turned = settle(run);
-    for (int impulses = 0; run->sliding.jams && impulses < MOST_JAMS && lag_impacts_press(run); ++impulses)
+    for (int impulses = 0; run->sliding.jams && impulses < MOST_JAMS && lag_impacts_press(run); ++impulses) {
+        lag_switches_forget(run);
         turned |= settle(run);
+    }
     if (run->sliding.count > 0)
         lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     lag_contacts_foresee(run);
@@ -301,6 +303,8 @@ static int step_again(LagRun *run, double x)
     LagMotion *m = &run->motion;
     const LagMethod *method = run->methods.table;
     const double h = m->t - m->t_old;
+    if (method->is_good_inside && !m->lacks_slopes)
+        return 0;
     if (!method->take_back || !(x > AT_END && x < 1 - AT_END) || s->again == MOST_AGAIN)
         return 0;
     ++s->again;

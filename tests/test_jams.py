@@ -134,3 +134,48 @@ def test_a_rimless_wheel_walks_down_a_slope(spokes: int, scene: Write) -> None:
                                  parameters={"mu": mu, "I": I, "slope": slope, "w": w})
             found = run["hub.center.phi"][-1], run["hub.center.w"][-1]
             np.testing.assert_allclose(found, wanted, rtol=0, atol=1000 * tolerance)
+
+
+ROD = """model Rod "a rod slides on its foot: where friction presses it further no force holds it (P. Painleve, 1895)"
+  parameter Real mu = 2; parameter Angle phi = 2; parameter Velocity u = 3; parameter AngularVelocity w = 0; parameter Real e = 0;
+  Body rod(m = 1, I = 1/3);
+  Frame foot = shift(rod.center, {-1, 0}), head = shift(rod.center, {1, 0});
+  RoughStop floor(mu = mu, e = e, gap = foot.y, slip = foot.v[1]), beside(mu = mu, e = e, gap = head.y, slip = head.v[1]);
+  output Force N = floor.force;  output Velocity slip = foot.v[1];
+initial equation
+  rod.center.phi = phi; foot.x = 0; foot.y = 0; foot.v[2] = 0; foot.v[1] = u; rod.center.w = w;
+end Rod;"""
+
+
+@pytest.mark.parametrize(("u", "phi", "w"), [(3.0, 2.0, 0.0), (3.0, 2.0, 1.0), (-3.0, 1.1, 0.0), (-3.0, 1.1, -0.5)])
+def test_painleves_rod(u: float, phi: float, w: float, scene: Write) -> None:
+    """N = m (g - l w^2 sin phi)/(1 + 3 cos phi (cos phi + mu sign(u) sin phi)) as it slides, up to a mu of about 4/3; beyond it
+    an impulse stops the slip, that keeps the angular momentum about the foot, and it turns about that."""
+    model, c, s = scene(ROD), np.cos(phi), np.sin(phi)
+    slides = model.simulate(at=[0.0], parameters={"mu": 1.3, "phi": phi, "u": u, "w": w})
+    np.testing.assert_allclose(slides["N"][0], (G - w * w * s) / (1 + 3 * c * (c + 1.3 * np.sign(u) * s)), rtol=1e-10)
+    turns = solve_ivp(lambda t, y: [y[1], -0.75 * G * np.cos(y[0])], (0, 0.2), [phi, w - 0.75 * s * u], method="DOP853",
+                      rtol=1e-13, atol=1e-15)
+    for mu in (1.45, 2.0, 5.0):
+        for solver, tolerance, rows in (("auto", 1e-9, 1), ("erk", 1e-6, 20), ("implicit", 1e-9, 20)):
+            run = model.simulate(at=np.linspace(0, 0.2, rows + 1)[1:], solver=solver, tolerance=tolerance,
+                                 parameters={"mu": mu, "phi": phi, "u": u, "w": w})
+            found = run["rod.center.phi"][-1], run["rod.center.w"][-1], run["slip"][-1]
+            np.testing.assert_allclose(found, [*turns.y[:, -1], 0], rtol=0, atol=20 * tolerance)
+            assert run.statistics.energy_residual < 1e-6
+
+
+@pytest.mark.parametrize(("mu", "phi", "u"), [(0.2, 1.0, -3), (1.6, 1.3, 2), (3.0, 1.0, -3), (3.0, 1.3, 0)])
+def test_solvers_agree_on_a_rod_that_is_thrown(mu: float, phi: float, u: float, scene: Write) -> None:
+    """It turns about a corner until friction and what presses end in one step, in which accelerations have no values: its dense
+    output was made of them (energies grew to 1e10)."""
+    model = scene(ROD.replace("foot.y = 0; foot.v[2] = 0;", "foot.y = 0.3; foot.v[2] = -1;"))
+    ends = []
+    for solver in ("auto", "erk", "implicit"):
+        for tolerance, rows in ((1e-6, 1), (1e-8, 30), (1e-8, 1), (1e-10, 1)):
+            run = model.simulate(at=np.linspace(0, 1.5, rows + 1)[1:], solver=solver, tolerance=tolerance,
+                                 parameters={"mu": mu, "phi": phi, "u": u})
+            assert run.statistics.energy_residual < 1e3 * tolerance * run.statistics.energy_scale
+            ends.append([run["rod.center.x"][-1], run["rod.center.y"][-1], run["rod.center.phi"][-1]])
+    np.testing.assert_allclose(ends, np.tile(ends[-1], (len(ends), 1)), rtol=0, atol=1e-3)
+    np.testing.assert_allclose(ends[3], ends[-1], rtol=0, atol=1e-6)
