@@ -111,6 +111,17 @@ def test_what_cannot_be_exported_is_said(
         assert "error[L" in capsys.readouterr().err
 
 
+def test_what_is_infinite_is_said_with_its_place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    forces = {"force": ("AppliedForce f(at = b.center, force = {1e308*10, 0});", "{1e308*10, 0}"),
+              "name": ("Force F = 1e200*1e200; AppliedForce f(at = b.center, force = {F, 0});", "1e200*1e200")}
+    for name, (text, pointed) in forces.items():
+        path = tmp_path / f"{name}.lag"
+        path.write_text(f"model M Block b(m = 1, base = world); {text} end M;")
+        assert main(["export", str(path), "--to", "fmu", "-o", str(tmp_path / "x.fmu")]) == 2
+        told = capsys.readouterr().err
+        assert "error[L0605]" in told and pointed in told and "^" in told
+
+
 def test_documents_say_what_is_inside() -> None:
     for version in VERSIONS:
         archive = zipfile.ZipFile(fmu_of(EXAMPLES / "suspended_bar.lag", version))

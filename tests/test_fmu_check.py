@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+import time
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +19,8 @@ from fmus import EXAMPLES, VERSIONS, fmu_of
 from lagrangia.cli import DONE, FAILED, WRONG, main
 from lagrangia.diagnostics import Diagnostic
 from lagrangia.fmu_check import check_fmu, read_faults
-from lagrangia.fmu_run import open_fmu
+from lagrangia.fmu_process import Job, run_job
+from lagrangia.fmu_run import open_fmu, unpacked
 
 PATH = EXAMPLES / "double_pendulum.lag"
 BUILD, TERMINALS = "sources/buildDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"
@@ -305,3 +307,49 @@ def test_what_crashes_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "the FMU has crashed (SIGABRT)" in capsys.readouterr().err
     assert main(["fmu", "check", str(target)]) == WRONG
     assert "the FMU has crashed" in capsys.readouterr().err
+
+
+# ---------------------------------------------------------------- what is inside is not to be trusted
+
+
+EVIL = """#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+__attribute__((constructor)) static void act(void) { %s }
+"""
+ACTS = {
+    "child": ('if (fork() == 0) { sleep(3); FILE *s = fopen("%s", "w"); fclose(s); _exit(0); } abort();', "SIGABRT"),
+    "log": ('for (int i = 0; i < 400000; ++i) printf("noise, noise, noise, noise, noise, noise\\n"); fflush(stdout); abort();',
+            "SIGABRT"),
+    "memory": ('char *x = malloc((size_t)9 << 30); if (!x) { puts("no memory"); fflush(stdout); } else memset(x, 1, 1); abort();',
+               "no memory"),
+}
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+@pytest.mark.parametrize("act", ACTS)
+def test_foreign_code_has_limits(act: str, tmp_path: Path) -> None:
+    """Processes that it starts end with it, its log is bounded, so is its memory."""
+    marker = tmp_path / "marker"
+    code, said = ACTS[act]
+    (tmp_path / "a.c").write_text(EVIL % code.replace("%s", str(marker)))
+    subprocess.run(["gcc", "-shared", "-fPIC", "-o", "a.so", "a.c"], check=True, cwd=tmp_path)
+    good = fmu_of(PATH, "2")
+    (name,) = (name for name in zipfile.ZipFile(good).namelist() if name.startswith("binaries/"))
+    opened = open_fmu(broken(good, tmp_path / "x.fmu", {name: (tmp_path / "a.so").read_bytes()}))
+    with unpacked(opened) as folder:
+        outcome = run_job(Job(folder, "me", [0.0], 1.0, 1e-6, probe=True), 20)
+    assert said in outcome.explanation and len(outcome.log) <= 20_000
+    time.sleep(3.5 if act == "child" else 0)
+    assert not marker.exists()
+
+
+@pytest.mark.parametrize("identifier", ["../" * 9 + "tmp/outside", "/tmp/outside", "a\\\\b", "sub/a", ".."])
+def test_no_library_outside_is_loaded(identifier: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = described(fmu_of(PATH, "2"), tmp_path / "x.fmu", 'modelIdentifier="[^"]*"', f'modelIdentifier="{identifier}"', 2)
+    assert main(["fmu", "check", str(target)]) == WRONG
+    told = capsys.readouterr()
+    assert "is no C identifier" in told.err and "it was not run" in told.out
+    assert main(["simulate", str(target), "-o", str(tmp_path / "x.csv")]) == WRONG
+    assert "error[L0735]" in capsys.readouterr().err

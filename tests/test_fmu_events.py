@@ -91,3 +91,64 @@ def test_slopes_of_outputs_in_fmi_3(ball: Path) -> None:
     one.step(0, 0.1)
     assert [slope(one, name) for name in ("h", "P")] == pytest.approx([(2 - G) * 0.1, 2 * (2 - G)], rel=1e-12)
     one.free()
+
+
+# ---------------------------------------------------------------- event indicators of Model Exchange
+
+TWO = """model Two "a body between a floor and a ceiling; another on a rough line, drawn by a spring"
+  Prismatic y(a = world, along = {0, 1}, s(start = 1)), x(a = world, along = {1, 0}, s(start = 0), v(start = 1));
+  PointMass p(m = 1, center = y.b), r(m = 1, center = x.b);
+  Stop floor(e = 0.5, gap = y.s), ceiling(e = 0.5, gap = 1.5[m] - y.s);
+  DryFriction rub(rate = x.v, F = 2);
+  Spring s(k = 3, stretch = x.s);
+end Two;"""
+
+
+def signs(one: Instance, x: list[float]) -> np.ndarray:
+    """Of the indicators at a state."""
+    count = one.description.numberOfEventIndicators if one.version == "2" else len(one.description.eventIndicators)
+    z = (ctypes.c_double * count)()
+    one.set_states(x)
+    one.fmu.getEventIndicators(z, count)
+    return np.array(z) > 0
+
+
+def crossing(one: Instance, state: int, low: float, high: float, speed: float) -> list[float]:
+    """Where indicators change sign between two values of one state."""
+    base = one.states()
+
+    def at(value: float) -> np.ndarray:
+        x = [*base[:2], speed, base[3]]
+        x[state] = value
+        return signs(one, x)
+
+    found, ends = [], (at(low), at(high))
+    for k in np.flatnonzero(ends[0] != ends[1]):
+        a, b = low, high
+        for _ in range(80):
+            middle = (a + b) / 2
+            a, b = (middle, b) if at(middle)[k] == ends[0][k] else (a, middle)
+        found.append(a)
+    one.set_states(base)
+    return found
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-9])
+def test_indicators_change_sign_where_contacts_are(tmp_path: Path, version: str, tolerance: float) -> None:
+    path = tmp_path / "two.lag"
+    path.write_text(TWO)
+    one = Instance(path, version, "ModelExchange").start(tolerance=tolerance)
+    assert crossing(one, 0, -0.1, 0.5, -1.0) == pytest.approx([0], abs=1e-11)
+    assert crossing(one, 0, 1.0, 1.7, 1.0) == pytest.approx([1.5], abs=1e-11)
+    assert crossing(one, 3, -0.5, 0.5, 0.0) == pytest.approx([0], abs=1e-11)
+    one.set_states([-1e-14, 0.0, -1.0, 1.0])
+    one.fmu.enterEventMode()
+    one.update()
+    one.fmu.enterContinuousTimeMode()
+    assert one.states()[2] == pytest.approx(0.5)
+    assert all(signs(one, [x, 0.0, 0.5, 1.0]).all() for x in (-1e-13, 0.0, 1e-13, 1e-3)), "it does not come again while it leaves"
+    one.set_states([0.2, 0.05, 0.2, 0.9])
+    one.fmu.completedIntegratorStep()
+    assert crossing(one, 0, -0.1, 0.5, -1.0) == pytest.approx([0], abs=1e-11)
+    one.free()

@@ -74,6 +74,9 @@ def _fmpy_rules(path: Path, found: list[Diagnostic]) -> Iterator[Diagnostic]:
 
 
 def _run(opened: Opened, checked: Checked) -> None:
+    if opened.description.bad_identifier is not None:
+        checked.told.append(("it was not run: its model identifier is none, and names no library in it", False))
+        return
     if not has_binary(opened):
         checked.told.append(("it was not run: it has no binary for this machine", False))
         return

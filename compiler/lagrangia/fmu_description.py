@@ -99,6 +99,12 @@ class Description:
         """ "me", "cs", "se": what the FMU offers."""
         return {short: found for tag, short in INTERFACES.items() if (found := self.root.first(tag)) is not None}
 
+    @cached_property
+    def bad_identifier(self) -> Element | None:
+        """An interface whose identifier is none of C, and so no name of a library in the FMU."""
+        return next((element for tag in INTERFACES for element in self.root.all(tag)
+                     if not re.fullmatch(r"[A-Za-z_]\w*", element.get("modelIdentifier") or "", re.ASCII)), None)
+
     def find(self, text: str | None) -> Quantity | None:
         """What a number in ModelStructure, or the attribute `derivative`, stands for."""
         try:

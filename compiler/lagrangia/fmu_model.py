@@ -150,6 +150,7 @@ def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[
     except RunError as error:
         rows = error.trajectory.rows if error.trajectory is not None else np.zeros((0, 1 + 2 * scene.n))
     if not len(rows):
+        _refuse_infinite(model)
         return [0.0] * (2 * scene.n), (1.0,) * (2 * scene.n)
     states = rows[:, 1 : 1 + 2 * scene.n]
     largest = np.abs(states).max(axis=0) if scene.n else np.zeros(0)
@@ -165,6 +166,26 @@ def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[
         least = max(_SMALLEST_NOMINAL * largest[kinds == kind].max(), 0.0)
         nominal.append(1.0 if kind == 0 else _power_of_ten(max(size, least)))
     return states[0].tolist(), tuple(nominal)
+
+
+def _refuse_infinite(model: Exportable) -> None:
+    """What cannot start for a constant that is no number. Raises LagError L0605."""
+    import casadi as ca
+
+    from lagrangia.diagnostics import LagError, fail
+    from lagrangia.parameters import scalars
+
+    kinematics = model.compilation.kinematics
+    for variable in kinematics.graph.model.variables.values():
+        if variable.binding is None:
+            continue
+        try:
+            values = [ca.SX(x) for _, x in scalars(variable.name, kinematics.evaluator.value(variable.binding))]
+        except (LagError, NotImplementedError):  # frames, texts
+            continue
+        if any(x.is_constant() and not math.isfinite(float(x)) for x in values):
+            fail("L0605", f"'{variable.name}' is not finite: no FMU can start with it", variable.binding.span,
+                 "numbers go to some 1.8e308")
 
 
 def _power_of_ten(size: float) -> float:

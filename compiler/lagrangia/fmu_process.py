@@ -1,10 +1,16 @@
-"""Runs an FMU in a process of its own (fmu_worker.py): what crashes there is told here, with the rows that were computed."""
+"""Runs an FMU in a process of its own (fmu_worker.py): what crashes there is told here, with the rows that were computed.
 
+What it prints is read and all but its end forgotten; processes that it starts end with it. Where a time is allowed, memory and
+the size of files have limits, too.
+"""
+
+import contextlib
 import json
 import os
 import signal
 import subprocess
 import sys
+import threading
 from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -17,7 +23,10 @@ from lagrangia.diagnostics import fail
 
 KINDS = {"me": "ModelExchange", "cs": "CoSimulation"}
 SPOKEN = {"me": "Model Exchange", "cs": "Co-Simulation"}
-_MOST_LOG = 20_000  # characters
+_MOST_LOG = 20_000  # bytes
+_MOST_FILE = 1 << 30  # bytes
+_MEMORY = (2 << 30, 8 << 30)  # bytes: half of the machine's, within these
+_PATIENCE = 5  # seconds: of processor time beyond the time that is allowed; for the end of the log
 _LINES = 6  # of the log, in a message
 
 
@@ -82,35 +91,69 @@ def require_fmpy() -> None:
 
 
 def run_job(job: Job, seconds: float | None = None) -> Outcome:
-    """`seconds`: after so many the run is given up."""
-    with TemporaryDirectory(prefix="lagrangia-run-") as name:
+    """`seconds`: after so many the run is given up, and there are limits to what it may take."""
+    with TemporaryDirectory(prefix="lagrangia-run-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
-        (folder / "job.json").write_text(json.dumps(asdict(job) | {"kind": KINDS[job.kind]}), encoding="utf-8")
-        with (folder / "log").open("wb") as log:
-            ended = _wait(folder, log, seconds)
-        return _collect(folder, job, ended)
+        told = asdict(job) | {"kind": KINDS[job.kind], "limits": {} if seconds is None else _limits(seconds)}
+        (folder / "job.json").write_text(json.dumps(told), encoding="utf-8")
+        log, ended = _wait(folder, seconds)
+        return _collect(folder, job, log, ended)
 
 
-def _wait(folder: Path, log: Any, seconds: float | None) -> dict[str, Any]:
-    """What the worker itself cannot tell of its end."""
+def _limits(seconds: float) -> dict[str, int]:
+    """By the names that the module `resource` has for them."""
+    least, most = _MEMORY
+    try:
+        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+    except (AttributeError, OSError, ValueError):
+        memory = least
+    return {"RLIMIT_AS": min(max(memory, least), most), "RLIMIT_FSIZE": _MOST_FILE, "RLIMIT_CPU": int(seconds) + _PATIENCE,
+            "RLIMIT_CORE": 0}
+
+
+class _Tail(threading.Thread):
+    """Reads all of a stream and keeps its end."""
+
+    def __init__(self, stream: Any) -> None:
+        super().__init__(daemon=True)
+        self.stream, self.kept = stream, b""
+        self.start()
+
+    def run(self) -> None:
+        while block := self.stream.read1(1 << 16):
+            self.kept = (self.kept + block)[-_MOST_LOG:]
+
+
+def _wait(folder: Path, seconds: float | None) -> tuple[bytes, dict[str, Any]]:
+    """The end of what was printed, and what the worker itself cannot tell of its end."""
     home = str(Path(__file__).resolve().parent.parent)
     paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths), "PYTHONIOENCODING": "utf-8"}
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths), "PYTHONIOENCODING": "utf-8", "OPENBLAS_NUM_THREADS": "1"}
     command = [sys.executable, "-m", "lagrangia.fmu_worker", str(folder)]
-    process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, cwd=folder, env=environment)
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=folder, env=environment,
+                               start_new_session=True)
+    tail = _Tail(process.stdout)
+    ended: dict[str, Any] = {}
     try:
         code = process.wait(seconds)
+        ended = {} if code == 0 else {"message": f"the FMU has crashed ({_spoken(code)})"}
     except subprocess.TimeoutExpired:
-        _end(process)
-        return {"message": f"it was given up after {seconds:g} s", "is_given_up": True}
+        ended = {"message": f"it was given up after {seconds:g} s", "is_given_up": True}
     except KeyboardInterrupt:
+        ended = {"interrupted": True}
+    finally:
         _end(process)
-        return {"interrupted": True}
-    return {} if code == 0 else {"message": f"the FMU has crashed ({_spoken(code)})"}
+    tail.join(_PATIENCE)
+    return tail.kept, ended
 
 
 def _end(process: "subprocess.Popen[bytes]") -> None:
-    process.kill()
+    """With all that it has started and left in its group."""
+    with contextlib.suppress(OSError):
+        if hasattr(os, "killpg"):
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()
     process.wait()
 
 
@@ -121,7 +164,7 @@ def _spoken(code: int) -> str:
         return f"exit code {code}"
 
 
-def _collect(folder: Path, job: Job, ended: Mapping[str, Any]) -> Outcome:
+def _collect(folder: Path, job: Job, log: bytes, ended: Mapping[str, Any]) -> Outcome:
     def read(name: str) -> bytes:
         file = folder / name
         return file.read_bytes() if file.exists() else b""
@@ -132,7 +175,6 @@ def _collect(folder: Path, job: Job, ended: Mapping[str, Any]) -> Outcome:
     width = 8 * (1 + len(columns))
     rows.frombytes(content[: len(content) // width * width])
     result = json.loads(read("result.json") or b"{}")
-    log = read("log").decode(errors="replace")[-_MOST_LOG:]
     reached = rows[-1 - len(columns)] if rows else job.times[0]
     told = {"message": "", **result, **ended, "faults": tuple(result.get("faults", ())), "time": reached}
-    return Outcome(columns, rows, log=log, **told)
+    return Outcome(columns, rows, log=log.decode(errors="replace"), **told)

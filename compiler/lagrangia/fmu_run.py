@@ -168,7 +168,10 @@ def has_binary(opened: Opened) -> bool:
 
 
 def require_binary(opened: Opened) -> None:
-    """Raises LagError L0737."""
+    """Raises LagError L0735 and L0737."""
+    if (interface := opened.description.bad_identifier) is not None:
+        fail("L0735", f"'{interface.get('modelIdentifier') or ''}' is no C identifier"[:200], interface.span("modelIdentifier"),
+             "it names the library to be loaded, which lies in the FMU")
     if not has_binary(opened):
         has = f"it has binaries for {', '.join(opened.platforms)}" if opened.platforms else "it has no binaries at all"
         machine = host_platform() or "which FMI does not know"

@@ -8,6 +8,7 @@ import json
 import sys
 import time
 from array import array
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from lagrangia.fmu_probe import probe_derivatives, probe_reset, probe_saved, pro
 
 def main(folder: Path) -> int:
     job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
+    _limit(job["limits"])
     begin = time.perf_counter()
     result: dict[str, Any] = {"message": "", "faults": []}
     count = Count()
@@ -31,6 +33,19 @@ def main(folder: Path) -> int:
     result |= {"seconds": time.perf_counter() - begin, **asdict(count)}
     (folder / "result.json").write_text(json.dumps(result), encoding="utf-8")
     return 0
+
+
+def _limit(limits: Mapping[str, int]) -> None:
+    """Before anything of the FMU is loaded; no limit of ours raises one that is there."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    for name, most in limits.items():
+        kind = getattr(resource, name)
+        hard = resource.getrlimit(kind)[1]
+        least = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(kind, (least, least))
 
 
 def _message(error: Exception) -> str:

@@ -1,6 +1,7 @@
 """Layout -> Unicode text for a terminal."""
 
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 
 from lagrangia.layout import (
@@ -31,7 +32,10 @@ FUNCTIONS = {"sin", "cos", "tan", "arcsin", "arccos", "arctan", "sinh", "cosh", 
 
 
 def decimal(value: Fraction, digits: int) -> str:
-    return f"{float(value):.{digits}g}"
+    try:
+        return f"{float(value):.{digits}g}"
+    except OverflowError:
+        return f"{Decimal(value.numerator) / Decimal(value.denominator):.{digits}g}"
 
 
 @dataclass(frozen=True)

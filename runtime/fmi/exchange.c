@@ -25,6 +25,7 @@
 
 static const double FARTHEST = 1e-7; /* correction of a position, of its nominal value, that is left to the stabilisation */
 static const double AFTER_EVENTS = 10; /* errors of an importer's first steps, in its tolerances */
+static const double CLEAR = 2;     /* slacks: farther from its place a condition needs none */
 static const double CLOSE = 1e-6; /* of the accelerations: the polynomial between two completed steps is the motion */
 
 /* The state on the constraints that equations and conditions are those of. */
@@ -163,13 +164,39 @@ LagAnswer lag_instance_nominals(LagInstance *s, double *nominal, size_t count)
     return answer;
 }
 
-/* Of a contact that of its gap; while something rests, none. */
-static double event_margin(const LagRun *run, int i)
+/* How far the condition of event k may be beyond its place without being taken for it, where it has just come: of a contact that of
+ * its gap; while something rests, none. */
+static double event_margin(const LagRun *run, int k)
 {
-    const int k = i - lag_when(run->model, 0);
+    const int i = lag_when(run->model, k);
     if (!run->impacts.has_contact[k])
         return lag_contacts_margin(run, i);
-    return run->switches.slides[lag_contact(run->model, k)] ? run->switches.unknown[i] : lag_contacts_margin(run, lag_gap(run->model, k));
+    return run->switches.slides[lag_contact(run->model, k)] ? 0 : lag_contacts_margin(run, lag_gap(run->model, k));
+}
+
+static double slack_of(const LagInstance *s, int i)
+{
+    return lag_is_event(s->model, i) ? s->slack[i - lag_when(s->model, 0)] : 0;
+}
+
+/* At an event: states are errors of the importer away from places at which they are. From there on conditions are given a slack until
+ * they are clear of it, so that what has come does not come again; all others change sign where they are. */
+static void give_slack(LagInstance *s)
+{
+    for (int k = 0; k < s->model->n_whens; ++k)
+        s->slack[k] = 0;
+    lag_instance_indicators(s);
+    for (int k = 0; k < s->model->n_whens; ++k) {
+        const double margin = event_margin(s->run, k);
+        s->slack[k] = s->indicators[lag_when(s->model, k)] < CLEAR * margin ? margin : 0;
+    }
+}
+
+static void take_slack(LagInstance *s)
+{
+    for (int k = 0; k < s->model->n_whens; ++k)
+        if (s->indicators[lag_when(s->model, k)] >= (1 + CLEAR) * s->slack[k])
+            s->slack[k] = 0;
 }
 
 /* Above 0 as long as the equations hold, with what is rounding around it. */
@@ -181,8 +208,7 @@ LagAnswer lag_instance_indicators(LagInstance *s)
     const LagSwitches *switches = &run->switches;
     lag_conditions(run, s->vital.t, projected_at(s, s->vital.t, s->x), switches->g_inside, switches->rate_inside);
     for (int i = 0; i < s->model->n_switches; ++i)
-        s->indicators[i] = lag_depth(switches, i, switches->g_inside)
-            + (lag_is_event(s->model, i) ? event_margin(run, i) : switches->unknown[i]);
+        s->indicators[i] = lag_depth(switches, i, switches->g_inside) + switches->unknown[i] + slack_of(s, i);
     return LAG_ANSWER_OK;
 }
 
@@ -331,6 +357,7 @@ LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
 {
     const LagAnswer answer = lag_instance_settle(s);
     const int has_switched = answer == LAG_ANSWER_OK && has_switched_at(s);
+    take_slack(s);
     lag_scale_note(&s->run->scale, s->x);
     keep_account(s);
     *needs_event = answer == LAG_ANSWER_OK && (has_switched || s->vital.t >= s->run->segment_end || is_astray(s));
@@ -393,6 +420,7 @@ static int begin_segment(LagInstance *s)
         memcpy(s->x, run->motion.y, size);
     }
     const int is_moved = switch_over(s);
+    give_slack(s);
     lag_energies(run, s->vital.t, s->x, after);
     if (!astray) /* what projecting adds or takes is an error, and shows as one */
         s->vital.work += after[2] - before[2];

@@ -101,6 +101,7 @@ static void layout(LagInstance *s, LagArena *arena)
     s->last = lag_take(arena, 2 * n);
     s->last_slope = lag_take(arena, 2 * n);
     s->last_power = lag_take(arena, power);
+    s->slack = lag_take(arena, (size_t)m->n_whens);
     s->saved_size = arena->used;
     s->scratch = lag_take(arena, 5 * n);
     s->projected = lag_take(arena, 2 * n + (size_t)m->n_power);

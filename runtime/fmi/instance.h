@@ -79,6 +79,7 @@ struct LagInstance {
     double *outputs, *energies;
     double *power;           /* n_power */
     double *last, *last_slope, *last_power; /* at the last completed step */
+    double *slack;           /* n_whens: of conditions of events, near their places: exchange.c */
     double *scratch, *projected; /* not saved */
     double *indicators, *switches; /* n_switches; the latter: what is held */
     double *row, *mask, *table, *directions, *work;
