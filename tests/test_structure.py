@@ -41,6 +41,7 @@ ORDER = """
     flat
     walk
     unread
+    idle
     flattening
     dimensions
     observables
@@ -72,6 +73,7 @@ ORDER = """
     metric
     newton
     assembly
+    virtual_forces
     positions
     partition
     forces

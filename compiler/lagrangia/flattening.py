@@ -23,6 +23,7 @@ from lagrangia.flat import (
 )
 from lagrangia.folding import fold
 from lagrangia.given import a_number
+from lagrangia.idle import find_idle
 from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
 from lagrangia.names import Names, read_unit
 from lagrangia.tree import (
@@ -95,7 +96,8 @@ class _Flattening:
             self.structural,
             self._experiment(definition.annotation, Scope(root)), definition.name_span,
         )
-        return replace(model, warnings=tuple(find_unread(model, root, self.table).diagnostics))
+        found = [*find_unread(model, root, self.table).diagnostics, *find_idle(model, root, self.table).diagnostics]
+        return replace(model, warnings=tuple(found))
 
     def _require_model(self) -> None:
         if self.definition.kind != "model" or self.definition.is_partial:

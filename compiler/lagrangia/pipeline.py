@@ -64,7 +64,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
     from lagrangia.hamilton import build_hamilton, energy_flow, is_separable, no_momenta
-    from lagrangia.initial import build_initial, loosen
+    from lagrangia.initial import loosen
     from lagrangia.kinematics import build_kinematics
     from lagrangia.motion import build_motion
     from lagrangia.partition import find_partition
@@ -79,7 +79,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
             graph, energies = kinematics.graph, build_energies(kinematics)
         with _timed(took, "motion"):
-            initial = build_initial(kinematics, constraints)
+            initial = _start(kinematics, constraints)
             made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
             motion = build_motion(kinematics, energies, *made_of)
             struck, run = _with_impacts(kinematics, energies, motion, made_of)
@@ -94,6 +94,16 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
         with _timed(took, "scene"):
             scene = divide(build_scene(kinematics, run, initial, functions, is_still, flow, stuck), kinematics, run, initial)
     return Compilation(syntax, flat, graph, kinematics, constraints, energies, motion, run, initial, functions, scene, took)
+
+
+def _start(kinematics: "Kinematics", constraints: "Constraints") -> "InitialConditions":
+    """Where it begins; raises LagError for equations whose force acts on what they do not hold, too."""
+    from lagrangia.initial import build_initial
+    from lagrangia.virtual_forces import refuse_forces_elsewhere
+
+    initial = build_initial(kinematics, constraints)
+    refuse_forces_elsewhere(kinematics, constraints, initial)
+    return initial
 
 
 def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motion",

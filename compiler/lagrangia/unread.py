@@ -38,7 +38,7 @@ class _Class:
 def find_unread(model: FlatModel, root: Instance, table: ClassTable) -> Report:
     """A warning for each component that is given a parameter or a port in vain."""
     finder = _Finder(model, root, table)
-    for instance in _inside(root):
+    for instance in inside(root):
         finder.visit(instance)
     return finder.report
 
@@ -65,7 +65,7 @@ class _Finder:
     def _read(self) -> set[str]:
         """By energies, equations, starts and outputs, and by what people declare to look at."""
         model, library = self.model, self.table.library_sources
-        declared = [slot.path for instance in (self.root, *_inside(self.root)) for slot in instance.members.values()
+        declared = [slot.path for instance in (self.root, *inside(self.root)) for slot in instance.members.values()
                     if isinstance(slot, Slot) and slot.declaration.name_span.source not in library]
         shown = [model.variables[path] for path in declared if path in model.variables]
         sides: list[Flat] = [x for e in (*model.constraints, *model.initial_equations) for x in (e.left, e.right)]
@@ -145,7 +145,7 @@ def _text(expression: Expression, bracketed: Any = ()) -> str:
     return f"({text})" if isinstance(expression, bracketed) else text
 
 
-def _inside(root: Instance) -> Iterator[Instance]:
+def inside(root: Instance) -> Iterator[Instance]:
     """All components, of arrays their elements."""
     pending: list[Member] = list(reversed(root.members.values()))
     while pending:

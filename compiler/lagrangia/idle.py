@@ -1,0 +1,65 @@
+"""What people declare and nothing reads: a force that acts on nothing, an input or a parameter that changes nothing."""
+
+from collections.abc import Iterator
+
+from lagrangia.classes import ClassTable
+from lagrangia.diagnostics import Report
+from lagrangia.flat import FlatModel, Variable
+from lagrangia.instances import REACTIONS, Instance, Slot
+from lagrangia.tree import Call, Flat, FrameRef, Ref
+from lagrangia.unread import inside
+from lagrangia.walk import nodes, reached
+
+_FORCES = ("N", "N.m")
+_ACTS = "give it to a component, as AppliedForce(force = ...) or ForcePair, or write in a section `energy`: work {name} on ...;"
+
+
+def find_idle(model: FlatModel, root: Instance, table: ClassTable) -> Report:
+    """A warning for each declaration of people's own that nothing mentions, neither an equation nor another variable."""
+    report = Report()
+    mentioned = {node.name for node in nodes(*_expressions(model)) if isinstance(node, Ref)}
+    told = set()
+    for instance in (root, *inside(root)):
+        for slot in (member for member in instance.members.values() if isinstance(member, Slot)):
+            variable, place = model.variables.get(slot.path), slot.declaration.name_span
+            if variable is None or slot.path in mentioned or place.source in table.library_sources or place in told:
+                continue
+            if (instance is root and variable.kind in ("input", "parameter")) or _is_idle_force(model, variable):
+                told.add(place)
+                is_force = variable.kind == "variable"
+                what = "this force acts on nothing: nothing reads" if is_force else f"nothing reads the {variable.kind}"
+                acts = _ACTS.format(name=slot.declaration.name), "or let it be looked at: output"
+                hints = acts if is_force else ("leave it out",)
+                report.warning("L0224", f"{what} '{slot.path}'", place, *hints)
+    return report
+
+
+def _is_idle_force(model: FlatModel, variable: Variable) -> bool:
+    """Whether it could act and is not to be looked at; what holds a joint or a contact follows from the motion."""
+    if variable.kind != "variable" or variable.is_output or variable.unit not in _FORCES or variable.binding is None:
+        return False
+    bindings = {name: v.binding for name, v in model.variables.items()}
+    return not any(_follows(node) for node in reached([variable.binding], bindings))
+
+
+def _follows(node: Flat) -> bool:
+    if isinstance(node, FrameRef):
+        return node.attribute in REACTIONS
+    return isinstance(node, Call) and node.function == "contact_force"
+
+
+def _expressions(model: FlatModel) -> Iterator[Flat]:
+    """All that is stated, and the bindings and starts of all variables."""
+    for equation in (*model.constraints, *model.initial_equations):
+        yield from (equation.left, equation.right)
+    for joint in model.frame_equations:
+        yield from (joint.left, joint.right)
+    yield from (energy.value for energy in model.energies)
+    for work in model.works:
+        yield from (work.force, work.position)
+    for when in model.whens:
+        yield from when.expressions()
+    for frame in model.frames.values():
+        yield from frame.starts.values()
+    for variable in model.variables.values():
+        yield from (x for x in (variable.binding, variable.start) if x is not None)

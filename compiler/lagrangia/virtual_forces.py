@@ -1,0 +1,100 @@
+"""Equations whose force acts elsewhere than where they hold: refused, for no motion of such a scene follows from energies alone.
+
+An equation phi(q, t) = 0 with terms virtual(x) has the force G^T lambda, G = dphi/dq + V with the slopes V of these terms. Along
+all motions that the constraints allow, q' = S w, Lagrange's equations are those of an ideal force as long as V S = 0, as of a
+gear, whose axles one carrier holds. Else its force does work, or holds something else.
+"""
+
+import casadi as ca
+import numpy as np
+
+from lagrangia.assembly import begin
+from lagrangia.constraints import Constraints, Row
+from lagrangia.diagnostics import Report
+from lagrangia.initial import InitialConditions, initial_function, start_function
+from lagrangia.kinematics import Kinematics
+from lagrangia.orthogonal import Vector
+from lagrangia.parameters import at_declared_values
+from lagrangia.tree import Call
+from lagrangia.walk import reached
+
+_NOTHING = 1e-8
+
+
+def refuse_forces_elsewhere(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> None:
+    """Raises LagError L0917."""
+    rows = _rows_with_virtual_terms(kinematics, constraints)
+    if not rows:
+        return
+    report, V, J = Report(), _virtual_slopes(kinematics, rows), _slopes(kinematics, constraints)
+    q, at = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values()), _place(kinematics, constraints, initial)
+    V, J = _numbers(kinematics, [V, J], q, at)
+    V = V - V @ np.linalg.pinv(J, rcond=1e-9) @ J if J.size else V  # what motions that the constraints allow are left with
+    powerless = _powerless(kinematics, constraints, q, at)
+    for k, row in enumerate(rows):
+        if np.abs(V[k]).max(initial=0.0) > _NOTHING:
+            report.error("L0917", "not supported yet: the force of this equation acts on what it does not hold", row.span,
+                         "virtual(x) may only tell which bearings share the force, as in Gear: of what the equation holds, or of "
+                         "what cannot move", "let a force act instead: AppliedForce, ForcePair, or work ... on ...;")
+        elif id(row) in powerless:
+            report.error("L0917", "the force of this equation acts on nothing that could make it hold", row.span,
+                         "virtual(x) takes away as much as the equation says of x")
+    report.raise_errors()
+
+
+def _rows_with_virtual_terms(kinematics: Kinematics, constraints: Constraints) -> list[Row]:
+    model = kinematics.graph.model
+    if not any(isinstance(x, Call) and x.function == "virtual" for x in reached(
+            [side for e in model.constraints for side in (e.left, e.right)], {n: v.binding for n, v in model.variables.items()})):
+        return []
+    return [row for row in constraints.all_rows if row.loop is None]
+
+
+def _varied(kinematics: Kinematics, q: ca.SX, here: ca.SX) -> Kinematics:
+    """The kinematics in which virtual(x) is what x differs by from the place `here`."""
+    found = Kinematics(kinematics.graph, kinematics.symbols, kinematics.algebra, kinematics.dependents)
+    found.evaluator.virtual = lambda x: x - ca.substitute([ca.SX(x)], [q], [here])[0]
+    return found
+
+
+def _virtual_slopes(kinematics: Kinematics, rows: list[Row]) -> ca.SX:
+    """V, (rows, n)."""
+    q = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.positions.values())
+    here = ca.SX.sym("here", q.numel())
+    varied = _varied(kinematics, q, here)
+    terms = ca.vertcat(*[row.value(varied, 0) - row.value(kinematics, 0) if row.is_holonomic else 0 for row in rows])
+    return ca.substitute(ca.jacobian(ca.SX(terms), q), here, q)
+
+
+def _slopes(kinematics: Kinematics, constraints: Constraints) -> ca.SX:
+    rates = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.rates.values())
+    kept = ca.vertcat(ca.SX(0, 1), *[row.rate(kinematics) for row in constraints.rows])
+    return ca.jacobian(kept, rates)
+
+
+def _powerless(kinematics: Kinematics, constraints: Constraints, q: ca.SX, at: Vector) -> set[int]:
+    """The rows that gave a coordinate, by their ids, whose force acts on none that was given up."""
+    shift, rate = (ca.SX.sym(name, len(kinematics.dependents)) for name in ("shift", "rate"))
+    free = kinematics.displaced({name: (shift[k], rate[k]) for k, name in enumerate(kinematics.dependents)})
+    rows = ca.vertcat(ca.SX(0, 1), *[row.value(free, 0) for row in constraints.absorbed])
+    slopes = ca.substitute([ca.jacobian(rows, shift)], [shift, rate], [ca.SX.zeros(shift.numel())] * 2)[0]
+    (numbers,) = _numbers(kinematics, [slopes], q, at)
+    sizes = np.abs(numbers).max(axis=1, initial=0.0)
+    return {id(row) for row, size in zip(constraints.absorbed, sizes, strict=True) if size <= _NOTHING}
+
+
+def _place(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> Vector:
+    """The start, where constraints are left, else any place."""
+    n = len(kinematics.symbols.positions)
+    if not constraints.rows:
+        return np.random.default_rng(1).uniform(0.3, 1.7, n)
+    table = {"initial": initial_function(kinematics, initial), "start": start_function(kinematics, initial)}
+    return np.asarray(begin(kinematics, initial, table).assemble()[0][:n])
+
+
+def _numbers(kinematics: Kinematics, expressions: list[ca.SX], q: ca.SX, at: Vector) -> list[Vector]:
+    """At this place and the start time, parameters as declared, rates zero."""
+    rates = ca.vertcat(ca.SX(0, 1), *kinematics.symbols.rates.values())
+    found = at_declared_values(kinematics, [ca.densify(x) for x in expressions])
+    found = ca.substitute(found, [q, rates], [ca.SX(at), ca.SX.zeros(rates.numel())])
+    return [np.asarray(ca.evalf(x).full()) for x in found]

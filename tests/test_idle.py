@@ -1,0 +1,50 @@
+"""What is declared and acts on nothing is pointed at; what is meant to be looked at is not."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lagrangia as lag
+
+Write = Callable[[str], lag.Model]
+PULL = "model Pull Frame a, b; Force f; {more} end Pull; "\
+       "model M PointMass p(m = 2), q(m = 3); Pull pull(a = p.center, b = q.center); end M;"
+BLOCK = "model M Block b(m = 1, base = world); {} end M;"
+IDLE = {  # the text, and what is named
+    "a force by an equation": (BLOCK.format("Force f; equation f = 3[N/m]*b.s;"), "force acts on nothing: nothing reads 'f'"),
+    "a force by its declaration": (BLOCK.format("Force f = 3;"), "'f'"),
+    "a torque": (BLOCK.format("Torque tau = 3*sin(1[rad/s]*time);"), "'tau'"),
+    "a force in components": (BLOCK.format("Force f[2] = {1, 2};"), "'f'"),
+    "the last of a chain": (BLOCK.format("Force f = 3; Force g = -f;"), "'g'"),
+    "in a component of one's own": (PULL.format(more="equation f = 5[N/m]*distance(a, b);"), "'pull.f'"),
+    "an input": (BLOCK.format("input Force u;"), "nothing reads the input 'u'"),
+    "a parameter": (BLOCK.format("parameter Length L = 2;"), "nothing reads the parameter 'L'"),
+}
+USED = {
+    "it works": BLOCK.format("Force f = 3; AppliedForce push(at = b.center, force = {f, 0});"),
+    "it works on something": PULL.format(more="equation f = 5[N/m]*distance(a, b); energy work -f on distance(a, b);"),
+    "it is an output": BLOCK.format("output Force f = 3;"),
+    "an output reads it": BLOCK.format("Force f = 3; output Power P = f*b.v;"),
+    "a contact's": BLOCK.format("Stop s(gap = b.s); Force N = s.force;"),
+    "a joint's": BLOCK.format("Force N = norm(b.reaction);"),
+    "only to be looked at": BLOCK.format("Length x = 2*b.s; Energy E = b.m*b.v^2/2;"),
+    "an input and a parameter that are read": BLOCK.format(
+        "input Force u; parameter Real c = 2; AppliedForce push(at = b.center, force = {c*u, 0});"),
+    "a parameter of a start": BLOCK.format("parameter Length L = 2; initial equation b.s = L;"),
+}
+
+
+def _told(model: lag.Model) -> list[str]:
+    return [text for text in model.scene.notes["warnings"] if "L0224" in text]
+
+
+@pytest.mark.parametrize("case", IDLE)
+def test_what_acts_on_nothing_is_named(case: str, scene: Write) -> None:
+    text, what = IDLE[case]
+    (told,) = _told(scene(text))
+    assert what in told
+
+
+@pytest.mark.parametrize("case", USED)
+def test_what_is_used_or_looked_at_is_not(case: str, scene: Write) -> None:
+    assert _told(scene(USED[case])) == []

@@ -1,0 +1,44 @@
+"""Equations with virtual(x): of gears they run; a force that would act where it does not hold is refused, never dropped."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lagrangia as lag
+
+Write = Callable[[str], lag.Model]
+TWO = "World world(gravity = {0, 0}); Block A(m = 1, base = world), B(m = 2, base = world);"
+RIDES = "World world(gravity = {0, 0}); Block B(m = 2, base = world), A(m = 1, base = B.center);"
+REFUSED = {
+    "on another body": (TWO, "A.s + virtual(B.s) = 0.1*sin(3[rad/s]*time);", "acts on what it does not hold"),
+    "on the other alone": (TWO, "A.s + virtual(B.s) - virtual(A.s) = 0.1*sin(3[rad/s]*time);", "acts on what it does not hold"),
+    "on what carries it": (RIDES, "A.s + virtual(B.s) - virtual(A.s) = 0.1*sin(3[rad/s]*time);", "acts on what it does not hold"),
+    "on nothing": (TWO, "A.s - virtual(A.s) = 0.1*sin(3[rad/s]*time);", "acts on nothing that could make it hold"),
+    "of a rod": ("PointMass A(m = 1), B(m = 1);", "distance(world, A.center) + virtual(B.center.x) = 1[m];", "does not hold"),
+    "of a tie": (TWO, "A.s + 2*virtual(A.s) = 3*B.s;", "acts on what it does not hold"),
+}
+SHAFTS = "Revolute p(a = {a}), q(a = shift({a}, {{0.3, 0}})); Disc P(m = 1, r = 0.1, center = p.b), "\
+         "Q(m = 1, r = 0.2, center = q.b);"
+HELD = {
+    "a gear": SHAFTS.format(a="world") + "Gear g(r_a = 0.1, r_b = 0.2, a = p.b, b = q.b, carrier = world);",
+    "a gear on an arm": "Revolute h(a = world); Bar arm(m = 1, L = 1, center = h.b);" + SHAFTS.format(a="arm.center")
+                        + "Belt g(r_a = 0.1, r_b = 0.2, a = p.b, b = q.b, carrier = arm.center);",
+    "a gear in a loop": "Revolute h(a = world, phi(start = 0.3)), k(a = shift(world, {1, 0}), phi(start = 0.3)); "
+                        "Bar l(m = 1, L = 1, a = h.b), r(m = 1, L = 1, a = k.b); Bar arm(m = 1, L = 1); "
+                        "Revolute u(a = l.b, b = arm.a), w(a = r.b, b = arm.b);" + SHAFTS.format(a="arm.center")
+                        + "Gear g(r_a = 0.1, r_b = 0.2, a = p.b, b = q.b, carrier = arm.center);",
+    "twice what is said": TWO + "equation A.s + 2*virtual(A.s) = 0.1*sin(3[rad/s]*time);",
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_force_elsewhere_is_refused(case: str, scene: Write) -> None:
+    parts, equation, told = REFUSED[case]
+    with pytest.raises(lag.LagError, match=f"L0917.*{told}"):
+        scene(f"model M {parts} equation {equation} end M;")
+
+
+@pytest.mark.parametrize("case", HELD)
+def test_a_share_of_bearings_is_not(case: str, scene: Write) -> None:
+    run = scene(f"model M {HELD[case]} end M;").simulate(stop=0.1)
+    assert run.time[-1] == 0.1
