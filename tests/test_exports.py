@@ -259,3 +259,28 @@ def test_files_are_called_after_the_model(tmp_path: Path, monkeypatch, capsys) -
     for target in ("modelica", "casadi", "latex", "sympy"):
         assert main(["export", str(EXAMPLES / "pendulum.lag"), "--to", target]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"Pendulum.mo", "Pendulum.casadi", "Pendulum.tex", "Pendulum.py"}
+
+
+RUBBING = {
+    "f": "Block b(m = 2, base = world); DryFriction f(F = 3, rate = b.v);",
+    "load": "Block b(m = 2, base = world); AppliedForce load(at = b.center, force = {-3[N]*sign(b.v), 0});",
+    "c": "Revolute i(a = world), j(a = world); Body k(m = 1, I = 1, center = i.b), l(m = 1, I = 1, center = j.b);"
+         "TorsionDryFriction c(tau = 3*max(time/1[s], 0), a = k.center, b = l.center);",
+    "": "Block b(m = 2, base = world); QuadraticDamper d(c = 3, rate = b.v); Damper e(c = 1, rate = b.v);"
+        "AppliedForce g(at = b.center, force = {-3[N]*tanh(b.v/1[mm/s]) - abs(b.s)*1[N/m], 0});",
+}
+
+
+@pytest.mark.parametrize("target", ["python", "casadi", "modelica"])
+@pytest.mark.parametrize("name", RUBBING)
+def test_friction_that_cannot_stick_is_told(name: str, target: str, written, tmp_path: Path, capsys) -> None:
+    """By a warning, and in the file; dampers without a jump are as smooth as they were."""
+    scene = written(f"model Rubbing {RUBBING[name]} end Rubbing;")
+    assert main(["export", str(scene), "--to", target, "-o", str(tmp_path / "out")]) == 0
+    told = capsys.readouterr().err
+    assert told.count("warning[L0741]") == bool(name) and (not name or f"{name} is dry friction" in told)
+    if target != "casadi":
+        text = (tmp_path / "out").read_text(encoding="utf-8")
+        assert ("nothing sticks in it" in text) == bool(name)
+        if target == "python":
+            exec(text, {})

@@ -25,7 +25,7 @@ def export_command(options: Namespace) -> int:
         from lagrangia.fmu_command import export_fmu_command
 
         return export_fmu_command(options)
-    from lagrangia.exports import export, exported_text
+    from lagrangia.exports import export, export_warnings, exported_text
     from lagrangia.model import Model
 
     structural, others = part_structural(options, [assignment(text, "-p") for text in options.parameter])
@@ -33,6 +33,8 @@ def export_command(options: Namespace) -> int:
         fail("L0702", f"'{next(iter(others))}' is no structural parameter", None,
              "other parameters stay open in what is exported")
     model = Model(options.file, options.model, structural)
+    for warning in export_warnings(model, options.to):
+        print(warning.render(sys.stderr.isatty()), file=sys.stderr)
     names = dict(assignment(text, "--names") for text in (options.names or "").split(",") if text.strip())
     if options.output == "-":
         sys.stdout.write(exported_text(model, options.to, names, options.force))

@@ -1,13 +1,16 @@
 """`lag export`: a scene as Python with NumPy alone, a serialised CasADi file, a flat Modelica model, SymPy, LaTeX."""
 
+import re
 import tempfile
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.diagnostics import fail, suggest
+from lagrangia.diagnostics import Diagnostic, fail, suggest
 from lagrangia.places import place_of_moving_support
+from lagrangia.small_motion import build_small_motion
+from lagrangia.switches import has_corners
 from lagrangia.targets import Target, keep_apart, write_text
 
 if TYPE_CHECKING:
@@ -68,6 +71,25 @@ def _require_smooth(model: "Model", target: str) -> None:
              "or let the support start and stop smoothly")
 
 
+def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
+    """What the scene means and the export cannot keep: friction that sticks."""
+    c = model.compilation
+    if target not in ("python", "casadi", "modelica") or not has_corners(c.run) or not c.motion.q.numel():
+        return []
+    spans = {load.statement.component: load.statement.span for load in c.energies.loads}
+    spans |= {term.statement.component: term.statement.span for term in c.energies.dissipation}
+    rubbing = build_small_motion(c.kinematics, c.constraints, c.run).rubs_dry
+    return [Diagnostic("warning", "L0741", f"{name or 'this'} is dry friction, which the export to {target} has as a force that "
+                       "jumps with the sign of a rate: nothing sticks in it, an integrator chatters about rest", spans.get(name),
+                       "", ("an FMU holds what sticks, by events: --to fmu",)) for name in rubbing]
+
+
+def _remarks(model: "Model", target: str) -> list[str]:
+    """The same for the file itself, without what would end a text or a comment."""
+    told = (re.sub(r'["\\\n]', " ", found.message) for found in export_warnings(model, target))
+    return [f"{text}; an FMU holds what sticks" for text in told]
+
+
 def _page(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
     from lagrangia.equation_sheet import Request, write_equations
 
@@ -96,7 +118,7 @@ def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool
     book = written_book(model.path, Request(names=names, is_forced=force), model.model, model.structural)
     c = model.compilation
     freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions)
-    remarks = [f"left out: {what}" for what in freedom.repeated] if freedom.dependent else []
+    remarks = [*_remarks(model, target), *(f"left out: {what}" for what in freedom.repeated if freedom.dependent)]
     book = replace(book, equations=without_rows(book.equations, freedom.dependent))
     return write_modelica(book, starts(model) | inputs(model), remarks)
 
@@ -131,7 +153,8 @@ def _python(model: "Model", target: str, names: Mapping[str, str], force: bool) 
     values = dict(zip(model.parameter_names, model.parameter_values().tolist(), strict=True))
     head = [f'"""{scene.name}: {scene.description}.' if scene.description else f'"""{scene.name}.', "",
             "Functions of t, q, v, u, p in SI units, the entries in the order of COORDINATES, INPUTS and PARAMETERS;",
-            "scipy.integrate.solve_ivp(slope, (0, 1), START) integrates it.", '"""', "", "import numpy as np", "",
+            "scipy.integrate.solve_ivp(slope, (0, 1), START) integrates it.",
+            *_remarks(model, target), '"""', "", "import numpy as np", "",
             f"COORDINATES = {coordinates!r}", f"INPUTS = {inputs(model)!r}", f"PARAMETERS = {values!r}",
             f"OUTPUTS = {[c.name for c in scene.outputs]!r}",
             f"START = np.array({[first[c.name] for c in (*scene.coordinates, *scene.rates)]!r})  # q, v", "", "",

@@ -87,6 +87,13 @@ class SmallMotion:
         modes = ca.vertcat(_NONE, *[mode.symbol for mode in parts.free.algebra.modes])
         return bool(ca.depends_on(parts.R, ca.vertcat(parts.motion.t, parts.free.symbols.tau, modes)))
 
+    @cached_property
+    def rubs_dry(self) -> tuple[str, ...]:
+        """The components whose forces jump where a rate passes through 0, as those of dry friction do; each once."""
+        h, v = self.holds, self._parts.motion.v
+        jumps = ca.substitute(ca.densify(ca.jacobian(self._parts.R, h.shares)), v, ca.SX.zeros(v.numel()))
+        return tuple(dict.fromkeys(name for k, name in enumerate(h.rubs) if not jumps[:, k].is_zero()))
+
     def multipliers(self, lam: "np.ndarray | None" = None, forces: "np.ndarray | None" = None, shares: "np.ndarray | None" = None
                     ) -> "np.ndarray":
         """All of them: nothing presses, and friction is half way between its limits, where nothing else is given."""
