@@ -46,7 +46,7 @@ static void layout(void *self, const LagMotion *m, LagArena *arena)
 int lag_adams_pays(const LagModel *model)
 {
     static const double STEP = 700, COORDINATE = 20;
-    const int begins_anew = model->n_switches > 0 || model->n_modes > 0 || model->n_inputs > 0 || model->has_corners;
+    const int begins_anew = model->n_switches > model->n_lengths || model->n_modes > 0 || model->n_inputs > 0 || model->has_corners;
     return !begins_anew && model->n_multipliers == 0 && model->rhs_cost > STEP + COORDINATE * model->n;
 }
 

@@ -11,6 +11,8 @@
 #include "conditions.h"
 #include "schedule.h"
 
+/* Of what it could move in a step at the pace of one of its ends: a length that is more at both does not reach 0 in between. */
+static const double FAR = 0.6;
 /* A dip to less than this share of what the condition is at the ends is looked at. */
 static const double SHALLOW = 0.05, ROUNDING = 4 * DBL_EPSILON;
 /* Where a part of a step is looked at to see whether a cubic describes conditions in it, and how far it may be off (distances have
@@ -230,6 +232,22 @@ static void note_parts(LagRun *run, int was_due, double narrowest)
         run->step = fmin(run->step, narrowest / MOST_PARTS * h);
 }
 
+/* Whether all conditions are those of lengths, and none can have been 0 in the latest step, by its paces at both ends. */
+static int are_far(LagRun *run)
+{
+    const LagSwitches *s = &run->switches;
+    const double h = run->motion.t - run->motion.t_old;
+    if (run->model->n_switches > run->model->n_lengths)
+        return 0;
+    evaluate_end(run, 1);
+    for (int i = 0; i < run->model->n_lengths; ++i) {
+        const double a = lag_depth(s, i, s->g_begin), b = lag_depth(s, i, s->g);
+        if (!(fmin(a, b) > FAR * h * fmax(fabs(s->rate_begin[i]), fabs(s->rate[i]))))
+            return 0;
+    }
+    return 1;
+}
+
 /* The same in the latest step. Where conditions go up and down in it (a cam that turns freely, sin(w t)) it is looked at in parts, and
  * the next one is not longer than a few of them. */
 double lag_crossing_find(LagRun *run)
@@ -241,6 +259,8 @@ double lag_crossing_find(LagRun *run)
     const int is_paused = ++s->unlooked < 0 && h <= MUCH_LONGER * s->resolved;
     const int is_due = !is_paused && (is_long || h > LONGER * s->resolved || s->unlooked > LOOK_AGAIN);
     double width = 1, narrowest = 1;
+    if (are_far(run))
+        return LAG_NOWHERE;
     for (double low = 0; low < 1;) {
         const Part part = {low, low + width < 1 ? low + width : 1};
         evaluate_end(run, part.high);

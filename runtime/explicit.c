@@ -47,7 +47,7 @@ static void layout_verner9(void *self, const LagMotion *m, LagArena *arena) { la
 int lag_erk9_pays(const LagModel *model, double tolerance)
 {
     static const double CONSTRAINED = 1.5e-2, FREE = 2e-4;
-    const int is_read = model->is_swing || model->n_switches > 0;
+    const int is_read = model->is_swing || model->n_switches > model->n_lengths;
     return !is_read && tolerance <= (model->n_multipliers > 0 ? CONSTRAINED : FREE);
 }
 

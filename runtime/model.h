@@ -63,10 +63,12 @@ struct LagModel {
     int n_initial_positions; /* so many of the initial equations come first and depend on positions alone */
     int n_lost; /* coordinates that others give, and that start values are stated for: they follow q, their rates v, at the start */
     int n_switches; /* conditions on the state, which steps hold: they follow the modes in d, 1 where g > 0 and 0 where g < 0 */
+    int n_lengths;  /* of them come first, and say where lengths pass through 0, which ordinary motion does not do */
     int n_whens;    /* events of conditions: the last of the switches are theirs, three of each: conditions.h */
     int n_rubs;     /* of friction that presses with the force of contacts */
     int n_resets;   /* rates that they reset, by impulses that follow the switches in d: forces of 1 when a way is looked for */
     int n_rests;    /* behind these: 1 where a switch is held at its jump, which may take more than what moves, else 0 */
+    int n_roots;    /* of positions, in the forces: these bend where what stands under one touches 0 */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
@@ -123,6 +125,7 @@ struct LagModel {
     LagFunction kick;
     LagFunction switches;   /* t, q, v, a, u, du/dt, modes, c -> g, dg/dt   n_switches each */
     LagFunction resets;     /* t, q, v, u, modes, c -> rates, and what they become at their events   n_resets each */
+    LagFunction roots;      /* t, q, v, u, d, c -> g, dg/dt   n_roots each */
 
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */

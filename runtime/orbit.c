@@ -14,7 +14,7 @@ enum { ROOT_ITERATIONS = 60 };
 
 static int can_swing(const LagModel *model, const LagSettings *settings)
 {
-    return model->is_swing && settings->solver == LAG_SOLVER_AUTO && model->solver == LAG_SOLVER_AUTO && model->n_switches == 0;
+    return model->is_swing && settings->solver == LAG_SOLVER_AUTO && model->solver == LAG_SOLVER_AUTO && model->n_switches == model->n_lengths;
 }
 
 void lag_orbit_layout(LagOrbit *s, const LagModel *model, const LagSettings *settings, LagArena *arena)

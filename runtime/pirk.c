@@ -352,7 +352,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
 int lag_pirk_pays(const LagModel *model, double tolerance)
 {
     static const double CONSTRAINED = 2e-4, FREE = 2e-3;
-    const int is_rough = model->n_switches > 0 || model->has_corners || model->may_hide;
+    const int is_rough = model->n_switches > model->n_lengths || model->has_corners || model->may_hide;
     return !is_rough && !model->is_swing && tolerance <= (model->n_multipliers > 0 ? CONSTRAINED : FREE);
 }
 

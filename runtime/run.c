@@ -16,7 +16,7 @@ static size_t work_size(const LagModel *model)
                                       &model->events, &model->modes, &model->rhs, &model->outputs, &model->energies,
                                       &model->place, &model->steer, &model->jacobian, &model->tangent, &model->velocity,
                                       &model->force, &model->regular, &model->residual, &model->nearest,
-                                      &model->kick, &model->switches, &model->resets};
+                                      &model->kick, &model->switches, &model->resets, &model->roots};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -57,6 +57,7 @@ static void layout(LagRun *run, LagArena *arena)
     lag_sliding_layout(&run->sliding, model, run->motion.size, arena);
     lag_impacts_layout(&run->impacts, model, run->motion.size, arena);
     lag_methods_layout(&run->methods, &run->settings, model, &run->motion, arena);
+    lag_roots_layout(&run->roots, model, run->motion.size, arena);
     lag_orbit_layout(&run->orbit, model, &run->settings, arena);
 }
 

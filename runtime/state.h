@@ -8,6 +8,7 @@
 #include "methods.h"
 #include "orbit.h"
 #include "project.h"
+#include "roots.h"
 #include "run.h"
 #include "sliding.h"
 #include "stiffness.h"
@@ -45,6 +46,7 @@ struct LagRun {
     LagSliding sliding;
     LagImpacts impacts;
     LagOrbit orbit;
+    LagRoots roots;
 
     int started;
     int is_starting;      /* no step since the segment began was as long as it could be */

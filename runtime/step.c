@@ -78,7 +78,9 @@ LagStatus lag_step(LagRun *run)
     }
     if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)
         return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
-    const LagStatus status = run->methods.table->step(run);
+    LagStatus status = run->methods.table->step(run);
+    if (status == LAG_OK && lag_roots_refuse(run))
+        status = run->methods.table->step(run);
     if (status == LAG_OK) {
         if (run->orbit.is_open)
             lag_orbit_follow(run);

@@ -55,6 +55,7 @@ ORDER = """
     consequences
     graph
     joints
+    lines
     closures
     kinematics
     energies

@@ -28,6 +28,9 @@ class Algebra(Protocol):
         """A number of the source as a scalar of the algebra."""
 
     def call(self, function: str, *arguments: Scalar) -> Scalar: ...
+    def note_length(self, x: Scalar) -> None:
+        """|x| is a length: it hardly ever is 0, unlike what else has a corner there."""
+
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar: ...
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar: ...
     def logic(self, operator: str, *conditions: Scalar) -> Scalar: ...
@@ -144,6 +147,9 @@ class DualAlgebra:
 
     def number(self, value: float) -> Scalar:
         return self.base.number(value)
+
+    def note_length(self, x: Scalar) -> None:
+        self.base.note_length(value_of(x))
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         if not any(isinstance(a, Dual) for a in arguments):

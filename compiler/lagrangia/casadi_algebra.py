@@ -39,6 +39,7 @@ class ModeIndex:
     symbols: dict[Hashable, ca.SX] = field(default_factory=dict)  # by operator and argument
     hashes: set[int] = field(default_factory=set)  # of these symbols
     modes: list[Mode] = field(default_factory=list)  # all of them, of all islands
+    lengths: dict[int, ca.SX] = field(default_factory=dict)  # x of |x| that are lengths, by their numbers
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,10 @@ class CasadiAlgebra:
     def number(self, value: float) -> Scalar:
         return value
 
+    def note_length(self, x: Scalar) -> None:
+        if isinstance(x, ca.SX):
+            self.index.lengths.setdefault(self._number(x), x)
+
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         if function in ("floor", "ceil"):
             inner = arguments[0] if function == "floor" else -arguments[0]
@@ -98,6 +103,8 @@ class CasadiAlgebra:
         if function == "mod":
             a, b = arguments
             return a - b * self.call("floor", a / b)
+        if function == "abs" and isinstance(arguments[0], ca.SX):
+            return apply_to_one(ca.OP_FABS, _without_sign(arguments[0]))
         if all(isinstance(a, float | int) for a in arguments):
             return _call_float(function, *arguments)
         if function == "abs" and (inner := _of_sign(arguments[0])) is not arguments[0]:
@@ -153,8 +160,12 @@ class CasadiAlgebra:
 
     def _are_fixed(self, values: list[Scalar]) -> bool:
         """Whether they depend on parameters alone."""
-        moving = self._moving | self.index.hashes | {self.time.__hash__()}
-        return moving.isdisjoint(symbols_in(ca.vertcat(ca.SX(0, 1), *values)))
+        return self.changing.isdisjoint(symbols_in(ca.vertcat(ca.SX(0, 1), *values)))
+
+    @property
+    def changing(self) -> frozenset[int]:
+        """The hashes of all symbols but parameters."""
+        return self._moving | self.index.hashes | {self.time.__hash__()}
 
     def _key(self, value: Scalar) -> Hashable:
         """The same for what says the same, of numbers and of expressions of parameters."""
@@ -199,6 +210,15 @@ class CasadiAlgebra:
             self.modes.append(mode)
             self.index.modes.append(mode)
         return self.index.symbols[key]
+
+
+def _without_sign(x: ca.SX) -> ca.SX:
+    """x of what is x, -x or sign(y) x."""
+    if x.op() == ca.OP_NEG:
+        return _without_sign(x.dep(0))
+    factors = [x.dep(k) for k in range(2)] if x.op() == ca.OP_MUL else []
+    found = next((k for k, factor in enumerate(factors) if factor.op() == ca.OP_SIGN), None)
+    return x if found is None else _without_sign(factors[1 - found])
 
 
 def _cases(less: list[Scalar], xs: Sequence[Scalar]) -> list[Scalar]:

@@ -13,7 +13,7 @@ from typing import Any, Protocol, TypeAlias
 from lagrangia.algebra import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
 from lagrangia.algorithms import FlatFunction
 from lagrangia.diagnostics import Span, fail
-from lagrangia.events import contact_of, kept_by, name_of_contact
+from lagrangia.events import are_alike, contact_of, kept_by, name_of_contact
 from lagrangia.flat import FlatModel
 from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpression, Local, Number, Ref, String, Time, Unary
 
@@ -35,10 +35,12 @@ class Leaves(Protocol):
 class Evaluator:
     """Evaluates expressions of one flat model; values of variables are kept, so that each is computed once a level."""
 
-    def __init__(self, model: FlatModel, algebra: Algebra, leaves: Leaves, virtual: Callable[[Scalar], Scalar] | None = None
-                 ) -> None:
-        """`virtual` gives what virtual displacements change of a scalar: nothing, without it."""
+    def __init__(self, model: FlatModel, algebra: Algebra, leaves: Leaves, virtual: Callable[[Scalar], Scalar] | None = None,
+                 signed_length: Callable[[list[Scalar], int], Scalar | None] | None = None) -> None:
+        """`virtual` gives what virtual displacements change of a scalar: nothing, without it. `signed_length` of a vector of
+        plain scalars that stays on a line through zero: its length at a level, with a sign; None for others."""
         self.model, self.leaves, self.virtual, self._number = model, leaves, virtual, algebra.number
+        self.signed_length = signed_length
         self.algebras: list[Algebra] = [algebra]
         for _ in range(_HIGHEST_LEVEL):
             self.algebras.append(DualAlgebra(self.algebras[-1]))
@@ -103,6 +105,9 @@ class Evaluator:
 
     def _binary(self, node: Binary[Flat], level: int, local: Mapping[str, Value] | None) -> Value:
         algebra = self.algebras[level]
+        is_odd = node.operator == "^" and isinstance(node.right, Number) and node.right.value % 1 == 0.5
+        if is_odd and isinstance(node.right, Number) and (parts := _squared(node.left)) is not None:  # |x|^(2 b)
+            return self._power(self._root_of_squares(parts, level, local), 2 * node.right.value, level)
         a, b = self.value(node.left, level, local), self.value(node.right, level, local)
         match node.operator:
             case "+":
@@ -163,6 +168,8 @@ class Evaluator:
             return self._distance(node, level)
         if node.function == "contact_force":
             return self._contact_force(node, level)
+        if node.function == "sqrt" and (parts := _squared(node.arguments[0])) is not None:
+            return self._root_of_squares(parts, level, local)
         arguments = [self.value(argument, level, local) for argument in node.arguments]
         if node.function in self.model.functions:
             numbers = [_number(value, argument.span) for value, argument in zip(arguments, node.arguments, strict=True)]
@@ -203,16 +210,57 @@ class Evaluator:
         return self.norm(_zip(lambda x, y: x - y, end, start, node.span), level)
 
     def norm(self, vector: Value, level: int) -> Scalar:
+        """Of what stays on a line |s|, whose corner is a condition on s."""
+        along = self._along(scalars_of(vector), level)
+        if along is not None:
+            self.algebras[0].note_length(_base(along))
+            return self.algebras[level].call("abs", along)
         squares = _sum(_map(lambda x: x * x, vector))
         if isinstance(squares, float | int):
             return float(squares) ** 0.5
         return self.algebras[level].call("sqrt", squares + self.algebras[0].tiny)
+
+    def _root_of_squares(self, parts: list[Flat], level: int, local: Mapping[str, Value] | None) -> Scalar:
+        """sqrt(x^2 + y^2); the square of a vector is its inner product."""
+        return self.norm(tuple(scalars_of(tuple(self.value(part, level, local) for part in parts))), level)
+
+    def _along(self, vector: list[Scalar], level: int) -> Scalar | None:
+        if self.signed_length is None:
+            return None
+        plain = [_base(x) for x in vector]
+        moving = [x for x, value in zip(vector, plain, strict=True) if not _is_nothing(value)]
+        if len(moving) == 1:
+            return moving[0]
+        return self.signed_length(plain, level) if len(vector) == 2 else None
 
     def _user_function(self, function: FlatFunction, arguments: list[Value], level: int) -> Value:
         known = dict(zip(function.inputs, arguments, strict=True))
         for name, expression in function.steps:
             known[name] = self.value(expression, level, known)
         return known[function.output]
+
+
+def _base(x: Scalar) -> Scalar:
+    while isinstance(x, Dual):
+        x = x.value
+    return x
+
+
+def _is_nothing(x: Scalar) -> bool:
+    return bool(x == 0) if isinstance(x, float | int) else bool(x.is_zero())
+
+
+def _squared(node: Flat) -> list[Flat] | None:
+    """Those whose squares a sum is made of; None for other sums."""
+    match node:
+        case Binary("+", left, right, _):
+            first, second = _squared(left), _squared(right)
+            return None if first is None or second is None else first + second
+        case Binary("^", base, Number(2.0), _):
+            return [base]
+        case Binary("*", left, right, _) if are_alike(left, right):
+            return [left]
+    return None
 
 
 def _origin(node: Flat) -> Flat:

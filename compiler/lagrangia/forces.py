@@ -92,8 +92,10 @@ class _Apart:
 
 
 def find_forces(kinematics: Kinematics, energies: Energies) -> Forces | None:
-    """None where one of them reads the coordinate of a cut joint."""
+    """None where one of them reads the coordinate of a cut joint, or a length on a line, whose frames it is not read off."""
     known = kinematics.algebra
+    if known.index.lengths:
+        return None
     algebra = _StepsAtRest(known.time, known.state, known.modes, known.index, known.tiny)
     apart = _Apart(kinematics, algebra, _movable(kinematics))
     value = Evaluator(kinematics.graph.model, algebra, apart).value

@@ -27,7 +27,7 @@ from lagrangia.motion import Motion, mass_matrix
 from lagrangia.observables import observe
 from lagrangia.parameters import all_parameters, at_start, scalars
 from lagrangia.reactions import build_reactions
-from lagrangia.switches import Switches, find_switches
+from lagrangia.switches import Switches, find_roots, find_switches
 
 # Functions of the state that only constraints ask for, and their results.
 _OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}
@@ -63,7 +63,7 @@ def build_functions(
     found, c, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": switches.hold([y]), "energies": [energy],
         **_constrained(motion, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
-        "switches": [switches.values, switches.rates], "resets": [motion.impacts.rates, motion.impacts.wanted]}, motion.p)
+        **_watched(motion, switches)}, motion.p)
     t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
     d = kinematics.algebra.mode_symbols
     given, mask, p = all_parameters(kinematics, motion.p.numel())
@@ -87,7 +87,7 @@ def build_functions(
         refused["implicit"] = "not supported yet: implicit steps of so many coordinates that all act on each other"
     patterns |= {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places, **switches.patterns}
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
-                     jacobian.sizes, pays)
+                     {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
 
 
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
@@ -98,7 +98,7 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     found, c, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), **_constrained(motion, ca.SX(0, 1), switches),
         "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
-        "switches": [switches.values, switches.rates], "resets": [motion.impacts.rates, motion.impacts.wanted]}, motion.p)
+        **_watched(motion, switches)}, motion.p)
     d = kinematics.algebra.mode_symbols
     t, q, v, u = motion.t, motion.q, motion.v, motion.u
     given, mask, p = all_parameters(kinematics, motion.p.numel())
@@ -110,7 +110,14 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(kind for _, kind in _events(modes)), power.numel(), False,
-                     patterns | {"jacobian_pattern": jacobian.pattern, **switches.patterns}, refused, jacobian.sizes, pays)
+                     patterns | {"jacobian_pattern": jacobian.pattern, **switches.patterns}, refused,
+                     {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
+
+
+def _watched(motion: Motion, switches: Switches) -> dict[str, list[ca.SX]]:
+    """Results of the functions that tell of events."""
+    return {"switches": [switches.values, switches.rates], "resets": [motion.impacts.rates, motion.impacts.wanted],
+            "roots": switches.hold(list(find_roots(motion, switches)))}
 
 
 def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, found: Mapping[str, list[ca.SX]], d: ca.SX,
@@ -125,6 +132,8 @@ def _functions_of_steps(motion: Motion, jacobian: Jacobian, switches: Switches, 
     if switches.symbols.numel():
         table["switches"] = ca.Function("switches", [t, q, v, a, u, switches.slopes, d, c], found["switches"],
                                         [*labels[:3], "a", "u", "du", "d", "c"], ["g", "rate"])
+    if found["roots"][0].numel():
+        table["roots"] = ca.Function("roots", state, found["roots"], labels, ["g", "rate"])
     if motion.impacts.places:
         table["resets"] = ca.Function("resets", [t, q, v, u, d, c], found["resets"], labels, ["rate", "wanted"])
     multipliers = motion.constrained.symbols if motion.constrained else ca.SX(0, 1)

@@ -7,7 +7,7 @@ dimensions.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import casadi as ca
@@ -20,6 +20,7 @@ from lagrangia.edges import Edge, Step
 from lagrangia.evaluation import Evaluator, Value, scalars_of
 from lagrangia.flat import Variable
 from lagrangia.graph import ComponentGraph
+from lagrangia.lines import line_of
 from lagrangia.scalars import symbol
 
 _JUST_AFTER = 1e-9  # of the time from start to stop
@@ -82,7 +83,8 @@ class Kinematics:
     def __post_init__(self) -> None:
         displacements = [x for pair in (*self.released.values(), *self.moved.values()) for x in pair]
         virtual = partial(_change, displacements) if displacements else None
-        self.evaluator = Evaluator(self.graph.model, self.algebra, self, virtual)
+        lengths = self._signed_length if isinstance(self.algebra, CasadiAlgebra) else None  # others may be SymPy's: symbolic.py
+        self.evaluator = Evaluator(self.graph.model, self.algebra, self, virtual, lengths)
 
     # ------------------------------------------------------------ leaves of expressions
 
@@ -176,6 +178,22 @@ class Kinematics:
         """The same motion with virtual displacements and their rates: of a frame with all that lies behind it (x, y, angle), of
         the coordinate of a cut joint, or of a coordinate that a constraint gives. `moved`: of frames alone."""
         return Kinematics(self.graph, self.symbols, self.algebra, self.dependents, released, moved or {})
+
+    def _signed_length(self, vector: list[Scalar], level: int) -> Scalar | None:
+        if not any(isinstance(x, ca.SX) for x in vector):
+            return None
+        line = line_of(vector, self._names, self.algebra.changing)
+        if line is None:
+            return None
+        total = line.constant
+        for name, factor in line.terms.items():
+            total = plus(total, times(factor, self.coordinate(name, level)))
+        return total
+
+    @cached_property
+    def _names(self) -> dict[int, str]:
+        """Of coordinates, by the hashes of their symbols."""
+        return {x.__hash__(): name for name, x in self.symbols.positions.items()}
 
     # ------------------------------------------------------------ poses
 

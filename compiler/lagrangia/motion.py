@@ -67,6 +67,7 @@ class Motion:
     counted: dict[str, int]  # nodes of each way, where there was a choice
     collected: Collected | None = None  # where that is the way
     impacts: Impacts = field(default_factory=Impacts)  # whose forces are among those in h
+    lengths: tuple[ca.SX, ...] = ()  # x of |x| that are lengths
 
     @cached_property
     def nodes(self) -> dict[str, int]:
@@ -113,7 +114,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     names = kinematics.graph.model.variables
     p, u = (_stack(kinematics, [n for n, x in names.items() if x.kind == kind]) for kind in ("parameter", "input"))
     return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, counted,
-                  short.inertia if short is not None and way == "collected" else None, impacts)
+                  short.inertia if short and way == "collected" else None, impacts, (*kinematics.algebra.index.lengths.values(),))
 
 
 def _require_coordinates(kinematics: Kinematics) -> None:

@@ -24,14 +24,16 @@ class Numbering:
         """Of a scalar expression."""
         symbols = ca.symvar(value)
         function = ca.Function("value", symbols, [value])
-        held = [0] * max(1, function.sz_w())
-        made = 0
+        held, made = [0] * max(1, function.sz_w()), 0
         for k in range(function.n_instructions()):
             op, inputs = function.instruction_id(k), function.instruction_input(k)
             if op == ca.OP_INPUT:
                 made = self.of_symbol(symbols[inputs[0]])
             elif op == ca.OP_CONST:
                 made = self.of_number(function.instruction_constant(k))
+            elif op == ca.OP_OUTPUT:
+                made = held[inputs[0]]
+                break
             else:
                 made = self.of(op, [held[place] for place in inputs])
             held[function.instruction_output(k)[0]] = made

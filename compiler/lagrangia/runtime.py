@@ -159,12 +159,13 @@ class _Function(c.Structure):
 
 _SIZES = (
     "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
-    "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost", "n_switches", "n_whens", "n_rubs", "n_resets", "n_rests",
+    "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost", "n_switches", "n_lengths", "n_whens", "n_rubs", "n_resets",
+    "n_rests", "n_roots",
 )
 _FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
     "linear", "waves", "jacobian", "tangent", "velocity", "force", "residual", "regular", "nearest", "kick",
-    "switches", "resets",
+    "switches", "resets", "roots",
 )
 
 

@@ -23,7 +23,7 @@ from lagrangia.observables import observe
 from lagrangia.runtime import Solver
 from lagrangia.scalars import symbols_in
 from lagrangia.scene import Column, Parameter, Scene
-from lagrangia.switches import has_corners
+from lagrangia.switches import corners_remain
 from lagrangia.tapes import Tape
 
 
@@ -122,8 +122,9 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "n_modes": n_modes, "n_events": len(functions.event_kinds), "n_power": functions.n_power, **_of_switches(functions),
         **_of_constraints(motion.constrained), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
         "n_whens": motion.impacts.conditions.numel(), "n_resets": motion.impacts.rates.numel(),
+        "n_roots": functions.table["roots"].numel_out(0) if "roots" in functions.table else 0,
         "n_rubs": len(functions.patterns.get("rubs", ())) // 3, "n_rests": len(functions.patterns.get("rests", ())),
-        "has_corners": int(has_corners(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
+        "has_corners": int(corners_remain(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
         "conditions_know_time": int(ca.depends_on(motion.impacts.conditions, motion.t)),
     }
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])

@@ -36,6 +36,7 @@ class Switches:
     shares: frozenset[int] = frozenset()  # hashes of the symbols that may be between 0 and 1
     rests: "dict[Pair, Expression]" = field(default_factory=dict)  # symbols that say whether the two are held equal
     numbering: Numbering = field(default_factory=Numbering)
+    lengths: int = 0  # the first so many: the signs of what lengths are, which ordinary motion does not change
     rubs: tuple[int, ...] = ()  # of friction that presses with the force of contacts: the switch of its slip, the event, and
     # whether the switch is in no other force
 
@@ -56,18 +57,34 @@ class Switches:
         return {"rubs": self.rubs, "rests": tuple(order[pair] for pair in self.rests)}
 
 
-def has_corners(motion: Motion) -> bool:
+def has_corners(force: ca.SX) -> bool:
     """Whether forces bend or jump somewhere."""
-    return uses(ca.Function("h", ca.symvar(motion.h), [motion.h]), CORNERS)
+    return uses(ca.Function("h", ca.symvar(force), [force]), CORNERS)
+
+
+def corners_remain(motion: Motion) -> bool:
+    """Whether they do where no length is 0."""
+    if not motion.lengths or not has_corners(motion.h):
+        return has_corners(motion.h)
+    numbering = Numbering()
+    signs = {_sign_of(x, numbering): symbol("s") for x in motion.lengths}
+    return has_corners(rebuilt([motion.h], numbering, Holding(signs, frozenset(), {}, numbering).made)[0])
+
+
+def _sign_of(x: ca.SX, numbering: Numbering) -> Pair:
+    first, second = sorted((numbering.number(x), numbering.of_number(0.0)))
+    return first, second
 
 
 def find_switches(motion: Motion) -> Switches:
     """Those of the conditions in the forces that the state decides, or time in a way that is not known beforehand; behind them
     those of events, the gaps of those that are contacts, and the rates of these, which are kept at 0 where something rests."""
     numbering, events = Numbering(), motion.impacts.conditions
-    if not has_corners(motion) and not events.numel():
+    if not has_corners(motion.h) and not events.numel():
         return Switches()
+    signs = {_sign_of(x, numbering) for x in motion.lengths}
     found, rests = conditions_in([motion.h], ca.vertcat(motion.t, motion.q, motion.v, motion.u), motion.v, numbering)
+    found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
     slopes = ca.SX.sym("du", motion.u.numel())
 
     def rates_of(x: ca.SX) -> ca.SX:
@@ -78,7 +95,8 @@ def find_switches(motion: Motion) -> Switches:
     places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
     shares = frozenset(places[pair].__hash__() for pair, g in found.items() if _is_rate(motion.v, g))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
-    switches = Switches(symbols, values, rates_of(values), slopes, places, shares, rests, numbering)
+    lengths = sum(pair in signs for pair in found)
+    switches = Switches(symbols, values, rates_of(values), slopes, places, shares, rests, numbering, lengths)
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
 
 
@@ -123,6 +141,21 @@ def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], r
     places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
     used = symbols_in(ca.veccat(*rebuilt(forces, numbering, Holding(places, frozenset(), rests, numbering).made)))
     return {pair: g for pair, g in found.items() if pair in rests or places[pair].__hash__() in used}
+
+
+def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:
+    """What stands under square roots in the forces and depends on positions, with its rates (r,): where it touches 0 forces bend,
+    or jump, and no sign changes."""
+    moving, rates = symbols_in(motion.q), symbols_in(motion.v)
+    numbering, found = Numbering(), dict[int, ca.SX]()
+
+    def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
+        if op == ca.OP_SQRT and not moving.isdisjoint(known := symbols_in(operands[0])) and rates.isdisjoint(known):
+            found.setdefault(numbers[0], operands[0])
+
+    rebuilt(switches.hold([motion.h]), numbering, note)
+    values = ca.vertcat(ca.SX(0, 1), *found.values())
+    return values, ca.jtimes(values, ca.vertcat(motion.q, motion.t), ca.vertcat(motion.v, 1)) if found else values
 
 
 def _find_rubs(motion: Motion, switches: Switches) -> tuple[int, ...]:

@@ -27,6 +27,9 @@ class SympyAlgebra:
     def number(self, value: float) -> Scalar:
         return exact(value)
 
+    def note_length(self, x: Scalar) -> None:
+        pass
+
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         return _FUNCTIONS[function](*(sp.sympify(a) for a in arguments))
 

@@ -1,0 +1,114 @@
+#include "roots.h"
+
+#include <math.h>
+
+#include "advance.h"
+#include "evaluate.h"
+#include "function.h"
+#include "project.h"
+#include "state.h"
+
+/* Of the larger one at the ends of a step, what lies under a root comes near to 0 within it: there the distance is a tenth. */
+static const double NEAR = 0.01, HALF = 0.5, SUSPECT = 0.1; /* the last one by a parabola */
+enum { LOOKS = 5 };
+
+void lag_roots_layout(LagRoots *s, const LagModel *model, int size, LagArena *arena)
+{
+    const size_t count = (size_t)model->n_roots;
+    double **const vectors[] = {&s->g, &s->rate, &s->g_old, &s->rate_old, &s->g_in, &s->rate_in};
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
+        *vectors[i] = lag_take(arena, count);
+    s->state = lag_take(arena, count > 0 ? (size_t)size : 0);
+}
+
+/* Those that estimate errors from forces all over a step see it. */
+static int may_miss(const LagRun *run)
+{
+    const int32_t solver = run->methods.solver;
+    return run->model->n_roots > 0
+        && (solver == LAG_SOLVER_TAYLOR || solver == LAG_SOLVER_PIRK || solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_ERK9);
+}
+
+static void look_at(LagRun *run, double t, const double *y, double *g, double *rate)
+{
+    const double *in[] = {&t, y, y + run->model->n, run->u, run->d, run->c};
+    double *out[] = {g, rate};
+    lag_inputs_at(&run->inputs, t, run->u);
+    lag_call(&run->model->roots, in, out, run->work);
+}
+
+/* The share of the step at which g of root i is least, by its parabola, and at most NEAR there; 0: it stays away from 0. The parabola
+ * is made better by looking at its place. */
+static double nearest(LagRun *run, int i)
+{
+    const LagMotion *m = &run->motion;
+    LagRoots *s = &run->roots;
+    const double h = m->t - m->t_old, near = NEAR * fmax(s->g_old[i], s->g[i]);
+    double low = 0, high = 1, a = s->rate_old[i], b = s->rate[i];
+    if (!(a < 0 && b > 0))
+        return 0;
+    for (int k = 0; k < LOOKS; ++k) {
+        const double part = a / (a - b), x = low + (high - low) * fmin(fmax(part, 0.05), 0.95);
+        lag_state_inside(run, m->t_old + x * h, s->state);
+        look_at(run, m->t_old + x * h, s->state, s->g_in, s->rate_in);
+        if (s->g_in[i] <= near)
+            return x;
+        if (s->rate_in[i] < 0) {
+            low = x;
+            a = s->rate_in[i];
+        } else {
+            high = x;
+            b = s->rate_in[i];
+        }
+    }
+    return 0;
+}
+
+/* Whether a parabola through both ends comes so near to 0 that it is worth a look. */
+static int is_suspect(const LagRun *run, int i)
+{
+    const LagRoots *s = &run->roots;
+    const double h = run->motion.t - run->motion.t_old, a = s->g_old[i], b = s->g[i], ra = h * s->rate_old[i], rb = h * s->rate[i];
+    if (!(ra < 0 && rb > 0))
+        return 0;
+    return fmin(a + ra / 2 * (ra / (ra - rb)), b - rb / 2 * (rb / (rb - ra))) < SUSPECT * fmax(a, b);
+}
+
+/* The beginning is mostly the end of the step before. */
+static void look_at_ends(LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    const LagStatistics *statistics = &run->statistics;
+    LagRoots *s = &run->roots;
+    const int is_known = s->known == statistics->steps - 1 && s->events == statistics->events && s->known > 0;
+    lag_swap(&s->g, &s->g_old);
+    lag_swap(&s->rate, &s->rate_old);
+    if (!is_known)
+        look_at(run, m->t_old, m->other, s->g_old, s->rate_old);
+    look_at(run, m->t, m->y, s->g, s->rate);
+    s->known = statistics->steps;
+    s->events = statistics->events;
+}
+
+int lag_roots_refuse(LagRun *run)
+{
+    LagMotion *m = &run->motion;
+    LagRoots *s = &run->roots;
+    double x = 0;
+    if (!may_miss(run))
+        return 0;
+    look_at_ends(run);
+    for (int i = 0; i < run->model->n_roots && x == 0; ++i)
+        x = is_suspect(run, i) ? nearest(run, i) : 0;
+    if (x == 0)
+        return 0;
+    const double h = m->t - m->t_old;
+    lag_motion_take_back(m);
+    lag_project_forget(run);
+    --run->statistics.steps;
+    ++run->statistics.rejected;
+    run->segment_over = 0;
+    s->known = 0;
+    run->step = HALF * x * h;
+    return lag_stiffness_pass(run);
+}

@@ -1,0 +1,25 @@
+/* Square roots in the forces: where what stands under one touches 0 (two points pass through each other) these jump, and no condition
+ * changes its sign. Methods that look at the forces of a step at few places, or not at all, may step over it. */
+#ifndef LAG_ROOTS_H
+#define LAG_ROOTS_H
+
+#include <stdint.h>
+
+#include "arena.h"
+#include "model.h"
+#include "run.h"
+
+typedef struct {
+    double *g, *rate, *g_old, *rate_old, *g_in, *rate_in; /* n_roots: at both ends of a step, and inside it */
+    double *state;  /* size */
+    int64_t known;  /* the steps of the run after which g and rate were those of its state; and the events until then */
+    int64_t events;
+} LagRoots;
+
+void lag_roots_layout(LagRoots *roots, const LagModel *model, int size, LagArena *arena);
+
+/* A step was taken. Where it came too near to such a place for its method it is taken back, and others are put in its place, which
+ * come nearer in steps as short as their errors ask for. Returns whether it was. */
+int lag_roots_refuse(LagRun *run);
+
+#endif
