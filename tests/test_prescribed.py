@@ -36,3 +36,46 @@ def test_a_mass_falls_along_the_line_it_is_held_on(scene: Write) -> None:
     model = scene("model M PointMass A(m = 2); equation A.center.x = 0; end M;")
     assert model.freedom["degrees_of_freedom"] == 1
     assert model.simulate(stop=1)["A.center.y"][-1] == pytest.approx(-4.905, abs=1e-14)
+
+
+# ---------------------------------------------------------------- the torque that it takes
+
+GENEVA = ("World world(gravity = {{0, 0}}); Revolute crank(a = world), wheel(a = shift(world, {{0.1*sqrt(2), 0}})); "
+          "Body load(m = 1, I = 0.02, center = wheel.b), fly(m = 1, I = 0.001, center = crank.b); {drive} "
+          "Angle alpha = {angle}; equation {more} {wheel} = -atan2(sin(alpha), sqrt(2) - cos(alpha));")
+DRIVES = {
+    "Motion": {"drive": "Motion motor(of = crank.phi, to = 4[rad/s]*time - 0.5);", "more": "", "angle": "crank.phi",
+               "wheel": "wheel.phi"},
+    "an equation": {"drive": "", "more": "crank.phi = 4[rad/s]*time - 0.5;", "angle": "crank.phi", "wheel": "wheel.phi"},
+    "after the tie": {"drive": "Motion motor(of = 4[rad/s]*time - 0.5, to = crank.phi);", "more": "", "angle": "crank.phi",
+                      "wheel": "wheel.phi"},
+    "with frames": {"drive": "Motion motor(of = crank.phi, to = 4[rad/s]*time - 0.5);", "more": "", "angle": "crank.b.phi",
+                    "wheel": "wheel.b.phi"},
+}
+
+
+def _geneva_torque(alpha: np.ndarray) -> np.ndarray:
+    """I b'' b' 16 with b = -atan2(sin a, sqrt 2 - cos a): tan b = s/(c - k), b' = (c k - 1)/(3 - 2 c k), all by hand."""
+    k, root = np.cos(alpha), np.sqrt(2)
+    first = -(root * k - 1) / (3 - 2 * root * k)
+    second = root * np.sin(alpha) / (3 - 2 * root * k) ** 2
+    return 0.02 * 16 * first * second
+
+
+@pytest.mark.parametrize("case", DRIVES)
+def test_the_drive_of_a_geneva_wheel_has_a_torque_however_it_is_written(case: str, scene: Write) -> None:
+    model = scene(f"model M {GENEVA.format(**DRIVES[case])} output Torque tau = crank.reaction_torque; "
+                  "output Torque other = wheel.reaction_torque; end M;")
+    run = model.simulate(stop=0.25, interval=0.05, tolerance=1e-10)
+    np.testing.assert_allclose(run["tau"], _geneva_torque(4 * run.time - 0.5), rtol=1e-9, atol=1e-12)
+
+
+def test_the_force_of_a_driven_slide_is_that_of_its_load(scene: Write) -> None:
+    """A slide moved as x = 0.1 sin 3t carries a tied block of twice its travel: F = (1 + 2^2 2) x''."""
+    model = scene("model M World world(gravity = {0, 0}); Prismatic s(a = world, along = {0, 2}); "
+                  "PointMass p(m = 1, center = s.b); Block b(m = 2, base = world); "
+                  "equation b.s = 2*s.s; s.s = 0.1*sin(3[rad/s]*time); "
+                  "output Force F[2] = s.reaction; end M;")
+    run = model.simulate(stop=1, interval=0.1, tolerance=1e-11)
+    np.testing.assert_allclose(run["F[2]"], -9 * 0.9 * np.sin(3 * run.time), atol=1e-10)
+    np.testing.assert_allclose(run["F[1]"], 0, atol=1e-13)

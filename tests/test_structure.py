@@ -89,6 +89,7 @@ ORDER = """
     switches
     jacobians
     released
+    drives
     reactions
     linearity
     waves

@@ -34,9 +34,10 @@ class Row:
     is_holonomic: bool
     loop: Closure | None
     span: Span
-    part: int = 0  # which of the closure's gaps
+    part: int = 0  # which of the closure's gaps, or of the equation's elements
     component: str = ""  # that states the equation
     is_timed: bool = False  # the equation itself depends on time
+    equation: Equation | None = None
 
     def rate(self, kinematics: Kinematics) -> Scalar:
         """d/dt of a holonomic row along the motion; a nonholonomic row itself."""
@@ -130,7 +131,7 @@ def _equation_rows(equation: Equation, kinematics: Kinematics) -> list[Row]:
         is_holonomic = not ca.depends_on(ca.SX(gap), rates)
         if not is_holonomic and ca.depends_on(ca.jacobian(ca.SX(gap), rates), rates):
             fail("L0412", "a constraint on velocities must be linear in them", equation.span)
-        return Row(value, is_holonomic, None, equation.span, component=equation.component, is_timed=_is_timed(kinematics, gap))
+        return Row(value, is_holonomic, None, equation.span, index or 0, equation.component, _is_timed(kinematics, gap), equation)
 
     if not isinstance(left, tuple):
         return [row(None, left - right)]

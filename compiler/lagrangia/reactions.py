@@ -12,6 +12,7 @@ from lagrangia.bodies import Bodies
 from lagrangia.closures import meeting_place, slide_normal
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
+from lagrangia.drives import force_beside_drives
 from lagrangia.edges import Closure, Edge
 from lagrangia.instances import REACTIONS
 from lagrangia.joints import component_of, cuts_of, joints_of
@@ -44,7 +45,7 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
         if frame in cuts:
             values[frame] = _of_cut(kinematics, constraints, *cuts[frame], frame, released)
         elif frame in edges:
-            values[frame] = _of_joint(kinematics, *edges[frame], frame, released)
+            values[frame] = _of_joint(kinematics, constraints, *edges[frame], frame, released)
     symbols = ca.vertcat(*[s for frame in asked for s in asked[frame]])
     return symbols, ca.substitute(ca.vertcat(*[values[frame] for frame in asked]), kinematics.symbols.tau, ca.SX(1))
 
@@ -56,9 +57,12 @@ def _asked_at(kinematics: Kinematics, frame: str) -> Span:
     return named[0].span if named else kinematics.graph.model.frames[frame].span
 
 
-def _of_joint(kinematics: Kinematics, edge: Edge, sign: float, frame: str, released: Released) -> ca.SX:
+def _of_joint(
+    kinematics: Kinematics, constraints: Constraints, edge: Edge, sign: float, frame: str, released: Released
+) -> ca.SX:
     """Force and torque that a joint of the tree exerts on the side of `frame`, about the origin of `frame`."""
-    return _about(kinematics, frame, kinematics.pose(edge.child, 0), sign * released.force(edge.child))
+    force = released.force(edge.child) - force_beside_drives(kinematics, constraints, released, edge)
+    return _about(kinematics, frame, kinematics.pose(edge.child, 0), sign * force)
 
 
 def _about(kinematics: Kinematics, frame: str, here: Pose, force: ca.SX) -> ca.SX:

@@ -1,0 +1,79 @@
+"""Joints that are driven: an equation that speaks of one coordinate of a joint alone moves it by a force or torque in the joint.
+
+All that is bound to a coordinate acts in its joint: springs, motors, equations. Where one of these is a drive, what ties the same
+coordinate to others (a Geneva wheel, a cam, a gear written with angles) acts on the bodies beside it, as if it were written with
+their frames: else the drive and the load it carries would cancel in the reaction of the joint.
+"""
+
+import casadi as ca
+
+from lagrangia.algebra import Scalar
+from lagrangia.constraints import Constraints, Row
+from lagrangia.edges import Edge
+from lagrangia.evaluation import Evaluator, Value
+from lagrangia.flat import Equation
+from lagrangia.kinematics import Kinematics
+from lagrangia.released import Released
+from lagrangia.tree import FrameRef, Ref
+from lagrangia.walk import leaves
+
+
+def force_beside_drives(kinematics: Kinematics, constraints: Constraints, released: Released, edge: Edge) -> ca.SX:
+    """What ties exert on the edge's child by a coordinate that is driven: force and torque about the child's origin, (3,)."""
+    total = ca.SX.zeros(3)
+    for name in edge.coordinates:
+        rows = {id(row): (row, named) for row in constraints.all_rows if row.equation is not None and row.is_holonomic
+                and name in (named := _named(kinematics, row.equation))}
+        if not any(named == {name} for _, named in rows.values()):
+            continue
+        ties = [row for row, named in rows.values() if named != {name}]
+        force = -sum((released.multiplier(row) * _slope(kinematics, row, name) for row in ties), ca.SX(0))
+        total += force * _direction(kinematics, edge, name)
+    return total
+
+
+def _named(kinematics: Kinematics, equation: Equation) -> set[str]:
+    """The coordinates, and the frames, that an equation speaks of."""
+    variables = kinematics.graph.model.variables
+    found = leaves((equation.left, equation.right), {name: v.binding for name, v in variables.items()})
+    coordinates = {x.name for x in found if isinstance(x, Ref) and variables[x.name].kind == "coordinate"}
+    frames = kinematics.graph.model.frames
+    return coordinates | {x.name for x in found if isinstance(x, FrameRef) and not frames[x.name].is_ground}
+
+
+class _Nudged:
+    """Leaves of an evaluator in which one coordinate is displaced, and nothing follows it."""
+
+    def __init__(self, kinematics: Kinematics, name: str, shift: ca.SX) -> None:
+        self.kinematics, self.name, self.shift = kinematics, name, shift
+
+    def symbol(self, name: str, level: int) -> Value | None:
+        value = self.kinematics.symbol(name, level)
+        return value + self.shift if name == self.name else value
+
+    def time(self, level: int) -> Scalar:
+        return self.kinematics.time(level)
+
+    def frame(self, name: str, attribute: str, level: int) -> Value:
+        return self.kinematics.frame(name, attribute, level)
+
+
+def _slope(kinematics: Kinematics, row: Row, name: str) -> ca.SX:
+    """Of a row, along one coordinate."""
+    assert row.equation is not None
+    shift = ca.SX.sym("shift")
+    value = Evaluator(kinematics.graph.model, kinematics.algebra, _Nudged(kinematics, name, shift)).value
+    left, right = (value(side) for side in (row.equation.left, row.equation.right))
+    gap = left[row.part] - right[row.part] if isinstance(left, tuple) else left - right
+    return ca.substitute(ca.gradient(ca.SX(gap), shift), shift, 0)
+
+
+def _direction(kinematics: Kinematics, edge: Edge, name: str) -> ca.SX:
+    """The force and torque on the edge's child that do the work of a unit force on the coordinate, when the parent rests."""
+    shift = ca.SX.sym("shift")
+    evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, _Nudged(kinematics, name, shift))
+    pose = kinematics.follow(edge, kinematics.pose(edge.parent, 0), 0, evaluator)
+    x, y, turn = (ca.substitute(ca.gradient(ca.SX(part), shift), shift, 0) for part in (pose.x, pose.y, pose.phi))
+    if turn.is_zero():
+        return ca.vertcat(x, y, 0) / (x * x + y * y)
+    return ca.vertcat(0, 0, 1 / turn)
