@@ -1,6 +1,7 @@
 """`lag explain`: what it says is needed is, and what it says a thing costs is what leaving it out saves."""
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -272,6 +273,19 @@ def test_without_a_compiler_only_casadi_can_run(capsys: pytest.CaptureFixture[st
         assert not any("exponential" in need["saving"] for need in told["needs"])
         assert main(["explain", str(EXAMPLES / f"{name}.lag")]) == 0
         assert max(map(len, capsys.readouterr().out.splitlines())) <= 118
+
+
+def test_friction_that_sticks_is_refused_to_casadi(tmp_path: Path) -> None:
+    """Their steps would get shorter without end; a damper without a jump is taken."""
+    for law, is_taken in (("DryFriction f(F = 5, rate = b.v);", False), ("QuadraticDamper f(c = 5, rate = b.v);", True)):
+        file = tmp_path / f"rubbed_{is_taken}.lag"
+        file.write_text(f"model Rubbed Block b(m = 2, base = world, v(start = 1)); {law} end Rubbed;")
+        if is_taken:
+            run = lag.load(file).simulate(at=[1.0], solver="casadi:cvodes")
+            assert run["b.s"][0] == pytest.approx(0.4 * math.log(3.5), rel=1e-5)  # m/c ln(1 + c v0 t/m)
+        else:
+            with pytest.raises(lag.LagError, match="dry friction, which sticks"):
+                lag.load(file).simulate(at=[1.0], solver="casadi:cvodes")
 
 
 def test_statistics_without_a_compiler_tell_of_no_native_code(

@@ -19,7 +19,7 @@ from lagrangia.diagnostics import RunError, fail
 from lagrangia.pipeline import Compilation
 from lagrangia.runtime import Statistics
 from lagrangia.simulate import Experiment, Progress, Values, check_parameters
-from lagrangia.switches import live
+from lagrangia.switches import has_dry_friction, live
 
 _INTEGRATORS = ("cvodes", "idas", "rk", "collocation")
 _MOST_STEPS = 10_000_000
@@ -52,6 +52,9 @@ def casadi_refusal(compilation: Compilation) -> tuple[str, str] | None:
     if "initial" in compilation.functions.table:
         return ("not supported yet: initial equations to be solved, with CasADi's integrators",
                 "give the start values of coordinates and rates, or install a C compiler (pip install ziglang)")
+    if has_dry_friction(compilation.run):
+        return ("not supported yet: dry friction, which sticks, with CasADi's integrators, which chatter about rest",
+                "the run time takes it: a C compiler (pip install ziglang)")
     return None
 
 

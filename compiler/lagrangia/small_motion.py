@@ -23,7 +23,7 @@ from lagrangia.parameters import scalars
 from lagrangia.probes import Probe, ProbedKinematics, Triple, probe_kinematics
 from lagrangia.reactions import build_reactions
 from lagrangia.scalars import Expression, as_expression
-from lagrangia.switches import conditions_in
+from lagrangia.switches import conditions_in, jumps_at_rest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -90,9 +90,9 @@ class SmallMotion:
     @cached_property
     def rubs_dry(self) -> tuple[str, ...]:
         """The components whose forces jump where a rate passes through 0, as those of dry friction do; each once."""
-        h, v = self.holds, self._parts.motion.v
-        jumps = ca.substitute(ca.densify(ca.jacobian(self._parts.R, h.shares)), v, ca.SX.zeros(v.numel()))
-        return tuple(dict.fromkeys(name for k, name in enumerate(h.rubs) if not jumps[:, k].is_zero()))
+        h = self.holds
+        jumping = jumps_at_rest(self._parts.R, h.shares, self._parts.motion.v)
+        return tuple(dict.fromkeys(name for name, jumps in zip(h.rubs, jumping, strict=True) if jumps))
 
     def multipliers(self, lam: "np.ndarray | None" = None, forces: "np.ndarray | None" = None, shares: "np.ndarray | None" = None
                     ) -> "np.ndarray":

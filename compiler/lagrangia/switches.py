@@ -100,6 +100,18 @@ def find_switches(motion: Motion) -> Switches:
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
 
 
+def jumps_at_rest(force: ca.SX, shares: ca.SX, v: ca.SX) -> list[bool]:
+    """Of each share, whether forces jump with it where nothing moves: those of dry friction do, those of dampers do not."""
+    jumps = ca.substitute(ca.densify(ca.jacobian(force, shares)), v, ca.SX.zeros(v.numel()))
+    return [not jumps[:, k].is_zero() for k in range(shares.numel())]
+
+
+def has_dry_friction(motion: Motion) -> bool:
+    switches = find_switches(motion)
+    shares = ca.vertcat(ca.SX(0, 1), *(x for x in switches.places.values() if x.__hash__() in switches.shares))
+    return any(jumps_at_rest(switches.hold([motion.h])[0], shares, motion.v))
+
+
 def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering
                   ) -> tuple[dict[Pair, Expression], dict[Pair, Expression]]:
     """Differences of what conditions in the forces compare, of those that `movers` decide; and symbols for the rates of which it
