@@ -7,6 +7,7 @@ three coordinates of its own; a part without mass is an error, or is left out wh
 from collections import Counter, deque
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from lagrangia.consequences import keep_consequences_out
 from lagrangia.diagnostics import Report, Span, fail
@@ -241,15 +242,39 @@ class _Building:
     def _floating_root(self, island: set[str], massive: dict[str, set[str]], used: dict[str, set[str]]) -> Root:
         """The frame with given starts, else the first whose motion the kinetic energy measures.
 
-        The angle is no coordinate when nothing depends on it, as for a point mass.
+        The angle is no coordinate when nothing depends on it, as for a point mass, be it one that carries hinges.
         """
         frames = [name for name in self.model.frames if name in island]
         started = [name for name in frames if self.model.frames[name].starts]
         root = (started or [name for name in frames if name in massive])[0]
-        has_angle = any(used.get(name, set()) & {"phi", "w"} for name in frames) or any(
-            step.kind == "shift" for name in frames for edge in self.neighbours[name] for step in edge.steps
+        turning = self._turning_with(root)
+        has_angle = any(used.get(name, set()) & {"phi", "w"} for name in turning) or any(
+            step.kind == "shift" for name in turning for edge in self.neighbours[name] for step in edge.steps
         )
         return Root(root, ("x", "y", "phi") if has_angle else ("x", "y"))
+
+    def _turning_with(self, root: str) -> set[str]:
+        """The frames that turn with the root: not those behind hinges whose coordinates nothing but the motion speaks of."""
+        found, queue = {root}, [root]
+        while queue:
+            here = queue.pop()
+            for edge in self.neighbours[here]:
+                is_hinge = len(edge.steps) == 1 and edge.steps[0].kind == "turn" and len(edge.coordinates) == 1
+                is_free = is_hinge and isinstance(edge.steps[0].amount, Ref) and edge.coordinates[0] not in self._spoken_of
+                for end in (edge.parent, edge.child):
+                    if end not in found and not (is_free and self.uses[edge.coordinates[0]] == 1):
+                        found.add(end)
+                        queue.append(end)
+        return found
+
+    @cached_property
+    def _spoken_of(self) -> set[str]:
+        """Coordinates that energies, forces, equations of the motion or events speak of."""
+        model = self.model
+        stated: list[Flat] = [e.value for e in model.energies] + [x for w in model.works for x in (w.force, w.position)]
+        stated += [x for e in model.constraints for x in (e.left, e.right)]
+        stated += [x for when in model.whens for x in when.expressions()]
+        return {leaf.name for leaf in leaves(stated, self.bindings) if isinstance(leaf, Ref)}
 
     def _report_unbound(self, island: set[str], used: dict[str, set[str]]) -> None:
         frames = [self.model.frames[name] for name in self.model.frames if name in island]
