@@ -10,6 +10,7 @@
 #include "step.h"
 
 enum { TICKS_PER_LOOK = 64 };
+static const double CLOSED = 1e-9; /* residuals of rows, relative to the motion: near singular positions rounding leaves as much */
 
 int lag_run_row_width(const LagModel *model) { return 1 + 2 * model->n + model->n_outputs + LAG_ACCOUNT_SIZE; }
 
@@ -31,10 +32,15 @@ static LagStatus row_at(LagRun *run, double t, double *row)
     const int n = run->model->n;
     double *y = run->inside, *outputs = row + 1 + 2 * n, *account = outputs + run->model->n_outputs;
     lag_state_inside(run, t, y);
-    lag_project_row(run, t, y, account);
+    const double most = fmax(run->settings.tolerance, CLOSED), open = lag_project_row(run, t, y, account, most);
     const int i = lag_first_not_finite(y, 2 * n);
     if (n > 0 && !isfinite(y[i]))
         return lag_step_give_up(run, i);
+    if (open > most) {
+        lag_fail(run, LAG_CONSTRAINTS_OPEN, -1, 0, open);
+        run->failure.time = t;
+        return LAG_CONSTRAINTS_OPEN;
+    }
     row[0] = t;
     memcpy(row + 1, y, 2 * (size_t)n * sizeof *row);
     lag_outputs(run, t, y, outputs);

@@ -31,7 +31,7 @@ static const double LEFT_BY_STEPS = 1e-3;
 static const double MOST_UNITS = 100, FINEST = 1e-11, NEAR_SINGULAR = 1e-9, FALL = 0.75;
 /* After a step that was projected by less than so many units of error the next one need not be; more in a row would cost digits
  * near singular positions. */
-static const double DRIFT = 0.05;
+static const double DRIFT = 0.05, WAITS = 10; /* the latter by residuals */
 static const double NEAR = 0.1; /* of coordinates and rates: corrections of a state that has not run away */
 enum { PLACE_ITERATIONS = 8, STEER_ITERATIONS = 2, BOTH_ITERATIONS = 4 };
 
@@ -48,6 +48,7 @@ void lag_projection_layout(LagProjection *s, const LagModel *model, LagArena *ar
     s->unit = lag_take(arena, 2 * n);
     s->phi = lag_take(arena, (size_t)model->n_holonomic);
     s->rate = lag_take(arena, (size_t)model->n_multipliers);
+    lag_closure_layout(&s->measure, model, arena);
 }
 
 static int first_of(const LagRun *run, Level level) { return level == POSITIONS ? 0 : run->model->n; }
@@ -189,11 +190,23 @@ int lag_project_is_near(LagRun *run, double t, const double *y)
     return is_near;
 }
 
+/* Residuals of a state at t, s->phi and s->rate. */
+static int find_residuals(LagRun *run, double t, const double *y)
+{
+    const double *in[] = {&t, y, y + run->model->n, run->u, run->d, run->c};
+    double *out[] = {run->projection.phi, run->projection.rate};
+    lag_inputs_at(&run->inputs, t, run->u);
+    return lag_call(&run->model->residual, in, out, run->work) == 0;
+}
+
 int lag_project_waits(LagRun *run, double t)
 {
-    const int waits = run->projection.waits && !run->careful && t < run->settings.t_stop;
-    run->projection.waits = 0;
-    return waits;
+    LagProjection *s = &run->projection;
+    const double *y = run->motion.other;
+    const double most = WAITS * run->scale.tolerance;
+    const int may_wait = s->waits && !run->careful && t < run->settings.t_stop;
+    s->waits = 0;
+    return may_wait && find_residuals(run, t, y) && lag_closure_open(run, t, y, s->phi, s->rate, most) <= most;
 }
 
 double lag_project_step(LagRun *run, double t, double allowed, int *worst)
@@ -221,6 +234,7 @@ void lag_project_present(LagRun *run)
         project(run, run->motion.t, INFINITY, 0, run->motion.y, run->motion.carry, &worst);
     run->projection.waits = 0;
     lag_project_forget(run);
+    lag_closure_forget(&run->projection.measure);
 }
 
 void lag_project_forget(LagRun *run) { run->projection.end_time = NAN; }
@@ -238,19 +252,17 @@ void lag_project_inside(LagRun *run, double t, double *y)
 static int close_row(LagRun *run, double t, double *y)
 {
     LagProjection *s = &run->projection;
-    const double *in[] = {&t, y, y + run->model->n, run->u, run->d, run->c};
-    double *out[] = {s->phi, s->rate};
     lag_project_inside(run, t, y);
     if (!s->is_complete) {
         lag_energies(run, t, y, s->latest.energies);
-        if (run->model->n_multipliers == 0 || lag_call(&run->model->residual, in, out, run->work) != 0)
+        if (run->model->n_multipliers == 0 || !find_residuals(run, t, y))
             return 0;
     }
     note_residuals(run);
     return 1;
 }
 
-void lag_project_row(LagRun *run, double t, double *y, double *energies)
+double lag_project_row(LagRun *run, double t, double *y, double *energies, double most)
 {
     LagProjection *s = &run->projection;
     LagStatistics *statistics = &run->statistics;
@@ -261,4 +273,5 @@ void lag_project_row(LagRun *run, double t, double *y, double *energies)
         statistics->constraint_residual = lag_max(row->gap, statistics->constraint_residual);
         statistics->constraint_rate_residual = lag_max(row->rate, statistics->constraint_rate_residual);
     }
+    return is_end || !is_known ? 0 : lag_closure_open(run, t, y, s->phi, s->rate, most);
 }

@@ -2,7 +2,7 @@
 #ifndef LAG_PROJECT_H
 #define LAG_PROJECT_H
 
-#include "arena.h"
+#include "closure.h"
 #include "model.h"
 #include "run.h"
 
@@ -21,6 +21,7 @@ typedef struct {
     int is_complete;               /* the energies and residuals of the latest are known */
     int is_exact;                  /* what was left of it is rounding */
     double end_time;               /* where the end is as exact as rows are; NaN where it is not */
+    LagClosureMeasure measure;     /* of what the residuals mean */
     int waits;                     /* the latest step hardly drifted */
 } LagProjection;
 
@@ -37,7 +38,7 @@ double lag_project_step(LagRun *run, double t, double allowed, int *worst);
  * leave them, however small their errors are beside where they landed. */
 int lag_project_is_near(LagRun *run, double t, const double *y);
 
-/* Whether a short step to t may go unprojected: the one before hardly drifted, and it is not the last. */
+/* Whether a short step to t may go unprojected: the one before hardly drifted, nor has it, and it is not the last. */
 int lag_project_waits(LagRun *run, double t);
 
 /* The present state, however far it is from the constraints: at the start, and when parameters or modes have changed. */
@@ -50,7 +51,7 @@ void lag_project_forget(LagRun *run);
 void lag_project_inside(LagRun *run, double t, double *y);
 
 /* The same for a row, whose residuals it notes in the statistics. {T, V, H} of the row go to `energies`, without constraints,
- * too. */
-void lag_project_row(LagRun *run, double t, double *y, double *energies);
+ * too. Returns how far its constraints are open, relative to the motion; there is no more to it up to `most`. */
+double lag_project_row(LagRun *run, double t, double *y, double *energies, double most);
 
 #endif

@@ -18,7 +18,9 @@ typedef enum {
     LAG_BAD_INPUTS, /* input times are not ascending or not finite */
     LAG_OUT_OF_MEMORY,
     LAG_EVENTS_GO_ON, /* events that reset rates bring each other about without end */
-    LAG_NO_IMPULSE    /* contacts and their friction have neither forces nor impulses that go together */
+    LAG_NO_IMPULSE,   /* contacts and their friction have neither forces nor impulses that go together */
+    LAG_CONSTRAINTS_OPEN, /* a row cannot be brought back to its constraints: by how much of the motion one is open */
+    LAG_NO_PROGRESS       /* steps are so short that the rest would take so many */
 } LagStatus;
 
 typedef struct {
@@ -26,7 +28,7 @@ typedef struct {
     int32_t index;  /* coordinate, acceleration or initial equation; -1: none */
     int32_t rate;   /* 1: the rate of the coordinate, 0: its position */
     double time;
-    double value; /* residual of the initial equation */
+    double value; /* residual of the initial equation, or what the status says */
 } LagFailure;
 
 #endif

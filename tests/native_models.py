@@ -29,6 +29,7 @@ HEADS = {
     "parameters": "const double *given = in[0], *mask = in[1];double *p = out[0];",
     "place": "const double t = *in[0], *q = in[1];(void)t,(void)q;double *dq = out[0];",
     "steer": "const double *q = in[1], *v = in[2];(void)q,(void)v;double *dv = out[0];",
+    "residual": STATE + "double *phi = out[0], *rate = out[1];",
     "hoist": "const double *p = in[0];double *c = out[0];",
 }
 

@@ -100,6 +100,18 @@ def test_constraints_out_of_reach_end_the_run(runtime: Runtime) -> None:
         assert 0.5 - 1e-9 < run.failure.time < 0.5 + 2 * run.statistics.largest_step
 
 
+def test_no_row_is_written_whose_constraints_are_open(runtime: Runtime) -> None:
+    """Ends of steps, at whole times, are on the constraint; in between nothing leads back to it."""
+    for gap, status in ((0.5, Status.CONSTRAINTS_OPEN), (1e-12, Status.OK)):
+        model = compiled(1, numbers=", .n_holonomic = 1, .n_multipliers = 1", rhs="a[0] = 0;",
+                         place="dq[0] = t == floor(t) ? 0 : 1;", steer="dv[0] = 0;",
+                         residual=f"phi[0] = t == floor(t) ? 0 : {gap}; rate[0] = v[0] - 1;")
+        with started(runtime, model, [1], [1], t_stop=100, first_step=1, max_step=1, solver=Solver.ERK) as run:
+            rows = run.advance([1, 2, 2.5])
+            assert (rows.status, rows.count) == (status, 2 if status is Status.CONSTRAINTS_OPEN else 3)
+            assert status is Status.OK or (run.failure.time, run.failure.value) == (2.5, pytest.approx(0.125))
+
+
 # -------------------------------------------------------------------------------------------------------------- assembly
 
 

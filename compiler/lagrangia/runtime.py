@@ -37,6 +37,8 @@ class Status(IntEnum):
     OUT_OF_MEMORY = 11
     EVENTS_GO_ON = 12
     NO_IMPULSE = 13
+    CONSTRAINTS_OPEN = 14
+    NO_PROGRESS = 15
 
 
 _STATUS = tuple(Status)

@@ -256,6 +256,8 @@ LagAnswer lag_instance_failed(LagInstance *s, LagStatus status)
     case LAG_PAST_STOP: text = "a time was asked for that lies after the stop time"; break;
     case LAG_NO_IMPULSE: text = "contacts and their friction have neither forces nor impulses that go together"; break;
     case LAG_EVENTS_GO_ON: text = "events that reset rates bring each other about without end"; break;
+    case LAG_CONSTRAINTS_OPEN: text = "constraints do not close"; break;
+    case LAG_NO_PROGRESS: text = "steps are too short to get on"; break;
     case LAG_OUT_OF_MEMORY: text = "no memory is left"; break;
     default: break;
     }
