@@ -234,3 +234,25 @@ def test_coefficients_that_change_with_time_are_told(what: str, is_told: bool, s
     model = scene(f"model Timed {what} PointMass P(m = 1, center = shift(h.b, {{0, -1}})); end Timed;")
     for notes in (model.modes().notes, model.linearize().notes, model.equilibrium().notes):
         assert any(note.startswith("warning[L0740]") for note in notes) == is_told
+
+
+@pytest.mark.parametrize(("mu", "rests"), [(0.289, True), (0.288, False)])
+def test_a_ladder_against_a_smooth_wall(mu: float, rests: bool, scene: Write) -> None:
+    """At 60 degrees it takes mu = 1/(2 tan 60 deg) = 0.288675 at its foot; the wall carries what the foot holds."""
+    found = scene(f"""model Ladder Bar b(m = 1, L = 2); RoughStop floor(a = world, b = b.a, mu = {mu});
+      Stop wall(a = world, b = b.b, along = {{-1, 0}});
+      initial equation b.center.phi = 60[deg]; b.a.y = 0; b.b.x = 0; end Ladder;""").equilibrium(starts=1)
+    is_start = bool(found.found) and abs(found[0].position["b.center.phi"] - np.pi / 3) < 1e-9
+    assert is_start == rests
+    if rests:
+        push = G / (2 * np.tan(np.pi / 3))
+        assert found[0].contacts == pytest.approx({"floor": G, "wall": push})
+        close(found[0].friction["floor"], [push, mu * G])
+
+
+def test_friction_holds_against_a_turning_frame(scene: Write) -> None:
+    """A block on a turntable: m w^2 r = 2 N of 3 N."""
+    first = scene("""model Table2 Frame turning = turn(world, 2*time); World world(gravity = {0, 0});
+      Block b(m = 1, base = turning, s(start = 0.5)); DryFriction f(F = 3, rate = b.v); end Table2;""").equilibrium()[0]
+    close(first.position["b.s"], 0.5)
+    close(first.friction["f"], [2, 3])
