@@ -18,7 +18,7 @@ LagTrial lag_trial(LagRun *run)
     const LagMethod *table = run->methods.table;
     void *self = run->methods.self;
     const double t = m->t, step = run->step;
-    LagTrial trial = {INFINITY, 0};
+    LagTrial trial = {INFINITY, 0, 0};
     memcpy(run->inside, m->y, size);
     run->methods.table = &lag_dop853;
     run->methods.self = &run->methods.dop853;
@@ -26,6 +26,7 @@ LagTrial lag_trial(LagRun *run)
     for (int i = 0; i < STEPS && m->t < run->settings.t_stop; ++i) {
         if (lag_step_adaptive(run) != LAG_OK)
             break;
+        trial.bends |= lag_roots_cross(run);
         if ((i >= REST || i == 0) && m->t < run->settings.t_stop)
             trial.shortest = i == REST ? m->t - m->t_old : fmin(trial.shortest, m->t - m->t_old);
     }
@@ -38,6 +39,7 @@ LagTrial lag_trial(LagRun *run)
     run->step = step;
     run->statistics = statistics;
     run->segment_over = 0;
+    lag_roots_forget(run);
     run->methods.table = table;
     run->methods.self = self;
     return trial;

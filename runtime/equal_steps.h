@@ -7,6 +7,7 @@
 typedef struct {
     double shortest; /* step */
     double span;     /* time that the trial took the motion through */
+    int bends;       /* forces do in it: equal steps, which cross such places, are no good there, however short they are */
 } LagTrial;
 
 /* Explicit steps with error control from the present state on. Leaves no trace but the sizes of the motion. */

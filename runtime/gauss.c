@@ -168,15 +168,17 @@ static void swap(double **a, double **b)
     *b = c;
 }
 
-/* Stages by the tolerance, and equal steps that end where the run does. */
-static void choose(LagRun *run, LagGauss *s)
+/* Stages by the tolerance, and equal steps that end where the run does. Returns 0 where they are no good. */
+static int choose(LagRun *run, LagGauss *s)
 {
+    const LagTrial trial = lag_trial(run);
     const double tolerance = run->settings.tolerance;
     size_t k = 0;
     while (tolerance < CHOICE[k].tolerance)
         ++k;
     s->tableau = &LAG_GAUSS[CHOICE[k].tableau];
-    s->h = lag_equal_length(run, CHOICE[k].length * lag_trial(run).shortest);
+    s->h = lag_equal_length(run, CHOICE[k].length * trial.shortest);
+    return !trial.bends;
 }
 
 /* The new momenta are left in s->p. */
@@ -203,8 +205,8 @@ static int attempt(LagRun *run, double h, int is_cut)
 static LagStatus step(LagRun *run)
 {
     LagGauss *s = &run->methods.gauss;
-    if (s->h == 0)
-        choose(run, s);
+    if (s->h == 0 && !choose(run, s))
+        return lag_roots_leave(run);
     return lag_equal_step(run, &s->h, attempt);
 }
 

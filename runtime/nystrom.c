@@ -102,15 +102,18 @@ static double energy_error(LagRun *run, LagNystrom *s, double h, double span)
     return scale > 0 ? largest / scale : largest;
 }
 
-/* The longest steps whose energy error is below the tolerance. */
-static void choose(LagRun *run, LagNystrom *s)
+/* The longest steps whose energy error is below the tolerance. Returns 0 where equal steps are no good. */
+static int choose(LagRun *run, LagNystrom *s)
 {
     const LagTrial trial = lag_trial(run);
+    if (trial.bends)
+        return 0;
     s->h = LONGEST * trial.shortest;
     for (int i = 0; i < MOST_LENGTHS && !(energy_error(run, s, s->h, trial.span) <= run->settings.tolerance); ++i)
         s->h *= SHORTER;
     s->h = lag_equal_length(run, s->h);
     s->is_known = 0;
+    return 1;
 }
 
 static int attempt(LagRun *run, double h, int is_cut)
@@ -136,8 +139,8 @@ static int attempt(LagRun *run, double h, int is_cut)
 static LagStatus step(LagRun *run)
 {
     LagNystrom *s = &run->methods.nystrom;
-    if (s->h == 0)
-        choose(run, s);
+    if (s->h == 0 && !choose(run, s))
+        return lag_roots_leave(run);
     return lag_equal_step(run, &s->h, attempt);
 }
 

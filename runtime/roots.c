@@ -6,7 +6,9 @@
 #include "evaluate.h"
 #include "function.h"
 #include "project.h"
+#include "segment.h"
 #include "state.h"
+#include "step.h"
 
 /* Of the larger one at the ends of a step, what lies under a root comes near to 0 within it: there the distance is a tenth. */
 static const double NEAR = 0.01, HALF = 0.5, SUSPECT = 0.1; /* the last one by a parabola */
@@ -90,25 +92,64 @@ static void look_at_ends(LagRun *run)
     s->events = statistics->events;
 }
 
-int lag_roots_refuse(LagRun *run)
+/* The share of the latest step at which it came near; 0: it did not. */
+static double approach(LagRun *run)
 {
-    LagMotion *m = &run->motion;
-    LagRoots *s = &run->roots;
     double x = 0;
-    if (!may_miss(run))
-        return 0;
-    look_at_ends(run);
+    if (run->model->n_roots > 0)
+        look_at_ends(run);
     for (int i = 0; i < run->model->n_roots && x == 0; ++i)
         x = is_suspect(run, i) ? nearest(run, i) : 0;
-    if (x == 0)
-        return 0;
-    const double h = m->t - m->t_old;
+    return x;
+}
+
+int lag_roots_cross(LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    LagSwitches *s = &run->switches;
+    const int n = m->n, count = run->model->n_switches;
+    if (count > 0) {
+        lag_conditions_by(run, m->t_old, m->other, m->other + n, s->slope + n, s->g_begin, s->rate_begin);
+        lag_conditions_by(run, m->t, m->y, m->y + n, s->slope + n, s->g, s->rate);
+    }
+    for (int i = 0; i < count; ++i)
+        if (s->g_begin[i] * s->g[i] < 0)
+            return 1;
+    return approach(run) > 0;
+}
+
+void lag_roots_forget(LagRun *run) { run->roots.known = 0; }
+
+static void take_back(LagRun *run, double share)
+{
+    LagMotion *m = &run->motion;
+    run->step = HALF * share * (m->t - m->t_old);
     lag_motion_take_back(m);
     lag_project_forget(run);
+    lag_roots_forget(run);
     --run->statistics.steps;
     ++run->statistics.rejected;
     run->segment_over = 0;
-    s->known = 0;
-    run->step = HALF * x * h;
-    return lag_stiffness_pass(run);
+}
+
+LagStatus lag_roots_leave(LagRun *run)
+{
+    lag_methods_choose(&run->methods, run->methods.explicit_solver);
+    lag_stiffness_reset(run);
+    const LagStatus status = lag_segment_evaluate(run);
+    return status == LAG_OK ? run->methods.table->step(run) : status;
+}
+
+LagStatus lag_roots_watch(LagRun *run)
+{
+    const int is_equal = run->methods.solver == LAG_SOLVER_CONSERVATIVE;
+    if (is_equal && lag_roots_cross(run)) {
+        take_back(run, 1);
+        return lag_roots_leave(run);
+    }
+    const double x = may_miss(run) ? approach(run) : 0;
+    if (x == 0)
+        return LAG_OK;
+    take_back(run, x);
+    return lag_stiffness_pass(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
 }

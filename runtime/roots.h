@@ -8,6 +8,7 @@
 #include "arena.h"
 #include "model.h"
 #include "run.h"
+#include "status.h"
 
 typedef struct {
     double *g, *rate, *g_old, *rate_old, *g_in, *rate_in; /* n_roots: at both ends of a step, and inside it */
@@ -18,8 +19,17 @@ typedef struct {
 
 void lag_roots_layout(LagRoots *roots, const LagModel *model, int size, LagArena *arena);
 
-/* A step was taken. Where it came too near to such a place for its method it is taken back, and others are put in its place, which
- * come nearer in steps as short as their errors ask for. Returns whether it was. */
-int lag_roots_refuse(LagRun *run);
+/* Whether a condition has changed in the latest step of a method that holds none, or it came near to such a place. */
+int lag_roots_cross(LagRun *run);
+
+/* The latest step was none of the run. */
+void lag_roots_forget(LagRun *run);
+
+/* Equal steps are no good where forces bend or jump: another method goes on for good, with error control. Takes its first step. */
+LagStatus lag_roots_leave(LagRun *run);
+
+/* A step was taken. Where it came too near to such a place for its method it is taken back, and others go on that come nearer in
+ * steps as short as their errors ask for; the first of them is taken. */
+LagStatus lag_roots_watch(LagRun *run);
 
 #endif

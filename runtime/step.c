@@ -79,8 +79,8 @@ LagStatus lag_step(LagRun *run)
     if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)
         return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
     LagStatus status = run->methods.table->step(run);
-    if (status == LAG_OK && lag_roots_refuse(run))
-        status = run->methods.table->step(run);
+    if (status == LAG_OK)
+        status = lag_roots_watch(run);
     if (status == LAG_OK) {
         if (run->orbit.is_open)
             lag_orbit_follow(run);

@@ -169,3 +169,21 @@ def test_fmus_have_them(tmp_path: Path, kind: str, error: float) -> None:
     path.write_text(ANCHOR, encoding="utf-8")
     found = simulated(path, "2", kind, ["line.s"], stop_time=3.0, output_interval=0.1, relative_tolerance=1e-9)
     assert found["line.s"][-1] == pytest.approx(-0.45983793558, abs=error)
+
+
+@pytest.mark.parametrize("stretch", ["distance(world.r, P.center.r) - 0.5", "abs(j.s) - 0.5"])
+def test_equal_steps_give_way(scene: Write, stretch: str) -> None:
+    """They cross what bends: others go on with error control, and are named."""
+    model = scene(f"""model Through
+      World world(gravity = {{0, 0}});
+      Prismatic j(a = world, along = {{1, 0}}, s(start = 1.02));
+      PointMass P(m = 1, center = j.b);
+      Spring f(k = 1, stretch = {stretch});
+    end Through;""")
+    for tolerance in (1e-6, 1e-12):
+        run = model.simulate(at=[10.0], tolerance=tolerance, solver="conservative")
+        assert run["j.s"][-1] == pytest.approx(0.5609145768268, abs=max(tolerance, 2e-12))
+        assert run.statistics.solver.name == "ERK"
+        assert run.statistics.steps < 200
+    calm = model.simulate(at=[10.0], tolerance=1e-9, solver="conservative", initial={"j.s": 0.9})
+    assert calm.statistics.solver.name == "CONSERVATIVE"
