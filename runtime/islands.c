@@ -183,6 +183,8 @@ static void add(LagStatistics *all, const LagStatistics *one)
     all->tolerance_missed += one->tolerance_missed;
     all->smallest_step = fmin(all->smallest_step, one->smallest_step);
     all->largest_step = fmax(all->largest_step, one->largest_step);
+    for (int k = 0; k < LAG_SOLVERS; ++k)
+        all->steps_by[k] += one->steps_by[k];
 }
 
 /* Those of all islands; what limits the steps is what limits those of the busiest. */
@@ -193,6 +195,7 @@ static void add_statistics(LagIslands *s, LagRun *run)
     all->steps = all->rejected = all->projections = all->implicit_steps = all->jacobians = all->factorisations = 0;
     all->switches = all->tolerance_missed = 0;
     all->largest_step = 0;
+    memset(all->steps_by, 0, sizeof all->steps_by);
     all->smallest_step = INFINITY;
     run->motion.evaluations = run->motion.dense_outputs = 0;
     for (int k = 0, first = 0; k < s->count; first += s->runs[k++]->model->n) {

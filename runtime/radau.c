@@ -207,6 +207,7 @@ static void take_back(LagRun *run)
     memcpy(s->slope, s->trial.slope, (size_t)run->motion.size * sizeof *s->slope);
     lag_motion_take_back(&run->motion);
     --run->statistics.steps;
+    --run->statistics.steps_by[LAG_SOLVER_IMPLICIT];
     --run->statistics.implicit_steps;
     ++run->statistics.rejected;
 }

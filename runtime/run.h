@@ -30,7 +30,8 @@ enum {
     LAG_SOLVER_TRANSITION,
     LAG_SOLVER_ORBIT,
     LAG_SOLVER_ERK9,
-    LAG_SOLVER_PIRK
+    LAG_SOLVER_PIRK,
+    LAG_SOLVERS /* how many numbers there are */
 };
 
 /* Smaller tolerances are raised to this one. */
@@ -65,6 +66,7 @@ typedef struct {
     int32_t switches;         /* from one solver to another */
     int32_t energy_is_open;   /* whether there is such a row */
     int32_t passed;           /* 1 + the first event whose contact was passed at the start, so that it does not come; 0: none */
+    int64_t steps_by[LAG_SOLVERS]; /* of them all, those of each solver */
 } LagStatistics;
 
 /* All memory is allocated here, but for input tables. NULL: out of memory. The model must outlive the run. */

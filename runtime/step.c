@@ -53,6 +53,7 @@ void lag_step_record(LagRun *run, double h)
     s->smallest_step = s->steps == 0 ? h : lag_min(h, s->smallest_step);
     s->largest_step = lag_max(h, s->largest_step);
     ++s->steps;
+    ++s->steps_by[run->methods.solver];
     run->segment_over = run->motion.t == run->segment_end;
     if (run->model->n_switches == 0) /* else the end may lie beyond an event */
         note_state(run);

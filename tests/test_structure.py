@@ -23,6 +23,7 @@ ORDER = """
     store
     diagnostics
     interruptions
+    spelling
     targets
     given
     units
@@ -224,6 +225,7 @@ ORDER = """
     fmu_simulate_command
     export_command
     cli
+    __main__
     __init__
 """.split()
 EXCEPTIONS = {

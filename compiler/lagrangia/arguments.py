@@ -1,9 +1,11 @@
 """What the subcommands of `lag` share: what was written after them -> names, values in SI units, tables, the model."""
 
 import csv
+import os
 import re
 import sys
 from argparse import Namespace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +28,19 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
     model = Model(options.file, options.model, structural, outputs)
     model.native = {"native": True, "tape": False}.get(getattr(options, "engine", "auto"))
     return model
+
+
+def tell_inputs(scene: Any, experiment: Any, given: Any) -> None:
+    """Says what the inputs do that nobody gave, and those whose table ends before the run does."""
+    times, columns = given if isinstance(given, tuple) else ((), given)
+    for known in scene.inputs:
+        if known.name not in columns:
+            value = f"{known.value or 0:g} {known.unit}".rstrip()
+            print(f"warning[L0708]: nothing is given for the input '{known.name}': it is {value} throughout\n"
+                  f"   = give it with -u {known.name}=VALUE, or -u FILE.csv", file=sys.stderr)
+    if len(times) and (times[-1] < experiment.stop or times[0] > experiment.start):
+        print(f"warning[L0709]: the table of inputs goes from {times[0]:g} to {times[-1]:g} s, the run from {experiment.start:g} "
+              f"to {experiment.stop:g} s: beyond its ends the inputs keep their values", file=sys.stderr)
 
 
 def tell_warnings(model: Model) -> None:
@@ -162,6 +177,21 @@ def prepare_target(options: Namespace) -> str:
     if options.dump is None:
         keep_inputs(options, target)
     return target
+
+
+def keep_foreign(options: Namespace, target: str, names: Sequence[str]) -> None:
+    """Raises LagError L0004 where nobody named a file for the results and the usual one holds something else: a file that has not
+    all these names in its first line."""
+    if options.output is not None or not os.path.isfile(target):
+        return
+    try:
+        with open(target, newline="", encoding="utf-8") as stream:
+            head = next(csv.reader(stream), [])
+    except (OSError, UnicodeDecodeError, csv.Error):
+        head = ["?"]
+    if head and not set(names) <= set(head):
+        fail("L0004", f"'{target}' is there already, and holds no results of this scene: it is kept", None,
+             f"-o {target} writes over it; another name after -o keeps it")
 
 
 def keep_inputs(options: Namespace, *targets: str | Path | None) -> None:

@@ -2,24 +2,27 @@
 
 import sys
 from argparse import Namespace
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from lagrangia.arguments import tell_warnings
-from lagrangia.diagnostics import LagError, render_all
+from lagrangia.diagnostics import Diagnostic, LagError, Report, render_all
+from lagrangia.interpret import evaluate
 from lagrangia.model import Model
+from lagrangia.simulate import check_parameters, check_values
+
+_LACKS_A_VALUE = "L0211"
 
 
 def check_command(options: Namespace) -> int:
     """Compiles every file; the exit code is 2 when one is wrong."""
     wrong = 0
     for file in options.files:
-        try:
-            model = Model(file)
-            freedom = model.freedom
-        except LagError as error:
+        model, freedom, found = _compiled(file)
+        if model is None or found:
             wrong += 1
-            print(render_all(error.diagnostics, sys.stderr.isatty()), file=sys.stderr)
+            print(render_all(found, sys.stderr.isatty()), file=sys.stderr)
             continue
         if freedom["problem"]:
             wrong += 1
@@ -28,6 +31,45 @@ def check_command(options: Namespace) -> int:
         print(f"{file}: {_describe(model.scene, freedom)}")
         tell_warnings(model)
     return 2 if wrong else 0
+
+
+def _compiled(file: Path) -> tuple[Model | None, Mapping[str, Any], list[Diagnostic]]:
+    """The last model of a file, its freedom, and what is wrong with it and with the others."""
+    report = Report()
+    model: Model | None = None
+    freedom: Mapping[str, Any] = {}
+    try:
+        model = Model(file)
+        freedom = model.freedom
+        _check_limits(model)
+    except LagError as error:
+        report.add(error.diagnostics)
+    if not any(diagnostic.code.startswith(("L00", "L01", "L0202")) for diagnostic in report.diagnostics):
+        report.add(_of_others(file))  # which are not wrong with the whole file
+    return model, freedom, report.diagnostics
+
+
+def _of_others(file: Path) -> Iterator[Diagnostic]:
+    """What is wrong with models before the last one: all but values that only who uses a model can give."""
+    from lagrangia.dimensions import check_dimensions
+    from lagrangia.pipeline import flatten_file, other_models
+
+    try:
+        others = other_models(file)
+    except LagError:
+        return  # told already
+    for name in others:
+        try:
+            check_dimensions(flatten_file(file, name)[1])
+        except LagError as error:
+            yield from (diagnostic for diagnostic in error.diagnostics if diagnostic.code != _LACKS_A_VALUE)
+
+
+def _check_limits(model: Model) -> None:
+    """Parameters as declared must lie within the limits of their types, as they must in a run."""
+    values = check_values(model.scene)
+    (parameters,) = evaluate(model.scene.tapes["parameters"], values.parameters, values.mask)
+    check_parameters(model.scene, parameters)
 
 
 def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:

@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 
 from lagrangia.diagnostics import LagError, RunError, render_all
 from lagrangia.interruptions import ended_as_by_control_c
+from lagrangia.spelling import prepare_output
 
 DONE, FAILED, WRONG = 0, 1, 2
 
@@ -21,6 +22,7 @@ DONE, FAILED, WRONG = 0, 1, 2
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit codes: 0 done, 1 the run failed, 2 the input is wrong."""
     atexit.register(gc.freeze)  # what ends with the process need not be searched for cycles
+    prepare_output()
     parsed = _parser().parse_args(arguments)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # of NumPy: what is not finite is told in our words
     with ended_as_by_control_c():

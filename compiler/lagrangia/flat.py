@@ -33,12 +33,16 @@ class Variable:
     span: Span
     is_evaluated: bool = False  # annotation(Evaluate = true)
     may_vary: bool = False  # annotation(Varying = true): a parameter, unless what it is bound to changes during the run
+    locked: str = ""  # "final" or "protected" where it cannot be set from outside
 
     def compiled(self) -> list[float | None]:
         """The elements that are compiled in: numbers 0, 1 and -1, with which products fall away, of evaluated parameters."""
         if not self.is_evaluated or self.binding is None:
             return [None] * prod(self.shape)
-        return [value if value in (0, 1, -1) else None for value in numbers_of(self.binding, self.shape)]
+        values = numbers_of(self.binding, self.shape)
+        if len(values) != prod(self.shape):  # told where it is evaluated
+            return [None] * prod(self.shape)
+        return [value if value in (0, 1, -1) else None for value in values]
 
     def elements(self) -> list[tuple[str, tuple[int, ...]]]:
         """Names and indices of the scalars it is made of."""

@@ -27,7 +27,6 @@ from lagrangia.idle import find_idle
 from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
 from lagrangia.names import Names, read_unit
 from lagrangia.tree import (
-    Argument,
     Array,
     Boolean,
     Call,
@@ -94,7 +93,7 @@ class _Flattening:
             definition.name, definition.description, self.variables, self.frames, tuple(self.frame_equations), bound,
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
-            self._experiment(definition.annotation, Scope(root)), definition.name_span,
+            self._experiment(Scope(root)), definition.name_span,
         )
         found = [*find_unread(model, root, self.table).diagnostics, *find_idle(model, root, self.table).diagnostics]
         return replace(model, warnings=tuple(found))
@@ -185,6 +184,7 @@ class _Flattening:
             "output" in declaration.prefixes and owner.parent is None, declaration.description,
             self._place(declaration.name_span, owner), kind == "parameter" and self._has(declaration, "Evaluate"),
             kind == "parameter" and self._has(declaration, "Varying"),
+            "final" if slot.is_final else "protected" if "protected" in declaration.prefixes else "",
         )
 
     @staticmethod
@@ -382,10 +382,12 @@ class _Flattening:
 
     # ------------------------------------------------------------ experiment
 
-    def _experiment(self, annotation: tuple[Argument, ...], scope: Scope) -> Experiment:
+    def _experiment(self, scope: Scope) -> Experiment:
+        """As the model's annotation says, and where it says nothing, those of the models it extends."""
         fields = {"StartTime": "start", "StopTime": "stop", "Tolerance": "tolerance", "Interval": "interval"}
         values: dict[str, float] = {}
         places: dict[str, Span] = {}
+        annotation = [top for definition in reversed(self.table.lineage(self.definition)) for top in definition.annotation]
         for top in annotation:
             if top.name != "experiment" and nearest(top.name, ["experiment"]):
                 fail("L0208", f"there is no annotation '{top.name}'", top.name_span, "did you mean 'experiment'?")

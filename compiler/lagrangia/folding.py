@@ -14,7 +14,8 @@ _FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
 }
 _FOLD_CALLS: Mapping[str, Callable[..., Any]] = {
     "floor": math.floor, "ceil": math.ceil, "abs": abs, "mod": lambda a, b: a - b * math.floor(a / b), "sqrt": math.sqrt,
-    "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log, "min": min, "max": max,
+    "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log,
+    "min": lambda *values: min(values), "max": lambda *values: max(values),
 }
 
 

@@ -4,7 +4,7 @@ A modification is kept with the scope it was written in (`Bound`), so that names
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import prod
 from typing import Any, Protocol, TypeAlias
 
@@ -102,6 +102,7 @@ class Instance:
     frame: FrameSlot | None = None
     parent: "Instance | None" = None
     absent: set[str] = field(default_factory=set)  # conditional components that are not there
+    protected: set[str] = field(default_factory=set)  # members that only the class itself, and what extends it, may name
 
     def child_path(self, name: str) -> str:
         return f"{self.path}.{name}" if self.path else name
@@ -157,8 +158,11 @@ class Instantiation:
             return
         for element in definition.elements:
             if isinstance(element, Declaration):
-                own = modification_of(element.arguments, scope, element.binding, element.name_span)
-                yield element, merge(modification.children.get(element.name, NOTHING), own)
+                own = replace(modification_of(element.arguments, scope, element.binding, element.name_span),
+                              is_final="final" in element.prefixes)
+                given = modification.children.get(element.name, NOTHING)
+                self._refuse_final(element.name, given, own)
+                yield element, merge(given, own)
             elif element.type_name == "Frame":
                 starts, fixed = self._frame_starts(modification)
                 scope.instance.frame = FrameSlot(scope.instance.path, scope.instance.span, starts, fixed, None, scope.instance)
@@ -169,8 +173,21 @@ class Instantiation:
                     continue
                 inner = modification_of(element.arguments, scope, None, element.span)
                 self._check_extends(base, inner)
+                for name in modification.children.keys() & inner.children.keys():
+                    self._refuse_final(name, modification.children[name], inner.children[name])
                 yield from self._members(base, merge(modification, inner), scope, (*bases, definition))
         scope.instance.clauses += [(s.kind, clause) for s in definition.sections for clause in s.clauses]
+
+    def _refuse_final(self, name: str, given: Modification, own: Modification) -> None:
+        """Nothing may be given for what is final, nor for a part of it that is."""
+        if own.is_final and (given.value is not None or given.children):
+            place = given.span or next(iter(given.children.values())).span
+            if place != own.span:
+                self.report.error("L0227", f"'{name}' is final: it keeps the value that it was declared with", place,
+                                  f"it was made final at {own.span}; leave this out, or take `final` away there")
+            return
+        for inner in given.children.keys() & own.children.keys():
+            self._refuse_final(inner, given.children[inner], own.children[inner])
 
     def _check_extends(self, base: ClassDefinition, inner: Modification) -> None:
         if inner.children:
@@ -185,6 +202,10 @@ class Instantiation:
     def _check_names(self, instance: Instance, members: list[tuple[Declaration, Modification]], change: Modification) -> None:
         known = {declaration.name for declaration, _ in members} | (FRAME_ATTRIBUTES if instance.frame else frozenset())
         self._refuse_unknown(instance.definition, change, known)
+        instance.protected |= {declaration.name for declaration, _ in members if "protected" in declaration.prefixes}
+        for name in instance.protected & change.children.keys():
+            self.report.error("L0228", f"'{name}' of {instance.definition.name} is protected: it cannot be given from outside",
+                              change.children[name].span, "declare it before `protected`, or after `public`, if it is for others")
         seen: set[str] = set()
         for declaration, _ in members:
             if declaration.name in seen:

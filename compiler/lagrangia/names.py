@@ -46,6 +46,7 @@ FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
 _ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
+_UNIT_BEHIND = "a unit stands behind a literal alone, as in 30[deg]; square brackets behind a name pick an element"
 _MOST_ITERATIONS = 100_000
 
 
@@ -261,6 +262,8 @@ class Names:
             return Number(float(scope.iterators[first.name]), None, node.span, True)
         member = scope.instance.members.get(first.name)
         if member is None:
+            if first.name == "time" or first.name in CONSTANTS or first.name in scope.iterators:
+                self._require_plain(node)
             if first.name == "time":
                 return Time(node.span)
             if first.name in CONSTANTS:
@@ -271,9 +274,19 @@ class Names:
             self._unknown(node, scope)
         return self._follow(node, 0, member, scope)
 
+    def _require_plain(self, node: Reference) -> None:
+        """`time`, `pi` and the variable of a loop are numbers: no part of them can be picked, and no unit be put behind them."""
+        first, *rest = node.parts
+        if rest:
+            fail("L0216", f"'{first.name}' is a number and has no '{rest[0].name}'", rest[0].span)
+        if first.subscripts:
+            fail("L0214", f"'{first.name}' is a number, not an array", node.span, _UNIT_BEHIND)
+
     def _follow(self, node: Reference, at: int, member: Member, scope: Scope) -> Flat:
         """Goes down the dotted name; arrays of components without subscripts make arrays of what follows."""
         part = node.parts[at]
+        if part.subscripts and isinstance(member, Slot) and not member.dimensions:
+            fail("L0214", f"'{part.name}' is a number, not an array", node.span, _UNIT_BEHIND)
         subscripts = [self._subscript(s, scope, member, k) for k, s in enumerate(part.subscripts)]
         return self._index(node, at, member, subscripts, scope)
 
@@ -302,6 +315,10 @@ class Names:
             fail("L0216", f"'{node}' is a component ({member.definition.name}), not a value", node.span,
                  _ports(member))
         inner = member.members.get(rest[0].name)
+        if rest[0].name in member.protected:
+            owner = member.definition.name
+            fail("L0228", f"'{rest[0].name}' of {owner} is protected: only {owner} and what extends it may name it", rest[0].span,
+                 "declare it before `protected`, or after `public`, if others may read it")
         if inner is None:
             if member.frame is not None and rest[0].name in FRAME_ATTRIBUTES:
                 return self._frame(node, at + 1, member.frame, scope)

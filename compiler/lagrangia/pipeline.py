@@ -218,6 +218,16 @@ def read_source(path: Path) -> Source:
         fail("L0101", f"'{path}' is not a text file in UTF-8: byte {error.object[error.start]:#04x} at offset {error.start}")
 
 
+def other_models(path: Path) -> list[str]:
+    """The models of a file that compiling the last one would not see: not partial, and used by none. Raises LagError."""
+    with deep_recursion():
+        syntax = read_files(path)[0]
+        chosen = _choose(syntax, None)
+    used = {element.type_name for c in syntax.classes for element in c.elements if element.type_name != c.name}
+    return [c.name for c in syntax.classes
+            if c.kind == "model" and not c.is_partial and c is not chosen and c.name not in used]
+
+
 def _choose(syntax: "Syntax", name: str | None) -> Any:
     from lagrangia.diagnostics import suggest
 

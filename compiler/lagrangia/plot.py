@@ -48,9 +48,18 @@ def draw(title: str, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndar
             axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     axes[-1].set_xlabel("time [s]")
     axes[0].set_title(title, fontsize=11, wrap=True)
+    take_literally(figure)
     if path is not None:
         save(figure, Path(path))
     return figure
+
+
+def take_literally(figure: Any) -> None:
+    """Names are text: a dollar in them begins no formula."""
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):
+        text.set_parse_math(False)
 
 
 def _what(members: list[tuple[Column, Any]]) -> str:

@@ -58,6 +58,8 @@ class Solver(IntEnum):
     ERK5 = 7
     ADAMS = 8
     STEPWISE = 9
+    TRANSITION = 10
+    ORBIT = 11
     ERK9 = 12
     PIRK = 13
 
@@ -105,6 +107,7 @@ class Statistics:
     passed: int = 0
     energy_open: float = 0.0
     energy_is_open: bool = False
+    steps_by: tuple[int, ...] = ()  # of them all, those of each solver, by its number
 
     @property
     def energy_size(self) -> float:
@@ -244,6 +247,7 @@ class _Statistics(c.Structure):
         ("switches", c.c_int32),
         ("energy_is_open", c.c_int32),
         ("passed", c.c_int32),
+        ("steps_by", c.c_int64 * (max(Solver) + 1)),
     )
 
 
@@ -464,7 +468,7 @@ class Run:
         struct = self._library.lag_run_statistics(self._run).contents
         values = {name: getattr(struct, name) for name, _ in _Statistics._fields_}
         flags = {name: bool(values[name]) for name in ("tolerance_raised", "energy_is_open")}
-        return Statistics(**values | flags | {"solver": Solver(struct.solver)})
+        return Statistics(**values | flags | {"solver": Solver(struct.solver), "steps_by": tuple(struct.steps_by)})
 
     @property
     def failure(self) -> Failure:

@@ -23,6 +23,7 @@ class Parameter:
     description: str
     place: str
     compiled: float | None = None
+    locked: str = ""  # "final" or "protected": why it cannot be set
 
 
 @dataclass(frozen=True)

@@ -155,6 +155,9 @@ def check_values(
     for name, value in by_name("parameters", parameters).items():
         if name not in place:
             _unknown("parameter", name, [*place, *scene.structural], report)
+        elif locked := scene.parameters[place[name]].locked:
+            report.error("L0701", f"the parameter '{name}' is {locked}: it cannot be set", None,
+                         f"declared at {scene.parameters[place[name]].place}")
         elif not math.isfinite(a_number(f"parameter '{name}'", value)):
             report.error("L0605", f"the parameter '{name}' must be a finite number, not {value}")
         else:

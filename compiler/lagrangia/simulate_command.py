@@ -9,12 +9,14 @@ from typing import Any
 
 from lagrangia.arguments import (
     assignment,
+    keep_foreign,
     load_model,
     number,
     open_parameters,
     prepare_target,
     read_inputs,
     split_names,
+    tell_inputs,
     tell_warnings,
     values_with_units,
 )
@@ -47,14 +49,17 @@ def simulate_command(options: Namespace) -> int:
 
         print(dump(model.compilation, options.dump))
         return 0
+    keep_foreign(options, target, [column.name for column in (*scene.coordinates, *scene.rates)])
     at = None if options.at is None else [number(text, "--at") for text in options.at.split(",")]
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
                       at=at, max_step=options.max_step, max_steps=options.max_steps,
                       solver=options.solver)
     parameters = open_parameters(scene, given)
     initial = values_with_units([assignment(text, "--initial") for text in options.initial], scene.start_units)
-    values = check_values(scene, parameters, initial, read_inputs(options.input, scene))
+    inputs = read_inputs(options.input, scene)
+    values = check_values(scene, parameters, initial, inputs)
     tell_warnings(model)
+    tell_inputs(scene, experiment, inputs)
     model = model.suited(values)
     compiled = time.perf_counter() - begin
     return _run(options, model, experiment, values, compiled, target)

@@ -57,4 +57,5 @@ def number_of(name: str, scene: Scene) -> Solver:
 
 
 def name_of(number: Solver) -> str:
-    return next((name for name, way in WAYS.items() if way.number is number), AUTO)
+    others = {Solver.TRANSITION: "linear", Solver.ORBIT: "swings told from one of them"}
+    return next((name for name, way in WAYS.items() if way.number is number), others.get(number, AUTO))

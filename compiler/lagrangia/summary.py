@@ -9,8 +9,9 @@ from typing import Any
 from lagrangia.engines import Engine, describe
 from lagrangia.interpret import evaluate
 from lagrangia.model import Model
+from lagrangia.runtime import Solver, Statistics
 from lagrangia.simulate import Experiment, Progress, Values, shortcomings
-from lagrangia.solvers import name_of
+from lagrangia.solvers import AUTO, name_of
 from lagrangia.statics import is_static, reaction_table
 
 _GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model.h
@@ -34,11 +35,7 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
     solver = "" if engine else f"casadi:{options.solver.partition(':')[2] or 'cvodes'}"
     how = ""
     if statistics is not None and engine is not None:
-        solver = name_of(statistics.solver)
-        if statistics.switches:
-            implicit = statistics.implicit_steps
-            parts = f"{statistics.steps - implicit} steps explicit, {implicit} implicit, {statistics.switches} switches"
-            solver = f"{options.solver} ({parts})"
+        solver = methods_of(statistics, options.solver, scene.sizes["n_events"] + scene.sizes["n_switches"] > 0)
         how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations"
     say(f"  {solver}{how} in {_time(progress.seconds)}")
     if statistics is not None:
@@ -50,6 +47,17 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
     say(f"  {progress.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""))
     if options.stats:
         _tell(model, engine, progress, compiled, loaded, say)
+
+
+def methods_of(statistics: Statistics, asked: str, is_cut: bool) -> str:
+    """What ran, with the steps of each method where there were several, and why another than the one asked for did."""
+    counts = {name_of(Solver(k)): count for k, count in enumerate(statistics.steps_by) if count}
+    names = list(counts) or [name_of(statistics.solver)]
+    shown = names[0] if len(names) == 1 else ", ".join(f"{name} ({count} steps)" for name, count in counts.items())
+    if asked in (AUTO, *names):
+        return shown
+    why = ", as events and friction cut its steps" if is_cut else ", which could not go on"
+    return f"{shown} in place of {asked}{why}"
 
 
 def tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out: Any) -> None:

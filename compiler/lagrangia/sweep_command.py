@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.arguments import assignment, input_tables, load_model, read_inputs, tell_warnings
+from lagrangia.arguments import assignment, input_tables, keep_foreign, load_model, read_inputs, tell_inputs, tell_warnings
 from lagrangia.diagnostics import fail
 from lagrangia.model import Model
 from lagrangia.simulate import DOUBTFUL, plan
@@ -28,6 +28,7 @@ def sweep_command(options: Namespace) -> int:
     if not options.dry_run:
         require_place(target, [options.file, *filter(None, [options.runs]), *input_tables(options.input)])
     model, job = _prepare(options)
+    keep_foreign(options, target, ["run", *(measure.text for measure in job.measures)])
     if options.dry_run:
         return _show(job)
     if target == "-" or is_device(target):
@@ -48,9 +49,11 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     scene = model.scene
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
                       max_step=options.max_step, max_steps=options.max_steps, solver=options.solver)
+    inputs = read_inputs(options.input, scene)
+    tell_inputs(scene, experiment, inputs)
     varied = {name: text for name, text in given.items() if name not in model.structural}
     request = Request(varied, _assignments(options.initial, "--initial"), options.runs, options.samples, options.seed,
-                      options.sampling, options.together, read_inputs(options.input, scene), options.interval,
+                      options.sampling, options.together, inputs, options.interval,
                       options.seconds_per_run)
     return model.suited_to_all(build_job(scene, measures or usual_measures(scene), experiment, request))
 
@@ -118,6 +121,9 @@ def _summarise(sweep: Sweep, target: str, now: int) -> None:
     failed = sweep.runs - int(sweep.ok.sum())
     rate = f" ({now / sweep.seconds:.0f} runs a second)" if now and sweep.seconds > 0 else ""
     say(f"{sweep.job.scene.name}: {sweep.runs} runs, {failed} failed, in {sweep.seconds:.3g} s{rate}")
+    settings, window = sweep.job.sweep.settings, sweep.job.sweep.window
+    often = f", looked at every {window:g} s at least" if window > 0 else ""
+    say(f"  {settings.t_start:g} to {settings.t_stop:g} s, tolerance {settings.tolerance:g}{often}")
     for what, count in sweep.common_failures() if failed else []:
         say(f"  {count} failed: {what}")
     for measure in sweep.job.measures[:_MOST_SHOWN]:

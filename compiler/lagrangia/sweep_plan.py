@@ -155,6 +155,9 @@ def _resolve(scene: Scene, kind: str, name: str) -> _Name:
     if kind == "parameter":
         elements = (name,) if name in place else tuple(n for n in place if re.fullmatch(rf"{re.escape(name)}\[[\d,]+\]", n))
         if elements:
+            if locked := scene.parameters[place[elements[0]]].locked:
+                fail("L0701", f"the parameter '{name}' is {locked}: it cannot be set", None,
+                     f"declared at {scene.parameters[place[elements[0]]].place}")
             return _Name(name, kind, elements, tuple(place[n] for n in elements), scene.parameters[place[elements[0]]].unit)
         if name.partition("[")[0] in scene.structural:
             fail("L0901", f"not supported yet: a sweep over '{name}', which decides what the scene consists of", None,

@@ -3,6 +3,7 @@
 import re
 import sys
 from collections.abc import Iterator as IteratorType
+from dataclasses import replace
 from functools import cache
 from io import BytesIO
 from typing import Any, cast
@@ -13,6 +14,7 @@ from lark import Lark, Token, Transformer, UnexpectedInput, v_args
 from lagrangia.diagnostics import Report, Source, Span, fail
 from lagrangia.expectations import refuse, shortened
 from lagrangia.folders import data_folder
+from lagrangia.spelling import plain_text
 from lagrangia.store import find_kept, keep, key_of
 from lagrangia.tree import (
     Argument,
@@ -112,12 +114,12 @@ def _text(token: Token | None) -> str:
     text = str(token)[1:-1]
     for escape, character in _UNESCAPES.items():
         text = text.replace(escape, character)
-    return text
+    return plain_text(text)
 
 
 def _name(token: Token) -> str:
     """A quoted name 'a b' stands for itself without the quotes."""
-    return str(token)
+    return plain_text(str(token))
 
 
 @v_args(meta=True)
@@ -154,11 +156,14 @@ class _Nodes(Transformer[Token, Any]):
         description = rest[0] if len(rest) > 1 else None
         elements: list[Declaration | Extends] = []
         annotation: tuple[Argument, ...] = ()
+        hidden: frozenset[str] = frozenset()
         for item in (c for c in children if not isinstance(c, Token)):
             if isinstance(item, tuple) and item and item[0] == "annotation":
                 annotation += item[1]
+            elif isinstance(item, tuple) and item and item[0] == "visibility":
+                hidden = frozenset({"protected"}) & {item[1]}
             elif isinstance(item, list):
-                elements += item
+                elements += [replace(declaration, prefixes=declaration.prefixes | hidden) for declaration in item]
             elif isinstance(item, Extends):
                 elements.append(item)
         sections = tuple(c for c in children if isinstance(c, Section))

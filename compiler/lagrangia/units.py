@@ -42,7 +42,11 @@ _UNITS = {
     "min": Unit(60, _S), "h": Unit(3600, _S), "d": Unit(86400, _S),
     "t": Unit(1000, _KG), "lb": Unit(0.45359237, _KG), "L": Unit(1e-3, dimension(m=3)), "l": Unit(1e-3, dimension(m=3)),
     "inch": Unit(0.0254, _M), "ft": Unit(0.3048, _M), "bar": Unit(1e5, dimension(kg=1, m=-1, s=-2)),
-    "lbf": Unit(4.4482216152605, _NEWTON), "eV": Unit(1.602176634e-19, _JOULE),
+    "in": Unit(0.0254, _M), "yd": Unit(0.9144, _M), "mi": Unit(1609.344, _M), "mph": Unit(0.44704, dimension(m=1, s=-1)),
+    "kn": Unit(1852 / 3600, dimension(m=1, s=-1)), "oz": Unit(0.028349523125, _KG), "slug": Unit(14.593902937206364, _KG),
+    "lbf": Unit(4.4482216152605, _NEWTON), "ozf": Unit(0.27801385095378125, _NEWTON), "kip": Unit(4448.2216152605, _NEWTON),
+    "kgf": Unit(9.80665, _NEWTON), "kp": Unit(9.80665, _NEWTON), "dyn": Unit(1e-5, _NEWTON),
+    "hp": Unit(745.6998715822702, _WATT), "PS": Unit(735.49875, _WATT), "eV": Unit(1.602176634e-19, _JOULE),
     "C": Unit(1, dimension(A=1, s=1)), "V": Unit(1, dimension(kg=1, m=2, s=-3, A=-1)),
     "Ohm": Unit(1, dimension(kg=1, m=2, s=-3, A=-2)), "F": Unit(1, dimension(kg=-1, m=-2, s=4, A=2)),
     "H": Unit(1, dimension(kg=1, m=2, s=-2, A=-2)), "Wb": Unit(1, dimension(kg=1, m=2, s=-2, A=-1)),
@@ -50,7 +54,8 @@ _UNITS = {
 }
 _PREFIXES = {"q": -30, "r": -27, "y": -24, "z": -21, "a": -18, "f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3,
              "c": -2, "d": -1, "da": 1, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12, "P": 15, "E": 18, "Z": 21, "Y": 24}
-_NO_PREFIX = {"1", "deg", "°", "rev", "%", "rpm", "min", "h", "d", "lb", "inch", "ft", "lbf", "degC", "kg"}
+_NO_PREFIX = {"1", "deg", "°", "rev", "%", "rpm", "min", "h", "d", "lb", "inch", "ft", "lbf", "degC", "kg",
+              "in", "yd", "mi", "mph", "kn", "oz", "slug", "ozf", "kip", "kgf", "kp", "hp", "PS"}
 _FACTOR = re.compile(r"(1|[A-Za-z°%µμ]+)(?:\^?([+-]?\d+))?")
 
 

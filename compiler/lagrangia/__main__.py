@@ -1,0 +1,7 @@
+"""`python -m lagrangia`: the command `lag`."""
+
+import sys
+
+from lagrangia.cli import main
+
+sys.exit(main())
