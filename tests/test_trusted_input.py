@@ -96,7 +96,8 @@ def test_the_summary_names_what_ran(solver: str, capsys: pytest.CaptureFixture[s
 @pytest.mark.parametrize("unit, value", [("slug", 14.593902937206364), ("oz", 0.028349523125), ("mph", 0.44704), ("in", 0.0254),
                                          ("kn", 1852 / 3600), ("kgf", 9.80665), ("kp", 9.80665), ("kip", 4448.2216152605),
                                          ("dyn", 1e-5), ("hp", 745.6998715822702), ("PS", 735.49875),
-                                         ("ozf", 0.27801385095378125), ("lbf/in", 4.4482216152605 / 0.0254), ("min", 60.0), ("mm", 1e-3)])
+                                         ("ozf", 0.27801385095378125),
+                                         ("lbf/in", 4.4482216152605 / 0.0254), ("min", 60.0), ("mm", 1e-3)])
 def test_units_that_engineers_use(unit: str, value: float) -> None:
     from lagrangia.units import parse_unit
 
@@ -136,8 +137,8 @@ def test_a_dollar_in_a_name_begins_no_formula() -> None:
 
 
 def test_largest_and_sum_of_one_number_and_directions_of_one(capsys: pytest.CaptureFixture[str]) -> None:
-    file = write("model One\n  parameter Real y = max(1), z = min(2) + sum(3) + product(4);\n  Block b(m = y + z, base = world);\n"
-                 "end One;\n")
+    file = write("model One\n  parameter Real y = max(1), z = min(2) + sum(3) + product(4);\n"
+                 "  Block b(m = y + z, base = world);\nend One;\n")
     model = lag.load(file)
     assert dict(zip(model.parameter_names, model.parameter_values(), strict=True))["b.m"] == 10
     for text in ("Prismatic j(a = world, along = {1}); PointMass p(m = 1, center = j.b);",
