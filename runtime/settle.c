@@ -25,6 +25,7 @@ static const double NEARLY = 1e-9; /* of the terms of dg/dt */
 static const double MOMENT = 1e-3; /* of a step; of a second where no step tells of one */
 static const double FAINT = 1e-6;  /* of the jump a moment later, or of the largest so far */
 static const double TIE = 1e-9; /* of the own jump */
+static const double ASTRAY = 1000; /* a share: nothing presses at a stage of a step */
 static const double LARGE = 16; /* times the force of the usual size: forces hold each other, and it is theirs */
 
 /* Contacts first: where friction and a contact hold the same rate, friction is what may not know its share. What nothing presses is none. */
@@ -459,11 +460,26 @@ void lag_sliding_grow(LagRun *run)
     run->sliding.count = count;
 }
 
+/* Shares of friction that went astray begin anew at an end, and what presses with a force of its size: since friction is linear in both,
+ * Newton's second iteration is exact then. */
+static void call_back(const LagRun *run, int count)
+{
+    const LagSliding *s = &run->sliding;
+    int some = 0;
+    for (int k = 0; k < count; ++k)
+        some |= lag_may_have_all(run, s->which[k]) && !(fabs(*lag_share(run, s->which[k])) < ASTRAY);
+    for (int k = 0; k < count && some; ++k) {
+        double *share = lag_share(run, s->which[k]);
+        *share = lag_may_have_all(run, s->which[k]) ? lag_max(0, lag_min(1, *share)) : lag_max(s->unit[k], *share);
+    }
+}
+
 void lag_sliding_refresh(LagRun *run, double t, const double *y)
 {
     LagSliding *s = &run->sliding;
     const int count = s->count;
     s->count = 0; /* accelerations as the shares say */
+    call_back(run, count);
     lag_jumps_find(run, t, y, count, LAG_ELSEWHERE);
     for (int k = 0; k < count; ++k)
         s->state[k] = SLIDES;

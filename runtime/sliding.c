@@ -13,7 +13,7 @@
 
 /* A change of shares is rounding below ENOUGH, and below FAINT where the next one is not much smaller; the secant tells of a jump where
  * a change is not as large as the one before. */
-static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, MOST_RATIO = 0.9;
+static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, MOST_RATIO = 0.9, MANY = 1000, REPEATED = 1e-8;
 static const double MOMENT = 1e-6, DRIFT = 10; /* of a step; of tolerances */
 static const double MOVED = 2; /* times as far from 0 as before an impact: it was moved */
 /* Where equations contradict each other those of contacts, which come first, are kept. */
@@ -195,13 +195,19 @@ static double find_change(LagRun *run, double t, const double *q, const double *
     return largest;
 }
 
-/* Whether their rates have vanished, which they do not where a jump has. */
-static int are_kept(const LagRun *run)
+/* Whether their rates have vanished, which they do not where a jump has, or where shares are found of nothing: of them no more is left than
+ * the latest change of shares makes, or, where several hold the same, than they contradict each other. */
+static int are_kept(const LagRun *run, double change)
 {
     const LagSliding *s = &run->sliding;
+    double most = 0;
     for (int k = 0; k < s->count; ++k)
-        if (fabs(s->rate[s->which[k]]) > s->noise[k] + FAINT * s->most_jump[s->which[k]])
+        most = lag_max(s->most_jump[s->which[k]], most);
+    for (int k = 0; k < s->count; ++k) {
+        const double jump = s->most_jump[s->which[k]], left = lag_max(MANY * change * most, REPEATED * jump);
+        if (fabs(s->rate[s->which[k]]) > s->noise[k] + lag_min(FAINT * jump, left))
             return 0;
+    }
     return 1;
 }
 
@@ -223,7 +229,7 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     s->is_fresh &= tries > 0;
     const int is_known = !s->grows || s->is_fresh; /* jumps that grow are others than a moment before */
     const int is_settled = change <= ENOUGH || (is_known && tries > 0 && change < FAINT && change > SLOW * s->latest);
-    if (is_settled && are_kept(run))
+    if (is_settled && are_kept(run, change))
         return LAG_SHARES_KEPT;
     const int is_slow = tries > 0 && change * pow(change / s->latest, s->count + 1) > ENOUGH, was_lost = tries == 0 && s->is_lost;
     s->is_lost = !was_lost && (!(change < INFINITY) || tries == MOST_TRIES);
