@@ -420,3 +420,11 @@ def test_reactions_beside_a_kinetic_energy_of_two_bodies(scene: Write) -> None:
             ("Between lump(m = 2, a = lower.a, b = lower.b)", "PointMass lump(m = 2, center = lower.center)")]
     for joint in ("hinge", "elbow"):
         np.testing.assert_allclose(runs[0][f"{joint}.reaction"], runs[1][f"{joint}.reaction"], atol=1e-7)
+
+
+def test_a_block_and_a_slide_tell_the_same_reaction(scene: Write) -> None:
+    """What carries them pushes up against the weight."""
+    model = scene("model M Block b(m = 2, base = world); Prismatic s(a = world); PointMass p(m = 2, center = s.b); "
+                  "output Force B[2] = b.reaction; output Force S[2] = s.reaction; end M;")
+    run = model.simulate(stop=0.1)
+    assert (run["B[1]"][-1], run["B[2]"][-1]) == (run["S[1]"][-1], run["S[2]"][-1]) == (0.0, pytest.approx(2 * 9.81, rel=1e-14))

@@ -22,7 +22,10 @@ _MOST_COMPONENTS = 100_000
 
 
 def held_port(frames: Sequence[str]) -> str | None:
-    """The frame of a component that its reaction acts on: b of a and b, else the last one declared; None with fewer than two."""
+    """The frame of a component that its reaction acts on: b of a and b, the center that a base carries, else the last one; None
+    with fewer than two."""
+    if {"base", "center"} <= set(frames):
+        return "center"
     return "b" if {"a", "b"} <= set(frames) else frames[-1] if len(frames) > 1 else None
 
 

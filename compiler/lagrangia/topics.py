@@ -31,10 +31,10 @@ expression = expression    between positions: a constraint. Linear ones (rolling
 when x < 0 then            an event, where the condition comes true: the rate of any position or angle x gets the value,
   reinit(der(x), value);   by an impulse that works on x: what else jumps follows from masses, joints and loops; see also
 end when;                  `lag help events`
-hinge.reaction             in outputs: force (2), in world axes, of a joint or a tie (Gear, Belt, Link, Rope) on its port b, or on
-                           its last frame when it has no b; hinge.reaction_torque: about that frame's origin. What is bound to a
-                           joint's coordinate (stretch = guide.s, a Rack, a Motion, equations of coordinates) acts through the
-                           joint, and counts as its reaction: the torque of a drive is hinge.reaction_torque
+hinge.reaction             in outputs: force (2), in world axes, of a joint or a tie (Gear, Belt, Link, Rope) on its port b, the
+                           center of a Block, or its last frame; hinge.reaction_torque: about that frame's origin. What is bound
+                           to a joint's coordinate (stretch = guide.s, a Rack, a Motion, equations of coordinates) acts through
+                           the joint, and counts as its reaction: the torque of a drive is hinge.reaction_torque
 initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3
 parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
                            are structural: they decide what the scene consists of
