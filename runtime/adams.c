@@ -377,7 +377,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
 /* Where conditions are not held through steps, slopes before tell little of those to come. */
 static LagStatus step(LagRun *run)
 {
-    if (run->switches.is_live && lag_stiffness_pass(run))
+    if ((run->switches.is_live || run->model->n_cones > 0) && lag_stiffness_pass(run))
         return run->methods.table->step(run);
     return lag_step_adaptive(run);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cones.h"
 #include "evaluate.h"
 #include "extremes.h"
 #include "state.h"
@@ -12,6 +13,7 @@
 static const double UNKNOWN = 1024 * DBL_EPSILON;
 static const double NO_FORCE = 1e-13; /* of a force of the size of others: what others hold, a contact does not */
 static const double MOMENT = 1e-3;    /* s */
+static const double ANY = 1e300;      /* of two together it is known later whether there is enough */
 static const double LITTLE = 1e-3;    /* of the largest change of an acceleration by a contact */
 
 void lag_sliding_rates(LagRun *run, double t, const double *y)
@@ -86,7 +88,7 @@ static void find_unit(LagRun *run, double t, const double *y, int count, int j)
     if (!is_jump)
         probe(run, t, y, count, j, 1);
     s->unit[j] = is_jump ? 1 : force_of_size(run);
-    s->least[j] = is_jump ? 0 : NO_FORCE * s->unit[j];
+    s->least[j] = !is_jump ? NO_FORCE * s->unit[j] : lag_cones_have(run, s->which[j]) ? -ANY : 0;
 }
 
 void lag_jumps_begin(LagRun *run, int count)
@@ -96,7 +98,7 @@ void lag_jumps_begin(LagRun *run, int count)
         const int is_jump = lag_may_have_all(run, s->which[k]);
         s->is_new[k] = s->most_jump[s->which[k]] == 0;
         s->share[k] = is_jump ? 0.5 : 0;
-        s->limit[k] = is_jump ? 1 : INFINITY;
+        s->limit[k] = !is_jump ? INFINITY : lag_cones_have(run, s->which[k]) ? ANY : 1;
         *lag_share(run, s->which[k]) = s->share[k];
     }
 }

@@ -69,12 +69,14 @@ struct LagModel {
     int n_resets;   /* rates that they reset, by impulses that follow the switches in d: forces of 1 when a way is looked for */
     int n_rests;    /* behind these: 1 where a switch is held at its jump, which may take more than what moves, else 0 */
     int n_roots;    /* of positions, in the forces: these bend where what stands under one touches 0 */
+    int n_cones;    /* slips in the plane, of which a force holds both components */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
     const int *reset_places;    /* 2 n_resets: the event of each, and whether it is a contact, where what rests is held */
     const int *rubs;            /* 3 n_rubs: the switch of its slip, the event of the contact, whether no other force has the switch */
     const int *rests;           /* n_rests: the switch of each */
+    const int *cones;           /* 2 n_cones: the switches of both components */
     int outputs_need_acceleration; /* a or lambda */
     int switches_need_acceleration;
     const int *linear_pattern;     /* NULL unless the equations are linear: see linear_system.h */

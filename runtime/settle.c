@@ -10,6 +10,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "cones.h"
 #include "evaluate.h"
 #include "extremes.h"
 #include "jams.h"
@@ -143,7 +144,7 @@ static void set_shares(const LagRun *run, int count)
 {
     const LagSliding *s = &run->sliding;
     for (int k = 0; k < count; ++k)
-        *lag_share(run, s->which[k]) = lag_max(0, lag_min(s->limit[k], s->share[k]));
+        *lag_share(run, s->which[k]) = lag_max(lag_min(0, s->least[k]), lag_min(s->limit[k], s->share[k]));
 }
 
 /* Whether rates at the shares in d are what jumps make them out to be: they are not where friction presses with the force of a contact,
@@ -240,6 +241,9 @@ static int is_held(const LagSliding *s, int count, int k)
     return s->state[k] == SLIDES || (is_acted_on && fabs(rate_of(s, count, k, 1)) <= ROUNDING * size_of(s, count, k));
 }
 
+/* Whether there is enough of what holds candidate j, where that is in the plane. */
+static int may_hold(const LagRun *run, int j) { return run->sliding.is_lenient || !lag_cones_break(run, run->sliding.which[j]); }
+
 /* All candidates may hold. */
 static void begin_rests(LagRun *run, int count)
 {
@@ -256,7 +260,7 @@ static int choose_rests(LagRun *run, double t, const double *y, int count, int i
         changes = 0;
         for (int k = 0; k < run->model->n_rests; ++k) {
             const int j = place_of(run, count, k), may_act = j >= 0 && s->state[j] == GIVEN && s->jump[j + j * count] == 0;
-            const int holds = j >= 0 && (may_act || is_held(s, count, j));
+            const int holds = j >= 0 && (may_act || (is_held(s, count, j) && may_hold(run, j)));
             if (*lag_rest(run, k) == holds || (holds && turn > count)) /* in the end what has let go stays so */
                 continue;
             *lag_rest(run, k) = holds;

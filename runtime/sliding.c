@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cones.h"
 #include "evaluate.h"
 #include "extremes.h"
 #include "state.h"
@@ -34,6 +35,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->which = lag_take_ints(arena, most);
     s->state = lag_take_ints(arena, most);
     s->next = lag_take_ints(arena, most);
+    s->leaves = lag_take_ints(arena, (size_t)model->n_cones);
     s->is_new = lag_take_ints(arena, most);
     s->open = lag_take_ints(arena, most);
     s->known = lag_take_ints(arena, most);
@@ -70,7 +72,8 @@ void lag_sliding_reset(LagRun *run)
     lag_sliding_end(run);
     lag_sliding_forget_impact(run);
     s->latest = s->first = 0;
-    s->grows = 0;
+    s->grows = s->is_lenient = 0;
+    s->stops = INFINITY;
     if (size > 0) {
         memset(s->error, 0, size);
         memset(s->most_jump, 0, size);
@@ -153,7 +156,7 @@ void lag_sliding_stop(LagRun *run)
     lag_sliding_rates(run, m->t, m->y);
     for (int k = 0; k < count; ++k) {
         s->share_here[k] = *lag_share(run, s->which[k]);
-        s->change[k] = -s->g[s->which[k]];
+        s->change[k] = lag_cones_kick(run, s->which[k]) - s->g[s->which[k]];
         largest = lag_max(fabs(s->change[k]), largest);
         const int comes_to_rest = !lag_may_have_all(run, s->which[k]) && run->switches.turned[s->which[k]] == LAG_CHANGES;
         jumps |= !comes_to_rest && fabs(s->change[k]) > LAG_SLIDING_FAR * lag_sliding_drift(run, s->which[k]);
@@ -272,6 +275,8 @@ void lag_sliding_margins(const LagRun *run, int is_held, double *g)
         const int is_jump = lag_may_have_all(run, s->which[k]), is_beyond = !is_held && is_jump == jumps;
         g[s->which[k]] = is_beyond ? -1 : is_jump ? margin(share) : share / s->unit[k];
     }
+    if (is_held)
+        lag_cones_margins(run, g);
 }
 
 void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const double *slope, double span, double *rate)
@@ -286,10 +291,12 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
     lag_motion_slope(&run->motion, t - moment, s->state_before, s->state_before + n, s->slope_before);
     for (int k = 0; k < s->count; ++k) {
         double *share = lag_share(run, s->which[k]);
-        const double by_share = lag_may_have_all(run, s->which[k]) ? margin_slope(s->share_here[k]) : 1 / s->unit[k];
+        const int is_plain = lag_may_have_all(run, s->which[k]) && !lag_cones_hold(run, s->which[k]);
+        const double by_share = is_plain ? margin_slope(s->share_here[k]) : 1 / s->unit[k];
         rate[s->which[k]] = by_share * (s->share_here[k] - *share) / moment;
         *share = s->share_here[k];
     }
+    lag_cones_margin_rates(run, rate);
 }
 
 /* Whether the position of what rests at a contact has drifted. */

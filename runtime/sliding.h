@@ -35,6 +35,9 @@ typedef struct {
     double *slope_without; /* and without jumps */
     double latest, first; /* of the latest changes: the largest, and the first one */
     int jams;        /* no forces hold contacts that close, since friction presses them further */
+    int is_lenient;  /* what is held in the plane may take more than there is: it is being stopped */
+    int *leaves;     /* n_cones: torn off at the present time */
+    double stops;    /* the time up to which the next step may go, so that it does not pass where a slip in the plane stops */
     int grows;       /* something that slides had no force when it began to */
     int is_fresh;    /* the jumps that are known are those of the latest evaluation */
     int is_lost;     /* the latest evaluation found no shares */

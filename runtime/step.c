@@ -19,6 +19,8 @@ double lag_step_end(const LagRun *run, double h)
     const double limit = has_row ? lag_min(run->wanted, end) : end, left = limit - t;
     if (run->impacts.seen > t && h > run->impacts.seen - t)
         return lag_min(run->impacts.seen, limit);
+    if (run->sliding.stops > t && h > run->sliding.stops - t)
+        return lag_min(run->sliding.stops, limit);
     if (h >= left)
         return limit;
     return t + (2 * h > left ? left / 2 : h);

@@ -12,6 +12,7 @@
 
 #include "advance.h"
 #include "conditions.h"
+#include "cones.h"
 #include "contacts.h"
 #include "crossing.h"
 #include "extremes.h"
@@ -150,6 +151,7 @@ static int let_slide(LagRun *run)
     LagSliding *sliding = &run->sliding;
     const int first = lag_when(run->model, 0);
     int candidates = 0;
+    lag_cones_note_torn(run);
     for (int i = 0; i < first && !s->is_live; ++i) {
         const int has_gone = s->turned[i] == LAG_TO_0 || s->turned[i] == LAG_TO_1;
         if (!has_gone && fabs(s->g[i]) <= lag_max(lag_sliding_held(run, i), s->unknown[i]))
@@ -157,9 +159,13 @@ static int let_slide(LagRun *run)
         candidates |= s->turned[i] == LAG_CHANGES;
     }
     candidates |= lag_contacts_find_rest(run);
-    lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
-    if (sliding->count > 0)
-        lag_sliding_stop(run);
+    sliding->is_lenient = run->model->n_cones > 0; /* what slips in the plane stops before it is known whether it is held */
+    for (int turn = sliding->is_lenient ? 0 : 1; turn < 2; ++turn) {
+        lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
+        if (sliding->count > 0)
+            lag_sliding_stop(run);
+        sliding->is_lenient = 0;
+    }
     return candidates;
 }
 
@@ -199,6 +205,8 @@ int lag_switches_enter(LagRun *run)
     for (int i = 0; i < run->model->n_switches; ++i)
         if (s->is_idle[i])
             s->unknown[i] = INFINITY;
+    lag_cones_enter(run);
+    lag_cones_look(run);
     lag_switches_forget(run);
     lag_sliding_forget_impact(run);
     return turned;
@@ -325,6 +333,7 @@ static void watch_held(LagRun *run)
         s->hurried = s->again = 0;
         run->segment_over |= !lag_sliding_lasts(run);
         lag_sliding_grow(run);
+        run->segment_over |= lag_cones_look(run);
         return;
     }
     if (step_again(run, x))

@@ -334,9 +334,9 @@ static LagStatus step(LagRun *run)
     double wrong = INFINITY;
     int in_vain = 0;
     const int is_live = needs_live_switches(run, 0, 0);
-    if ((rests_at_origin(run) || is_live) && lag_stiffness_fall_back(run))
+    if ((rests_at_origin(run) || is_live || run->model->n_cones > 0) && lag_stiffness_fall_back(run))
         return run->methods.table->step(run);
-    if (is_live && lag_stiffness_pass(run))
+    if ((is_live || run->model->n_cones > 0) && lag_stiffness_pass(run))
         return run->methods.table->step(run);
     if (is_live || !build(run, s, s->order))
         return lag_stiffness_fall_back(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);

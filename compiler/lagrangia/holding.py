@@ -16,6 +16,10 @@ _NOTHING = frozenset[int]()
 Pair = tuple[int, int]  # the numbers of a and b, the smaller one first
 
 
+def ordered(a: int, b: int) -> Pair:
+    return (a, b) if a < b else (b, a)
+
+
 def pair_of(numbering: Numbering, op: int, numbers: list[int]) -> Pair | None:
     """What an operation compares: a with b, or with 0."""
     if op in SIGNS:
@@ -41,6 +45,27 @@ def rest_asked(numbering: Numbering, op: int, numbers: list[int]) -> tuple[tuple
         return None
     pairs = [sorted((number, zero)) for number in (_without_factors(numbering, int(inner[0])), int(inner[0]))]
     return tuple((a, b) for a, b in pairs), op == ca.OP_LE
+
+
+def direction_in(numbering: Numbering, op: int, numbers: list[int]) -> tuple[int, int, int] | None:
+    """Of c x/sqrt(x^2 + y^2), or c y/...: the numbers of x and y, and which of them stands above."""
+    if op != ca.OP_DIV or numbering.keys[numbers[1]][0] != ca.OP_SQRT:
+        return None
+    outer, *squares = numbering.keys[int(numbering.keys[numbers[1]][1])]
+    constants = [k for k in squares if outer == ca.OP_ADD and numbering.keys[int(k)][0] == ca.OP_CONST]
+    if constants:  # that keeps slopes finite
+        outer, *squares = numbering.keys[int(next(k for k in squares if k not in constants))]
+    inner = [numbering.keys[int(k)] for k in squares]
+    if outer != ca.OP_ADD or any(key[0] != ca.OP_SQ for key in inner):
+        return None
+    x, y = (int(key[1]) for key in inner)
+    above = [n for n in (x, y) if _has_factor(numbering, numbers[0], n)]
+    return (x, y, above[0]) if len(above) == 1 else None
+
+
+def _has_factor(numbering: Numbering, number: int, factor: int) -> bool:
+    op, *operands = numbering.keys[number]
+    return number == factor or (op == ca.OP_MUL and any(_has_factor(numbering, int(x), factor) for x in operands))
 
 
 def _without_factors(numbering: Numbering, number: int) -> int:
@@ -73,6 +98,8 @@ class Holding:
         if op == ca.OP_MUL:
             self.products[self.numbering.of(op, numbers)] = numbers, operands
         quotient = self._quotient(numbers, operands) if op == ca.OP_DIV else None
+        if quotient is None and (found := direction_in(self.numbering, op, numbers)) is not None:
+            quotient = self._direction(numbers, operands, found)
         return self._combined(op, operands) if quotient is None else quotient
 
     def _rests(self, op: int, numbers: list[int]) -> Expression | None:
@@ -114,6 +141,29 @@ class Holding:
         if x not in factors:
             return None
         return self._combined(ca.OP_MUL, [values[1 - factors.index(x)], self._sign(pair, x)])
+
+    def _direction(self, numbers: list[int], operands: list[Expression], found: tuple[int, int, int]) -> Expression | None:
+        """A component of v/|v|, which has none at rest: there a force holds v with components of its own, as signs."""
+        zero = self.numbering.of_number(0.0)
+        x, y = ordered(found[0], zero), ordered(found[1], zero)
+        if x not in self.rests or y not in self.rests:
+            return None
+        factor, component = self._factor(numbers[0], operands[0], found[2])
+        both = as_expression(self.rests[x] * self.rests[y])
+        moves = operate(ca.OP_DIV, [component, operands[1]])
+        held = self._combined(ca.OP_MUL, [both, self._sign(y if found[2] == found[1] else x, found[2])])
+        share = self._noted(as_expression(held + operate(ca.OP_IF_ELSE_ZERO, [operate(ca.OP_NOT, [both]), moves])),
+                            self._jumps_of(held))
+        return self._combined(ca.OP_MUL, [factor, share])
+
+    def _factor(self, number: int, value: Expression, component: int) -> tuple[Expression, Expression]:
+        """A product as that of the component and of all else."""
+        if number == component:
+            return as_expression(1.0), value
+        numbers, operands = self.products[number]
+        k = next(k for k in (0, 1) if _has_factor(self.numbering, numbers[k], component))
+        rest, found = self._factor(numbers[k], operands[k], component)
+        return self._combined(ca.OP_MUL, [rest, operands[1 - k]]), found
 
     def _combined(self, op: int, operands: Sequence[Expression]) -> Expression:
         """Products of what jumps with one share are linear in it, as its square is where it is 0 or 1."""

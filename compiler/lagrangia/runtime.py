@@ -165,7 +165,7 @@ class _Function(c.Structure):
 _SIZES = (
     "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
     "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost", "n_switches", "n_lengths", "n_whens", "n_rubs", "n_resets",
-    "n_rests", "n_roots",
+    "n_rests", "n_roots", "n_cones",
 )
 _FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
@@ -183,6 +183,7 @@ class _Model(c.Structure):
         ("reset_places", _Ints),
         ("rubs", _Ints),
         ("rests", _Ints),
+        ("cones", _Ints),
         ("outputs_need_acceleration", c.c_int),
         ("switches_need_acceleration", c.c_int),
         ("linear_pattern", _Ints),

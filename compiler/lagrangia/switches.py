@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 import casadi as ca
 
 from lagrangia.casadi_algebra import CORNERS, uses
-from lagrangia.holding import RELATIONS, SIGNS, Holding, Pair, pair_of, rest_asked
+from lagrangia.holding import RELATIONS, SIGNS, Holding, Pair, direction_in, ordered, pair_of, rest_asked
 from lagrangia.motion import Motion
 from lagrangia.numbering import Numbering, rebuilt
 from lagrangia.scalars import Expression, as_expression, symbol, symbols_in
@@ -35,6 +35,7 @@ class Switches:
     places: "dict[Pair, Expression]" = field(default_factory=dict)  # the symbol of each
     shares: frozenset[int] = frozenset()  # hashes of the symbols that may be between 0 and 1
     rests: "dict[Pair, Expression]" = field(default_factory=dict)  # symbols that say whether the two are held equal
+    cones: tuple[tuple[Pair, Pair], ...] = ()  # pairs of `rests` that are asked about together, as both components of a slip
     numbering: Numbering = field(default_factory=Numbering)
     lengths: int = 0  # the first so many: the signs of what lengths are, which ordinary motion does not change
     rubs: tuple[int, ...] = ()  # of friction that presses with the force of contacts: the switch of its slip, the event, and
@@ -54,7 +55,8 @@ class Switches:
     def patterns(self) -> dict[str, tuple[int, ...]]:
         """Lists of places of LagModel: `rests`, the switch of each of them."""
         order = {pair: k for k, pair in enumerate(self.places)}
-        return {"rubs": self.rubs, "rests": tuple(order[pair] for pair in self.rests)}
+        cones = [order[pair] for cone in self.cones for pair in cone]
+        return {"rubs": self.rubs, "rests": tuple(order[pair] for pair in self.rests), "cones": tuple(cones)}
 
 
 def has_corners(force: ca.SX) -> bool:
@@ -80,10 +82,14 @@ def find_switches(motion: Motion) -> Switches:
     """Those of the conditions in the forces that the state decides, or time in a way that is not known beforehand; behind them
     those of events, the gaps of those that are contacts, and the rates of these, which are kept at 0 where something rests."""
     numbering, events = Numbering(), motion.impacts.conditions
-    if not has_corners(motion.h) and not events.numel():
+    may_have = uses(ca.Function("h", ca.symvar(motion.h), [motion.h]), CORNERS | {ca.OP_SQRT})
+    if not may_have and not events.numel():
         return Switches()
     signs = {_sign_of(x, numbering) for x in motion.lengths}
-    found, rests = conditions_in([motion.h], ca.vertcat(motion.t, motion.q, motion.v, motion.u), motion.v, numbering)
+    movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u)
+    found, rests, cones = _find_conditions([motion.h], movers, motion.v, numbering)
+    if not found and not events.numel():
+        return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
     slopes = ca.SX.sym("du", motion.u.numel())
 
@@ -96,7 +102,7 @@ def find_switches(motion: Motion) -> Switches:
     shares = frozenset(places[pair].__hash__() for pair, g in found.items() if _is_rate(motion.v, g))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)
     lengths = sum(pair in signs for pair in found)
-    switches = Switches(symbols, values, rates_of(values), slopes, places, shares, rests, numbering, lengths)
+    switches = Switches(symbols, values, rates_of(values), slopes, places, shares, rests, cones, numbering, lengths)
     return replace(switches, rubs=_find_rubs(motion, switches)) if motion.impacts.pressing else switches
 
 
@@ -116,25 +122,65 @@ def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: N
                   ) -> tuple[dict[Pair, Expression], dict[Pair, Expression]]:
     """Differences of what conditions in the forces compare, of those that `movers` decide; and symbols for the rates of which it
     is asked whether they rest."""
-    found, asked, moving = dict[Pair, Expression](), list[tuple[Pair, ...]](), symbols_in(movers)
+    return _find_conditions(forces, movers, v, numbering)[:2]
 
-    def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
-        rest = rest_asked(numbering, op, numbers)
+
+@dataclass
+class _Finding:
+    """What is found in the forces: differences of what conditions compare, rates of which it is asked whether they rest, and
+    pairs of those of which it is asked whether both do."""
+
+    moving: frozenset[int]
+    v: ca.SX
+    numbering: Numbering
+    found: dict[Pair, Expression] = field(default_factory=dict)
+    asked: list[tuple[Pair, ...]] = field(default_factory=list)
+    both: dict[tuple[Pair, Pair], None] = field(default_factory=dict)
+
+    def note(self, op: int, numbers: list[int], operands: list[Expression]) -> None:
+        """Of an instruction."""
+        keys = [self.numbering.keys[k] for k in numbers]
+        if op == ca.OP_MUL and all(key[0] == ca.OP_EQ for key in keys):
+            a, b = (ordered(int(key[1]), int(key[2])) for key in keys)
+            self.both[a, b] = None
+        if direction_in(self.numbering, op, numbers) is not None:
+            self._note_direction(operands[1])
+        rest = rest_asked(self.numbering, op, numbers)
         if rest is not None:
-            asked.append(rest[0])
+            self.asked.append(rest[0])
             if op in RELATIONS:  # of |a|, which is found by itself
                 return
-        pair = rest[0][0] if rest else pair_of(numbering, op, numbers)
-        if pair is None or pair in found:
+        pair = rest[0][0] if rest else pair_of(self.numbering, op, numbers)
+        if pair is None or pair in self.found:
             return
         a, b = (operands[0], as_expression(0.0)) if op in SIGNS else operands
         g = a - b if numbers[0] == pair[0] else b - a
-        if not moving.isdisjoint(symbols_in(g)):
-            found[pair] = g
+        if not self.moving.isdisjoint(symbols_in(g)):
+            self.found[pair] = g
 
-    rebuilt(forces, numbering, note)
-    rests = _rests(v, found, asked)
-    return _without_unused(forces, found, rests, numbering) if rests else found, rests
+    def _note_direction(self, norm: Expression) -> None:
+        """Of a rate that is a vector: both components are to rest where it has none."""
+        square = norm.dep(0)
+        square = next((square.dep(k) for k in (0, 1) if square.dep(1 - k).is_constant()), square)
+        components, zero = [as_expression(square.dep(k).dep(0)) for k in (0, 1)], self.numbering.of_number(0.0)
+        if not all(_is_rate(self.v, x) for x in components):
+            return
+        numbers = [self.numbering.number(x) for x in components]
+        a, b = (ordered(number, zero) for number in numbers)
+        for pair, number, x in zip((a, b), numbers, components, strict=True):
+            self.found.setdefault(pair, x if pair[0] == number else as_expression(-x))
+        self.asked += [(a,), (b,)]
+        self.both[a, b] = None
+
+
+def _find_conditions(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering
+                     ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
+    """The same, and pairs of the latter that are asked about together."""
+    finding = _Finding(symbols_in(movers), v, numbering)
+    rebuilt(forces, numbering, finding.note)
+    rests, found = _rests(v, finding.found, finding.asked), finding.found
+    found = _without_unused(forces, found, rests, numbering) if rests else found
+    return found, rests, tuple(cone for cone in finding.both if all(pair in rests for pair in cone))
 
 
 def _is_rate(v: ca.SX, g: Expression) -> bool:
