@@ -152,3 +152,57 @@ def test_indicators_change_sign_where_contacts_are(tmp_path: Path, version: str,
     one.fmu.completedIntegratorStep()
     assert crossing(one, 0, -0.1, 0.5, -1.0) == pytest.approx([0], abs=1e-11)
     one.free()
+
+
+# ---------------------------------------------------------------- derivatives while something is held
+
+HELD = {
+    "stop": """  Block b(m = 2, base = world, along = {0, 1}, s(start = 0, fixed = true), v(start = 0, fixed = true));
+  parameter Stiffness k = 8000; input Force F(start = 0); Spring s(k = k, stretch = b.s + 0.01);
+  AppliedForce f(at = b.center, force = {0, F}); Stop floor(gap = b.s); output Force N = floor.force;""",
+    "friction": """  Block b(m = 2, base = world, along = {1, 0}); parameter Stiffness k = 100; input Force F(start = 0);
+  Spring s(k = k, stretch = b.s + 0.01); AppliedForce f(at = b.center, force = {F, 0}); DryFriction r(rate = b.v, F = 5);
+  output Acceleration N = der(b.v);""",
+    "clutch": """  Disc a(m = 1, r = 0.5, center = ha.b), b(m = 2, r = 0.5, center = hb.b); Revolute ha(a = world), hb(a = world);
+  parameter TorsionStiffness k = 20; input Torque F(start = 0); TorsionSpring s(k = k, twist = ha.phi + 0.01);
+  AppliedTorque f(on = hb.b, torque = F); TorsionDryFriction c(rate = ha.w - hb.w, tau = 50); output AngularVelocity N = hb.w;""",
+    "rough": """  Prismatic x(a = world, along = {1, 0}), y(a = x.b, along = {0, 1}); PointMass p(m = 1, center = y.b);
+  RoughStop f(a = world, b = y.b, mu = 0.8); parameter Stiffness k = 5; input Force F(start = 0);
+  Spring s(k = k, stretch = x.s + 0.1); AppliedForce g(at = p.center, force = {F, 2*F}); output Force N = f.force;""",
+    "stack": """  Prismatic p[2](each a = world, each along = {0, 1}); PointMass m[2](m = {1, 0.5}, center = p.b);
+  Stop floor(gap = p[1].s), on(gap = p[2].s - p[1].s); parameter Stiffness k = 30; input Force F(start = 0);
+  Spring s(k = k, stretch = p[2].s + 0.2); AppliedForce f(at = m[2].center, force = {0, F}); output Force N = floor.force;""",
+}
+
+
+@pytest.mark.parametrize("case", ["stop", "friction", "clutch", "rough", "stack"])
+def test_derivatives_know_what_is_held(case: str, tmp_path: Path) -> None:
+    """Along states, an input and a parameter against differences of what the FMU gives; the adjoint ones against these."""
+    path = tmp_path / f"{case}.lag"
+    path.write_text(f"model Held {HELD[case]} end Held;")
+    one = Instance(path, "3", "ModelExchange").start(tolerance=1e-10)
+    rows = [u.variable.name for u in one.description.derivatives] + ["N"]
+    states = [u.variable.derivative.name for u in one.description.derivatives]
+    knowns = [*states, "F", "k"]
+    exact = np.array([one.forward(rows, [known], [1.0]) for known in knowns]).T
+    base, values = one.states(), dict(zip(["F", "k"], one.get("F", "k"), strict=True))
+
+    def at(known: str, change: float) -> np.ndarray:
+        if known in states:
+            one.set_states([x + change * (name == known) for name, x in zip(states, base, strict=True)])
+        else:
+            one.set({known: values[known] + change})
+        found = np.array(one.get(*rows))
+        one.set_states(base)
+        one.set(values)
+        return found
+
+    h = 1e-7
+    differences = np.array([(at(known, h) - at(known, -h)) / (2 * h) for known in knowns]).T
+    np.testing.assert_allclose(exact, differences, rtol=1e-6, atol=1e-6 * max(1.0, np.abs(exact).max()))
+    weights = np.random.default_rng(1).normal(size=len(rows))
+    np.testing.assert_allclose(one.adjoint(rows, knowns, list(weights)), weights @ exact, rtol=1e-10, atol=1e-9)
+    right = {"stop": ("der(b.v)", [0, 0, 0, 0]), "friction": ("der(b.v)", [0, 0, 0, 0]), "rough": ("der(x.v)", [0] * 6),
+             "stack": ("der(p[2].v)", [0] * 6), "clutch": ("der(ha.w)", [-20 / 0.375, 0, 0, 0, 1 / 0.375, -0.01 / 0.375])}[case]
+    np.testing.assert_allclose(exact[rows.index(right[0])], right[1], rtol=1e-9, atol=1e-9)
+    one.free()

@@ -3,11 +3,15 @@
 With F(t, q, v, u, p) = (dq/dt, dv/dt, y), p those parameters that can be set: forward F' s by CasADi's forward mode, adjoint
 F'^T w by its reverse mode; both exact, each of a few times the cost of F. Constrained slopes are those of Model Exchange
 (runtime/fmi/exchange.c) with one Newton correction for the projection, which has the same derivatives on the constraints.
+
+Where the scene has switches, d holds them (switches.py), and with them the shares of what a stop or friction holds: its rates
+R(t, q, v, u, d, p), which are 0, give them. With R as a third result and directions of d the run time eliminates the shares
+(runtime/fmi/partial.c).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 import casadi as ca
 
@@ -15,12 +19,16 @@ from lagrangia.functions import state_space
 from lagrangia.instructions import tape_of
 from lagrangia.parameters import all_parameters
 from lagrangia.pipeline import Compilation
+from lagrangia.switches import find_switches
 from lagrangia.tapes import Tape
 
 
 @dataclass(frozen=True)
 class Derivatives:
-    """`rows`: for each of dq/dt, dv/dt and y the columns, of t, q, v, u, p, that it depends on; `parameter_rows`: for each
+    """forward: a state t, q, v, u, d, p and directions of all these -> those of the slopes, y, R; adjoint: a state and weights of
+    the slopes, y, R -> gradients by all of the state. Without switches nothing is along d, and there is no R.
+
+    `rows`: for each of dq/dt, dv/dt and y the columns, of t, q, v, u, p, that it depends on; `parameter_rows`: for each
     parameter those that can be set, by their number among these, that it follows from."""
 
     forward: Tape
@@ -32,33 +40,54 @@ class Derivatives:
 def build_derivatives(
     compilation: Compilation, outputs: tuple[str, ...], settable: Sequence[bool], stabilisation: float
 ) -> Derivatives:
-    symbols, (a, y, place, steer) = state_space(compilation.kinematics, compilation.motion, compilation.constraints, outputs)
+    kinematics, motion = compilation.struck, compilation.run
+    symbols, (a, y, place, steer) = state_space(kinematics, motion, compilation.constraints, outputs)
     t, q, v, u, d, p = symbols
+    switches = find_switches(motion)
+    a, y = switches.hold([a, y])
+    shares = ca.vertcat(switches.symbols, motion.impacts.impulses) if switches.symbols.numel() else ca.SX(0, 1)
+    still = ca.SX.zeros(switches.slopes.numel(), 1)
+    (rates,) = ca.substitute([switches.rates], [motion.a, switches.slopes], [a, still])
     slope = ca.vertcat(v, a)
-    if compilation.motion.constrained is not None:
+    if motion.constrained is not None:
         Q = q + place
         V = v + ca.substitute(steer, q, Q)
-        on = ca.vertcat(V, ca.substitute([a], [q, v], [Q, V])[0])
-        slope = on + stabilisation * (ca.vertcat(Q, V) - ca.vertcat(q, v))
-    given, mask, values = all_parameters(compilation.kinematics, p.numel())
+        a, rates = ca.substitute([a, rates], [q, v], [Q, V])
+        slope = ca.vertcat(V, a) + stabilisation * (ca.vertcat(Q, V) - ca.vertcat(q, v))
+    given, mask, values = all_parameters(kinematics, p.numel())
     values = ca.densify(ca.substitute(values, mask, ca.DM([float(x) for x in settable]))) if p.numel() else ca.SX(0, 1)
-    slope, y = ca.substitute([slope, y], [p], [values]) if p.numel() else (slope, y)
-    knowns, unknowns = [t, q, v, u, given], ca.vertcat(slope, y)
-    x = ca.vertcat(*knowns)
-    state = [t, q, v, u, d, given]
-    seeds = [ca.SX.sym(f"s{k}", known.numel()) for k, known in enumerate(knowns)]
-    along = _product(unknowns, x, ca.vertcat(*seeds), False)
-    forward = ca.Function("forward", [*state, *seeds], [along[: slope.numel()], along[slope.numel() :]])
-    weights = [ca.SX.sym("wx", slope.numel()), ca.SX.sym("wy", y.numel())]
-    back = _product(unknowns, x, ca.vertcat(*weights), True)
-    sizes = [0]
-    for known in knowns:
-        sizes.append(sizes[-1] + known.numel())
-    gradients = [back[i:j] for i, j in pairwise(sizes)]
-    adjoint = ca.Function("adjoint", [*state, *weights], gradients)
+    slope, y, rates = ca.substitute([slope, y, rates], [p], [values]) if p.numel() else (slope, y, rates)
+    d = ca.vertcat(d, shares)
+    along_d = d if shares.numel() else ca.SX(0, 1)
+    forward, adjoint = _both([t, q, v, u, along_d, given], [slope, y, rates], [t, q, v, u, d, given])
     free = [k for k, is_free in enumerate(settable) if is_free]
     chosen = given[free] if free else ca.SX(0, 1)
-    return Derivatives(tape_of(forward), tape_of(adjoint), _rows(unknowns, x), _rows(values, chosen))
+    rows = _rows_with_shares(ca.vertcat(slope, y), rates, ca.vertcat(t, q, v, u, given), shares)
+    return Derivatives(tape_of(forward), tape_of(adjoint), rows, _rows(values, chosen))
+
+
+def _both(knowns: list[ca.SX], unknowns: list[ca.SX], state: list[ca.SX]) -> tuple[ca.Function, ca.Function]:
+    x, whole = ca.vertcat(*knowns), ca.vertcat(*unknowns)
+    seeds = [ca.SX.sym(f"s{k}", known.numel()) for k, known in enumerate(knowns)]
+    along = _product(whole, x, ca.vertcat(*seeds), False)
+    weights = [ca.SX.sym(f"w{k}", unknown.numel()) for k, unknown in enumerate(unknowns)]
+    back = _product(whole, x, ca.vertcat(*weights), True)
+    return (ca.Function("forward", [*state, *seeds], _parted(along, unknowns)),
+            ca.Function("adjoint", [*state, *weights], _parted(back, knowns)))
+
+
+def _parted(column: ca.SX, like: list[ca.SX]) -> list[ca.SX]:
+    ends = list(accumulate((part.numel() for part in like), initial=0))
+    return [column[i:j] for i, j in pairwise(ends)]
+
+
+def _rows_with_shares(unknowns: ca.SX, rates: ca.SX, x: ca.SX, shares: ca.SX) -> tuple[tuple[int, ...], ...]:
+    """While something is held, what depends on its share depends on all that shares follow from."""
+    free = _rows(unknowns, x)
+    on_shares, of_rates = _rows(unknowns, shares), _rows(rates, shares)
+    held = {k for row, found in zip(_rows(rates, x), of_rates, strict=True) if found for k in row}
+    known = {k for found in of_rates for k in found}
+    return tuple(tuple(sorted({*row, *held})) if known & set(found) else row for row, found in zip(free, on_shares, strict=True))
 
 
 def _product(unknowns: ca.SX, x: ca.SX, seed: ca.SX, transposed: bool) -> ca.SX:

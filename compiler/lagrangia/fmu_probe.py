@@ -75,9 +75,9 @@ def _differing(importer: Importer, names: Sequence[str], x: Sequence[float], k: 
     return ()
 
 
-def probe_reset(importer: Importer, start: Start, read: Callable[[], list[float]], go_on: Callable[[], Any]) -> list[str]:
-    """After reset all is as it was at first."""
-    first = read()
+def probe_reset(importer: Importer, first: Sequence[float], start: Start, read: Callable[[], list[float]],
+                go_on: Callable[[], Any]) -> list[str]:
+    """After reset all is as it was at `first`: when it was just initialised, before anybody looked at other states."""
     go_on()
     importer.reset()
     start()

@@ -89,10 +89,11 @@ def _probe(importer: Importer, begin: Any, start: float, stop: float, derivative
     computed = [v for v in importer.description.modelVariables if v.causality in ("local", "output")]
     numbers = [v.name for v in computed if v.type in ("Real", "Float64") and not v.shape and v.variability == "continuous"]
     read = importer.reader(numbers)
+    first = read()
     if importer.kind == "ModelExchange":
         faults = probe_states(importer) + (probe_derivatives(importer) if derivatives else [])
         shifted = [x + 0.01 * max(1.0, abs(x)) for x in importer.states()]
-        faults += probe_reset(importer, begin, read, lambda: importer.set_states(shifted))
+        faults += probe_reset(importer, first, begin, read, lambda: importer.set_states(shifted))
         return faults + probe_saved(importer, read, lambda: importer.set_states(shifted))
     h = (stop - start) / 1000
     reached = [start]
@@ -100,7 +101,7 @@ def _probe(importer: Importer, begin: Any, start: float, stop: float, derivative
     def go_on() -> None:
         reached[0] = importer.step(start, h)
 
-    faults = probe_reset(importer, begin, read, go_on)
+    faults = probe_reset(importer, first, begin, read, go_on)
     return faults + probe_saved(importer, read, go_on)
 
 

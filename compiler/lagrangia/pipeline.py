@@ -47,7 +47,8 @@ class Compilation:
     constraints: "Constraints"
     energies: "Energies"
     motion: "Motion"  # without what happens at events
-    run: "Motion"  # with it
+    struck: "Kinematics"  # that know the forces of contacts
+    run: "Motion"  # with what happens at events
     initial: "InitialConditions"
     functions: "Functions"
     scene: "Scene"
@@ -93,7 +94,8 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             is_still = is_held_still(kinematics, motion, constraints, initial, functions)
         with _timed(took, "scene"):
             scene = divide(build_scene(kinematics, run, initial, functions, is_still, flow, stuck), kinematics, run, initial)
-    return Compilation(syntax, flat, graph, kinematics, constraints, energies, motion, run, initial, functions, scene, took)
+    return Compilation(syntax, flat, graph, kinematics, constraints, energies, motion, struck, run, initial, functions, scene,
+                       took)
 
 
 def _start(kinematics: "Kinematics", constraints: "Constraints") -> "InitialConditions":

@@ -111,6 +111,8 @@ static void layout(LagInstance *s, LagArena *arena)
     s->mask = lag_take(arena, (size_t)m->n_parameters);
     s->table = lag_take(arena, 2 * (1 + inputs));
     s->directions = lag_take(arena, lag_partial_size(s->fmu));
+    s->held_rates = lag_take(arena, (size_t)lag_sliding_most(m));
+    lag_dense_lu_layout(&s->held, lag_sliding_most(m), 0, arena);
     const size_t forward = s->fmu->forward.n_work, adjoint = s->fmu->adjoint.n_work;
     s->work = lag_take(arena, forward > adjoint ? forward : adjoint);
 }

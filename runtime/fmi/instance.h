@@ -6,6 +6,7 @@
 #ifndef LAG_INSTANCE_H
 #define LAG_INSTANCE_H
 
+#include "dense_lu.h"
 #include "fmu.h"
 #include "run.h"
 
@@ -83,6 +84,8 @@ struct LagInstance {
     double *scratch, *projected; /* not saved */
     double *indicators, *switches; /* n_switches; the latter: what is held */
     double *row, *mask, *table, *directions, *work;
+    LagDenseLu held;         /* how the rates of what is held depend on its shares */
+    double *held_rates;      /* as many as can be held */
 };
 
 /* NULL when there is no memory. */

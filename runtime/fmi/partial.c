@@ -1,5 +1,8 @@
 /* Derivatives of unknowns (slopes, outputs, states) by knowns (time, states, inputs, parameters), exact, along one direction or
- * as the gradient of one combination. */
+ * as the gradient of one combination.
+ *
+ * What a stop or friction holds is held by shares s that keep its rates R(x, s) at 0: ds = -(dR/ds)^-1 dR/dx dx. So the derivative
+ * along a direction is that along (dx, ds); and the gradient of a combination w is that of w and m R, with m = -(dR/ds)^-T dw/ds. */
 #include <string.h>
 
 #include "instance.h"
@@ -10,27 +13,37 @@
 
 /* Directions of the knowns, then of the unknowns. */
 typedef struct {
-    double *t, *x, *u, *p, *slope, *y;
+    double *t, *x, *u, *d, *p, *slope, *y, *rate;
 } Directions;
+
+/* Values that directions of d are for: all, where there are switches. */
+static int along_d(const LagModel *m) { return m->n_switches > 0 ? m->n_modes + m->n_switches + m->n_resets : 0; }
 
 size_t lag_partial_size(const LagFmu *fmu)
 {
     const LagModel *m = fmu->model;
-    return 1 + 4 * (size_t)m->n + (size_t)(m->n_inputs + m->n_parameters + m->n_outputs);
+    return 1 + 4 * (size_t)m->n + (size_t)(m->n_inputs + m->n_parameters + m->n_outputs + along_d(m) + m->n_switches);
+}
+
+static Directions places(const LagInstance *s)
+{
+    const LagModel *m = s->model;
+    Directions d;
+    d.t = s->directions;
+    d.x = d.t + 1;
+    d.u = d.x + 2 * m->n;
+    d.d = d.u + m->n_inputs;
+    d.p = d.d + along_d(m);
+    d.slope = d.p + m->n_parameters;
+    d.y = d.slope + 2 * m->n;
+    d.rate = d.y + m->n_outputs;
+    return d;
 }
 
 static Directions clear(LagInstance *s)
 {
-    const LagModel *m = s->model;
-    Directions d;
     memset(s->directions, 0, lag_partial_size(s->fmu) * sizeof *s->directions);
-    d.t = s->directions;
-    d.x = d.t + 1;
-    d.u = d.x + 2 * m->n;
-    d.p = d.u + m->n_inputs;
-    d.slope = d.p + m->n_parameters;
-    d.y = d.slope + 2 * m->n;
-    return d;
+    return places(s);
 }
 
 /* Where a known's direction is kept; NULL: it is no known. */
@@ -78,77 +91,195 @@ static LagAnswer check(LagInstance *s, const unsigned int *unknowns, size_t n_un
     return lag_instance_settle(s);
 }
 
+/* Switches and shares are those of the present state. */
+static LagAnswer prepare(LagInstance *s)
+{
+    if (s->model->n_switches > 0)
+        s->vital.slope_is_current = 0;
+    const LagAnswer answer = s->model->n_switches > 0 ? lag_instance_slope(s) : LAG_ANSWER_OK;
+    lag_inputs_at(&s->run->inputs, s->vital.t, s->run->u);
+    return answer;
+}
+
+static LagAnswer no_derivative(const LagInstance *s)
+{
+    return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "there is no derivative here");
+}
+
+static int call_forward(LagInstance *s, const Directions *d)
+{
+    const int n = s->model->n;
+    const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, lag_run_parameters(s->run),
+                          d->t, d->x, d->x + n, d->u, d->d, d->p};
+    double *out[] = {d->slope, d->y, d->rate};
+    return lag_call(&s->fmu->forward, in, out, s->work) == 0;
+}
+
+static int call_adjoint(LagInstance *s, const Directions *d)
+{
+    const int n = s->model->n;
+    const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, lag_run_parameters(s->run), d->slope, d->y, d->rate};
+    double *out[] = {d->t, d->x, d->x + n, d->u, d->d, d->p};
+    return lag_call(&s->fmu->adjoint, in, out, s->work) == 0;
+}
+
+/* Where the share of the k-th that is held stands in d. */
+static int place_of_share(const LagInstance *s, int k) { return (int)(lag_share(s->run, s->run->sliding.which[k]) - s->run->d); }
+
+/* dR/ds, or its transpose, factored; the directions are 0 then. */
+static int factor_held(LagInstance *s, int is_transposed)
+{
+    const LagSliding *sliding = &s->run->sliding;
+    const Directions d = clear(s);
+    const int count = sliding->count;
+    int is_known = 1;
+    s->held.size = count;
+    for (int k = 0; k < count && is_known; ++k) {
+        d.d[place_of_share(s, k)] = 1;
+        is_known = call_forward(s, &d);
+        d.d[place_of_share(s, k)] = 0;
+        for (int i = 0; i < count; ++i)
+            s->held.re[is_transposed ? k + count * i : i + count * k] = d.rate[sliding->which[i]];
+    }
+    if (is_known)
+        lag_dense_lu_factor(&s->held);
+    clear(s);
+    return is_known;
+}
+
+/* Fills the directions of the knowns. */
+typedef void (*Fill)(LagInstance *s, const Directions *d, const void *what);
+
+/* What the directions of the knowns make of those of the unknowns. */
+static int find_forward(LagInstance *s, Fill fill, const void *what)
+{
+    const LagSliding *sliding = &s->run->sliding;
+    const int count = sliding->count;
+    if (count > 0 && !factor_held(s, 0))
+        return 0;
+    const Directions d = clear(s);
+    fill(s, &d, what);
+    if (!call_forward(s, &d))
+        return 0;
+    if (count == 0)
+        return 1;
+    for (int k = 0; k < count; ++k)
+        s->held_rates[k] = -d.rate[sliding->which[k]];
+    lag_dense_lu_solve(&s->held, s->held_rates, NULL);
+    for (int k = 0; k < count; ++k)
+        d.d[place_of_share(s, k)] = s->held_rates[k];
+    return call_forward(s, &d);
+}
+
+/* And what weights of the unknowns make of those of the knowns. */
+static int find_adjoint(LagInstance *s, Fill fill, const void *what)
+{
+    const LagSliding *sliding = &s->run->sliding;
+    const int count = sliding->count;
+    if (count > 0 && !factor_held(s, 1))
+        return 0;
+    const Directions d = clear(s);
+    fill(s, &d, what);
+    if (!call_adjoint(s, &d))
+        return 0;
+    if (count == 0)
+        return 1;
+    for (int k = 0; k < count; ++k)
+        s->held_rates[k] = -d.d[place_of_share(s, k)];
+    lag_dense_lu_solve(&s->held, s->held_rates, NULL);
+    for (int k = 0; k < count; ++k)
+        d.rate[sliding->which[k]] = s->held_rates[k];
+    return call_adjoint(s, &d);
+}
+
+typedef struct {
+    const unsigned int *references;
+    size_t count;
+    const double *seed;
+} Seeds;
+
+static void fill_knowns(LagInstance *s, const Directions *d, const void *what)
+{
+    const Seeds *seeds = what;
+    for (size_t i = 0; i < seeds->count; ++i)
+        *known(s, d, seeds->references[i]) += seeds->seed[i];
+}
+
+/* Those of states that are unknowns themselves go past the function. */
+static void fill_unknowns(LagInstance *s, const Directions *d, const void *what)
+{
+    const Seeds *seeds = what;
+    const size_t size = 2 * (size_t)s->model->n * sizeof *d->x;
+    for (size_t i = 0; i < seeds->count; ++i)
+        *unknown(s, d, seeds->references[i]) += seeds->seed[i];
+    if (size > 0) {
+        memcpy(s->scratch, d->x, size);
+        memset(d->x, 0, size);
+    }
+}
+
 LagAnswer lag_instance_forward(LagInstance *s, const unsigned int *unknowns, size_t n_unknowns,
                                const unsigned int *knowns, size_t n_knowns, const double *seed, double *sensitivity)
 {
     LagAnswer answer = check(s, unknowns, n_unknowns, knowns, n_knowns, seed, sensitivity);
+    if (answer == LAG_ANSWER_OK)
+        answer = prepare(s);
     if (answer != LAG_ANSWER_OK)
         return answer;
-    const Directions d = clear(s);
-    const int n = s->model->n;
-    for (size_t i = 0; i < n_knowns; ++i)
-        *known(s, &d, knowns[i]) += seed[i];
-    lag_inputs_at(&s->run->inputs, s->vital.t, s->run->u);
-    const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, lag_run_parameters(s->run),
-                          d.t, d.x, d.x + n, d.u, d.p};
-    double *out[] = {d.slope, d.y};
-    if (lag_call(&s->fmu->forward, in, out, s->work) != 0)
-        return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "there is no derivative here");
+    const Seeds seeds = {knowns, n_knowns, seed};
+    if (!find_forward(s, fill_knowns, &seeds))
+        return no_derivative(s);
+    const Directions d = places(s);
     for (size_t i = 0; i < n_unknowns; ++i)
         sensitivity[i] = *unknown(s, &d, unknowns[i]);
     return LAG_ANSWER_OK;
 }
 
-/* Weights of the states that are unknowns themselves go past the function. */
 LagAnswer lag_instance_adjoint(LagInstance *s, const unsigned int *unknowns, size_t n_unknowns,
                                const unsigned int *knowns, size_t n_knowns, const double *seed, double *sensitivity)
 {
     LagAnswer answer = check(s, unknowns, n_unknowns, knowns, n_knowns, seed, sensitivity);
+    if (answer == LAG_ANSWER_OK)
+        answer = prepare(s);
     if (answer != LAG_ANSWER_OK)
         return answer;
-    const Directions d = clear(s);
-    const int n = s->model->n;
-    for (size_t i = 0; i < n_unknowns; ++i)
-        *unknown(s, &d, unknowns[i]) += seed[i];
-    memcpy(s->scratch, d.x, 2 * (size_t)n * sizeof *d.x);
-    lag_inputs_at(&s->run->inputs, s->vital.t, s->run->u);
-    const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, lag_run_parameters(s->run), d.slope, d.y};
-    double *out[] = {d.t, d.x, d.x + n, d.u, d.p};
-    if (lag_call(&s->fmu->adjoint, in, out, s->work) != 0)
-        return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "there is no derivative here");
-    for (int i = 0; i < 2 * n; ++i)
+    const Seeds seeds = {unknowns, n_unknowns, seed};
+    if (!find_adjoint(s, fill_unknowns, &seeds))
+        return no_derivative(s);
+    const Directions d = places(s);
+    for (int i = 0; i < 2 * s->model->n; ++i)
         d.x[i] += s->scratch[i];
     for (size_t i = 0; i < n_knowns; ++i)
         sensitivity[i] = *known(s, &d, knowns[i]);
     return LAG_ANSWER_OK;
 }
 
+/* The way of the motion itself. */
+static void fill_motion(LagInstance *s, const Directions *d, const void *what)
+{
+    (void)what;
+    *d->t = 1;
+    if (s->model->n > 0)
+        memcpy(d->x, s->slope, 2 * (size_t)s->model->n * sizeof *d->x);
+    if (s->model->n_inputs > 0)
+        memcpy(d->u, s->u_slope, (size_t)s->model->n_inputs * sizeof *d->u);
+}
+
 LagAnswer lag_instance_output_slope(LagInstance *s, unsigned int reference, int order, double *value)
 {
     int index = 0;
-    const int group = lag_instance_locate(s->fmu, reference, &index), n = s->model->n;
+    const int group = lag_instance_locate(s->fmu, reference, &index);
     if ((group != LAG_GROUP_OUTPUT && group != LAG_GROUP_STATE) || order != 1)
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "outputs and states have first derivatives, and no others");
     LagAnswer answer = lag_instance_settle(s);
     if (answer == LAG_ANSWER_OK)
+        answer = prepare(s);
+    if (answer == LAG_ANSWER_OK)
         answer = lag_instance_slope(s);
     if (answer != LAG_ANSWER_OK)
         return answer;
-    if (group == LAG_GROUP_STATE) {
-        *value = s->slope[index];
-        return LAG_ANSWER_OK;
-    }
-    const Directions d = clear(s);
-    *d.t = 1;
-    memcpy(d.x, s->slope, 2 * (size_t)n * sizeof *d.x);
-    if (s->model->n_inputs > 0)
-        memcpy(d.u, s->u_slope, (size_t)s->model->n_inputs * sizeof *d.u);
-    lag_inputs_at(&s->run->inputs, s->vital.t, s->run->u);
-    const double *in[] = {&s->vital.t, s->x, s->x + n, s->run->u, s->run->d, lag_run_parameters(s->run),
-                          d.t, d.x, d.x + n, d.u, d.p};
-    double *out[] = {d.slope, d.y};
-    if (lag_call(&s->fmu->forward, in, out, s->work) != 0)
-        return LAG_ANSWER_DISCARD;
-    *value = d.y[index];
+    if (group == LAG_GROUP_OUTPUT && !find_forward(s, fill_motion, NULL))
+        return no_derivative(s);
+    *value = group == LAG_GROUP_STATE ? s->slope[index] : places(s).y[index];
     return LAG_ANSWER_OK;
 }
