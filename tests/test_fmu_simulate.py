@@ -181,3 +181,21 @@ def test_rows_to_standard_output(capsys: pytest.CaptureFixture[str]) -> None:
     names, first, second = capsys.readouterr().out.splitlines()
     assert names.startswith("time,hinge.phi,") and first.startswith("0.0,") and second.startswith("1.0,")
     assert all(math.isfinite(float(x)) for x in second.split(","))
+
+
+def test_ramps_in_co_simulation_of_fmi_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """x'' = F/m, F = 6 t on 2 kg from rest: v = 1.5 t^2, x = t^3/2; steps that hold inputs err, and it is said."""
+    (tmp_path / "cart.lag").write_text("""model Cart
+      Block b(m = 2, base = world); input Force F(start = 0); AppliedForce f(at = b.center, force = {F, 0}); output Force y = F;
+    end Cart;""")
+    (tmp_path / "ramp.csv").write_text("time,F\n0,0\n3,18\n")
+    assert main(["export", str(tmp_path / "cart.lag"), "--to", "fmu", "--fmi", "3", "-o", str(tmp_path / "c.fmu")]) == 0
+    capsys.readouterr()
+    command = ["simulate", str(tmp_path / "c.fmu"), "--kind", "cs", "--stop", "3", "--interval", "0.01", "-u",
+               str(tmp_path / "ramp.csv")]
+    assert main([*command, "-o", str(tmp_path / "x.csv")]) == 0
+    assert "cannot follow slopes of inputs" in capsys.readouterr().err
+    lines = (tmp_path / "x.csv").read_text().splitlines()
+    last = dict(zip(lines[0].split(","), lines[-1].split(","), strict=True))
+    assert float(last["b.v"]) == pytest.approx(13.5, rel=1e-9) and float(last["b.s"]) == pytest.approx(13.5, rel=1e-4)
+    assert float(last["y"]) == pytest.approx(18, rel=1e-12)

@@ -221,6 +221,13 @@ class Table:
         pairs = list(zip(self.rows[k - 1], self.rows[k], strict=True))
         return [x + (y - x) * (t - a) / (b - a) for x, y in pairs], [(y - x) / (b - a) for x, y in pairs]
 
+    def hold(self, t: float, end: float) -> None:
+        """The means over a step, for FMUs that cannot follow slopes: the impulse of a force is exact then."""
+        first, last = self.at(t, True)[0], self.at(end, False)[0]
+        for setter, references, places, kind in self.setters:
+            is_float = kind in ("Real", "Float32", "Float64")
+            setter(references, [_as(kind, (first[k] + last[k]) / 2 if is_float else first[k]) for k in places])
+
     def apply(self, t: float, is_after: bool, with_slopes: bool = False) -> None:
         if not self.names:
             return

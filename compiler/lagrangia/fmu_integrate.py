@@ -113,19 +113,24 @@ class _Input:
 
 
 def cosimulate(importer: Importer, table: Table, times: Sequence[float], write: Write, count: Count) -> None:
-    """Co-Simulation from times[0], initialised. Inputs go on with their slopes where the FMU can follow them; else they are held
-    over each step."""
+    """Co-Simulation from times[0], initialised. Inputs go on with their slopes where the FMU can follow them; else their
+    means are held over each step, and rows have the values at their times."""
     t = times[0]
     write(t)
     varies = bool(importer.interface.canHandleVariableCommunicationStepSize)
     follows = importer.is_fmi2 and bool(importer.interface.canInterpolateInputs)
     for target in times[1:]:
         while t < target - _CLOSE * max(1.0, abs(target)):
-            table.apply(t, is_after=True, with_slopes=follows)
             corner = table.next_corner(t) if varies else None
             end = target if corner is None or corner >= target - _CLOSE * max(1.0, abs(target)) else corner
+            if follows:
+                table.apply(t, is_after=True, with_slopes=True)
+            else:
+                table.hold(t, end)
             t = importer.step(t, end - t)
             count.steps += 1
             if abs(t - end) <= _CLOSE * max(1.0, abs(end)):
                 t = end
+        if not follows:
+            table.apply(target, is_after=False)
         write(target)

@@ -42,6 +42,9 @@ def simulate_fmu_command(options: Namespace) -> int:
     if options.plot is not None and run.rows:
         curves = shown or [c.name for c in _usual_curves(run)]
         draw(opened.text or opened.name, run["time"], [(opened.column(name), run[name]) for name in curves], options.plot)
+    if run.job.kind == "cs" and _has_ramps(run.job.inputs) and not _follows(description):
+        print("note: the FMU cannot follow slopes of inputs: their means are held over each communication step, which --interval "
+              "makes shorter; --kind me follows them where there is one", file=sys.stderr)
     if not options.quiet:
         _summarise(options, run, target)
     if run.outcome.interrupted:
@@ -53,6 +56,15 @@ def simulate_fmu_command(options: Namespace) -> int:
         raise RunError(f"at t = {run.outcome.time:.9g}: {run.outcome.explanation}\n"
                        f"{run.rows} rows before it are kept in {target}")
     return 0
+
+
+def _has_ramps(inputs: Inputs) -> bool:
+    rows = list(zip(inputs.times, inputs.rows, strict=True))
+    return any(b > a and list(x) != list(y) for (a, x), (b, y) in pairwise(rows))
+
+
+def _follows(description: Description) -> bool:
+    return description.version == "2" and description.interfaces["cs"].get("canInterpolateInputs") in ("true", "1")
 
 
 def _values(description: Description, given: Iterable[str], option: str) -> dict[str, Any]:
