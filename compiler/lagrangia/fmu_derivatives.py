@@ -17,6 +17,7 @@ import casadi as ca
 
 from lagrangia.functions import state_space
 from lagrangia.instructions import tape_of
+from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import all_parameters
 from lagrangia.pipeline import Compilation
 from lagrangia.switches import find_switches
@@ -40,9 +41,25 @@ class Derivatives:
 def build_derivatives(
     compilation: Compilation, outputs: tuple[str, ...], settable: Sequence[bool], stabilisation: float
 ) -> Derivatives:
+    kinematics, (t, q, v, u, d, p), (slope, y, rates, shares) = _equations(compilation, outputs, stabilisation)
+    given, mask, values = all_parameters(kinematics, p.numel())
+    values = ca.densify(ca.substitute(values, mask, ca.DM([float(x) for x in settable]))) if p.numel() else ca.SX(0, 1)
+    slope, y, rates = ca.substitute([slope, y, rates], [p], [values]) if p.numel() else (slope, y, rates)
+    d = ca.vertcat(d, shares)
+    along_d = d if shares.numel() else ca.SX(0, 1)
+    forward, adjoint = _both([t, q, v, u, along_d, given], [slope, y, rates], [t, q, v, u, d, given])
+    free = [k for k, is_free in enumerate(settable) if is_free]
+    chosen = given[free] if free else ca.SX(0, 1)
+    rows = _rows_with_shares(ca.vertcat(slope, y), rates, ca.vertcat(t, q, v, u, given), shares)
+    return Derivatives(tape_of(forward), tape_of(adjoint), rows, _rows(values, chosen))
+
+
+def _equations(compilation: Compilation, outputs: tuple[str, ...],
+               stabilisation: float) -> tuple[Kinematics, list[ca.SX], list[ca.SX]]:
+    """The symbols t, q, v, u, d, p; slopes, y and R in terms of them and of switches and shares, which come last."""
     kinematics, motion = compilation.struck, compilation.run
     symbols, (a, y, place, steer) = state_space(kinematics, motion, compilation.constraints, outputs)
-    t, q, v, u, d, p = symbols
+    _t, q, v, *_ = symbols
     switches = find_switches(motion)
     a, y = switches.hold([a, y])
     shares = ca.vertcat(switches.symbols, motion.impacts.impulses) if switches.symbols.numel() else ca.SX(0, 1)
@@ -54,16 +71,7 @@ def build_derivatives(
         V = v + ca.substitute(steer, q, Q)
         a, rates = ca.substitute([a, rates], [q, v], [Q, V])
         slope = ca.vertcat(V, a) + stabilisation * (ca.vertcat(Q, V) - ca.vertcat(q, v))
-    given, mask, values = all_parameters(kinematics, p.numel())
-    values = ca.densify(ca.substitute(values, mask, ca.DM([float(x) for x in settable]))) if p.numel() else ca.SX(0, 1)
-    slope, y, rates = ca.substitute([slope, y, rates], [p], [values]) if p.numel() else (slope, y, rates)
-    d = ca.vertcat(d, shares)
-    along_d = d if shares.numel() else ca.SX(0, 1)
-    forward, adjoint = _both([t, q, v, u, along_d, given], [slope, y, rates], [t, q, v, u, d, given])
-    free = [k for k, is_free in enumerate(settable) if is_free]
-    chosen = given[free] if free else ca.SX(0, 1)
-    rows = _rows_with_shares(ca.vertcat(slope, y), rates, ca.vertcat(t, q, v, u, given), shares)
-    return Derivatives(tape_of(forward), tape_of(adjoint), rows, _rows(values, chosen))
+    return kinematics, symbols, [slope, y, rates, shares]
 
 
 def _both(knowns: list[ca.SX], unknowns: list[ca.SX], state: list[ca.SX]) -> tuple[ca.Function, ca.Function]:

@@ -83,19 +83,18 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             initial = _start(kinematics, constraints)
             made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
             motion = build_motion(kinematics, energies, *made_of)
-            struck, run = _with_impacts(kinematics, energies, motion, made_of)
+            hit, run = _with_impacts(kinematics, energies, motion, made_of)
             initial = loosen(initial, motion.momentum, motion.v)
         with _timed(took, "functions"):
             flow = energy_flow(kinematics, constraints, energies, run)
             stuck = flow or no_momenta(constraints, run)
             hamilton = None if stuck or is_separable(run) else build_hamilton(kinematics, run)
-            functions = build_functions(struck, run, constraints, initial, hamilton, _reported(graph, outputs))
+            functions = build_functions(hit, run, constraints, initial, hamilton, _reported(graph, outputs))
         with _timed(took, "freedom"):
             is_still = is_held_still(kinematics, motion, constraints, initial, functions)
         with _timed(took, "scene"):
             scene = divide(build_scene(kinematics, run, initial, functions, is_still, flow, stuck), kinematics, run, initial)
-    return Compilation(syntax, flat, graph, kinematics, constraints, energies, motion, struck, run, initial, functions, scene,
-                       took)
+    return Compilation(syntax, flat, graph, kinematics, constraints, energies, motion, hit, run, initial, functions, scene, took)
 
 
 def _start(kinematics: "Kinematics", constraints: "Constraints") -> "InitialConditions":
