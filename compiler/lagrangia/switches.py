@@ -203,13 +203,14 @@ def _without_unused(forces: Sequence[ca.SX], found: Mapping[Pair, Expression], r
 
 def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:
     """What stands under square roots in the forces and depends on positions, with its rates (r,): where it touches 0 forces bend,
-    or jump, and no sign changes."""
+    or jump, and no sign changes. Where whole numbers are counted, sin(pi x)^2 is what touches 0."""
     moving, rates = symbols_in(motion.q), symbols_in(motion.v)
     numbering, found = Numbering(), dict[int, ca.SX]()
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
-        if op == ca.OP_SQRT and not moving.isdisjoint(known := symbols_in(operands[0])) and rates.isdisjoint(known):
-            found.setdefault(numbers[0], operands[0])
+        is_asked = op in (ca.OP_SQRT, ca.OP_FLOOR, ca.OP_CEIL) and not moving.isdisjoint(known := symbols_in(operands[0]))
+        if is_asked and rates.isdisjoint(known):
+            found.setdefault(numbers[0], operands[0] if op == ca.OP_SQRT else ca.sin(ca.pi * operands[0]) ** 2)
 
     rebuilt(switches.hold([motion.h]), numbering, note)
     values = ca.vertcat(ca.SX(0, 1), *found.values())
