@@ -8,6 +8,8 @@
 #include "step.h"
 
 enum { STEPS = 300, REST = 12, MOST_HALVINGS = 40 };
+/* Equal steps that are too many if those of the trial are so much longer: near collisions they are a thousand times. */
+static const double MANY = 1e6, UNEVEN = 1e4;
 static const double SAME = 1e-9; /* lengths of steps that differ by less are equal */
 
 LagTrial lag_trial(LagRun *run)
@@ -18,7 +20,7 @@ LagTrial lag_trial(LagRun *run)
     const LagMethod *table = run->methods.table;
     void *self = run->methods.self;
     const double t = m->t, step = run->step;
-    LagTrial trial = {INFINITY, 0, 0};
+    LagTrial trial = {INFINITY, 0, 1, 0};
     memcpy(run->inside, m->y, size);
     run->methods.table = &lag_dop853;
     run->methods.self = &run->methods.dop853;
@@ -31,6 +33,7 @@ LagTrial lag_trial(LagRun *run)
             trial.shortest = i == REST ? m->t - m->t_old : fmin(trial.shortest, m->t - m->t_old);
     }
     trial.span = m->t - t;
+    trial.steps = fmax(1, (double)(run->statistics.steps - statistics.steps));
     if (!isfinite(trial.shortest))
         trial.shortest = trial.span;
     memcpy(m->y, run->inside, size);
@@ -50,6 +53,14 @@ double lag_equal_length(const LagRun *run, double wish)
     const double left = run->settings.t_stop - run->motion.t;
     const double h = run->settings.max_step > 0 ? fmin(wish, run->settings.max_step) : wish;
     return isfinite(left) ? left / ceil(left / h * (1 - SAME)) : h;
+}
+
+int lag_equal_never_ends(const LagRun *run, const LagTrial *trial, double h, double *steps)
+{
+    const double left = run->settings.t_stop - run->motion.t, mean = trial->span / trial->steps;
+    *steps = left / h;
+    const int is_possible = h >= lag_step_smallest(isfinite(left) ? run->settings.t_stop : run->motion.t);
+    return is_possible && run->settings.max_steps == 0 && *steps > MANY && mean > UNEVEN * h;
 }
 
 LagStatus lag_equal_step(LagRun *run, double *h, LagTry attempt)

@@ -14,6 +14,7 @@
 
 #include "equal_steps.h"
 #include "state.h"
+#include "step.h"
 
 enum { MOST_ITERATIONS = 60 };
 /* Iterations have converged when corrections fall below rounding, or below this and no longer shrink. */
@@ -168,8 +169,8 @@ static void swap(double **a, double **b)
     *b = c;
 }
 
-/* Stages by the tolerance, and equal steps that end where the run does. Returns 0 where they are no good. */
-static int choose(LagRun *run, LagGauss *s)
+/* Stages by the tolerance, and equal steps that end where the run does. */
+static LagTrial choose(LagRun *run, LagGauss *s)
 {
     const LagTrial trial = lag_trial(run);
     const double tolerance = run->settings.tolerance;
@@ -178,7 +179,7 @@ static int choose(LagRun *run, LagGauss *s)
         ++k;
     s->tableau = &LAG_GAUSS[CHOICE[k].tableau];
     s->h = lag_equal_length(run, CHOICE[k].length * trial.shortest);
-    return !trial.bends;
+    return trial;
 }
 
 /* The new momenta are left in s->p. */
@@ -205,8 +206,14 @@ static int attempt(LagRun *run, double h, int is_cut)
 static LagStatus step(LagRun *run)
 {
     LagGauss *s = &run->methods.gauss;
-    if (s->h == 0 && !choose(run, s))
-        return lag_roots_leave(run);
+    double steps;
+    if (s->h == 0) {
+        const LagTrial trial = choose(run, s);
+        if (trial.bends)
+            return lag_roots_leave(run);
+        if (lag_equal_never_ends(run, &trial, s->h, &steps))
+            return lag_step_no_progress(run, -1, steps);
+    }
     return lag_equal_step(run, &s->h, attempt);
 }
 

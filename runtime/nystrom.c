@@ -14,6 +14,7 @@
 #include "equal_steps.h"
 #include "evaluate.h"
 #include "state.h"
+#include "step.h"
 
 enum { STAGES = 11, MOST_LENGTHS = 24, MOST_STEPS = 5000 };
 static const double KICK[STAGES + 1] = {
@@ -102,18 +103,18 @@ static double energy_error(LagRun *run, LagNystrom *s, double h, double span)
     return scale > 0 ? largest / scale : largest;
 }
 
-/* The longest steps whose energy error is below the tolerance. Returns 0 where equal steps are no good. */
-static int choose(LagRun *run, LagNystrom *s)
+/* The longest steps whose energy error is below the tolerance. */
+static LagTrial choose(LagRun *run, LagNystrom *s)
 {
     const LagTrial trial = lag_trial(run);
     if (trial.bends)
-        return 0;
+        return trial;
     s->h = LONGEST * trial.shortest;
     for (int i = 0; i < MOST_LENGTHS && !(energy_error(run, s, s->h, trial.span) <= run->settings.tolerance); ++i)
         s->h *= SHORTER;
     s->h = lag_equal_length(run, s->h);
     s->is_known = 0;
-    return 1;
+    return trial;
 }
 
 static int attempt(LagRun *run, double h, int is_cut)
@@ -139,8 +140,14 @@ static int attempt(LagRun *run, double h, int is_cut)
 static LagStatus step(LagRun *run)
 {
     LagNystrom *s = &run->methods.nystrom;
-    if (s->h == 0 && !choose(run, s))
-        return lag_roots_leave(run);
+    double steps;
+    if (s->h == 0) {
+        const LagTrial trial = choose(run, s);
+        if (trial.bends)
+            return lag_roots_leave(run);
+        if (lag_equal_never_ends(run, &trial, s->h, &steps))
+            return lag_step_no_progress(run, -1, steps);
+    }
     return lag_equal_step(run, &s->h, attempt);
 }
 

@@ -48,7 +48,7 @@ static void clear(LagRun *run)
     run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0;
     run->calm_step = 0;
     run->motion.energy = run->motion.doubt = 0;
-    run->wanted = run->settings.t_start;
+    run->wanted = run->paced = run->settings.t_start;
     run->row_spacing = 0;
 }
 

@@ -60,6 +60,7 @@ struct LagRun {
     double segment_end;   /* time of the next event */
     double wanted;        /* time of the row that is asked for */
     double row_spacing;   /* of the rows that are asked for at once, on average; 0: nobody knows */
+    double paced;         /* when progress was looked at */
     double step;          /* length proposed for the next step */
     double *probe; /* 6 n: scratch of lag_singularity, with constraints */
     double start_energy, energy_before;

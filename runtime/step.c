@@ -8,6 +8,8 @@
 #include "segment.h"
 
 static const double FIRST_STEP = 1; /* towards no end */
+static const double MOST_STEPS = 1e10; /* hours, of the smallest scenes */
+enum { LOOK_FOR_PROGRESS = 1 << 17 };
 enum { GLANCE = 16 }; /* strides from one look at the energies to the next */
 
 double lag_step_smallest(double t) { return lag_max(4 * DBL_EPSILON * fabs(t), DBL_MIN); }
@@ -69,6 +71,21 @@ LagStatus lag_step_give_up(LagRun *run, int worst)
     return lag_fail(run, LAG_STEP_TOO_SMALL, worst < n ? worst : worst - n, worst >= n, 0);
 }
 
+LagStatus lag_step_no_progress(LagRun *run, int worst, double steps)
+{
+    const int n = run->model->n;
+    return lag_fail(run, LAG_NO_PROGRESS, worst < n ? worst : worst - n, worst >= n, steps);
+}
+
+/* Now and then: whether the rest would take more steps, each like the latest ones, than anybody waits for. */
+static LagStatus look_for_progress(LagRun *run)
+{
+    const double t = run->motion.t, stop = run->settings.t_stop, end = isfinite(stop) ? stop : run->wanted;
+    const double steps = (end - t) / (t - run->paced) * LOOK_FOR_PROGRESS;
+    run->paced = t;
+    return run->settings.max_steps == 0 && steps > MOST_STEPS ? lag_step_no_progress(run, run->statistics.worst, steps) : LAG_OK;
+}
+
 LagStatus lag_step(LagRun *run)
 {
     if (!lag_stiffness_turn(run))
@@ -93,6 +110,8 @@ LagStatus lag_step(LagRun *run)
             lag_account_weigh(run);
             note_state(run);
         }
+        if (run->statistics.steps % LOOK_FOR_PROGRESS == 0)
+            return look_for_progress(run);
     }
     return status;
 }

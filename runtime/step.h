@@ -31,6 +31,9 @@ void lag_step_set_units(LagRun *run, double h);
 /* Notes the step of length h that was just accepted. */
 void lag_step_record(LagRun *run, double h);
 
+/* More steps than anybody waits for: component `worst` of (q, v) is to blame, -1: none. */
+LagStatus lag_step_no_progress(LagRun *run, int worst, double steps);
+
 /* No step is small enough: component `worst` of (q, v) is to blame. */
 LagStatus lag_step_give_up(LagRun *run, int worst);
 

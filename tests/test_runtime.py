@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from lagrangia.native import find_compiler
-from lagrangia.runtime import Model, Settings, Status
+from lagrangia.runtime import Model, Settings, Solver, Status
 from lagrangia.runtime_library import Runtime
 from lagrangia.tapes import Op, Tape
 from native_models import FOLDER, OSCILLATOR, compiled, started
@@ -412,3 +412,20 @@ def test_sources_compile_without_a_warning(tmp_path: Path) -> None:
     for source in sorted(FOLDER.glob("*.c")):
         done = subprocess.run([*compiler.command, *options, str(source)], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
+
+
+def test_work_without_end_is_bounded(runtime: Runtime) -> None:
+    """1e13 vibrations a second from t = 0.5 on; and equal steps where a force jumps, which would be 1e6 times as many
+    as others. A limit of steps given takes the place of both bounds."""
+    model = compiled(1, rhs="a[0] = t < 0.5 ? 0 : -1e26*q[0];")
+    with started(runtime, model, [1], [0], t_stop=1, solver=Solver.ERK) as run:
+        assert run.advance([1]).status is Status.NO_PROGRESS
+        assert run.failure.time == pytest.approx(0.5, abs=1e-6) and run.failure.value > 1e10
+    jump = compiled(1, numbers=", .is_separable = 1", rhs="a[0] = -10*(fabs(q[0]) - 0.4)*(q[0] > 0 ? 1 : -1);",
+                    energies="E[0] = v[0]*v[0]/2; E[1] = 5*(fabs(q[0]) - 0.4)*(fabs(q[0]) - 0.4); E[2] = E[0] + E[1];")
+    settings = {"t_stop": 2, "tolerance": 1e-12, "solver": Solver.CONSERVATIVE}
+    with started(runtime, jump, [1], [0], **settings) as run:
+        assert run.advance([2]).status is Status.NO_PROGRESS
+        assert run.statistics.steps == 0
+    with started(runtime, jump, [1], [0], max_steps=100, **settings) as run:
+        assert run.advance([2]).status is Status.TOO_MANY_STEPS

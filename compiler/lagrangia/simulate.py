@@ -332,8 +332,8 @@ def explain(scene: Scene, failure: Failure) -> str:
                 "a singular position or between masses too uneven for the tolerance; try a smaller one, or another solver")
     if failure.status is Status.NO_PROGRESS:
         return (f"there is no progress at t = {failure.time:.9g}{where}: the rest would take {failure.value:.1e} steps as short "
-                "as the latest, where something jumps, bends or vibrates; try another solver or a larger tolerance, or let it go "
-                "on with --max-steps")
+                "as are needed there, where something jumps, bends or vibrates; try another solver or a larger tolerance, or let "
+                "it go on with --max-steps")
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
