@@ -1,5 +1,6 @@
-/* A contact is closed where its gap is, but for what cannot be told, and what else its condition asks for holds. What leaves it so slowly
- * that a bounce cannot be told from none rests there: the rate of its gap slides (sliding.h), held by a force that only pushes.
+/* A contact is closed where its gap is 0, but for what cannot be told, and what else its condition asks for holds. What leaves it so slowly
+ * that a bounce cannot be told from none rests there: the rate of its gap slides (sliding.h), held by a force that only pushes. So does a
+ * rate that may go one way, where it is at its end.
  */
 #include "contacts.h"
 
@@ -21,6 +22,9 @@ static const double SLACK = 1.0 / 1024; /* of one tolerance: what stands where n
 /* A bounce shorter than so many times what tells times apart is none. */
 static const double SHORT = 256, LOW = 1.0 / 64; /* of what is unknown of positions, which is that of many steps */
 
+/* Whether event k is a contact: no rate that may go one way. */
+static int is_place(const LagRun *run, int k) { return run->impacts.has_contact[k] == LAG_CONTACT; }
+
 double lag_contacts_margin(const LagRun *run, int i)
 {
     return run->impacts.coarse > 0 ? run->impacts.coarse * run->sliding.error[i] : LOW * run->switches.unknown[i];
@@ -37,7 +41,7 @@ double lag_contacts_lateness(const LagRun *run, int k)
 {
     const LagSwitches *s = &run->switches;
     const int gap = lag_gap(run->model, k);
-    const double g = s->g[gap], speed = s->rate[gap], gained = 2 * s->rate[lag_contact(run->model, k)] * g;
+    const double g = s->g[gap], speed = s->g[lag_contact(run->model, k)], gained = 2 * s->rate[lag_contact(run->model, k)] * g;
     if (!(g > LOW * s->unknown[gap] && gained > 0))
         return 1;
     return gained < speed * speed ? sqrt(1 - gained / (speed * speed)) : 0;
@@ -46,8 +50,9 @@ double lag_contacts_lateness(const LagRun *run, int k)
 int lag_contacts_are_closed(const LagRun *run, int k, const double *g, double near)
 {
     const LagSwitches *s = &run->switches;
-    const int touches = s->slides[lag_contact(run->model, k)] || g[lag_gap(run->model, k)] >= -near;
-    const int i = lag_when(run->model, k), is_inside = s->held[i] > 0 || s->turned[i] == LAG_TO_1;
+    const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), slides = s->slides[lag_contact(run->model, k)];
+    const double far = is_place(run, k) ? lag_max(near, run->sliding.error[gap]) : INFINITY;
+    const int touches = slides || (g[gap] >= -near && g[gap] <= far), is_inside = s->held[i] > 0 || s->turned[i] == LAG_TO_1;
     return touches && !is_inside && g[i] >= 0;
 }
 
@@ -65,7 +70,8 @@ static void note_errors(LagRun *run, int pattern)
     for (int k = 0; k < model->n_whens; ++k) {
         const int places[] = {lag_when(model, k), lag_gap(model, k), lag_contact(model, k)};
         for (int j = 0; j < 3; ++j) {
-            const double moved = j < 2 ? s->g_inside[places[j]] : s->rate_begin[places[j]];
+            const int by_rates = j == 2 || (j == 1 && run->impacts.has_contact[k] == LAG_ONE_WAY);
+            const double moved = by_rates ? s->rate_begin[places[j]] : s->g_inside[places[j]];
             double *error = &run->sliding.error[places[j]];
             *error = lag_max(fabs(moved - s->g_begin[places[j]]), *error);
         }
@@ -89,7 +95,7 @@ void lag_contacts_find_errors(LagRun *run)
         const int i = lag_when(model, k), gap = lag_gap(model, k), rests = lag_contact(model, k);
         const double speed = run->scale.tolerance * MOMENT * fabs(s->rate[rests]);
         error[i] = lag_max(speed * MOMENT, error[i]);
-        error[gap] = lag_max(speed * MOMENT, error[gap]);
+        error[gap] = lag_max(is_place(run, k) ? speed * MOMENT : speed, error[gap]);
         error[rests] = lag_max(speed, error[rests]);
     }
 }
@@ -105,7 +111,7 @@ int lag_contacts_is_inside(const LagRun *run, int i, double g)
 int lag_contacts_find_passed(const LagRun *run)
 {
     for (int k = 0; k < run->model->n_whens; ++k)
-        if (run->impacts.has_contact[k] && run->switches.held[lag_when(run->model, k)] > 0)
+        if (is_place(run, k) && run->switches.held[lag_when(run->model, k)] > 0)
             return 1 + k;
     return 0;
 }
@@ -128,7 +134,7 @@ static int find_drifted(LagRun *run)
     int count = 0, some = 0;
     for (int j = 0, last = -1; j < model->n_resets; ++j) {
         const int k = lag_event_of(model, j);
-        if (k == last || !lag_is_contact(model, j))
+        if (k == last || lag_is_contact(model, j) != LAG_CONTACT)
             continue;
         last = k;
         some |= has_drifted(run, k);
@@ -174,9 +180,10 @@ int lag_contacts_find_rest(LagRun *run)
     for (int k = 0; k < model->n_whens; ++k) {
         const int gap = lag_gap(model, k), rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
         const double slow = lag_max(lag_sliding_held(run, rests), run->sliding.error[rests]);
-        const double leaves = -s->rate_inside[gap], returns = s->rate_inside[rests];
+        const double leaves = -s->g_inside[rests], returns = s->rate_inside[rests];
         const int touches = run->impacts.has_contact[k] && lag_contacts_are_closed(run, k, s->g_inside, run->sliding.error[gap]);
-        const int stands = touches && (fabs(leaves) <= slow || (leaves > 0 && lag_contacts_stay(run, k, leaves, returns)));
+        const int bounces = leaves > 0 && is_place(run, k) && lag_contacts_stay(run, k, leaves, returns);
+        const int stands = touches && (fabs(leaves) <= slow || bounces);
         run->impacts.slack[k] = stands ? lag_max(s->unknown[gap], SLACK * run->sliding.error[gap]) : 0;
         if (stands && !has_left) {
             s->turned[rests] = LAG_CHANGES;
@@ -206,9 +213,9 @@ void lag_contacts_foresee(LagRun *run)
         lag_conditions_of_events(run, s->g_inside, s->rate_inside);
     for (int k = 0; k < model->n_whens; ++k) {
         const int gap = lag_gap(model, k), rests = lag_contact(model, k);
-        const double leaves = -s->rate_inside[gap], depth = -s->g_inside[gap], near = run->sliding.error[gap];
+        const double leaves = -s->g_inside[rests], depth = -s->g_inside[gap], near = run->sliding.error[gap];
         const int is_closed = lag_contacts_are_closed(run, k, s->g_inside, near);
-        if (run->impacts.has_contact[k] && !s->slides[rests] && (depth > near || (is_closed && leaves > 0)))
+        if (is_place(run, k) && !s->slides[rests] && (depth > near || (is_closed && leaves > 0)))
             *seen = lag_min(run->motion.t + BOUNCE * closes_in(is_closed ? 0 : depth, leaves, s->rate_inside[rests]), *seen);
     }
 }

@@ -54,6 +54,8 @@ void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena
 void lag_impacts_reset(LagRun *run)
 {
     for (int j = 0; j < run->model->n_resets; ++j)
+        run->impacts.has_contact[lag_event_of(run->model, j)] = 0;
+    for (int j = 0; j < run->model->n_resets; ++j)
         run->impacts.has_contact[lag_event_of(run->model, j)] |= lag_is_contact(run->model, j);
     run->impacts.coarse = 0;
     run->impacts.at_once = 0;
@@ -95,6 +97,9 @@ void lag_impacts_note_jump(LagRun *run, double t, const double *y)
     }
 }
 
+/* Whether contact k came where all else came true while it was passed already: its resets are those of any event. */
+static int is_passed(const LagRun *run, int k) { return run->switches.turned[lag_when(run->model, k)] == LAG_TO_1; }
+
 /* What rates become. */
 static void read_wanted(LagRun *run)
 {
@@ -103,12 +108,13 @@ static void read_wanted(LagRun *run)
     lag_impulses_look(run, run->motion.y + model->n, s->rate, s->wanted);
     for (int j = 0; j < model->n_resets; ++j) {
         const int k = lag_event_of(model, j);
-        if (!lag_is_contact(model, j) || !s->fires[k])
+        if (!lag_is_contact(model, j) || !s->fires[k] || is_passed(run, k))
             continue;
-        s->is_plastic[k] |= s->wanted[j] == 0;
-        if (run->switches.turned[lag_when(model, k)] != LAG_TO_1)
-            s->wanted[j] *= lag_contacts_lateness(run, k);
-        const double speed = fabs(run->switches.rate[lag_gap(model, k)] * s->wanted[j] / s->rate[j]);
+        s->is_plastic[k] |= s->wanted[j] == 0 || s->has_contact[k] == LAG_ONE_WAY;
+        if (s->has_contact[k] == LAG_ONE_WAY)
+            continue;
+        s->wanted[j] *= lag_contacts_lateness(run, k);
+        const double speed = fabs(run->switches.g[lag_contact(model, k)] * s->wanted[j] / s->rate[j]);
         if (lag_contacts_stay(run, k, speed, run->switches.rate[lag_contact(model, k)]))
             s->wanted[j] = 0;
     }
@@ -124,27 +130,31 @@ static int touches(const LagRun *run, int k)
     return lag_contacts_are_closed(run, k, s->g, lag_max(s->unknown[gap], lag_contacts_margin(run, gap)));
 }
 
-/* Contact k is struck where it approaches. What an impact has stopped stays together in those that it brings about, unless these part
- * it. Returns whether there is anything new in that. */
+/* Whether what is reset by event k is stopped, whichever way it goes: what is turned back is so where it approaches. */
+static int stops(LagRun *run, int k)
+{
+    LagImpacts *s = &run->impacts;
+    lag_impulses_look(run, run->motion.y + run->model->n, s->rate, s->wanted);
+    for (int j = 0; j < run->model->n_resets; ++j)
+        if (lag_event_of(run->model, j) == k && s->wanted[j] != 0)
+            return 0;
+    return 1;
+}
+
+/* Contact k is struck where it approaches, or is stopped though it is passed. What an impact has stopped stays together in those that it brings about, unless
+ * these part it. Returns whether there is anything new in that. */
 static int find_contact(LagRun *run, int k, int comes)
 {
     LagImpacts *s = &run->impacts;
-    const double speed = run->switches.rate[lag_gap(run->model, k)], error = run->sliding.error[lag_contact(run->model, k)];
-    const int may = comes || touches(run, k), approaches = may && speed > (comes ? 0 : error);
+    const double speed = run->switches.g[lag_contact(run->model, k)], error = run->sliding.error[lag_contact(run->model, k)];
+    const int is_asked = comes && (s->has_contact[k] == LAG_ONE_WAY || (is_passed(run, k) && stops(run, k)));
+    const int may = comes || touches(run, k), approaches = is_asked || (may && speed > (comes ? 0 : error));
     s->fires[k] = approaches || (may && s->is_plastic[k] && speed > -error);
     return approaches;
 }
 
-/* Whether contact k, whose event comes, is passed already. */
-static int is_passed(const LagRun *run, int k)
-{
-    const LagSwitches *s = &run->switches;
-    const int i = lag_when(run->model, k), gap = lag_gap(run->model, k);
-    return s->g[i] < s->g[gap] || (s->turned[i] == LAG_JUMPS && s->g[gap] > run->sliding.error[gap]);
-}
-
 /* Events whose conditions have come true (contacts that are passed already, where the rest of the condition comes true, are so from
- * then on), and contacts that are closed and approach. Returns whether there are some. */
+ * then on: a place where both come true is closed), and contacts that are closed and approach. Returns whether there are some. */
 static int find_events(LagRun *run, int is_first)
 {
     LagImpacts *s = &run->impacts;
@@ -156,10 +166,13 @@ static int find_events(LagRun *run, int is_first)
         const int i = lag_when(model, k), turned = switches->turned[i], may_come = is_first && switches->held[i] == 0;
         const int comes = may_come && (turned == LAG_CHANGES || turned == LAG_JUMPS);
         if (s->has_contact[k]) {
+            const double passed = switches->g[lag_gap(model, k)], near = run->sliding.error[lag_gap(model, k)];
+            if (comes)
+                switches->turned[i] = passed > near && (turned == LAG_JUMPS || switches->g[i] < passed) ? LAG_TO_1 : LAG_TO_0;
             found |= find_contact(run, k, comes);
-            switches->turned[i] = !comes ? turned : is_passed(run, k) ? LAG_TO_1 : LAG_TO_0;
         } else {
-            const int is_now = comes || is_true(switches, i);
+            const int stands = fabs(switches->g[i]) <= switches->unknown[i] && switches->rate[i] == 0; /* it stays what it is */
+            const int is_now = comes || (stands && !is_first ? s->is_on[k] : is_true(switches, i));
             s->fires[k] = is_first ? comes : is_now && !s->is_on[k];
             s->is_on[k] = is_first && !comes ? switches->held[i] > 0 : is_now;
             found |= s->fires[k];
@@ -176,9 +189,9 @@ static int calm(LagRun *run)
     const LagSwitches *switches = &run->switches;
     int some = 0;
     for (int k = 0; k < run->model->n_whens; ++k) {
-        const int gap = lag_gap(run->model, k), closed = s->has_contact[k] && touches(run, k);
-        s->fires[k] = closed && fabs(switches->rate[gap]) <= run->sliding.error[lag_contact(run->model, k)];
-        some |= s->fires[k] && switches->rate[gap] > 0;
+        const int rests = lag_contact(run->model, k), closed = s->has_contact[k] && touches(run, k);
+        s->fires[k] = closed && fabs(switches->g[rests]) <= run->sliding.error[rests];
+        some |= s->fires[k] && switches->g[rests] > 0;
     }
     if (!some)
         return 1;

@@ -8,7 +8,7 @@
 
 typedef struct {
     int *fires;      /* n_whens: those whose rates are reset now */
-    int *has_contact; /* n_whens: one of its resets is that of a contact */
+    int *has_contact; /* n_whens: LAG_CONTACT, LAG_ONE_WAY where one of its resets is such a one; 0: none */
     int *is_plastic; /* n_whens: of contacts, whether they have stopped what approached at this moment */
     int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
     int *which;      /* n_resets: the resets of these */
@@ -47,14 +47,14 @@ int lag_impacts_press(LagRun *run);
 void lag_impacts_await_jump(LagRun *run, double t, const double *y);
 void lag_impacts_note_jump(LagRun *run, double t, const double *y);
 
-/* The places among the switches of event k: of its condition, of the gap of a contact, of what rests there. Whether switch i is the
- * first of them. */
+/* The places among the switches of event k: of its condition; of the gap of a contact, or the rate that may go one way; and of what
+ * rests there: the rate of the gap, or once more that rate. Whether switch i is the first of them. */
 static inline int lag_when(const LagModel *model, int k) { return model->n_switches - 3 * model->n_whens + k; }
 static inline int lag_gap(const LagModel *model, int k) { return model->n_switches - 2 * model->n_whens + k; }
 static inline int lag_contact(const LagModel *model, int k) { return model->n_switches - model->n_whens + k; }
 static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_when(model, 0) && i < lag_gap(model, 0); }
 
-/* The event of a reset, and whether the reset is that of a contact. */
+/* The event of a reset, and LAG_CONTACT, LAG_ONE_WAY, or 0. */
 static inline int lag_event_of(const LagModel *model, int reset) { return model->reset_places[2 * reset]; }
 static inline int lag_is_contact(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1]; }
 

@@ -99,34 +99,40 @@ static void solve(LagRun *run, int count)
     lag_dense_lu_solve(&s->lu, s->impulse, NULL);
 }
 
-/* Conditions and their rates at other rates, where accelerations do not count. */
-static void look_at_conditions(LagRun *run, const double *v, double *rate)
+/* Conditions at other rates, where accelerations do not count. */
+static void look_at_conditions(LagRun *run, const double *v, double *g)
 {
     LagSwitches *switches = &run->switches;
-    lag_conditions_by(run, run->motion.t, run->motion.y, v, switches->slope + run->model->n, switches->g_inside, rate);
+    lag_conditions_by(run, run->motion.t, run->motion.y, v, switches->slope + run->model->n, g, switches->rate_inside);
 }
 
 void lag_impulses_look_at_rest(LagRun *run)
 {
     memset(run->impacts.state, 0, (size_t)run->model->n * sizeof *run->impacts.state);
-    look_at_conditions(run, run->impacts.state, run->switches.rate_inside);
+    look_at_conditions(run, run->impacts.state, run->switches.g_inside);
 }
 
 void lag_impulses_look_along(LagRun *run, int k)
 {
-    look_at_conditions(run, run->impacts.way + k * run->model->n, run->switches.rate_begin);
+    look_at_conditions(run, run->impacts.way + k * run->model->n, run->switches.g_begin);
 }
 
 double lag_impulses_closing(const LagRun *run, int k)
 {
-    const int gap = lag_gap(run->model, lag_event_of(run->model, run->impacts.which[k]));
-    return run->switches.rate_begin[gap] - run->switches.rate_inside[gap];
+    const int rests = lag_contact(run->model, lag_event_of(run->model, run->impacts.which[k]));
+    return run->switches.g_begin[rests] - run->switches.g_inside[rests];
 }
 
 double lag_impulses_opening(LagRun *run, int k)
 {
     lag_impulses_look_along(run, k);
     return -lag_impulses_closing(run, k);
+}
+
+int lag_impulses_push(const LagRun *run, int reset)
+{
+    const int i = lag_when(run->model, lag_event_of(run->model, reset));
+    return lag_is_contact(run->model, reset) && run->switches.turned[i] != LAG_TO_1;
 }
 
 /* Leaves out the contact that pulls most. Returns whether one did. */
@@ -139,7 +145,7 @@ static int leave_out(LagRun *run, int *count)
         return 0;
     lag_impulses_look_at_rest(run);
     for (int i = 0; i < *count; ++i) {
-        const double opens = lag_is_contact(run->model, s->which[i]) ? s->impulse[i] * lag_impulses_opening(run, i) : 0;
+        const double opens = lag_impulses_push(run, s->which[i]) ? s->impulse[i] * lag_impulses_opening(run, i) : 0;
         if (opens < most) {
             most = opens;
             worst = i;

@@ -13,8 +13,11 @@ void lag_impulses_find_ways(LagRun *run, int count);
 /* That of one, into way[n]. */
 void lag_impulses_find_way(LagRun *run, int reset, double *way);
 
-/* The rates of conditions where nothing moves but supports, into switches.rate_inside (conditions into g_inside); along way k as well,
- * into rate_begin; and, after both, how much an impulse of 1 along that way closes the contact of the reset impacts.which[k]. */
+/* Whether an impulse of this reset is to push alone, as that of a contact; what is passed already takes any. */
+int lag_impulses_push(const LagRun *run, int reset);
+
+/* Conditions where nothing moves but supports, into switches.g_inside; along way k as well, into g_begin; and, after both, how much an
+ * impulse of 1 along that way closes the contact of the reset impacts.which[k]. */
 void lag_impulses_look_at_rest(LagRun *run);
 void lag_impulses_look_along(LagRun *run, int k);
 double lag_impulses_closing(const LagRun *run, int k);

@@ -52,6 +52,9 @@ enum { LAG_EVENT_ZERO, LAG_EVENT_INTEGER };
 /* Groups of like coordinates share one order of magnitude; angles have a natural one, so they are a group of their own. */
 enum { LAG_KIND_ANGLE };
 
+/* What a reset leaves may rest there: positions that do not approach any more, or a rate at the end of a one-way range. */
+enum { LAG_KICK, LAG_CONTACT, LAG_ONE_WAY };
+
 typedef struct LagModel LagModel;
 
 struct LagModel {
@@ -73,7 +76,7 @@ struct LagModel {
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
-    const int *reset_places;    /* 2 n_resets: the event of each, and whether it is a contact, where what rests is held */
+    const int *reset_places;    /* 2 n_resets: the event of each, and LAG_CONTACT, ... of those at which something may rest */
     const int *rubs;            /* 3 n_rubs: the switch of its slip, the event of the contact, whether no other force has the switch */
     const int *rests;           /* n_rests: the switch of each */
     const int *cones;           /* 2 n_cones: the switches of both components */

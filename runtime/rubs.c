@@ -121,7 +121,7 @@ static void find_ways(LagRun *run, int count)
     lag_impulses_find_ways(run, count);
     lag_impulses_look_at_rest(run);
     for (int j = 0; j < count; ++j)
-        s->sense[j] = lag_is_contact(model, s->which[j]) && lag_impulses_opening(run, j) < 0 ? -1 : 1;
+        s->sense[j] = lag_impulses_push(run, s->which[j]) && lag_impulses_opening(run, j) < 0 ? -1 : 1;
     set_acting(run, 0);
     lag_impulses_find_ways(run, count);
     for (int place = count; place < s->problem.size; ++place)
@@ -177,7 +177,7 @@ static void fill(LagRun *run, int count)
     LagComplementarity *p = &s->problem;
     const LagModel *model = run->model;
     for (int i = 0; i < p->size; ++i)
-        p->kind[i] = i >= count ? LAG_RUBS : lag_is_contact(model, s->which[i]) ? LAG_PUSHES : LAG_BINDS;
+        p->kind[i] = i >= count ? LAG_RUBS : lag_impulses_push(run, s->which[i]) ? LAG_PUSHES : LAG_BINDS;
     memset(s->state, 0, (size_t)model->n * sizeof *s->state);
     lag_impulses_look(run, s->state, s->impulse, s->rate_after); /* rates that supports have */
     const double *slip = slips(run, s->state);

@@ -302,8 +302,9 @@ void lag_sliding_margin_rates(LagRun *run, double t, const double *y, const doub
 /* Whether the position of what rests at a contact has drifted. */
 static int has_left(const LagRun *run, int i)
 {
-    const int gap = i - run->model->n_whens;
-    return !lag_may_have_all(run, i) && fabs(run->sliding.g[gap]) > lag_max(1, run->impacts.coarse) * run->sliding.error[gap];
+    const int gap = i - run->model->n_whens, k = gap - lag_gap(run->model, 0);
+    const int is_place = !lag_may_have_all(run, i) && run->impacts.has_contact[k] == LAG_CONTACT;
+    return is_place && fabs(run->sliding.g[gap]) > lag_max(1, run->impacts.coarse) * run->sliding.error[gap];
 }
 
 int lag_sliding_lasts(LagRun *run)

@@ -7,9 +7,12 @@ impulses are found together.
 A condition is positive where it is true: g = b - a of a < b. A reset is that of a contact where the rate of x is that of g but
 for a factor, and what approaches is turned back or stopped: der(x) = -e der(x). What rests there is kept from g > 0 by a force
 along -g.
+
+A rate that is reset to where its condition ends (a pawl, a freewheel: when v < 0 then reinit(v, 0)) may go one way, and is kept
+there by a force on x that only pushes.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import accumulate
 
@@ -29,6 +32,7 @@ from lagrangia.parameters import usual_parameters
 from lagrangia.scalars import symbols_in
 from lagrangia.tree import Binary, Flat, Number, Unary
 
+KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
 _SAME = 1e-9  # relative difference of what is the same but for rounding
 _NONE = ca.SX(0, 1)
 Numbers = NDArray[np.float64]
@@ -36,15 +40,16 @@ Numbers = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Impacts:
-    """w conditions and r resets. `places` has for each reset that of its condition, and whether it is that of a contact."""
+    """w conditions and r resets. `places` has for each reset that of its condition, and what it is: CONTACT, ONE_WAY, KICK."""
 
     conditions: ca.SX = _NONE  # (w,): g, of t, q, v, u, p and modes; of contacts that of all else which has to be true
-    gaps: ca.SX = _NONE  # (w,): g of the comparison that is a contact, 0 where none is
+    gaps: ca.SX = _NONE  # (w,): g of the comparison that is a contact or goes one way, 0 where none is
     rates: ca.SX = _NONE  # (r,): of what is reset
     wanted: ca.SX = _NONE  # (r,): after the event
     forces: ca.SX = _NONE  # (w,): symbols of the forces along -gaps
     impulses: ca.SX = _NONE  # (r,): symbols of forces on what is reset
     places: tuple[int, ...] = ()
+    one_way: tuple[bool, ...] = ()  # (w,): gaps that are rates
     loads: tuple[Load, ...] = ()
     pressing: Mapping[int, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # of contacts, by their events: forces, impulses
 
@@ -76,18 +81,19 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
         if event is not None and found[event].kept is None:
             fail("L0226", "this event is no contact, whose force is asked for", whens[event].span,
                  "a contact turns what approaches back, or stops it: reinit(der(x), -e*pre(der(x))) with e >= 0")
-    places = [(k, is_contact) for k, event in enumerate(found) for is_contact in event.contacts]
+    places = [(k, kind) for k, event in enumerate(found) for kind in event.kinds]
     forces, impulses = ca.SX.sym("contact", len(found)), ca.SX.sym("impulse", len(places))
     strengths = iter(impulses.elements())
     loads = [load for event, force in zip(found, forces.elements(), strict=True) for load in event.loads(force, strengths)]
     conditions, gaps, rates, wanted = (ca.vertcat(_NONE, *parts) for parts in (
         [event.g for event in found], [event.gap for event in found], [x for event in found for x in event.rates],
         [x for event in found for x in event.wanted]))
-    flags = tuple(int(x) for pair in places for x in pair)
-    firsts = accumulate((len(event.contacts) for event in found), initial=0)
+    flags = tuple(x for pair in places for x in pair)
+    firsts = accumulate((len(event.kinds) for event in found), initial=0)
     pressing = {k: (forces[k], impulses[first + event.kept])
                 for k, (event, first) in enumerate(zip(found, firsts, strict=False)) if event.kept is not None}
-    return Impacts(conditions, gaps, rates, wanted, forces, impulses, flags, tuple(loads), pressing)
+    one_way = tuple(ONE_WAY in event.kinds for event in found)
+    return Impacts(conditions, gaps, rates, wanted, forces, impulses, flags, one_way, tuple(loads), pressing)
 
 
 class _Event:
@@ -104,17 +110,18 @@ class _Event:
         for reset, position in zip(when.resets, self.positions, strict=True):
             self._add(reset, position)
         self._check()
-        found = [self._find_contact(rate, value) for rate, value in zip(self.rates, self.wanted, strict=True)]
-        self.contacts = [contact is not None for contact in found]
         self.kept_position = kept_by(model, when)
         kept = next((k for k, x in enumerate(self.places) if are_alike(x, self.kept_position)), None)
-        self.kept = kept if kept is not None and self.contacts[kept] else None  # that whose contact force may be asked for
-        self.contact: Flat | None = None
         self.gap = ca.SX(0)
-        for contact in (contact for contact in found if contact is not None):
-            self.contact, guards = level_of(contact), [self._level(x) for x in parts_of(when.condition) if x is not contact]
-            self.gap = self._expression(kinematics.evaluator.value(self.contact))
-            self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
+        self.held: Flat | None = None
+        contacts = self._find_all(self._turns_back)
+        limits = [] if any(contacts) else self._find_all(self._stops)
+        kind, found = (ONE_WAY, limits) if any(limits) else (CONTACT, contacts)
+        chosen = next((x for x in (found[kept] if kept is not None else None, *found) if x is not None), None)
+        self.kinds = [kind if chosen is not None and x is chosen else KICK for x in found]
+        self.kept = kept if kept is not None and self.kinds[kept] == CONTACT else None  # whose contact force may be asked for
+        if chosen is not None:
+            self._divide(chosen, kind)
 
     def _expression(self, x: Scalar) -> ca.SX:
         return ca.substitute(ca.SX(x), self.kinematics.symbols.tau, ca.SX(1))
@@ -174,18 +181,30 @@ class _Event:
         """`force` along the gap where there is a contact, and a force for each reset."""
         value, component, span = self.kinematics.evaluator.value, self.when.component, self.when.span
         unit = Number(1.0, None, span)
-        if self.contact is not None:
-            work = Work(unit, Unary("-", self.contact, span), component, span)
+        if self.held is not None:
+            work = Work(unit, self.held, component, span)
             yield Load((force,), tuple(scalars_of(value(work.position))), work)
         for position in self.positions:
             moved = tuple(scalars_of(value(position)))
             yield Load(tuple(next(impulses) for _ in moved), moved, Work(unit, position, component, span))
 
-    def _find_contact(self, rate: ca.SX, wanted: ca.SX) -> Flat | None:
-        """The comparison, of what all has to be true, whose contact this reset is."""
+    def _divide(self, chosen: Flat, kind: int) -> None:
+        """The condition into what was chosen, and what else has to be true; and along what a force holds what rests."""
+        guards = [self._level(x) for x in parts_of(self.when.condition) if x is not chosen]
+        self.gap = self._expression(self.kinematics.evaluator.value(level_of(chosen)))
+        self.g = ca.mmin(ca.vertcat(*guards)) if guards else ca.SX(1)
+        own = next(k for k, x in enumerate(self.kinds) if x == kind)
+        is_least = kind == ONE_WAY and self._stops(self.gap, self.rates[own], self.wanted[own]) < 0
+        along = level_of(chosen) if kind == CONTACT else self.places[own]
+        self.held = along if is_least else Unary("-", along, self.when.span)
+
+    def _find_all(self, is_end: Callable[[ca.SX, ca.SX, ca.SX], object]) -> list[Flat | None]:
+        """Of each reset the comparison, of what all has to be true, at which it leaves its rate or turns it back."""
         value = self.kinematics.evaluator.value
-        return next((node for node in parts_of(self.when.condition) if _is_comparison(node)
-                     and self._turns_back(self._expression(value(level_of(node))), rate, wanted)), None)
+        comparisons = [node for node in parts_of(self.when.condition) if _is_comparison(node)]
+        parts = [(node, self._expression(value(level_of(node)))) for node in comparisons]
+        return [next((node for node, g in parts if is_end(g, rate, wanted)), None)
+                for rate, wanted in zip(self.rates, self.wanted, strict=True)]
 
     def _turns_back(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> bool:
         """By numbers: at two states, with parameters beside those that are declared."""
@@ -193,12 +212,28 @@ class _Event:
         q, v = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
         if ca.depends_on(g, v):
             return False
-        p, numbers = usual_parameters(self.kinematics)
         pace = ca.jtimes(g, ca.vertcat(q, symbols.time), ca.vertcat(v, 1))
-        results = [pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))]
-        others = [x for x in ca.symvar(ca.vertcat(pace, rate, wanted)) if not ca.depends_on(x, ca.vertcat(q, v, symbols.time, p))]
-        look = ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], results)
+        look, numbers = self._numbers_of([pace, rate, wanted, *(ca.densify(ca.gradient(x, v)) for x in (pace, rate))])
         return all(_turns_back(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
+
+    def _stops(self, g: ca.SX, rate: ca.SX, wanted: ca.SX) -> int:
+        """On which side of what the rate is reset to g is positive: 1 above, -1 below, 0 if it does not end there. By numbers."""
+        v = ca.vertcat(_NONE, *self.kinematics.symbols.rates.values())
+        if not ca.depends_on(g, v) or len(self.places) != len(self.positions):
+            return 0
+        beyond = rate - wanted
+        look, numbers = self._numbers_of([g, beyond, *(ca.densify(ca.gradient(x, v)) for x in (g, beyond, rate, wanted))])
+        first, second = (_stops(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
+        return first if first == second else 0
+
+    def _numbers_of(self, results: list[ca.SX]) -> tuple[ca.Function, Numbers]:
+        """Of rates, all else that moves or may be given, and parameters; and the parameters."""
+        symbols = self.kinematics.symbols
+        q, v = (ca.vertcat(_NONE, *x.values()) for x in (symbols.positions, symbols.rates))
+        p, numbers = usual_parameters(self.kinematics)
+        known = ca.vertcat(q, v, symbols.time, p)
+        others = [x for x in ca.symvar(ca.vertcat(*results)) if not ca.depends_on(x, known)]
+        return ca.Function("look", [v, ca.vertcat(q, symbols.time, *others), p], results), numbers
 
 
 def _turns_back(look: ca.Function, p: Numbers, random: np.random.Generator) -> bool:
@@ -218,6 +253,21 @@ def _turns_back(look: ca.Function, p: Numbers, random: np.random.Generator) -> b
     return bool(np.linalg.norm(slope - factor * own) <= _SAME * np.linalg.norm(slope)
                 and abs(pace - factor * rate) <= _SAME * abs(factor) * size
                 and abs(still) <= _SAME * size and turned * np.sign(factor) <= _SAME * size)
+
+
+def _stops(look: ca.Function, p: Numbers, random: np.random.Generator) -> int:
+    """The sign of the factor by which, at a random state, g is the rate less what it is reset to; 0 where there is none, or where
+    that goes with the rate."""
+    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
+    (g,), (beyond,), slope, own, rate, wanted = (np.array(x).ravel() for x in look(v, known, p))
+    square = np.dot(own, own)
+    if not (np.isfinite([g, beyond, *slope, *own]).all() and square > 0 and np.dot(slope, slope) > 0):
+        return 0
+    factor, size = np.dot(slope, own) / square, np.abs(own) @ np.abs(v) + abs(beyond)
+    is_same = (np.linalg.norm(slope - factor * own) <= _SAME * np.linalg.norm(slope)
+               and abs(g - factor * beyond) <= _SAME * abs(factor) * size)
+    follows = abs(np.dot(rate, wanted)) > (1 - _SAME) * np.linalg.norm(rate) * np.linalg.norm(wanted) > 0
+    return int(np.sign(factor)) if is_same and not follows else 0
 
 
 def _is_comparison(node: Flat) -> bool:

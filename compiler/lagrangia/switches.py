@@ -80,7 +80,8 @@ def _sign_of(x: ca.SX, numbering: Numbering) -> Pair:
 
 def find_switches(motion: Motion) -> Switches:
     """Those of the conditions in the forces that the state decides, or time in a way that is not known beforehand; behind them
-    those of events, the gaps of those that are contacts, and the rates of these, which are kept at 0 where something rests."""
+    those of events, the gaps of those that are contacts (or rates that go one way), and the rates of these, which are kept at 0
+    where something rests."""
     numbering, events = Numbering(), motion.impacts.conditions
     may_have = uses(ca.Function("h", ca.symvar(motion.h), [motion.h]), CORNERS | {ca.OP_SQRT})
     if not may_have and not events.numel():
@@ -97,7 +98,9 @@ def find_switches(motion: Motion) -> Switches:
         return ca.jtimes(x, ca.vertcat(motion.q, motion.v, motion.t, motion.u), ca.vertcat(motion.v, motion.a, 1, slopes))
 
     gaps = motion.impacts.gaps
-    values = ca.vertcat(ca.SX(0, 1), *found.values(), events, gaps, rates_of(gaps))
+    one_way, paces = motion.impacts.one_way, rates_of(gaps)
+    resting = [gaps[k] if one_way[k] else paces[k] for k in range(gaps.numel())]
+    values = ca.vertcat(ca.SX(0, 1), *found.values(), events, gaps, *resting)
     places = {pair: symbol(f"s_{k}") for k, pair in enumerate(found)}
     shares = frozenset(places[pair].__hash__() for pair, g in found.items() if _is_rate(motion.v, g))
     symbols = ca.vertcat(ca.SX(0, 1), *places.values(), ca.SX.sym("event", 2 * events.numel()), motion.impacts.forces)

@@ -1,0 +1,148 @@
+"""Events with conditions of several parts, and resets that leave a rate at the end of a one-way range."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.native import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+Write = Callable[[str], lag.Model]
+SOLVERS = ("auto", "erk", "adams", "implicit")
+G = 9.81
+
+
+def edge(condition: str, x: tuple[float, float], y: tuple[float, float], value: str = "0") -> str:
+    return f"""model Edge
+      Prismatic x(a = world, along = {{1, 0}}, s(start = {x[0]}), v(start = {x[1]}));
+      Prismatic y(a = x.b, along = {{0, 1}}, s(start = {y[0]}), v(start = {y[1]}));
+      PointMass p(m = 1, center = y.b);
+    equation
+      when {condition} then reinit(y.v, {value}); end when;
+    end Edge;"""
+
+
+TABLE, WINDOW = "y.s < 0 and x.s < 0", "y.s < 0 and x.s < 1 and x.s > -0.1"
+EDGES = [
+    (TABLE, (0.0, -3.0), (-0.05, 0.0), 1.0, -0.05 - G / 2),  # begins at the edge, below the top
+    (TABLE, (0.0, -3.0), (-0.05, -1.0), 1.0, -0.05 - G / 2),
+    (TABLE, (0.1, -3.0), (-0.05, 0.0), 1.0, -0.05 - G / 1800 - G * (29 / 30) ** 2 / 2),  # comes from beside
+    (TABLE, (0.1, -3.0), (-0.5, 3.0), 0.5, -0.4 - G / 1800 - G * (0.5 - 1 / 30) ** 2 / 2),  # and rises
+    (TABLE, (0.0, -3.0), (0.05, 0.0), 1.0, 0.0),  # from above
+    (TABLE, (0.0, 3.0), (0.0, 0.0), 1.0, -G / 2),  # lies at the edge, and leaves
+    (WINDOW, (-1.0, 3.0), (0.2, 0.0), 1.0, 0.2 - G * 0.09 / 2 - G * 0.49 / 2),  # is below when it comes to the ledge
+    (WINDOW, (-1.0, 3.0), (0.6, 0.0), 1.0, -G / 18),  # comes onto it, and leaves
+    ("not (y.s > 0) and not (x.s > 0)", (0.1, -3.0), (-0.05, 0.0), 1.0, -0.05 - G / 1800 - G * (29 / 30) ** 2 / 2),
+    ("y.s < 0 or x.s < 0", (1.0, -2.0), (0.5, 0.0), 1.0, -G * (1 - np.sqrt(1 / G)) ** 2 / 2),  # once
+]
+
+
+@pytest.mark.parametrize(("condition", "x", "y", "t", "right"), EDGES)
+def test_an_edge(scene: Write, condition: str, x: tuple[float, float], y: tuple[float, float], t: float, right: float) -> None:
+    """The event comes where the last part comes true; what is held must have come from above."""
+    model = scene(edge(condition, x, y))
+    for solver in SOLVERS:
+        for tolerance in (1e-6, 1e-12):
+            run = model.simulate(at=[t], solver=solver, tolerance=tolerance)
+            assert run["y.s"][-1] == pytest.approx(right, abs=1e-8 if tolerance > 1e-9 else 1e-11), (solver, tolerance)
+
+
+def test_stairs(scene: Write) -> None:
+    """Down three steps and off the last one."""
+    model = scene("""model Stairs
+      Prismatic x(a = world, along = {1, 0}, s(start = -1), v(start = 1)), y(a = x.b, along = {0, 1}, s(start = 2));
+      PointMass p(m = 1, center = y.b);
+    equation
+      when y.s < 1.5 and x.s < 1 then reinit(y.v, 0); end when;
+      for i in 2:4 loop
+        when y.s < 2 - 0.5*i and x.s < i and x.s > i - 1 then reinit(y.v, 0); end when;
+      end for;
+    end Stairs;""")
+    for solver in SOLVERS:
+        run = model.simulate(at=[1.5, 2.9, 3.9, 4.9, 6.0], solver=solver, tolerance=1e-10)
+        np.testing.assert_allclose(run["y.s"], [1.5, 1.0, 0.5, 0.0, -G / 2], rtol=0, atol=1e-9, err_msg=solver)
+
+
+def pushed(condition: str, value: str, force: str, v: float) -> str:
+    return f"""model Pushed
+      World world(gravity = {{0, 0}});
+      Block b(m = 1, base = world, v(start = {v}));
+      AppliedForce push(at = b.center, force = {{{force}, 0}});
+    equation
+      when {condition} then reinit(b.v, {value}); end when;
+    end Pushed;"""
+
+
+WAVE = "-1[N]*cos(1[rad/s]*time)"
+PUSHED = [
+    ("b.v < 0", "0", "-1", 1.0, 3.0, 0.5, 0.0),  # a ratchet
+    ("b.v < 0", "0", "-1", 0.0, 3.0, 0.0, 0.0),
+    ("b.v < 0", "0", "(if time > 4[s] then 2[N] else -1[N])", 1.0, 5.0, 1.5, 2.0),  # and lets go
+    ("0 > b.v", "0", WAVE, 0.5, 4.0, np.pi / 12 + np.cos(np.pi / 6) - 1 + 4 - np.pi / 2 + np.cos(4), 1 - np.sin(4)),
+    ("b.v < -1", "-1", "-1", 1.0, 5.0, -3.0, -1.0),  # a limit of speed
+    ("b.v > 1", "1", "2", 0.0, 5.0, 4.75, 1.0),
+    ("b.v < 0 and time < 3", "0", "-1", 1.0, 5.0, -1.5, -2.0),  # as long as the pawl is there
+    ("b.v < 0", "0.5", "-1", 0.0, 1.25, 0.34375, 0.25),  # thrown forwards again and again: no end of a range
+]
+
+
+@pytest.mark.parametrize(("condition", "value", "force", "v", "t", "place", "rate"), PUSHED)
+def test_a_rate_goes_one_way(
+    scene: Write, condition: str, value: str, force: str, v: float, t: float, place: float, rate: float
+) -> None:
+    model = scene(pushed(condition, value, force, v))
+    for solver in SOLVERS:
+        for tolerance in (1e-4, 1e-10):
+            run = model.simulate(at=[t], solver=solver, tolerance=tolerance)
+            found = [run["b.s"][-1], run["b.v"][-1]]
+            np.testing.assert_allclose(found, [place, rate], rtol=0, atol=10 * tolerance, err_msg=f"{solver} {tolerance}")
+            assert np.abs(run.energy.residual).max() < tolerance + 1e-12
+
+
+def test_a_freewheel(scene: Write) -> None:
+    """A shaft drives another one, but does not hold it back: together with cos(t)/4 until t = pi/2, then apart."""
+    model = scene("""model Freewheel
+      Revolute one(a = world), two(a = world);
+      Disc d1(m = 2, r = 1, I = 1, center = one.b), d2(m = 2, r = 1, I = 3, center = two.b);
+      AppliedTorque drive(on = d1.center, torque = 1[N.m]*cos(1[rad/s]*time));
+      Angle slip = two.phi - one.phi;
+    equation
+      when der(slip) < 0 then reinit(der(slip), 0); end when;
+    end Freewheel;""")
+    apart = 3 - np.pi / 2
+    right = [0.25 - 0.75 * apart - np.cos(3), 0.25 + 0.25 * apart]
+    for solver in SOLVERS:
+        run = model.simulate(at=[1.0, 3.0], solver=solver, tolerance=1e-10)
+        assert run["one.phi"][0] == pytest.approx((1 - np.cos(1)) / 4, abs=1e-9)
+        np.testing.assert_allclose([run["one.phi"][-1], run["two.phi"][-1]], right, rtol=0, atol=1e-9, err_msg=solver)
+
+
+def test_a_block_is_struck_against_its_pawl(scene: Write) -> None:
+    """The impact brings about that of the pawl, as it does at a stop: the ball leaves with a quarter of 0.5 m/s times 2."""
+    model = scene("""model Struck
+      World world(gravity = {0, 0});
+      Block b(m = 1, base = world), ball(m = 1, base = world, s(start = 1), v(start = -2));
+      Stop hit(e = 0.5, gap = ball.s - b.s);
+    equation
+      when b.v < 0 then reinit(b.v, 0); end when;
+    end Struck;""")
+    run = model.simulate(at=[2.0])
+    np.testing.assert_allclose([run["b.s"][-1], run["ball.s"][-1]], [0, 0.375], rtol=0, atol=1e-12)
+
+
+def test_the_first_row_has_the_force_of_the_next_ones(scene: Write) -> None:
+    """The cam lifts the follower from rest: friction is against that from the first moment."""
+    model = scene("""model Cam
+      parameter AngularVelocity w = 10;  parameter Length h = 0.01;
+      Block follower(m = 1, base = world, along = {0, 1});
+      Spring back(k = 200, stretch = follower.s + 0.02);
+      DryFriction guide(F = 1, rate = follower.v);
+      Stop cam(e = 0, gap = follower.s - h*(1 - cos(w*time)));
+      output Force N = cam.force;
+    end Cam;""")
+    for solver in SOLVERS:
+        run = model.simulate(at=[0.0, 1e-4], solver=solver)
+        assert run["N"][0] == pytest.approx(9.81 + 1 + 4 + 1, abs=1e-9), solver
+        assert run["N"][1] == pytest.approx(9.81 + np.cos(1e-3) + 4 + 2 * (1 - np.cos(1e-3)) + 1, abs=1e-7), solver
