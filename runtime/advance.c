@@ -16,7 +16,7 @@ int lag_run_row_width(const LagModel *model) { return 1 + 2 * model->n + model->
 
 void lag_state_inside(LagRun *run, double t, double *y)
 {
-    if (t == run->motion.t) {
+    if (t == run->motion.t || run->rests) {
         memcpy(y, run->motion.y, (size_t)run->motion.size * sizeof *y);
     } else {
         run->careful = run->model->n_multipliers > 0; /* the stages of the dense output may lie near a singular position */

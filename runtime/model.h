@@ -92,6 +92,7 @@ struct LagModel {
     int may_hide;     /* forces have exponentials of what changes, which may be narrow within a step */
     int conditions_know_time; /* some event's condition does, besides at time events: no step of the motion tells how quick it is */
     int is_swing;     /* one degree of freedom, energy is kept, and nothing but the state decides */
+    int is_steady;    /* accelerations and conditions do not depend on time */
     int is_separable; /* energy is kept, and accelerations follow from positions alone: M is constant */
     const int *jacobian_pattern; /* of the matrix's columns: starts (size + 1), rows (n_entries), order (size = n + n_multipliers);
                                   * colours (n) of those of the coordinates */

@@ -20,6 +20,7 @@
 #include "evaluate.h"
 #include "extremes.h"
 #include "function.h"
+#include "rest.h"
 #include "state.h"
 
 /* Relative to the size of a coordinate: rounding; a correction whose square is below rounding; noise near singular
@@ -213,6 +214,7 @@ double lag_project_step(LagRun *run, double t, double allowed, int *worst)
 {
     LagProjection *s = &run->projection;
     lag_project_forget(run);
+    lag_rest_keep(run);
     if (run->model->n_multipliers == 0)
         return 0;
     const double good = run->careful ? lag_max(NEAR_SINGULAR / run->scale.tolerance, MOST_UNITS) : MOST_UNITS;

@@ -45,7 +45,7 @@ static void clear(LagRun *run)
     run->methods.islands.are_started = 0;
     lag_switches_reset(run);
     /* a run does not depend on what this memory was used for before */
-    run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0;
+    run->rests = run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0;
     run->calm_step = 0;
     run->motion.energy = run->motion.doubt = 0;
     run->wanted = run->paced = run->settings.t_start;

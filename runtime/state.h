@@ -54,6 +54,7 @@ struct LagRun {
     double calm_step;     /* length of those that were not, lately */
     int plunged;          /* for so many steps more: one was much shorter than calm ones, to resolve a quick passage */
     int plunges;          /* of late, with few steps between them */
+    int rests;            /* nothing moves, until something else happens: see rest.h */
     int careful;          /* slopes are taken at projected states: a singular position is near */
     int doubtful;         /* so many evaluations are made the way that bears dependent constraints */
     int segment_over;     /* an event was reached: the next step begins a new segment */

@@ -5,6 +5,7 @@
 
 #include "account.h"
 #include "extremes.h"
+#include "rest.h"
 #include "segment.h"
 
 static const double FIRST_STEP = 1; /* towards no end */
@@ -98,6 +99,8 @@ LagStatus lag_step(LagRun *run)
     }
     if (run->settings.max_steps > 0 && run->statistics.steps >= run->settings.max_steps)
         return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
+    if (lag_rest_begins(run))
+        return lag_rest_step(run);
     LagStatus status = run->methods.table->step(run);
     if (status == LAG_OK)
         status = lag_roots_watch(run);

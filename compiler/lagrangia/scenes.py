@@ -127,6 +127,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "n_cones": len(functions.patterns.get("cones", ())) // 2,
         "has_corners": int(corners_remain(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
         "conditions_know_time": int(ca.depends_on(motion.impacts.conditions, motion.t)),
+        "is_steady": int(_is_steady(functions)),
     }
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
     return found | ({"solver": int(Solver.LINEAR)} if functions.linear_pays else {})
@@ -134,6 +135,12 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
 
 def _of_constraints(held: ConstrainedMotion | None) -> dict[str, int]:
     return {"n_holonomic": held.rows.phi.numel() if held else 0, "n_multipliers": held.multipliers.numel() if held else 0}
+
+
+def _is_steady(functions: Functions) -> bool:
+    """Whether neither accelerations nor conditions depend on time; of scenes without conditions nobody asks."""
+    asked = [functions.table[name] for name in ("rhs", "switches") if "switches" in functions.table]
+    return bool(asked) and not any(f.jac_sparsity(k, f.index_in("t")).nnz() for f in asked for k in range(f.n_out()))
 
 
 def _of_switches(functions: Functions) -> dict[str, int]:
