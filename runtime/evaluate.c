@@ -4,6 +4,7 @@
 
 #include "function.h"
 #include "project.h"
+#include "rest.h"
 #include "wide.h"
 #include "wide_tape.h"
 
@@ -77,6 +78,8 @@ static int sliding(LagRun *run, Way way, double t, const double *q, const double
 {
     for (int tries = 0; way(run, t, q, v, a, power); ++tries) {
         const LagShares shares = run->sliding.count > 0 ? lag_sliding_correct(run, tries, t, q, v, a) : LAG_SHARES_KEPT;
+        if (shares == LAG_SHARES_KEPT && run->sliding.count > 0)
+            lag_rest_calm(run, v, a);
         if (shares != LAG_SHARES_CHANGED)
             return shares == LAG_SHARES_KEPT;
         ++run->motion.evaluations;

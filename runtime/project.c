@@ -20,7 +20,6 @@
 #include "evaluate.h"
 #include "extremes.h"
 #include "function.h"
-#include "rest.h"
 #include "state.h"
 
 /* Relative to the size of a coordinate: rounding; a correction whose square is below rounding; noise near singular
@@ -182,9 +181,9 @@ static void note_residuals(LagRun *run)
 int lag_project_is_near(LagRun *run, double t, const double *y)
 {
     const LagModel *model = run->model;
-    int is_near = 1;
+    int is_near = model->n_whens == 0 || lag_scale_at_rest(&run->scale);
     if (model->n_multipliers == 0)
-        return 1;
+        return is_near;
     memcpy(run->projection.state, y, 2 * (size_t)model->n * sizeof *y);
     for (Level level = model->n_holonomic > 0 ? POSITIONS : RATES; level <= RATES && is_near; ++level)
         is_near = evaluate(run, level, t, y) && lag_correction_size(run, first_of(run, level)) < NEAR;
@@ -214,7 +213,6 @@ double lag_project_step(LagRun *run, double t, double allowed, int *worst)
 {
     LagProjection *s = &run->projection;
     lag_project_forget(run);
-    lag_rest_keep(run);
     if (run->model->n_multipliers == 0)
         return 0;
     const double good = run->careful ? lag_max(NEAR_SINGULAR / run->scale.tolerance, MOST_UNITS) : MOST_UNITS;

@@ -35,7 +35,7 @@ void lag_projection_layout(LagProjection *projection, const LagModel *model, Lag
 double lag_project_step(LagRun *run, double t, double allowed, int *worst);
 
 /* Whether a state (q, v) at t that is being tried is so near the constraints that it tells how large motions are: steps that run away
- * leave them, however small their errors are beside where they landed. */
+ * leave them, however small their errors are beside where they landed; steps far through contacts look like any others. */
 int lag_project_is_near(LagRun *run, double t, const double *y);
 
 /* Whether a short step to t may go unprojected: the one before hardly drifted, nor has it, and it is not the last. */

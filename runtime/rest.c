@@ -18,8 +18,11 @@ static const double ROUNDING = 4096 * DBL_EPSILON; /* of the largest rate so far
 
 static double slowest(const LagRun *run, int i) { return ROUNDING * run->scale.largest[run->model->n + i]; }
 
-static int inputs_stay(LagRun *run)
+/* Whether something is held, and no load changes with time: else steps are no longer than that, and rounding does not grow in them. */
+static int is_held(LagRun *run)
 {
+    if (run->sliding.count == 0 || !run->model->is_steady)
+        return 0;
     lag_inputs_slope(&run->inputs, run->u_slope);
     for (int i = 0; i < run->model->n_inputs; ++i)
         if (run->u_slope[i] != 0)
@@ -46,14 +49,14 @@ int lag_rest_begins(LagRun *run)
     const int n = m->n;
     const size_t size = (size_t)n * sizeof *m->y;
     run->rests = 0;
-    if (run->sliding.count == 0 || !run->model->is_steady)
+    if (!is_held(run))
         return 0;
     for (int i = 0; i < n; ++i)
         if (!(fabs(m->y[n + i]) <= slowest(run, i)))
             return 0;
     memcpy(run->sliding.state_here, m->y, size);
     memset(run->sliding.state_here + n, 0, size);
-    if (!inputs_stay(run) || !is_balanced(run, run->sliding.state_here))
+    if (!is_balanced(run, run->sliding.state_here))
         return 0;
     memset(m->y + n, 0, size);
     memset(m->carry + n, 0, size);
@@ -73,18 +76,22 @@ LagStatus lag_rest_step(LagRun *run)
     return LAG_OK;
 }
 
-void lag_rest_keep(LagRun *run)
+void lag_rest_note(LagRun *run)
 {
     LagMotion *m = &run->motion;
-    const int n = m->n;
-    const double h = fabs(run->step);
-    for (int i = 0; i < n && run->sliding.count > 0; ++i) {
-        const double slow = slowest(run, i), pace = slow + h * run->scale.noise[i];
-        const double moved = fabs(m->other[i] - m->y[i]), before = fabs(m->y[n + i]), after = fabs(m->other[n + i]);
-        if (run->scale.noise[i] > 0 && before <= slow && after <= pace && moved <= h * pace) {
-            m->other[i] = m->y[i];
-            m->other_carry[i] = m->carry[i];
-            m->other[n + i] = m->other_carry[n + i] = 0;
-        }
+    const int n = run->model->switches_need_acceleration ? m->n : 0, is_steady = is_held(run);
+    for (int i = 0; i < n; ++i) {
+        double *v = &m->y[n + i], *a = &m->slope[n + i];
+        int *still = &run->sliding.still[i];
+        *still = is_steady && fabs(*v) <= slowest(run, i) && fabs(*a) <= run->scale.noise[i];
+        if (*still)
+            *v = m->carry[n + i] = m->slope[i] = *a = 0;
     }
+}
+
+void lag_rest_calm(const LagRun *run, const double *v, double *a)
+{
+    for (int i = 0; i < run->model->n; ++i)
+        if (run->sliding.still[i] && fabs(v[i]) <= slowest(run, i) && fabs(a[i]) <= run->scale.noise[i])
+            a[i] = 0;
 }

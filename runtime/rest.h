@@ -12,7 +12,10 @@ int lag_rest_begins(struct LagRun *run);
 /* Time passes, up to the next event. */
 LagStatus lag_rest_step(struct LagRun *run);
 
-/* After a step was tried: coordinates that rested before it, and that it moved by no more than rounding of their accelerations, rest. */
-void lag_rest_keep(struct LagRun *run);
+/* A segment begins with accelerations in motion.slope: which coordinates rest, into sliding.still. */
+void lag_rest_note(struct LagRun *run);
+
+/* Of accelerations at rates v: rounding of those that rest is none. */
+void lag_rest_calm(const struct LagRun *run, const double *v, double *a);
 
 #endif

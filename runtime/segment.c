@@ -7,6 +7,7 @@
 #include "first_step.h"
 #include "function.h"
 #include "onset.h"
+#include "rest.h"
 #include "schedule.h"
 #include "step.h"
 
@@ -50,8 +51,9 @@ static double first_step(LagRun *run, int is_bend)
         longest = fmin(longest, run->step);
     const int may_bend = run->model->n_switches > 0 && run->started;
     const double slowness = lag_slowness(&run->motion, &run->scale, longest, may_bend ? 1 : 0);
+    const double past = run->model->n_whens > 0 ? t - settings->t_start : INFINITY; /* later, contacts are passed far */
     if (may_bend)
-        lag_onset_expect(&run->motion, &run->scale, fmin(slowness, longest));
+        lag_onset_expect(&run->motion, &run->scale, fmin(fmin(slowness, longest), past));
     if (is_bend && slowness > MILD * longest)
         return longest;
     return fmin(longest, lag_first_step(&run->scale, slowness, run->methods.table->order));
@@ -90,6 +92,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
         run->segment_over = 1;
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
     }
+    lag_rest_note(run);
     if (!run->methods.table->is_exact) {
         look_ahead(run);
         run->step = first_step(run, is_bend);

@@ -41,6 +41,7 @@ typedef struct {
     int grows;       /* something that slides had no force when it began to */
     int is_fresh;    /* the jumps that are known are those of the latest evaluation */
     int is_lost;     /* the latest evaluation found no shares */
+    int *still;      /* n: coordinates that rest: rest.h */
     double energy;   /* of what the jumps would set in motion in a second */
 } LagSliding;
 

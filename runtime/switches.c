@@ -18,10 +18,12 @@
 #include "extremes.h"
 #include "evaluate.h"
 #include "schedule.h"
+#include "step.h"
 
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
 static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
 static const double AT_END = 1e-3; /* of a step: near enough to one of its ends */
+static const double EARLY = 1e-3, AMPLE = 4; /* share of a step that says little of its beginning; of what it had to be, the next one */
 enum { MOST_JAMS = 4, MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
 
 void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
@@ -303,6 +305,22 @@ void lag_switches_resolve(LagRun *run)
     run->segment_over |= run->sliding.count > 0 || run->sliding.jams; /* what is held now is another motion */
 }
 
+/* Digits are lost where a step was far too long: its end is much larger than what is looked for. The next one is as long as it should
+ * have been. */
+static void step_shorter(LagRun *run, double x)
+{
+    LagMotion *m = &run->motion;
+    const double h = m->t - m->t_old;
+    lag_motion_take_back(m);
+    lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope);
+    if (run->methods.table->begins_low)
+        lag_stiffness_lead(run);
+    run->methods.table->restart(run->methods.self, m);
+    ++run->statistics.rejected;
+    run->step = AMPLE * x * h;
+    lag_step_set_units(run, run->step);
+}
+
 /* Takes the step back, where its end tells more than its dense output: the next one ends at the share x of it. Returns whether it
  * was. */
 static int step_again(LagRun *run, double x)
@@ -311,15 +329,18 @@ static int step_again(LagRun *run, double x)
     LagMotion *m = &run->motion;
     const LagMethod *method = run->methods.table;
     const double h = m->t - m->t_old;
-    if (method->is_good_inside && !m->lacks_slopes)
-        return 0;
-    if (!method->take_back || !(x > AT_END && x < 1 - AT_END) || s->again == MOST_AGAIN)
+    const int is_early = x < EARLY && x * h > lag_time_resolution(m->t) / EARLY, is_inside = x > AT_END && x < 1 - AT_END;
+    const int is_vague = method->take_back && is_inside && !(method->is_good_inside && !m->lacks_slopes);
+    if (!(is_early || is_vague) || s->again == MOST_AGAIN)
         return 0;
     ++s->again;
-    method->take_back(run);
+    if (is_early)
+        step_shorter(run, x);
+    else
+        method->take_back(run);
     lag_conditions_with_rates(run, m->t, m->y, s->g, s->rate);
     run->segment_over = 0;
-    run->step = x * h;
+    run->step = is_early ? run->step : x * h;
     return 1;
 }
 

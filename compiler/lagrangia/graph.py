@@ -282,7 +282,18 @@ class _Building:
         port, _, component = named.name.rpartition(".")[::-1]
         component_text = f" of {named.owner} '{component}'" if component else ""
         self.report.error("L0401", f"the port '{port}'{component_text} is joined to nothing", named.span,
-                          f"bind it to a port, to `world` or to a place: {port} = ...; or connect({named.name}, ...)")
+                          self._hint_of_equation(component)
+                          or f"bind it to a port, to `world` or to a place: {port} = ...; or connect({named.name}, ...)")
+
+    def _hint_of_equation(self, component: str) -> str | None:
+        """Where an equation names a variable of the component, which has a value of its own that reads its ports."""
+        sides = (x for e in self.model.constraints for x in (e.left, e.right) if isinstance(x, Ref))
+        for x in sides:
+            owner, _, name = x.name.rpartition(".")
+            if owner == component and (variable := self.model.variables.get(x.name)) and variable.binding is not None:
+                return (f"'{x.name}' has a value of its own, by the ports, which an equation does not replace: bind {name} "
+                        f"where {component.partition('[')[0]} is declared, ({name} = ...), of an array ({name} = {{..., ...}})")
+        return None
 
     # ------------------------------------------------------------ coordinates
 

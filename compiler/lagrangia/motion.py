@@ -204,7 +204,13 @@ def _missing_port(kinematics: Kinematics, coordinate: str) -> str:
     component = coordinate.rpartition(".")[0]
     ends = [edge.parent for edge in kinematics.graph.edges] + [edge.child for edge in kinematics.graph.edges]
     loose = [name for name in kinematics.graph.model.frames if name.startswith(component + ".") and ends.count(name) == 1]
-    return f"'{loose[0]}' is joined to nothing: connect a body there" if loose else "give a body behind it a mass"
+    if loose:
+        return f"'{loose[0]}' is joined to nothing: connect a body there"
+    frame, _, name = coordinate.rpartition(".")
+    if name == "phi" and frame in kinematics.graph.model.frames:
+        return (f"what is placed beside '{frame}' (shift, turn) turns with it, and a mass point has no moment of inertia: make "
+                "it a Disc or a Bar, shift the other port, or measure from the point: gap = p.center.y - 0.1[m]")
+    return "give a body behind it a mass"
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,94 @@
+"""What is held stays where it is, however long; and events are found in steps that are much too long."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.native import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+Write = Callable[[str], lag.Model]
+SOLVERS = ("auto", "erk", "erk5", "adams", "implicit", "pirk")
+G = 9.81
+
+SLOPE = """
+  World world;
+  PointMass P(m = 1);
+  RoughStop floor(a = world, b = P.center, along = {-sin(30[deg]), cos(30[deg])}, mu = 0.7);
+  %s
+initial equation
+  P.center.x = 0;  P.center.y = 0;  P.center.v[1] = 3*cos(30[deg]);  P.center.v[2] = 3*sin(30[deg]);
+"""
+STOPPED = 9 / (2 * G * (0.5 + 0.7 * np.sqrt(0.75)))
+SCENES = {
+    "stack": ("""
+      PointMass a(m = 0.1), b(m = 5), c(m = 1);
+      Stop low(e = 0.5, a = world, b = a.center), middle(e = 0.3, a = a.center, b = b.center), top(a = b.center, b = c.center);
+    initial equation
+      a.center.y = 0.4735;  b.center.y = 1.177;  c.center.y = 1.3;
+    """, {"a.center.y": 0.0, "b.center.y": 0.0, "c.center.y": 0.0}),
+    "bar": ("""
+      Planar free(a = world, y(start = 0.3), phi(start = 0.1));
+      Bar bar(m = 2, L = 1, center = free.b);
+      Stop left(e = 0.3, a = world, b = bar.a), right(e = 0.3, a = world, b = bar.b);
+    """, {"free.y": 0.0, "free.phi": 0.0}),
+    "pendulum": ("""
+      Revolute hinge(a = world, phi(start = -1.2));
+      Bar bar(m = 2, L = 1, a = hinge.b);
+      Stop wall(e = 0.5, gap = bar.b.r[1] - 0.2[m]);
+    """, {"hinge.phi": -np.arccos(0.2)}),
+    "spring": ("""
+      Block b(m = 1, base = world, s(start = 1));
+      Spring k(k = 20, stretch = b.s);
+      DryFriction f(F = 3, rate = b.v);
+    """, {"b.s": -0.1}),
+    "clutch": ("""
+      Revolute p(a = world), q(a = world, w(start = 3));
+      Disc d(m = 1, r = 1, I = 1, center = p.b), e(m = 1, r = 1, I = 2, center = q.b);
+      DryFriction f(F = 1, rate = 1[m]*(q.w - p.w)), g(F = 0.5, rate = 1[m]*p.w);
+    """, {"p.phi": 9.0, "q.phi": 13.5}),
+    "slope": (SLOPE % "", {"P.center.x": STOPPED * np.sqrt(0.75), "P.center.y": STOPPED / 2}),
+    "slope and glider": (SLOPE % "Block glider(m = 1, base = world, v(start = 0.5));",
+                         {"P.center.x": STOPPED * np.sqrt(0.75), "P.center.y": STOPPED / 2}),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_rests_stays(scene: Write, name: str) -> None:
+    """For 30 years, and at the cost of what was before."""
+    text, right = SCENES[name]
+    model = scene(f"model Rest {text} end Rest;")
+    for solver in SOLVERS:
+        for tolerance in (1e-3, 1e-8, 1e-12):
+            run = model.simulate(at=[30.0, 1e3, 1e6, 1e9], solver=solver, tolerance=tolerance)
+            for quantity, value in right.items():
+                assert np.ptp(run[quantity]) == 0, (solver, tolerance, quantity)
+                assert run[quantity][0] == pytest.approx(value, abs=max(10 * tolerance, 1e-10)), (solver, tolerance)
+            assert np.ptp(run.energy.dissipated) == 0, (solver, tolerance)
+            assert np.abs(run.energy.residual).max() < 10 * tolerance + 1e-11, (solver, tolerance)
+            assert run.statistics.rhs_evaluations < 50_000
+
+
+def test_what_rests_moves_again(scene: Write) -> None:
+    """A force sets in after a year."""
+    model = scene("""model Later
+      parameter Time late = 3e7;
+      Block b(m = 1, base = world, v(start = 1));
+      DryFriction f(F = 3, rate = b.v);
+      AppliedForce push(at = b.center, force = {if time > late then 4[N] else 0[N], 0});
+    end Later;""")
+    for solver in SOLVERS:
+        run = model.simulate(at=[1.0, 2.9e7, 3e7 + 2], solver=solver)
+        np.testing.assert_allclose(run["b.s"], [1 / 6, 1 / 6, 1 / 6 + 2], rtol=0, atol=1e-7, err_msg=solver)
+        assert run.statistics.rhs_evaluations < 2_000
+
+
+@pytest.mark.parametrize("stop", [1.0, 1e3, 1e6, 1e9, 1e12])
+def test_an_event_early_in_a_long_step(scene: Write, stop: float) -> None:
+    model = scene(f"model Long {SLOPE % ''} end Long;")
+    for solver in SOLVERS:
+        run = model.simulate(at=[0.5, stop], solver=solver)
+        assert run["P.center.y"][-1] == pytest.approx(STOPPED / 2, abs=1e-12), solver
+        assert np.abs(run.energy.residual).max() < 1e-12, solver
