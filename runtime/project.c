@@ -181,7 +181,8 @@ static void note_residuals(LagRun *run)
 int lag_project_is_near(LagRun *run, double t, const double *y)
 {
     const LagModel *model = run->model;
-    int is_near = model->n_whens == 0 || lag_scale_at_rest(&run->scale);
+    const double h = t - run->motion.t, past = run->motion.t - run->settings.t_start;
+    int is_near = model->n_whens == 0 || h <= past || lag_scale_at_rest(&run->scale);
     if (model->n_multipliers == 0)
         return is_near;
     memcpy(run->projection.state, y, 2 * (size_t)model->n * sizeof *y);
