@@ -329,7 +329,8 @@ static int step_again(LagRun *run, double x)
     LagMotion *m = &run->motion;
     const LagMethod *method = run->methods.table;
     const double h = m->t - m->t_old;
-    const int is_early = x < EARLY && x * h > lag_time_resolution(m->t) / EARLY, is_inside = x > AT_END && x < 1 - AT_END;
+    const int is_longest = h > m->t_old - run->settings.t_start; /* than all that was before */
+    const int is_early = is_longest && x < EARLY && x * h > lag_time_resolution(m->t_old) / EARLY, is_inside = x > AT_END && x < 1 - AT_END;
     const int is_vague = method->take_back && is_inside && !(method->is_good_inside && !m->lacks_slopes);
     if (!(is_early || is_vague) || s->again == MOST_AGAIN)
         return 0;
