@@ -51,7 +51,8 @@ int lag_contacts_are_closed(const LagRun *run, int k, const double *g, double ne
 {
     const LagSwitches *s = &run->switches;
     const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), slides = s->slides[lag_contact(run->model, k)];
-    const double far = is_place(run, k) ? lag_max(near, run->sliding.error[gap]) : INFINITY;
+    const int is_late = !is_place(run, k) || g[i] > run->sliding.error[i]; /* else it may be passed, where all else comes true */
+    const double far = is_late ? INFINITY : lag_max(near, run->sliding.error[gap]);
     const int touches = slides || (g[gap] >= -near && g[gap] <= far), is_inside = s->held[i] > 0 || s->turned[i] == LAG_TO_1;
     return touches && !is_inside && g[i] >= 0;
 }
