@@ -12,6 +12,7 @@
 #include "step.h"
 
 static const double FIRST_PART = 0.1; /* of what is left: no first step is longer */
+static const double FAR = 1e3; /* times all that was before */
 static const double MILD = 10; /* steps in which accelerations change by about themselves */
 
 /* A time inside the segment, away from its ends, where modes are sure not to be just changing. */
@@ -51,7 +52,8 @@ static double first_step(LagRun *run, int is_bend)
         longest = fmin(longest, run->step);
     const int may_bend = run->model->n_switches > 0 && run->started;
     const double slowness = lag_slowness(&run->motion, &run->scale, longest, may_bend ? 1 : 0);
-    const double past = run->model->n_whens > 0 ? t - settings->t_start : INFINITY; /* later, contacts are passed far */
+    const int is_far = run->model->n_whens > 0 && longest > FAR * (t - settings->t_start); /* contacts are passed by then */
+    const double past = is_far ? t - settings->t_start : INFINITY;
     if (may_bend)
         lag_onset_expect(&run->motion, &run->scale, fmin(fmin(slowness, longest), past));
     if (is_bend && slowness > MILD * longest)
