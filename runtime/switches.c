@@ -23,6 +23,7 @@
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
 static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
 static const double AT_END = 1e-3; /* of a step: near enough to one of its ends */
+static const double LONG_RUN = 1e3; /* s: shorter steps keep their digits */
 static const double EARLY = 1e-3, AMPLE = 4; /* share of a step that says little of its beginning; of what it had to be, the next one */
 enum { MOST_JAMS = 4, MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
 
@@ -330,7 +331,7 @@ static int step_again(LagRun *run, double x)
     const LagMethod *method = run->methods.table;
     const double h = m->t - m->t_old;
     const int is_longest = h > m->t_old - run->settings.t_start; /* than all that was before */
-    const int is_early = is_longest && x < EARLY && x * h > lag_time_resolution(m->t_old) / EARLY, is_inside = x > AT_END && x < 1 - AT_END;
+    const int is_early = is_longest && h > LONG_RUN && x < EARLY && x * h > lag_time_resolution(m->t_old) / EARLY, is_inside = x > AT_END && x < 1 - AT_END;
     const int is_vague = method->take_back && is_inside && !(method->is_good_inside && !m->lacks_slopes);
     if (!(is_early || is_vague) || s->again == MOST_AGAIN)
         return 0;
