@@ -29,6 +29,7 @@ ORDER = """
     units
     values
     tree
+    plain_tree
     recovery
     expectations
     syntax

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.scene import Scene, from_json, to_json
-from lagrangia.store import find_kept, keep, key_of
+from lagrangia.store import find_kept, keep, key_of, prune
 
 
 def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
@@ -31,6 +31,7 @@ def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[
     """Store a scene."""
     text = json.dumps({"imports": {str(p.resolve()): _digest(p) for p in imports}, "scene": to_json(scene)})
     keep("scenes", _key(path, model, structural, outputs, for_any_mass, is_general), text.encode())
+    prune()
 
 
 def _key(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...], *formulas: bool) -> str:

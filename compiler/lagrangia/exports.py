@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.diagnostics import Diagnostic, fail, suggest
 from lagrangia.places import place_of_moving_support
 from lagrangia.small_motion import build_small_motion
+from lagrangia.spelling import python_text
 from lagrangia.switches import has_corners
 from lagrangia.targets import Target, keep_apart, write_text
 
@@ -151,7 +152,8 @@ def _python(model: "Model", target: str, names: Mapping[str, str], force: bool) 
     scene, first = model.scene, starts(model)
     coordinates = [c.name for c in scene.coordinates]
     values = dict(zip(model.parameter_names, model.parameter_values().tolist(), strict=True))
-    head = [f'"""{scene.name}: {scene.description}.' if scene.description else f'"""{scene.name}.', "",
+    title = f"{scene.name}: {scene.description}" if scene.description else scene.name
+    head = [f'"""{python_text(title)}.', "",
             "Functions of t, q, v, u, p in SI units, the entries in the order of COORDINATES, INPUTS and PARAMETERS;",
             "scipy.integrate.solve_ivp(slope, (0, 1), START) integrates it.",
             *_remarks(model, target), '"""', "", "import numpy as np", "",

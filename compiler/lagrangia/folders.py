@@ -28,13 +28,17 @@ def data_folder(name: str) -> Path:
 def cache_folder() -> Path:
     """Where libraries and other results are kept: $LAGRANGIA_CACHE, the system's place for caches, a private temporary one.
 
-    The first that can be written to and has room; where none has, the first: what is there already can still be used.
+    The first that can be written to by its owner alone and has room; where none has, the first: what is there can still be used.
     """
     full: list[Path] = []
     for folder in _cache_candidates():
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            folder.mkdir(mode=0o700, exist_ok=True)
         except OSError:
+            continue
+        if not is_trusted(folder):
+            _tell_untrusted(folder)
             continue
         if os.access(folder, os.W_OK | os.X_OK):
             if has_room(folder):
@@ -42,6 +46,21 @@ def cache_folder() -> Path:
             full.append(folder)
     temporary = _private_temporary_folder()
     return full[0] if full and not has_room(temporary) else temporary
+
+
+def is_trusted(path: Path) -> bool:
+    """Whether nobody else may have put there what is read: what is kept is loaded as machine code. Raises OSError."""
+    if not hasattr(os, "getuid"):
+        return True
+    stat = path.stat()
+    is_shared = stat.st_mode & 0o002 or (stat.st_mode & 0o020 and stat.st_gid != os.getgid())
+    return stat.st_uid in (os.getuid(), 0) and not is_shared
+
+
+@cache
+def _tell_untrusted(folder: Path) -> None:
+    print(f"warning[L0742]: the cache folder '{folder}' is not used: others own it or may write to it, and what it holds is run\n"
+          f"   = chmod go-w makes a folder of your own safe; LAGRANGIA_CACHE names another one", file=sys.stderr)
 
 
 def has_room(folder: Path) -> bool:
@@ -56,7 +75,7 @@ def has_room(folder: Path) -> bool:
 def _cache_candidates() -> Iterator[Path]:
     environment = os.environ.get
     if chosen := environment("LAGRANGIA_CACHE"):
-        yield Path(chosen)
+        yield Path(chosen).expanduser().absolute()
     if xdg := environment("XDG_CACHE_HOME"):
         yield Path(xdg) / "lagrangia"
     if sys.platform == "win32" and (local := environment("LOCALAPPDATA")):

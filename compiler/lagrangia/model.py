@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -270,25 +270,28 @@ class Model:
 
     def observer(self, parameters: "np.ndarray", values: Any) -> Any:
         """Computes any quantity from rows of results."""
+        return partial(self._observe, parameters, values)
 
-        def observe(name: str, rows: "np.ndarray") -> "np.ndarray":
-            import numpy as np
+    def _observe(self, parameters: "np.ndarray", values: Any, name: str, rows: "np.ndarray") -> "np.ndarray":
+        import numpy as np
 
-            from lagrangia.functions import depends_on_forces, observer
+        from lagrangia.functions import depends_on_forces, observer
 
-            compilation, is_held = self.compilation, self.scene.sizes["switches_need_acceleration"]
-            if is_held and depends_on_forces(compilation.kinematics, compilation.motion, name):
-                fail("L0908", f"'{name}' depends on what friction and contacts hold: only the run knew", None,
-                     f"declare it as an output, or ask for it beforehand: lagrangia.Model(path, outputs=['{name}'])")
-            labels, function = observer(compilation.kinematics, compilation.motion, compilation.constraints, (name,))
-            n = self.scene.n
-            t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
-            u = np.array([_interpolated(t[0], values, k) for k in range(len(self.scene.inputs))]).reshape(-1, t.size)
-            p = parameters.reshape(-1, 1)
-            found = np.array(function(t, q, v, u, p))
-            return found[0] if len(labels) == 1 else found.T
+        compilation, is_held = self.compilation, self.scene.sizes["switches_need_acceleration"]
+        if is_held and depends_on_forces(compilation.kinematics, compilation.motion, name):
+            fail("L0908", f"'{name}' depends on what friction and contacts hold: only the run knew", None,
+                 f"declare it as an output, or ask for it beforehand: lagrangia.Model(path, outputs=['{name}'])")
+        labels, function = observer(compilation.kinematics, compilation.motion, compilation.constraints, (name,))
+        n = self.scene.n
+        t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
+        u = np.array([_interpolated(t[0], values, k) for k in range(len(self.scene.inputs))]).reshape(-1, t.size)
+        p = parameters.reshape(-1, 1)
+        found = np.array(function(t, q, v, u, p))
+        return found[0] if len(labels) == 1 else found.T
 
-        return observe
+    def __reduce__(self) -> "tuple[Any, ...]":
+        """Pickled as what it was loaded from: where it is unpickled, the file must be there."""
+        return Model, (self.path, self.model, self.structural, self.outputs, self.for_any_mass, self.is_general)
 
     def equilibrium(self, *, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
                     inputs: Mapping[str, float] | None = None, time: float | None = None, starts: int | None = None

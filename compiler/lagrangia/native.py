@@ -25,7 +25,7 @@ from platform import machine
 from sysconfig import get_platform
 
 from lagrangia.diagnostics import fail
-from lagrangia.folders import cache_folder, has_room
+from lagrangia.folders import cache_folder, has_room, is_trusted
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 # No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
@@ -206,7 +206,7 @@ class Objects:
 
 
     def _keep(self, made: Path) -> None:
-        self._folder.mkdir(exist_ok=True)
+        self._folder.mkdir(mode=0o700, exist_ok=True)
         for file, place in self._places.items():
             if (built := made / f"{file.stem}.o").exists():
                 digest = _digest(built)
@@ -374,6 +374,9 @@ def _digest_file(library: Path) -> Path:
 def _is_whole(library: Path) -> bool:
     """Whether the library is there with the bytes it was built with. A truncated one would crash whoever loads it."""
     try:
+        if not all(map(is_trusted, (library.parent, library, _digest_file(library)))):
+            return False
+        os.utime(library)  # what is used stays in the cache
         return _digest_file(library).read_bytes() == _digest(library).encode()
     except OSError:
         return False

@@ -69,13 +69,13 @@ def _indented(formula: Node) -> str:
 
 def as_markdown(document: Document) -> str:
     """With formulas in LaTeX between dollars, as GitHub, Jupyter and pandoc read them."""
-    return "\n\n".join([f"# {document.title}", *(_markdown_block(block) for block in document.blocks)])
+    return "\n\n".join([f"# {_markdown_words(document.title)}", *(_markdown_block(block) for block in document.blocks)])
 
 
 def _markdown_block(block: Block) -> str:
     match block:
         case Heading(words, level):
-            return f"{'#' * max(2, level)} {words}"
+            return f"{'#' * max(2, level)} {_markdown_words(words)}"
         case Paragraph(parts):
             return "".join(_markdown_words(part) if isinstance(part, str) else f"${latex(part)}$" for part in parts)
         case Display(formulas):
@@ -85,7 +85,7 @@ def _markdown_block(block: Block) -> str:
                 return _markdown_words(part) if isinstance(part, str) else f"${latex(part)}$"
 
             body = ["| " + " | ".join(cell(part) for part in row) + " |" for row in rows]
-            return "\n".join([f"| {' | '.join(head)} |", "|" + " --- |" * len(head), *body])
+            return "\n".join([f"| {' | '.join(map(_markdown_words, head))} |", "|" + " --- |" * len(head), *body])
 
 
 def _markdown_words(words: str) -> str:

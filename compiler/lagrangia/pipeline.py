@@ -4,7 +4,6 @@ Heavy libraries are imported by the phases that need them, when they are needed.
 """
 
 import gc
-import pickle
 import sys
 import time
 from collections.abc import Iterator, Mapping
@@ -12,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from lagrangia.diagnostics import Report, Source, fail
 from lagrangia.folders import data_folder
@@ -171,14 +170,16 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
 @cache
 def library() -> "tuple[Syntax, ...]":
     """The syntax of the component library, read once in a process and parsed once with an installation."""
+    from lagrangia.plain_tree import read_trees, write_trees
+
     key = key_of("library", sys.version)
     if (kept := find_kept("syntax", key)) is not None:
-        return cast("tuple[Syntax, ...]", pickle.loads(kept))
+        return read_trees(kept)
     from lagrangia.syntax import parse
 
     files = sorted((data_folder("models") / "library").glob("*.lag"))
     parsed = tuple(parse(Source(f"library/{file.name}", file.read_text(encoding="utf-8"))) for file in files)
-    keep("syntax", key, pickle.dumps(parsed))
+    keep("syntax", key, write_trees(parsed))
     return parsed
 
 
@@ -196,6 +197,9 @@ def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":
             target = (here.parent / item.path).resolve()
             if target in found:
                 continue  # also a cycle of imports ends here
+            if target.suffix != ".lag":
+                report.error("L0002", f"'{item.path}' is no Lagrangia file: the name of one ends in .lag", item.span)
+                continue
             if not target.is_file():
                 report.error("L0002", f"there is no file '{item.path}'", item.span, f"looked for {here.parent / item.path}")
                 continue

@@ -57,3 +57,8 @@ def plain_text(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c in "\n\t" else f"\\x{ord(c):02x}" for c in text)
+
+
+def python_text(text: str) -> str:
+    """Text for the inside of a docstring, which ends neither it nor is read as escapes."""
+    return text.replace("\\", "\\\\").replace('"', '\\"')

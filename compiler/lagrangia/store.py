@@ -6,19 +6,31 @@ A file is written beside its place and renamed, so that whoever finds it finds i
 import contextlib
 import hashlib
 import os
+import shutil
 import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from lagrangia.folders import cache_folder, data_folder
+from lagrangia.folders import cache_folder, data_folder, is_trusted
+
+_KINDS = ("scenes", "syntax", "objects")  # folders of files
+_DAY = 86_400.0  # seconds
 
 
 def find_kept(kind: str, key: str) -> bytes | None:
     """What was kept, or None."""
+    place = cache_folder() / kind / key
     try:
-        digest, _, content = (cache_folder() / kind / key).read_bytes().partition(b"\n")
+        if not is_trusted(place) or not is_trusted(place.parent):
+            return None
+        digest, _, content = place.read_bytes().partition(b"\n")
     except OSError:
         return None
+    with contextlib.suppress(OSError):
+        os.utime(place)  # what is used stays: see prune
     return content if digest == _digest(content) else None
 
 
@@ -26,7 +38,7 @@ def keep(kind: str, key: str, content: bytes) -> None:
     """A full or unwritable disk is no error: the next who asks makes it again."""
     with contextlib.suppress(OSError):
         folder = cache_folder() / kind
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=folder, suffix=".part")
         try:
             with os.fdopen(handle, "wb") as stream:
@@ -34,6 +46,46 @@ def keep(kind: str, key: str, content: bytes) -> None:
             os.replace(temporary, folder / key)
         except OSError:
             os.unlink(temporary)
+
+
+def prune(most: int = 1 << 30) -> None:
+    """Once a day: what has not been used for longest is removed until at most so many bytes are left, and what killed compilations
+    left behind. What cannot be removed stays."""
+    folder = cache_folder()
+    stamp, now = folder / ".pruned", time.time()
+    with contextlib.suppress(OSError):
+        if stamp.exists() and now - stamp.stat().st_mtime < _DAY:
+            return
+        stamp.touch(mode=0o600)
+        found = [_Entry.of(path) for path in _entries(folder)]
+        left = sum(entry.size for entry in found)
+        for entry in sorted(found, key=lambda entry: entry.used):
+            is_stray = entry.path.name.startswith(".") or entry.path.suffix == ".part"
+            if left > most or (is_stray and now - entry.used > _DAY):
+                shutil.rmtree(entry.path, ignore_errors=True) if entry.path.is_dir() else entry.path.unlink(missing_ok=True)
+                left -= entry.size
+
+
+@dataclass(frozen=True)
+class _Entry:
+    path: Path
+    size: int  # bytes
+    used: float  # seconds since the epoch
+
+    @classmethod
+    def of(cls, path: Path) -> "_Entry":
+        stats = [file.stat() for file in (path.rglob("*") if path.is_dir() else [path])]
+        used = max((stat.st_mtime for stat in stats), default=path.stat().st_mtime)
+        return cls(path, sum(stat.st_size for stat in stats), used)
+
+
+def _entries(folder: Path) -> Iterator[Path]:
+    """Libraries with their folders, and kept files."""
+    for path in folder.iterdir():
+        if path.name in _KINDS:
+            yield from path.iterdir()
+        elif path.name != ".pruned":
+            yield path
 
 
 def key_of(*what: object) -> str:

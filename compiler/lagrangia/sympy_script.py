@@ -9,6 +9,7 @@ from sympy.printing.str import StrPrinter
 
 from lagrangia.book import Book
 from lagrangia.layout import Name
+from lagrangia.spelling import python_text
 from lagrangia.symbolic import Given
 from lagrangia.sympy_algebra import Expr, exact_throughout, slope
 
@@ -32,7 +33,8 @@ def write_script(book: Book) -> str:
     law = "M*a + h + J.T*multipliers == f" if e.rows else "M*a + h == f"
     told = "A support jumps at times, or its rate: there dT/dv stays as it is, but for what holds it and impulses of dampers."
     kicks = [told] * book.has_kicks
-    lines = [f'"""{model.name}: {model.description}.' if model.description else f'"""{model.name}.', "",
+    title = f"{model.name}: {model.description}" if model.description else model.name
+    lines = [f'"""{python_text(title)}.', "",
              f"Lagrange's equations: equations[k] == 0, that is {law}.", *kicks, '"""', "", "import sympy as sp", ""]
     lines += ["t = sp.Symbol('t', real=True)"]
     lines += [f"{names[s]} = {_constructor(s, names[s])}  # {what}" for s, what in _declared(book, names)]

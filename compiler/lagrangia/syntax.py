@@ -1,15 +1,17 @@
 """Text -> Syntax: the parser. The grammar is grammar/lag.lark; each method below makes the node of one rule."""
 
+import marshal
 import re
 import sys
 from collections.abc import Iterator as IteratorType
 from dataclasses import replace
 from functools import cache
-from io import BytesIO
 from typing import Any, cast
 
 import lark
 from lark import Lark, Token, Transformer, UnexpectedInput, v_args
+from lark.grammar import Rule
+from lark.lexer import TerminalDef
 
 from lagrangia.diagnostics import Report, Source, Span, fail
 from lagrangia.expectations import refuse, shortened
@@ -81,12 +83,11 @@ def parse(source: Source) -> Syntax:
 def _parser() -> Lark:
     key = key_of("parser", lark.__version__, sys.version)
     if (kept := find_kept("syntax", key)) is not None:
-        return Lark.load(BytesIO(kept))
+        return Lark.load(marshal.loads(kept))  # type: ignore[arg-type]  # plain tables; its own files are pickles, which can run
     grammar = (data_folder("grammar") / "lag.lark").read_text(encoding="utf-8")
     parser = Lark(grammar, parser="lalr", start="file", propagate_positions=True, maybe_placeholders=True)
-    written = BytesIO()
-    parser.save(written)
-    keep("syntax", key, written.getvalue())
+    data, memo = parser.memo_serialize([TerminalDef, Rule])
+    keep("syntax", key, marshal.dumps({"data": data, "memo": memo}))
     return parser
 
 

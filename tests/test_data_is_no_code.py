@@ -1,0 +1,145 @@
+"""Texts, caches and files of others are data: nothing in them runs, and nothing of them is shown that nobody asked for."""
+
+import os
+import pickle
+import subprocess
+import sys
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.cli import main
+from lagrangia.diagnostics import Source
+from lagrangia.folders import cache_folder, data_folder
+from lagrangia.native import find_compiler
+from lagrangia.plain_tree import read_trees, write_trees
+from lagrangia.store import find_kept, keep, key_of, prune
+from lagrangia.syntax import parse
+
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+SWING = 'model Swing "%s"\n  Revolute h(a = world, phi(start = 1)); Bar b(m = 1, L = 1, a = h.b);\nend Swing;\n'
+MARK = "open('MARK', 'w').close()"
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize("description", [
+    rf'x \"\"\"; {MARK}; y = \"\"\" z', rf'ends in a quote \"\"\"\n{MARK}\n\"\"\"', r"from C:\\Users\\bench\\x\\N{no}",
+    r"a \\\"\"\" b", 'it ends \\"',
+])
+@pytest.mark.parametrize("target", ["python", "sympy"])
+def test_descriptions_stay_text_in_exports(description: str, target: str) -> None:
+    Path("scene.lag").write_text(SWING % description, encoding="utf-8")
+    assert main(["export", "scene.lag", "--to", target, "-o", "made.py"]) == 0
+    compile(Path("made.py").read_text(encoding="utf-8"), "made.py", "exec")
+    if target == "python":
+        assert subprocess.run([sys.executable, "made.py"], capture_output=True, timeout=60, check=False).returncode == 0
+    else:
+        exec(Path("made.py").read_text(encoding="utf-8").split("import sympy")[0], {})  # the docstring alone: it is quick
+    assert not Path("MARK").exists()
+
+
+def test_names_stay_text_in_markdown(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("scene.lag").write_text("model '<script>alert(1)</script>'\n  Block b(m = 1, base = world);\n"
+                                 "end '<script>alert(1)</script>';\n", encoding="utf-8")
+    assert main(["equations", "scene.lag", "--format", "markdown"]) == 0
+    assert "<script>" not in capsys.readouterr().out.replace("\\<script\\>", "")
+
+
+@pytest.mark.parametrize("name", ["secret.txt", "secret", "secret.conf", "link.lag"])
+def test_no_line_of_a_foreign_file_is_shown(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("secret.txt").write_text("account: anna, pass phrase: mountain-lake-17\n", encoding="utf-8")
+    if name == "link.lag":
+        Path(name).symlink_to("secret.txt")
+    elif name != "secret.txt":
+        Path(name).write_text(Path("secret.txt").read_text())
+    Path("scene.lag").write_text(f'import "{name}";\nmodel A\n  PointMass p(m = 1);\nend A;\n', encoding="utf-8")
+    assert main(["check", "scene.lag"]) == 2
+    told = capsys.readouterr().err
+    assert "error[L0002]" in told and "is no Lagrangia file" in told
+    assert "mountain" not in told
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="POSIX owners and modes")
+@needs_compiler
+def test_a_cache_that_others_may_write_is_not_used(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    shared = tmp_path / "shared"
+    shared.mkdir()
+    shared.chmod(0o777)
+    Path("scene.lag").write_text(SWING % "", encoding="utf-8")
+    environment = {**os.environ, "LAGRANGIA_CACHE": str(shared), "XDG_CACHE_HOME": str(tmp_path / "own")}
+    done = subprocess.run([sys.executable, "-m", "lagrangia", "check", "scene.lag"], capture_output=True, text=True, timeout=60,
+                          env=environment, check=False)
+    assert done.returncode == 0
+    assert "warning[L0742]" in done.stderr and str(shared) in done.stderr
+    assert list(shared.iterdir()) == []
+    assert any((tmp_path / "own").rglob("*"))
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="POSIX owners and modes")
+def test_files_that_others_may_write_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "cache"))
+    key = key_of("something")
+    keep("syntax", key, b"content")
+    assert find_kept("syntax", key) == b"content"
+    (cache_folder() / "syntax" / key).chmod(0o666)
+    assert find_kept("syntax", key) is None
+
+
+def test_the_cache_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "cache"))
+    for k in range(10):
+        keep("scenes", f"scene{k}", bytes(1000))
+        os.utime(cache_folder() / "scenes" / f"scene{k}", (1e9 + k, 1e9 + k))
+    stray = cache_folder() / ".scene-killed"
+    stray.mkdir()
+    (stray / "scene.c").write_text("half")
+    os.utime(stray / "scene.c", (1e9, 1e9))
+    prune(most=3500)
+    assert sorted(path.name for path in (cache_folder() / "scenes").iterdir()) == ["scene7", "scene8", "scene9"]
+    assert not stray.exists()
+    keep("scenes", "scene10", bytes(9000))
+    prune(most=3500)  # once a day
+    assert (cache_folder() / "scenes" / "scene10").exists()
+
+
+def test_a_cache_may_be_relative(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGRANGIA_CACHE", "near")
+    assert cache_folder() == tmp_path / "near"
+
+
+def test_syntax_trees_are_kept_as_plain_data() -> None:
+    files = sorted((data_folder("models") / "library").glob("*.lag"))
+    parsed = tuple(parse(Source(file.name, file.read_text(encoding="utf-8"))) for file in files)
+    found = read_trees(write_trees(parsed))
+    assert [_plain(file) for file in found] == [_plain(file) for file in parsed]
+
+
+def _plain(node: object) -> object:
+    """A tree in a form that compares by what is in it: sources are equal by their names."""
+    if isinstance(node, Source):
+        return node.name
+    if isinstance(node, tuple):
+        return tuple(map(_plain, node))
+    return (type(node), *(_plain(getattr(node, field.name)) for field in fields(node))) if is_dataclass(node) else node
+
+
+@needs_compiler
+def test_models_and_trajectories_are_pickled() -> None:
+    Path("scene.lag").write_text(SWING % "", encoding="utf-8")
+    model = lag.load("scene.lag")
+    fresh = pickle.loads(pickle.dumps(model))
+    run, again = model.simulate(), fresh.simulate()
+    used = pickle.loads(pickle.dumps(model))
+    assert used.parameter_names == model.parameter_names
+    np.testing.assert_array_equal(run.rows, again.rows)
+    kept = pickle.loads(pickle.dumps(run))
+    np.testing.assert_array_equal(kept["h.phi"], run["h.phi"])
+    np.testing.assert_array_equal(kept["b.b.x"], run["b.b.x"])
+    np.testing.assert_array_equal(kept.energy.total, run.energy.total)
