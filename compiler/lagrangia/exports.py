@@ -75,7 +75,7 @@ def _require_smooth(model: "Model", target: str) -> None:
 def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
     """What the scene means and the export cannot keep: friction that sticks."""
     c = model.compilation
-    if target not in ("python", "casadi", "modelica") or not has_corners(c.run) or not c.motion.q.numel():
+    if target not in ("python", "casadi", "modelica") or not has_corners(c.run.h) or not c.motion.q.numel():
         return []
     spans = {load.statement.component: load.statement.span for load in c.energies.loads}
     spans |= {term.statement.component: term.statement.span for term in c.energies.dissipation}

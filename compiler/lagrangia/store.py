@@ -49,8 +49,8 @@ def keep(kind: str, key: str, content: bytes) -> None:
 
 
 def prune(most: int = 1 << 30) -> None:
-    """Once a day: what has not been used for longest is removed until at most so many bytes are left, and what killed compilations
-    left behind. What cannot be removed stays."""
+    """Once a day: what has not been used for longest is removed until at most so many bytes are left, and what killed
+    compilations left behind. What cannot be removed stays."""
     folder = cache_folder()
     stamp, now = folder / ".pruned", time.time()
     with contextlib.suppress(OSError):
