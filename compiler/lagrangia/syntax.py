@@ -83,7 +83,7 @@ def parse(source: Source) -> Syntax:
 def _parser() -> Lark:
     key = key_of("parser", lark.__version__, sys.version)
     if (kept := find_kept("syntax", key)) is not None:
-        return Lark.load(marshal.loads(kept))  # type: ignore[arg-type]  # plain tables; its own files are pickles, which can run
+        return Lark.load(marshal.loads(kept))  # plain tables: its own files are pickles, which can run
     grammar = (data_folder("grammar") / "lag.lark").read_text(encoding="utf-8")
     parser = Lark(grammar, parser="lalr", start="file", propagate_positions=True, maybe_placeholders=True)
     data, memo = parser.memo_serialize([TerminalDef, Rule])
