@@ -113,7 +113,7 @@ LagStatus lag_step(LagRun *run)
             lag_account_weigh(run);
             note_state(run);
         }
-        if (run->statistics.steps % LOOK_FOR_PROGRESS == 0)
+        if (run->statistics.steps > 0 && run->statistics.steps % LOOK_FOR_PROGRESS == 0) /* the first one may be taken back */
             return look_for_progress(run);
     }
     return status;
