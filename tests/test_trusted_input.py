@@ -145,3 +145,34 @@ def test_largest_and_sum_of_one_number_and_directions_of_one(capsys: pytest.Capt
                  "Weld w(a = world, offset = {1, 2, 3}); PointMass p(m = 1); Spring s(a = w.b, b = p.center, k = 1);"):
         assert main(["check", write(f"model Short\n  {text}\nend Short;\n", "short.lag")]) == 2
         assert "error[L0303]" in capsys.readouterr().err
+
+
+IDLE = """model Idle
+  parameter Real unused = 3;
+  Block b(m = 1, base = world, v(start = 1));
+  Spring s(s_rel0 = 0.1, k = 4, stretch = b.s);
+  DryFriction f(F = 2, rate = b.v);
+%send Idle;
+"""
+
+
+@needs_compiler
+@pytest.mark.parametrize("command", ["check", "simulate", "modes", "export"])
+def test_warnings_are_silenced_by_code_or_taken_for_errors(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    more = ["--to", "python", "-o", "made.py"] if command == "export" else []
+    file = write(IDLE % "")
+    assert main([command, file, *more]) == 0
+    assert "warning[L0224]" in capsys.readouterr().err
+    assert main([command, file, "--strict", *more]) == 2
+    assert "which --strict takes for errors" in capsys.readouterr().err
+    assert main([command, file, "--strict", "--allow", "L0224", "--allow", "L0741,L0708", *more]) == 0
+    assert capsys.readouterr().err == ""
+    file = write(IDLE % '  annotation(allow = "L0224, L0741");\n')
+    assert main([command, file, "--strict", *more]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_what_is_allowed_is_a_code(capsys: pytest.CaptureFixture[str]) -> None:
+    for wrong in ('"everything"', "3", '""'):
+        assert main(["check", write(IDLE % f"  annotation(allow = {wrong});\n")]) == 2
+        assert "'allow' is a text with codes of warnings" in capsys.readouterr().err

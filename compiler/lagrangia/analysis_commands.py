@@ -14,6 +14,7 @@ from lagrangia.arguments import (
     open_parameters,
     read_inputs,
     split_names,
+    tell,
     tell_warnings,
     values_with_units,
 )
@@ -36,7 +37,7 @@ def equilibrium_command(options: Namespace) -> int:
     if not found.found:
         raise RunError("; ".join(["no equilibrium was found: from all starts, forces stay unbalanced or it runs away",
                                   "try other values with --initial, or more --starts", *found.notes]))
-    print(equilibria_text(found))
+    _say(options, model, equilibria_text(found))
     if options.output is not None:
         _write(options.output, [_plain(item) for item in found.found])
     return 0
@@ -57,7 +58,7 @@ def linearize_command(options: Namespace) -> int:
     model, values = _load(options)
     linear = model.linearize(**values, about=options.about, excitations=_names(options.excite, "--from"),
                              outputs=_names(options.to, "--to"))
-    print(linearization_text(linear))
+    _say(options, model, linearization_text(linear))
     if options.output is not None:
         print(f"\nmatrices in {linear.save(options.output)}")
     return 0
@@ -71,7 +72,7 @@ def modes_command(options: Namespace) -> int:
         require_format(options.plot)
     model, values = _load(options)
     modes = model.modes(**values, about=options.about, mass_normalised=options.mass_normalised)
-    print(modes_text(modes))
+    _say(options, model, modes_text(modes))
     if options.output is not None:
         _write(options.output, modes.to_dict())
     if options.plot is not None:
@@ -92,7 +93,7 @@ def response_command(options: Namespace) -> int:
     model, values = _load(options)
     response = model.response(_names(options.excite, "--from"), _names(options.to, "--to"), **values, about=options.about,
                               frequencies=frequencies, span=span, points=options.points)
-    print(response_text(response))
+    _say(options, model, response_text(response))
     if options.output is not None:
         print(f"{response.frequencies.size} rows in {response.to_csv(options.output)}")
     if options.plot is not None:
@@ -101,12 +102,20 @@ def response_command(options: Namespace) -> int:
     return 0
 
 
+def _say(options: Namespace, model: Model, text: str) -> None:
+    """Prints what was found; warnings among its remarks go where all warnings go. Raises LagError L0710."""
+    lines = text.splitlines()
+    warnings = [line for line in lines if line.lstrip().startswith("warning[")]
+    tell(options, model, [line.strip() for line in warnings])
+    print("\n".join(line for line in lines if line not in warnings))
+
+
 def _load(options: Namespace) -> tuple[Model, dict[str, Any]]:
     """The model and the numbers it is looked at with. Raises LagError."""
     keep_inputs(options, options.output)
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())
-    tell_warnings(model)
+    tell_warnings(options, model)
     scene = model.scene
     parameters = open_parameters(scene, given)
     initial = values_with_units([assignment(text, "--initial") for text in options.initial], scene.start_units)

@@ -5,7 +5,7 @@ import os
 import re
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,22 +30,35 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
     return model
 
 
-def tell_inputs(scene: Any, experiment: Any, given: Any) -> None:
+def tell(options: Namespace, model: Model, texts: Iterable[str]) -> None:
+    """Warnings, but those whose code the model or the command line allows. Raises LagError L0710 where --strict is given."""
+    allowed = {*model.scene.notes["allowed"], *split_names(",".join(options.allow))}
+    told = [text for text in texts if text.removeprefix("warning[")[:5] not in allowed]
+    for text in told:
+        print(text, file=sys.stderr)
+    if told and options.strict:
+        fail("L0710", f"{len(told)} warning{'s' if len(told) > 1 else ''}, which --strict takes for errors", None,
+             'what is meant is allowed by its code: --allow L0224, or annotation(allow = "L0224") in the model')
+
+
+def tell_warnings(options: Namespace, model: Model) -> None:
+    """What the model says in vain."""
+    tell(options, model, model.warnings)
+
+
+def tell_inputs(options: Namespace, model: Model, experiment: Any, given: Any) -> None:
     """Says what the inputs do that nobody gave, and those whose table ends before the run does."""
     times, columns = given if isinstance(given, tuple) else ((), given)
-    for known in scene.inputs:
+    found = []
+    for known in model.scene.inputs:
         if known.name not in columns:
             value = f"{known.value or 0:g} {known.unit}".rstrip()
-            print(f"warning[L0708]: nothing is given for the input '{known.name}': it is {value} throughout\n"
-                  f"   = give it with -u {known.name}=VALUE, or -u FILE.csv", file=sys.stderr)
+            found.append(f"warning[L0708]: nothing is given for the input '{known.name}': it is {value} throughout\n"
+                         f"   = give it with -u {known.name}=VALUE, or -u FILE.csv")
     if len(times) and (times[-1] < experiment.stop or times[0] > experiment.start):
-        print(f"warning[L0709]: the table of inputs goes from {times[0]:g} to {times[-1]:g} s, the run from {experiment.start:g} "
-              f"to {experiment.stop:g} s: beyond its ends the inputs keep their values", file=sys.stderr)
-
-
-def tell_warnings(model: Model) -> None:
-    for text in model.warnings:
-        print(text, file=sys.stderr)
+        found.append(f"warning[L0709]: the table of inputs goes from {times[0]:g} to {times[-1]:g} s, the run from "
+                     f"{experiment.start:g} to {experiment.stop:g} s: beyond its ends the inputs keep their values")
+    tell(options, model, found)
 
 
 def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:

@@ -29,7 +29,7 @@ def check_command(options: Namespace) -> int:
             print(freedom["problem"], file=sys.stderr)
             continue
         print(f"{file}: {_describe(model.scene, freedom)}")
-        tell_warnings(model)
+        tell_warnings(options, model)
     return 2 if wrong else 0
 
 

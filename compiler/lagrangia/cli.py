@@ -206,6 +206,9 @@ def _add(commands: "argparse._SubParsersAction[_Parser]", name: str, command: Ca
          text: str) -> argparse.ArgumentParser:
     parser = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
     parser.set_defaults(command=command)
+    if name != "help":
+        parser.add_argument("--allow", action="append", default=[], metavar="CODE,...", help="warnings that are meant: L0224")
+        parser.add_argument("--strict", action="store_true", help="take warnings for errors")
     return parser
 
 

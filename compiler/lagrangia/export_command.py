@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.arguments import assignment, part_structural
+from lagrangia.arguments import assignment, part_structural, tell, tell_warnings
 from lagrangia.diagnostics import fail
 from lagrangia.exports import TARGETS
 
@@ -33,8 +33,8 @@ def export_command(options: Namespace) -> int:
         fail("L0702", f"'{next(iter(others))}' is no structural parameter", None,
              "other parameters stay open in what is exported")
     model = Model(options.file, options.model, structural)
-    for warning in export_warnings(model, options.to):
-        print(warning.render(sys.stderr.isatty()), file=sys.stderr)
+    tell_warnings(options, model)
+    tell(options, model, [warning.render() for warning in export_warnings(model, options.to)])
     names = dict(assignment(text, "--names") for text in (options.names or "").split(",") if text.strip())
     if options.output == "-":
         sys.stdout.write(exported_text(model, options.to, names, options.force))

@@ -146,6 +146,7 @@ class FlatModel:
     experiment: Experiment
     span: Span
     warnings: tuple[Diagnostic, ...] = ()
+    allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
 
 
 def is_frame(node: Flat) -> bool:

@@ -1,5 +1,6 @@
 """Classes -> FlatModel: instances are made, names resolved, loops and ifs unrolled."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -50,6 +51,8 @@ from lagrangia.tree import (
 from lagrangia.unread import find_unread
 from lagrangia.walk import leaves
 
+_CODE = re.compile(r"L\d{4}")
+
 
 def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None) -> FlatModel:
     """The flat model of one class. `structural` holds values for its structural parameters.
@@ -93,7 +96,7 @@ class _Flattening:
             definition.name, definition.description, self.variables, self.frames, tuple(self.frame_equations), bound,
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
-            self._experiment(Scope(root)), definition.name_span,
+            self._experiment(Scope(root)), definition.name_span, allowed=self._allowed(),
         )
         found = [*find_unread(model, root, self.table).diagnostics, *find_idle(model, root, self.table).diagnostics]
         return replace(model, warnings=tuple(found))
@@ -381,6 +384,17 @@ class _Flattening:
                                   "what the motion decides is a coordinate: declare it with `coordinate`")
 
     # ------------------------------------------------------------ experiment
+
+    def _allowed(self) -> tuple[str, ...]:
+        """The codes of annotation(allow = "L0224, L0741")."""
+        found: list[str] = []
+        for top in (top for definition in self.table.lineage(self.definition) for top in definition.annotation):
+            if top.name == "allow":
+                codes = top.value.value.replace(",", " ").split() if isinstance(top.value, String) else []
+                if not codes or not all(_CODE.fullmatch(code) for code in codes):
+                    fail("L0208", "'allow' is a text with codes of warnings", top.span, 'annotation(allow = "L0224, L0741")')
+                found += codes
+        return tuple(found)
 
     def _experiment(self, scope: Scope) -> Experiment:
         """As the model's annotation says, and where it says nothing, those of the models it extends."""

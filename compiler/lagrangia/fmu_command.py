@@ -24,7 +24,7 @@ def export_fmu_command(options: Namespace) -> int:
     model = load_model(options, given, split_names(options.outputs))
     if is_static(model.scene):
         model = load_model(options, given, (*split_names(options.outputs), ALL_REACTIONS))
-    tell_warnings(model)
+    tell_warnings(options, model)
     units = {p.name: p.unit for p in model.scene.parameters}
     others = [(name, text) for name, text in given if name.partition("[")[0] not in model.scene.structural]
     info = dict(assignment(text, "--info") for text in options.info)

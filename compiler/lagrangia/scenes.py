@@ -198,7 +198,8 @@ def _freedom(kinematics: Kinematics, motion: Motion, is_still: bool) -> dict[str
 def _told(model: FlatModel) -> dict[str, object]:
     """As text: the scene outlives the source it points at."""
     contacts = [f"the contact {f'of {when.component} ' if when.component else ''}({when.span})" for when in model.whens]
-    return {"warnings": [warning.render() for warning in model.warnings], "contacts": contacts}
+    told = [warning.render() for warning in model.warnings if warning.code not in model.allowed]
+    return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts}
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:

@@ -58,8 +58,8 @@ def simulate_command(options: Namespace) -> int:
     initial = values_with_units([assignment(text, "--initial") for text in options.initial], scene.start_units)
     inputs = read_inputs(options.input, scene)
     values = check_values(scene, parameters, initial, inputs)
-    tell_warnings(model)
-    tell_inputs(scene, experiment, inputs)
+    tell_warnings(options, model)
+    tell_inputs(options, model, experiment, inputs)
     model = model.suited(values)
     compiled = time.perf_counter() - begin
     return _run(options, model, experiment, values, compiled, target)

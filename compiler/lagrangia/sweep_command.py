@@ -45,12 +45,12 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     given = _assignments(options.parameter, "-p")
     single = [(name, text) for name, text in given.items() if not any(c in text for c in ",:(") or "{" in text]
     model = load_model(options, single, quantities(measures))
-    tell_warnings(model)
+    tell_warnings(options, model)
     scene = model.scene
     experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
                       max_step=options.max_step, max_steps=options.max_steps, solver=options.solver)
     inputs = read_inputs(options.input, scene)
-    tell_inputs(scene, experiment, inputs)
+    tell_inputs(options, model, experiment, inputs)
     varied = {name: text for name, text in given.items() if name not in model.structural}
     request = Request(varied, _assignments(options.initial, "--initial"), options.runs, options.samples, options.seed,
                       options.sampling, options.together, inputs, options.interval,
