@@ -141,7 +141,7 @@ def _integrator(name: str, piece: Piece, problem: Problem, tolerance: float) -> 
 
 def _implicit(problem: Problem, t: ca.SX, y: ca.SX) -> tuple[dict[str, ca.SX], Any]:
     """The equations with accelerations and multipliers unknown, and a guess of these."""
-    n, functions = problem.n, problem.model.functions()
+    n, functions = problem.n, problem.model.functions(given=problem.parameters)
     p = problem.model.parameter_values(problem.parameters)
     u = ca.DM(list(check_values(problem.model.scene).input_values))
     M, h, J, bias = (functions[name](t, y[:n], y[n:], u, p) for name in ("M", "h", "J", "bias"))

@@ -18,11 +18,14 @@ if TYPE_CHECKING:
     from lagrangia.model import Model
 
 TARGETS = {"sympy": ".py", "latex": ".tex", "python": ".py", "casadi": ".casadi", "modelica": ".mo"}
+_MATRICES = ("M", "J", "jacobian", "jacobian_u", "jacobian_p")
 _ARGUMENTS = {"t": "t", "q": "q[{}]", "v": "v[{}]", "u": "u[{}]", "p": "p[{}]"}
 _WORDS = {
     "M": "Mass matrix (n, n): M dv/dt + h + J^T lambda = 0.", "h": "(n,): M dv/dt + h + J^T lambda = 0.",
     "rhs": "Accelerations dv/dt, (n,).", "energies": "T, V and D.", "outputs": "OUTPUTS.",
-    "jacobian": "d(dv/dt)/d(q, v), (n, 2 n).", "Phi": "Holonomic constraints, zero on the motion.", "J": "dPhi/dq, (m, n).",
+    "jacobian": "d(dv/dt)/d(q, v), (n, 2 n).", "jacobian_u": "d(dv/dt)/du, (n, len(INPUTS)).",
+    "jacobian_p": "d(dv/dt)/dp, (n, len(PARAMETERS)): through what follows, and 0 for its own entries.",
+    "Phi": "Holonomic constraints, zero on the motion.", "J": "dPhi/dq, (m, n).",
     "bias": "(m,): J dv/dt + bias = 0.", "lambda": "Multipliers, (m,).",
 }
 
@@ -128,12 +131,16 @@ def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool
 
 
 def _write_casadi(model: "Model", path: Path) -> int:
-    """All functions of t, q, v, u, p, and the constants `parameters`, `inputs`, `start` (q, v) as functions without arguments."""
+    """A list: all functions of t, q, v, u, p, `all_parameters` of p, and the constants `parameters`, `inputs`, `start` (q, v) as
+    functions without arguments. Then a dictionary of the names of the entries of q, u, p and y, and those of p that `follow`."""
     import casadi as ca
 
     first = starts(model)
     q, v = (ca.DM([first[c.name] for c in columns]) for columns in (model.scene.coordinates, model.scene.rates))
-    functions = [*model.functions().values(),
+    table = model.functions() | model.derivatives()
+    mapping = table.pop("parameters")
+    p = ca.SX.sym("p", len(model.parameter_names))
+    functions = [*table.values(), ca.Function("all_parameters", [p], mapping.call([p]), ["p"], ["parameters"]),
                  ca.Function("parameters", [], [ca.DM(model.parameter_values())], [], ["p"]),
                  ca.Function("inputs", [], [ca.DM(list(inputs(model).values()))], [], ["u"]),
                  ca.Function("start", [], [q, v], [], ["q", "v"])]
@@ -141,32 +148,58 @@ def _write_casadi(model: "Model", path: Path) -> int:
         file = Path(folder) / "functions"
         serializer = ca.FileSerializer(str(file))
         serializer.pack(functions)
+        serializer.pack({"q": list(model.coordinate_names), "u": list(model.input_names), "p": list(model.parameter_names),
+                         "y": list(model.output_names), "follow": _following(model, mapping)})
         del serializer  # closes the file
         target.stream.write(file.read_bytes())
     return len(functions)
 
 
+def _following(model: "Model", mapping: Any) -> list[str]:
+    """Parameters whose values follow from others: their entries of p are not read. `mapping`: p -> all values."""
+    read = set(zip(*mapping.jac_sparsity(0, 0).get_triplet(), strict=True))
+    return [name for k, name in enumerate(model.parameter_names) if (k, k) not in read]
+
+
+def _parameters_text(mapping: Any) -> str:
+    """`parameters` of the Python module: from a vector, or by name."""
+    from lagrangia.numpy_module import write_function
+
+    return f'''def parameters(p=()):
+    """All values in the order of PARAMETERS, FOLLOWING worked out. p: as the functions take it, or changes by name."""
+    if len(p) == 0 or hasattr(p, "keys"):
+        changes = dict(p)
+        if wrong := [name for name in changes if name not in PARAMETERS or name in FOLLOWING]:
+            raise ValueError(f"no parameters that can be given: {{', '.join(wrong)}}")
+        p = list({{**PARAMETERS, **changes}}.values())
+    return _parameters(p)
+
+
+{write_function("_parameters", mapping, {"p": "p[{}]"}, "All values, from p.", None)}'''
+
+
 def _python(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
     from lagrangia.numpy_module import write_function
 
-    scene, first = model.scene, starts(model)
-    coordinates = [c.name for c in scene.coordinates]
+    scene, first, functions = model.scene, starts(model), model.functions() | model.derivatives()
+    mapping = functions.pop("parameters")
     values = dict(zip(model.parameter_names, model.parameter_values().tolist(), strict=True))
     title = f"{scene.name}: {scene.description}" if scene.description else scene.name
     head = [f'"""{python_text(title)}.', "",
             "Functions of t, q, v, u, p in SI units, the entries in the order of COORDINATES, INPUTS and PARAMETERS;",
             "scipy.integrate.solve_ivp(slope, (0, 1), START) integrates it.",
             *_remarks(model, target), '"""', "", "import numpy as np", "",
-            f"COORDINATES = {coordinates!r}", f"INPUTS = {inputs(model)!r}", f"PARAMETERS = {values!r}",
-            f"OUTPUTS = {[c.name for c in scene.outputs]!r}",
+            f"COORDINATES = {list(model.coordinate_names)!r}", f"INPUTS = {inputs(model)!r}", f"PARAMETERS = {values!r}",
+            f"FOLLOWING = {_following(model, mapping)!r}  # from other parameters: their entries of p are not read",
+            f"OUTPUTS = {list(model.output_names)!r}",
             f"START = np.array({[first[c.name] for c in (*scene.coordinates, *scene.rates)]!r})  # q, v", "", "",
             "def slope(t, y, u=None, p=None):", '    """dy/dt of y = (q, v)."""', f"    q, v = y[:{scene.n}], y[{scene.n}:]",
             "    u = np.array(list(INPUTS.values())) if u is None else u",
             "    p = np.array(list(PARAMETERS.values())) if p is None else p",
             "    return np.concatenate([v, rhs(t, q, v, u, p)])", ""]
-    parts = ["\n".join(head)]
-    for name, function in model.functions().items():
-        matrix = (function.size1_out(0), function.size2_out(0)) if name in ("M", "J", "jacobian") else None
+    parts = ["\n".join(head), _parameters_text(mapping)]
+    for name, function in functions.items():
+        matrix = function.size_out(0) if name in _MATRICES else None
         stacked = _stacked(function)
         called = "multipliers" if name == "lambda" else name
         parts.append(write_function(called, stacked, _ARGUMENTS, _WORDS.get(name, name), matrix))

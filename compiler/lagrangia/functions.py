@@ -4,7 +4,7 @@ For the run time, in the order that runtime/model.h states, with everything that
 (`hoist`: p -> c); for people the same equations as functions of t, q, v, u, p.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from itertools import islice
 
@@ -25,7 +25,7 @@ from lagrangia.linear_choice import linear_pays
 from lagrangia.linear_form import LinearForm, find_linear_form
 from lagrangia.motion import Motion, mass_matrix
 from lagrangia.observables import observe
-from lagrangia.parameters import all_parameters, at_start, scalars
+from lagrangia.parameters import all_parameters, at_start, parameters_of, scalars
 from lagrangia.reactions import build_reactions
 from lagrangia.switches import Switches, find_roots, find_switches
 
@@ -209,33 +209,51 @@ def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,
 
 
 def people_functions(
-    kinematics: Kinematics, motion: Motion, constraints: Constraints, outputs: tuple[str, ...]
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, outputs: tuple[str, ...], given: Collection[str] = ()
 ) -> dict[str, ca.Function]:
     """M, h, rhs, energies, outputs and jacobian as functions of t, q, v, u, p, in SI units.
 
     M(q, p) (n, n): M dv/dt + h = 0;  rhs: dv/dt (n,);  energies: T, V, D;  jacobian: d(dv/dt)/d(q, v) (n, 2 n).
+    p has an entry for every parameter. One that is bound to others (m of Bar bar(m = m)) follows them: its entry is not read, and
+    derivatives go through its binding; in `given` are names of such that are read from p instead.
     A constrained scene has four more, for its m constraints: M dv/dt + h + J^T lambda = 0, J dv/dt + bias = 0.
     Phi(t, q) = 0, the holonomic ones (m or fewer rows);  J (m, n);  bias (m,): the rates of the constraints at dv/dt = 0,
     differentiated once more;  lambda (m,): the multipliers. At states off the constraints rhs and lambda keep d2 Phi/dt2 = 0.
     """
-    t, q, v, u, p = motion.t, motion.q, motion.v, motion.u, motion.p
     _names, y = _outputs(kinematics, outputs)
     y = _solved(with_reactions(y, kinematics, motion, constraints), motion)
     expressions = {
         "M": [mass_matrix(motion)], "h": [motion.h], "rhs": [motion.acceleration], "energies": [motion.T, motion.V, motion.D],
-        "outputs": [y], "jacobian": [ca.jacobian(motion.acceleration, ca.vertcat(q, v))],
+        "outputs": [y], "jacobian": [ca.jacobian(motion.acceleration, ca.vertcat(motion.q, motion.v))],
     }
     held = motion.constrained
     if held:
         expressions |= {"Phi": [held.rows.phi], "J": [held.J], "bias": [held.rows.bias], "lambda": [held.multipliers]}
+    return _following(kinematics, motion, expressions, parameters_of(kinematics, motion.p, given))
+
+
+def people_derivatives(kinematics: Kinematics, motion: Motion, given: Collection[str] = ()) -> dict[str, ca.Function]:
+    """jacobian_u: d(dv/dt)/du (n, n_u) and jacobian_p: d(dv/dt)/dp (n, n_p), as functions of t, q, v, u, p;
+    parameters: p -> all values with which these and `people_functions` reckon, (n_p,)."""
+    a, p, parameters = motion.acceleration, motion.p, parameters_of(kinematics, motion.p, given)
+    slopes = {"jacobian_u": [ca.jacobian(a, motion.u)], "jacobian_p": [ca.jacobian(a, p) @ ca.jacobian(parameters, p)]}
+    return {**_following(kinematics, motion, slopes, parameters),
+            "parameters": ca.Function("parameters", [p], [parameters], ["p"], ["parameters"])}
+
+
+def _following(kinematics: Kinematics, motion: Motion, expressions: Mapping[str, list[ca.SX]],
+               parameters: ca.SX) -> dict[str, ca.Function]:
+    """Functions of t, q, v, u, p, with the modes as they are at t and `parameters`, which are functions of p, in place of p."""
     labels = {"energies": ["T", "V", "D"], "outputs": ["y"], "rhs": ["a"]}
+    arguments = [motion.t, motion.q, motion.v, motion.u, motion.p]
     modes = kinematics.algebra.modes
     symbols, values = [mode.symbol for mode in modes], [mode.value for mode in modes]
-    return {
-        name: ca.Function(name, [t, q, v, u, p], ca.substitute(results, symbols, values) if modes else results,
-                          ["t", "q", "v", "u", "p"], labels.get(name, [name]))
-        for name, results in expressions.items()
-    }
+    table = {}
+    for name, results in expressions.items():
+        found = ca.substitute(results, symbols, values) if modes else results
+        found = ca.substitute(found, [motion.p], [parameters])
+        table[name] = ca.Function(name, arguments, found, ["t", "q", "v", "u", "p"], labels.get(name, [name]))
+    return table
 
 
 def observer(

@@ -1,14 +1,14 @@
 """The Python interface: lag.load(...) -> Model, model.simulate(...) -> Trajectory."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.cache import find_scene, keep_scene
-from lagrangia.diagnostics import RunError, fail
+from lagrangia.diagnostics import RunError, fail, suggest
 from lagrangia.engines import Engine, divided, load_engine, start_building
 from lagrangia.given import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, by_name, names, numbers
 from lagrangia.interpret import evaluate, evaluate_each
@@ -367,20 +367,46 @@ class Model:
         suited = self.general.suited(check_values(self.scene, parameters))
         return export_fmus(suited, None if path is None else Path(path), fmi, kind, platforms, sources, parameters, info, tell)
 
-    def functions(self) -> "dict[str, casadi.Function]":
-        """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian; p in the order of `parameter_names`.
+    def functions(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":
+        """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian.
 
-        Constrained scenes have Phi, J, bias and lambda too; see functions.people_functions.
+        q, u, p and the outputs are in the order of `coordinate_names`, `input_names`, `parameter_names` and `output_names`.
+        What is bound to other parameters follows them: its entry of p is not read, and derivatives with respect to the others go
+        through its binding. `given` are names of such that p gives all the same (a mapping will do: functions(given=changes) with
+        parameter_values(changes)). Constrained scenes have Phi, J, bias and lambda too; see functions.people_functions.
+        Raises LagError L0701, L0702 for names that are none.
         """
         from lagrangia.functions import people_functions
 
-        outputs = tuple(column.name for column in self.scene.outputs)
-        compilation = self.general.compilation
-        return people_functions(compilation.kinematics, compilation.motion, compilation.constraints, outputs)
+        c, known = self.general.compilation, self._known_parameters(given)
+        return people_functions(c.kinematics, c.motion, c.constraints, self.output_names, known)
+
+    def derivatives(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":
+        """CasADi Functions that go with those of `functions`: jacobian_u and jacobian_p of t, q, v, u, p are d(dv/dt)/du and
+        d(dv/dt)/dp, with what follows from p; parameters of p are the values of all parameters. Raises LagError L0701, L0702."""
+        from lagrangia.functions import people_derivatives
+
+        c, known = self.general.compilation, self._known_parameters(given)
+        return people_derivatives(c.kinematics, c.motion, known)
+
+    def _known_parameters(self, given: str | Iterable[str]) -> tuple[str, ...]:
+        known = names("given parameters", given)
+        for name in known:
+            if name not in self.parameter_names:
+                fail("L0701", f"the scene has no parameter '{name}'", None, *filter(None, [suggest(name, self.parameter_names)]))
+        return known
 
     @cached_property
     def coordinate_names(self) -> tuple[str, ...]:
         return tuple(column.name for column in self.scene.coordinates)
+
+    @cached_property
+    def input_names(self) -> tuple[str, ...]:
+        return tuple(item.name for item in self.scene.inputs)
+
+    @cached_property
+    def output_names(self) -> tuple[str, ...]:
+        return tuple(column.name for column in self.scene.outputs)
 
     @cached_property
     def parameter_names(self) -> tuple[str, ...]:

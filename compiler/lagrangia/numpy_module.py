@@ -48,7 +48,7 @@ def statements(function: ca.Function, arguments: Sequence[str]) -> tuple[list[st
 
 def write_function(name: str, function: ca.Function, arguments: Mapping[str, str], doc: str,
                    shape: tuple[int, int] | None) -> str:
-    """A Python function of t, q, v, u, p: a vector, or with `shape` a matrix."""
+    """A Python function of the arguments: a vector, or with `shape` a matrix."""
     lines, (entries,) = statements(function, list(arguments.values()))
     body = "".join(f"    {line}\n" for line in lines)
     if shape is None:

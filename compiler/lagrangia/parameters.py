@@ -1,6 +1,6 @@
 """Parameters: all values from those given, the dependent ones following their bindings."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import NoReturn
 
 import casadi as ca
@@ -34,6 +34,22 @@ def all_parameters(kinematics: Kinematics, n: int) -> tuple[ca.SX, ca.SX, ca.SX]
     parameters = [v for v in model.variables.values() if v.kind == "parameter"]
     values = [x for v in parameters for _, x in scalars(v.name, leaves.parameter(v.name, v.span))]
     return given, mask, ca.vertcat(*values)
+
+
+def parameters_of(kinematics: Kinematics, p: ca.SX, given: Collection[str] = ()) -> ca.SX:
+    """All parameters in terms of p, both (n,).
+
+    One whose binding speaks of other parameters follows them, and its entry of p is not read, unless its name is in `given`; all
+    others are their entries of p. Derivatives with respect to p thus go through the bindings.
+    """
+    n = p.numel()
+    symbols, mask, values = all_parameters(kinematics, n)
+    rows, columns = ca.Function("values", [symbols, mask], [values]).jac_sparsity(0, 0).get_triplet()
+    bound = {i for i, j in zip(rows, columns, strict=True) if i != j}
+    model = kinematics.graph.model
+    names = [name for v in model.variables.values() if v.kind == "parameter" for name, _ in v.elements()]
+    is_read = ca.DM([float(k not in bound or name in given) for k, name in enumerate(names)])
+    return ca.substitute(values, ca.vertcat(symbols, mask), ca.vertcat(p, is_read)) if n else values
 
 
 def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:

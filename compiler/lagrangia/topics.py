@@ -277,7 +277,9 @@ many = model.simulate_many(parameters={"link[1].m": [1, 2, 5]}, outputs=["max(hi
 many["link[1].m"], many["max(hinge[1].phi)"], many.failures; many.to_pandas(); many.to_parquet("x.parquet")
 run.plot("hinge[1].phi", path="chain.png"); run.to_pandas(); run.to_csv("x.csv")
 model.functions()                                      # CasADi: M, h, rhs, energies, outputs, jacobian of t, q, v, u, p
-model.parameter_names, model.parameter_values()
+model.parameter_names, model.parameter_values()        # p; what is bound to others follows them: its entry is not read
+model.functions(given=["link[1].m"])                   # but for what is named here
+model.derivatives()                                    # jacobian_u, jacobian_p of dv/dt; parameters: p -> all values
 """
 
 _DECLARATION = re.compile(r'^(?:partial )?model (\w+)(?: "([^"]*)")?', re.MULTILINE)
@@ -321,11 +323,14 @@ page says so.
 From Python: model.equations("worked", "html", names={"tilt.phi": "theta"})
 
 lag export FILE --to TARGET [-o FILE] writes a scene for other programs, with the start values as they were assembled:
-python    a module that needs NumPy alone: M, h, rhs, energies, outputs, ..., slope(t, y) for scipy's solve_ivp
-casadi    M, h, rhs, energies, ... of t, q, v, u, p, parameters, inputs, start: casadi.FileDeserializer(FILE).unpack()
+python    a module that needs NumPy alone: M, h, rhs, energies, outputs, ..., slope(t, y) for scipy's solve_ivp; jacobian_u and
+          jacobian_p of the accelerations; parameters({"m": 3}) is p with a change
+casadi    M, h, rhs, energies, ... of t, q, v, u, p, and parameters, inputs, start: casadi.FileDeserializer(FILE).unpack();
+          a second unpack() has the names of the entries of q, u, p, y
 modelica  a flat model: Lagrange's equations, parameters with units; constraints differentiated twice, as a linear system, and
           multipliers mu (zero on the exact motion) that keep them closed; `closing` says how fast gaps close, 10/s
 sympy, latex   the script, and the worked derivation
+In the first two p has all parameters; what is bound to others follows them: its entry is not read (FOLLOWING, `follow`).
 python and casadi take any scene, modelica what can be written out; but none of them where rates of supports jump (a ramp, a
 table): momentum stays as it is there, which an FMU knows.
 """
