@@ -74,6 +74,7 @@ class _Builder:
             self.units[declaration.name] = units[-1] if units else ""
         # under which name a variable's value is found; its own, unless branches gave it
         self.current = {name: name for name in self.units}
+        self.given = set(self.inputs)  # the names that have a value
 
     def build(self) -> FlatFunction:
         definition = self.definition
@@ -86,7 +87,7 @@ class _Builder:
         steps: list[tuple[str, Flat]] = []
         for declaration in self.declarations:
             if declaration.binding is not None and "input" not in declaration.prefixes:
-                steps.append((declaration.name, self._flatten(declaration.binding, {})))
+                self._assign(declaration.name, self._flatten(declaration.binding, {}), steps, declaration.name)
         for section in definition.sections:
             self._section(section, steps)
         output = self.current[outputs[0].name]
@@ -116,7 +117,7 @@ class _Builder:
                     fail("L0204", f"'{span.text}' is no variable of {self.definition.name}", span)
                 self._assign(name, self._flatten(value, iterators), steps, self._fresh(name) if in_branch else name)
             case ForBlock(loops, body, _):
-                for scope in self.names.loop(loops, Scope(Instance("", self.definition, clause.span), iterators)):
+                for scope in self.names.loop(loops, Scope(Instance("", self.definition, clause.span), iterators), len(body)):
                     for inner in body:
                         self._statement(inner, scope.iterators, steps, in_branch)
             case IfBlock(condition, then, otherwise, span):
@@ -126,6 +127,7 @@ class _Builder:
 
     def _assign(self, name: str, value: Flat, steps: list[tuple[str, Flat]], place: str) -> None:
         steps.append((place, value))
+        self.given.add(place)
         self.current[name] = place
 
     def _fresh(self, name: str) -> str:
@@ -145,10 +147,9 @@ class _Builder:
                 self._statement(clause, iterators, steps, in_branch=True)
             ends.append(self.current)
         self.current = dict(before)
-        known = {*self.inputs, *(place for place, _ in steps)}
         for name, old in before.items():
             places = [end[name] for end in ends]
-            if places != [old, old] and known.issuperset(places):
+            if places != [old, old] and self.given.issuperset(places):
                 taken, other = (Local(place, span) for place in places)
                 self._assign(name, IfExpression(condition, taken, other, span), steps, self._fresh(name))
 
@@ -157,7 +158,7 @@ class _LocalNames(Names):
     """Name resolution inside a function: its own variables, and the functions and constants of the kernel."""
 
     def __init__(self, names: Names, known: Mapping[str, str]) -> None:
-        super().__init__(names.table, names.report, names.functions, names.define_function)
+        super().__init__(names.table, names.report, names.functions, names.define_function, work=names.work)
         self.known = known  # the name that each variable's value has
 
     def resolve(self, node: Reference, scope: Scope) -> Flat:

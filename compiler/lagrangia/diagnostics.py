@@ -95,6 +95,10 @@ class LagError(Exception):
         super().__init__("\n".join(d.render() for d in self.diagnostics))
 
 
+class TooMuchError(LagError):
+    """The input asks for work without bound: nothing more of it is looked at, not even for other errors."""
+
+
 class RunError(Exception):
     """The run failed although the input is well formed; the command line exits with 1.
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from lagrangia.algorithms import FlatFunction
 from lagrangia.diagnostics import LagError, Report, Span
 from lagrangia.flat import Equation, FlatModel, Variable, When
 from lagrangia.folding import fold
@@ -90,6 +91,7 @@ class _Checker:
         self.report = Report()
         self.known: dict[str, Quantity] = {}
         self.pending: set[str] = set()
+        self.results: dict[tuple[object, ...], Quantity] = {}
 
     def guard(self, check: Callable[..., object], *arguments: object) -> None:
         """Collects what a check raises, so that the next one is made all the same."""
@@ -328,6 +330,13 @@ class _Checker:
             if unit and not _fits(found, parse_unit(unit).dimension):
                 self.report.error("L0304", f"{node.function} wants '{name}' in {unit}, this is in {found.spell()}", argument.span)
             known[name] = Quantity(parse_unit(unit).dimension) if unit else found
+        key = function.name, *known.values()
+        if key not in self.results:
+            self.results[key] = self._result(function, known)
+        return self.results[key]
+
+    def _result(self, function: FlatFunction, known: dict[str, Quantity]) -> Quantity:
+        """What a user function makes of inputs, once for all calls with the same dimensions."""
         for name, expression in function.steps:
             known[name] = self.quantity(expression, known)
         unit = function.units[function.output]

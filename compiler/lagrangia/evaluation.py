@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
 from itertools import pairwise
+from math import copysign
 from typing import Any, Protocol, TypeAlias
 
 from lagrangia.algebra import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
@@ -20,6 +21,7 @@ from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpre
 Value: TypeAlias = Any  # Scalar | tuple[Value, ...]
 _HIGHEST_LEVEL = 2
 _LARGEST_EXPANDED_POWER = 8
+_MOST_STATEMENTS = 200_000  # of functions, evaluated: some 10 us each
 
 
 class Leaves(Protocol):
@@ -46,6 +48,9 @@ class Evaluator:
             self.algebras.append(DualAlgebra(self.algebras[-1]))
         self._known: dict[tuple[str, int], Value] = {}
         self._pending: list[str] = []
+        self._results: dict[tuple[Any, ...], tuple[list[Value], Value]] = {}  # of functions; arguments are kept, their ids last
+        self._statements = 0
+        self._asked: Span | None = None  # the call outside functions that is evaluated
 
     def value(self, node: Flat, level: int = 0, local: Mapping[str, Value] | None = None) -> Value:
         match node:
@@ -173,6 +178,7 @@ class Evaluator:
         arguments = [self.value(argument, level, local) for argument in node.arguments]
         if node.function in self.model.functions:
             numbers = [_number(value, argument.span) for value, argument in zip(arguments, node.arguments, strict=True)]
+            self._asked = node.span if local is None else self._asked
             return self._user_function(self.model.functions[node.function], numbers, level)
         vector = _VECTOR_FUNCTIONS.get(node.function)
         if vector is not None:
@@ -234,10 +240,27 @@ class Evaluator:
         return self.signed_length(plain, level) if len(vector) == 2 else None
 
     def _user_function(self, function: FlatFunction, arguments: list[Value], level: int) -> Value:
-        known = dict(zip(function.inputs, arguments, strict=True))
-        for name, expression in function.steps:
-            known[name] = self.value(expression, level, known)
-        return known[function.output]
+        """Computed once for the same arguments. Raises LagError L0209 when calls in calls ask for more than can be computed."""
+        key = function.name, level, *map(_identity, arguments)
+        if key not in self._results:
+            known = dict(zip(function.inputs, arguments, strict=True))
+            for name, expression in function.steps:
+                self._statements += 1
+                if self._statements > _MOST_STATEMENTS:
+                    fail("L0209", f"functions of more than {_MOST_STATEMENTS} statements in all, each counted as often as it is "
+                         "called", self._asked, "what functions call inside each other multiplies")
+                known[name] = self._measured(self.value(expression, level, known), self._asked)
+            self._results[key] = arguments, known[function.output]
+        return self._results[key][1]
+
+    def _measured(self, value: Value, span: Span | None) -> Value:
+        """The value, where an algebra does not mind how long it is; symbolic.py refuses some."""
+        return value
+
+
+def _identity(x: Scalar) -> Any:
+    """Equal for numbers that are equal, and for the same expression."""
+    return (x, copysign(1.0, x)) if isinstance(x, float | int) else (id(x),)
 
 
 def _base(x: Scalar) -> Scalar:

@@ -7,7 +7,7 @@ from typing import Any
 
 from lagrangia.algorithms import FlatFunction, flatten_function
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import LagError, Report, Source, Span, fail, nearest, suggest
+from lagrangia.diagnostics import LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.flat import (
     Energy,
     Equation,
@@ -163,6 +163,8 @@ class _Flattening:
         """Collect what is wrong with one clause or declaration and go on with the next."""
         try:
             action()
+        except TooMuchError:
+            raise
         except LagError as error:
             self.report.add(error.diagnostics)
 
@@ -275,7 +277,7 @@ class _Flattening:
         place = self._place(clause.span, scope.instance)
         match clause:
             case ForBlock(iterators, body, _):
-                for inner in self.names.loop(iterators, scope):
+                for inner in self.names.loop(iterators, scope, len(body)):
                     for part in body:
                         self._clause(kind, part, inner)
             case IfBlock(condition, then, otherwise, _):

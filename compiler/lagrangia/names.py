@@ -8,7 +8,7 @@ from typing import Any, NoReturn, cast
 
 from lagrangia.classes import ClassTable
 from lagrangia.dealing import element, length
-from lagrangia.diagnostics import Report, Span, fail, nearest, suggest
+from lagrangia.diagnostics import Diagnostic, Report, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.folding import fold, folded
 from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS, Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
 from lagrangia.meanings import explain
@@ -47,7 +47,22 @@ CONSTANTS = {"pi": math.pi}
 _ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
 _UNIT_BEHIND = "a unit stands behind a literal alone, as in 30[deg]; square brackets behind a name pick an element"
-_MOST_ITERATIONS = 100_000
+_MOST_ITERATIONS = 100_000  # of one loop
+_MOST_PASSES = 300_000  # of all loops of a model, each times the clauses in it: some 10 us each
+
+
+@dataclass
+class Work:
+    """How many clauses and elements the loops of a model were unrolled to."""
+
+    passes: int = 0
+
+    def spend(self, count: int, span: Span) -> None:
+        """Raises TooMuchError L0209 before more is unrolled than can be looked at in good time."""
+        self.passes += count
+        if self.passes > _MOST_PASSES:
+            what = f"the loops and sums of this model have more than {_MOST_PASSES} passes in all"
+            raise TooMuchError([Diagnostic("error", "L0209", what, span, "", ("those inside each other multiply",))])
 
 
 @dataclass
@@ -59,6 +74,7 @@ class Names:
     functions: dict[str, Any]
     define_function: Callable[[str, Span], None] = lambda name, span: None
     root: Instance | None = None
+    work: Work = field(default_factory=Work)
     _structural: dict[str, Flat] = field(default_factory=dict)
     _pending: list[str] = field(default_factory=list)
     _dealt: dict[tuple[int, int], tuple[Bound, Flat]] = field(default_factory=dict)
@@ -226,8 +242,8 @@ class Names:
 
     # ------------------------------------------------------------ loops
 
-    def loop(self, iterators: tuple[Iterator, ...], scope: Scope) -> Iterable[Scope]:
-        """The scopes of all passes of a loop, the last iterator running fastest."""
+    def loop(self, iterators: tuple[Iterator, ...], scope: Scope, size: int = 1) -> Iterable[Scope]:
+        """The scopes of all passes of a loop over so many clauses, the last iterator running fastest."""
         scopes = [scope]
         for iterator in iterators:
             if iterator.range is None:
@@ -238,6 +254,7 @@ class Names:
                 if len(passes) > _MOST_ITERATIONS:
                     fail("L0209", f"a loop of more than {_MOST_ITERATIONS} passes", iterator.span)
             scopes = passes
+        self.work.spend(len(scopes) * size, iterators[0].span)
         return scopes
 
     def _values(self, node: Expression, scope: Scope) -> list[int]:
@@ -298,6 +315,8 @@ class Names:
             for pick in picks:
                 if not 1 <= pick <= len(member):
                     fail("L0214", f"'{part.name}' has {len(member)} elements, not {pick}", part.span)
+            if scope.iterators:
+                self.work.spend(len(picks), part.span)
             items = [self._index(node, at, member[pick - 1], tail, scope) for pick in picks]
             return items[0] if isinstance(head, int) else Array(tuple(items), node.span)
         if isinstance(member, Slot):

@@ -7,6 +7,7 @@ and the formula is told beside. Loads, prescribed coordinates and user functions
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import count
 from typing import Any, cast
 
@@ -17,7 +18,7 @@ from lagrangia.algorithms import FlatFunction
 from lagrangia.casadi_algebra import CasadiAlgebra
 from lagrangia.consequences import contact_forces_in
 from lagrangia.constraints import Constraints
-from lagrangia.diagnostics import fail
+from lagrangia.diagnostics import Span, fail
 from lagrangia.edges import Edge, Step
 from lagrangia.energies import Energies, evaluate_energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of
@@ -30,6 +31,7 @@ from lagrangia.tree import Array, Flat, Number, Ref, Unary
 from lagrangia.walk import nodes
 
 GRAVITY = "world.gravity"
+_LONGEST = 10_000  # parts of the expression of one variable or function
 
 
 @dataclass(frozen=True)
@@ -148,7 +150,7 @@ class _ParameterTable:
 
     def __init__(self, kinematics: Kinematics, algebra: SympyAlgebra) -> None:
         self.model = kinematics.graph.model
-        self.evaluator = Evaluator(self.model, algebra, self)
+        self.evaluator = _ReadableEvaluator(self.model, algebra, self)
         self.parameters: dict[str, Parameter] = {}
         self.known: dict[str, Value] = {}
 
@@ -361,7 +363,36 @@ class SymbolicKinematics(Kinematics):
         return self._lift(given, level)
 
 
-class _TimeEvaluator(Evaluator):
+class _ReadableEvaluator(Evaluator):
+    """Refuses what SymPy, which shares no sub-expressions when it differentiates or prints, would work on without end."""
+
+    @cached_property
+    def _lengths(self) -> dict[int, tuple[Expr, int]]:
+        return {}  # by the id of an expression, which is kept: to compare long ones may take as long
+
+    def _bound(self, name: str, level: int) -> Value:
+        return self._measured(super()._bound(name, level), self.model.variables[name].span)
+
+    def _measured(self, value: Value, span: Span | None) -> Value:
+        parts = scalars_of(value)
+        while parts:
+            x = parts.pop()
+            if isinstance(x, Dual):
+                parts += [x.value, x.rate]
+            elif isinstance(x, sp.Basic) and self._length(x) > _LONGEST:
+                fail("L0712", f"not supported yet: equations with an expression of more than {_LONGEST} parts, each counted as "
+                     "often as it stands in it", span,
+                     "lag simulate, FMUs, --to python and --to casadi compute once what stands in several places")
+        return value
+
+    def _length(self, x: Expr) -> int:
+        known = self._lengths.get(id(x))
+        if known is None:
+            known = self._lengths[id(x)] = x, 1 + sum(self._length(part) for part in x.args)
+        return known[1]
+
+
+class _TimeEvaluator(_ReadableEvaluator):
     """Keeps what a user function makes of time under the function's name."""
 
     kinematics: SymbolicKinematics

@@ -52,10 +52,10 @@ from lagrangia.tree import (
     WorkTerm,
 )
 
-_DEEPEST = 100  # brackets in brackets, conditions in conditions
+_DEEPEST = 100  # brackets in brackets, conditions in conditions, loops in loops
 _NESTING = re.compile(
     r"""(?P<text>"(?:[^"\\]|\\.)*"? | //[^\n]* | /\*(?:.*?\*/|.*)) | (?P<open>[(\[{]) | (?P<close>[)\]}])
-    | (?P<condition>\b(?:else)?if\b) | ;""", re.DOTALL | re.VERBOSE)
+    | (?P<condition>\b(?:else)?if\b) | (?P<done>\bend\s+for\b) | (?P<loop>\bloop\b) | ;""", re.DOTALL | re.VERBOSE)
 _RESERVED = frozenset(
     "algorithm and annotation coordinate connect constant der each else elseif end energy equation extends false final for "
     "function if import initial input loop model not or output package parameter partial protected public record then time "
@@ -96,13 +96,15 @@ def _check_text(source: Source) -> None:
     if "\0" in source.text:
         at = source.text.index("\0")
         fail("L0101", f"{source.name} is not a text file: it holds a NUL character", Span(source, at, at + 1))
-    depth = conditions = 0
+    depth = conditions = loops = 0
     for mark in _NESTING.finditer(source.text):
         depth = max(0, depth + (mark.lastgroup == "open") - (mark.lastgroup == "close"))
         conditions = 0 if mark[0] == ";" else conditions + (mark.lastgroup == "condition")
-        if max(depth, conditions) > _DEEPEST:
-            what = "brackets" if depth > _DEEPEST else "conditions"
+        loops = max(0, loops + (mark.lastgroup == "loop") - (mark.lastgroup == "done"))
+        if max(depth, conditions, loops) > _DEEPEST:
+            what = "brackets" if depth > _DEEPEST else "conditions" if conditions > _DEEPEST else "loops"
             fail("L0102", f"{what} nested deeper than {_DEEPEST}", Span(source, mark.start(), mark.end()),
+                 "one loop runs over several: for i in 1:3, j in 1:4 loop" if what == "loops" else
                  "name a part of the expression with a variable of its own")
 
 
