@@ -81,7 +81,7 @@ def test_a_bar_in_closed_form(scene: Write) -> None:
 
 def test_what_follows_can_be_given_by_name(scene: Write) -> None:
     """As a run can: the inertia alone, and the mass, which the inertia then follows."""
-    model = scene(BOUND)
+    model = scene(BOUND.replace("input Torque", "final parameter Mass twice = 2*m; input Torque"))
     for changes, M in (({"bar.I": 0.7}, 0.7 + 2*0.75**2), ({"bar.m": 5.0, "m": 1.0}, 5*1.5**2/3), ({"m": 4.0}, 4*1.5**2/3)):
         functions, p = functions_of(model, changes), model.parameter_values(changes)
         assert float(functions["M"](0, 0.5, 0, 0, p)) == pytest.approx(M, rel=1e-14)
@@ -89,7 +89,7 @@ def test_what_follows_can_be_given_by_name(scene: Write) -> None:
     slopes = dict(zip(model.parameter_names, functions_of(model, "bar.m")["jacobian_p"](0, 0.5, 0, 3, model.parameter_values())
                       .full().ravel(), strict=True))
     assert slopes["m"] == 0 and slopes["bar.m"] == pytest.approx(-3/1.5/2, rel=1e-13)
-    for wrong, code in (("bar.mass", "L0701"), (["m", "Bar"], "L0701"), (3, "L0702")):
+    for wrong, code in (("bar.mass", "L0701"), (["m", "Bar"], "L0701"), (3, "L0702"), ("twice", "final")):
         with pytest.raises(lag.LagError, match=code):
             model.functions(given=wrong)
 

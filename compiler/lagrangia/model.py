@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.cache import find_scene, keep_scene
-from lagrangia.diagnostics import RunError, fail, suggest
+from lagrangia.diagnostics import RunError, fail
 from lagrangia.engines import Engine, divided, load_engine, start_building
 from lagrangia.given import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, by_name, names, numbers
 from lagrangia.interpret import evaluate, evaluate_each
@@ -391,9 +391,7 @@ class Model:
 
     def _known_parameters(self, given: str | Iterable[str]) -> tuple[str, ...]:
         known = names("given parameters", given)
-        for name in known:
-            if name not in self.parameter_names:
-                fail("L0701", f"the scene has no parameter '{name}'", None, *filter(None, [suggest(name, self.parameter_names)]))
+        check_values(self.scene, dict.fromkeys(known, 0.0))
         return known
 
     @cached_property
