@@ -59,7 +59,7 @@ def test_equations_without_end_are_refused(command: str, value: str, tmp_path: P
     assert main([first, "nested.lag", *others]) == WRONG
     told = capsys.readouterr().err
     assert "error[L0712]" in told
-    assert "more than 10000 parts" in told
+    assert "more than 1500 parts" in told
 
 
 def test_loops_of_functions_with_branches(tmp_path: Path) -> None:

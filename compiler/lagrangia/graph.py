@@ -244,7 +244,7 @@ class _Building:
 
         The angle is no coordinate when nothing depends on it, as for a point mass, be it one that carries hinges.
         """
-        frames = [name for name in self.model.frames if name in island]
+        frames = sorted(island, key=self._order.__getitem__)
         started = [name for name in frames if self.model.frames[name].starts]
         root = (started or [name for name in frames if name in massive])[0]
         turning = self._turning_with(root)
@@ -252,6 +252,10 @@ class _Building:
             step.kind == "shift" for name in turning for edge in self.neighbours[name] for step in edge.steps
         )
         return Root(root, ("x", "y", "phi") if has_angle else ("x", "y"))
+
+    @cached_property
+    def _order(self) -> dict[str, int]:
+        return {name: k for k, name in enumerate(self.model.frames)}
 
     def _turning_with(self, root: str) -> set[str]:
         """The frames that turn with the root: not those behind hinges whose coordinates nothing but the motion speaks of."""

@@ -66,13 +66,13 @@ def rebuilt(expressions: Sequence[ca.SX], numbering: Numbering, make: Make) -> l
     """The expressions made anew, with what `make` gives for an instruction, unless that is None."""
     column = ca.vertcat(ca.SX(0, 1), *(e.nz[:] for e in expressions))
     symbols = ca.symvar(column)
-    function = ca.Function("rebuilt", symbols, [column])
+    function = ca.Function("rebuilt", [ca.vertcat(ca.SX(0, 1), *symbols)], [column])  # one input: CasADi warns of thousands
     held: list[tuple[int, Expression]] = [(0, as_expression(0.0))] * max(1, function.sz_w())
     results = [as_expression(0.0)] * column.numel()
     for k in range(function.n_instructions()):
         op, inputs, outputs = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
         if op == ca.OP_INPUT:
-            held[outputs[0]] = numbering.of_symbol(symbols[inputs[0]]), as_expression(symbols[inputs[0]])
+            held[outputs[0]] = numbering.of_symbol(symbols[inputs[1]]), as_expression(symbols[inputs[1]])
         elif op == ca.OP_CONST:
             number = function.instruction_constant(k)
             held[outputs[0]] = numbering.of_number(number), as_expression(number)

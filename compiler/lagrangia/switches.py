@@ -61,7 +61,12 @@ class Switches:
 
 def has_corners(force: ca.SX) -> bool:
     """Whether forces bend or jump somewhere."""
-    return uses(ca.Function("h", ca.symvar(force), [force]), CORNERS)
+    return uses(_function_of(force), CORNERS)
+
+
+def _function_of(force: ca.SX) -> ca.Function:
+    """Of all symbols as one vector: CasADi warns of functions with thousands of inputs."""
+    return ca.Function("h", [ca.vertcat(ca.SX(0, 1), *ca.symvar(force))], [force])
 
 
 def corners_remain(motion: Motion) -> bool:
@@ -83,7 +88,7 @@ def find_switches(motion: Motion) -> Switches:
     those of events, the gaps of those that are contacts (or rates that go one way), and the rates of these, which are kept at 0
     where something rests."""
     numbering, events = Numbering(), motion.impacts.conditions
-    may_have = uses(ca.Function("h", ca.symvar(motion.h), [motion.h]), CORNERS | {ca.OP_SQRT})
+    may_have = uses(_function_of(motion.h), CORNERS | {ca.OP_SQRT})
     if not may_have and not events.numel():
         return Switches()
     signs = {_sign_of(x, numbering) for x in motion.lengths}

@@ -31,7 +31,7 @@ from lagrangia.tree import Array, Flat, Number, Ref, Unary
 from lagrangia.walk import nodes
 
 GRAVITY = "world.gravity"
-_LONGEST = 10_000  # parts of the expression of one variable or function
+_LONGEST = 1500  # parts of the expression of one variable or function: some 10 s
 
 
 @dataclass(frozen=True)
