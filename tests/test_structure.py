@@ -60,6 +60,7 @@ ORDER = """
     lines
     closures
     kinematics
+    directions
     energies
     bodies
     harmonics

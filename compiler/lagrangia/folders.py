@@ -4,6 +4,7 @@ import os
 import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -55,6 +56,11 @@ def is_trusted(path: Path) -> bool:
     stat = path.stat()
     is_shared = stat.st_mode & 0o002 or (stat.st_mode & 0o020 and stat.st_gid != os.getgid())
     return stat.st_uid in (os.getuid(), 0) and not is_shared
+
+
+def note_use(path: Path) -> None:
+    """What is used stays in the cache, by its time of access: see store.prune. Raises OSError."""
+    os.utime(path, (time.time(), path.stat().st_mtime))
 
 
 @cache

@@ -14,6 +14,7 @@ import casadi as ca
 from lagrangia.algebra import Scalar
 from lagrangia.casadi_algebra import CasadiAlgebra
 from lagrangia.constraints import Row
+from lagrangia.directions import gradient_by_rates
 from lagrangia.energies import Energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of
 from lagrangia.kinematics import Kinematics, displacement
@@ -109,7 +110,7 @@ def find_forces(kinematics: Kinematics, energies: Energies) -> Forces | None:
         return None
     places = [*apart.frames.values(), *(([shift], [rate]) for shift, rate in apart.coordinates.values())]
     shifts, rates = (ca.vertcat(ca.SX(0, 1), *[x for place in places for x in place[k]]) for k in range(2))
-    total = ca.jtimes(ca.vertcat(*positions), shifts, ca.vertcat(*forces), True) + ca.gradient(dissipation, rates)
+    total = ca.jtimes(ca.vertcat(*positions), shifts, ca.vertcat(*forces), True) + gradient_by_rates(dissipation, rates)
     found = scalars_in(ca.densify(ca.substitute([total], [shifts, rates], [ca.SX.zeros(shifts.numel())] * 2)[0]))
     on_frames = {name: found[3 * k : 3 * k + 3] for k, name in enumerate(apart.frames)}
     return Forces(on_frames, dict(zip(apart.coordinates, found[3 * len(on_frames) :], strict=True)))

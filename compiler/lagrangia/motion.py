@@ -18,6 +18,7 @@ from lagrangia.collected import MOST_COORDINATES, Collected, blocks_of, collect,
 from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, bring_down, constrain, constraint_rows
 from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import Span, fail
+from lagrangia.directions import gradient_by_rates
 from lagrangia.elimination import ArticulatedBodies, articulate
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
@@ -94,7 +95,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
     slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
     momentum, dL_dt = slopes[:-1, 0], slopes[-1]
-    force, damping = generalised_force(energies, q), ca.gradient(D, v)
+    force, damping = generalised_force(energies, q), gradient_by_rates(D, v)
     h = inertial_force(kinematics, energies, bodies, q, v) + damping
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved

@@ -25,7 +25,7 @@ from platform import machine
 from sysconfig import get_platform
 
 from lagrangia.diagnostics import fail
-from lagrangia.folders import cache_folder, has_room, is_trusted
+from lagrangia.folders import cache_folder, has_room, is_trusted, note_use
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 # No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
@@ -376,7 +376,7 @@ def _is_whole(library: Path) -> bool:
     try:
         if not all(map(is_trusted, (library.parent, library, _digest_file(library)))):
             return False
-        os.utime(library)  # what is used stays in the cache
+        note_use(library)
         return _digest_file(library).read_bytes() == _digest(library).encode()
     except OSError:
         return False

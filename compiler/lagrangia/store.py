@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from lagrangia.folders import cache_folder, data_folder, is_trusted
+from lagrangia.folders import cache_folder, data_folder, is_trusted, note_use
 
 _KINDS = ("scenes", "syntax", "objects")  # folders of files
 _DAY = 86_400.0  # seconds
@@ -30,7 +30,7 @@ def find_kept(kind: str, key: str) -> bytes | None:
     except OSError:
         return None
     with contextlib.suppress(OSError):
-        os.utime(place)  # what is used stays: see prune
+        note_use(place)
     return content if digest == _digest(content) else None
 
 
@@ -75,7 +75,7 @@ class _Entry:
     @classmethod
     def of(cls, path: Path) -> "_Entry":
         stats = [file.stat() for file in (path.rglob("*") if path.is_dir() else [path])]
-        used = max((stat.st_mtime for stat in stats), default=path.stat().st_mtime)
+        used = max((max(stat.st_mtime, stat.st_atime) for stat in stats), default=path.stat().st_mtime)
         return cls(path, sum(stat.st_size for stat in stats), used)
 
 
