@@ -114,7 +114,8 @@ def test_a_puck_on_a_turntable(scene: Write) -> None:
 @pytest.mark.parametrize("solver", ["auto", "erk", "implicit"])
 def test_a_dissipation_of_a_speed_is_dry_friction_too(solver: str, scene: Callable[[str], lag.Model]) -> None:
     """D = F |v| written by hand: it stops at v0^2/(2 F/m), where it stays."""
-    model = scene("model Puck\n  World world(gravity = {0, 0});\n  PointMass p(m = 2);\n  GeneralDamper d(D = 5*norm(p.center.v));\n"
+    model = scene("model Puck\n  World world(gravity = {0, 0});\n  PointMass p(m = 2);\n"
+                  "  GeneralDamper d(D = 5*norm(p.center.v));\n"
                   "initial equation\n  p.center.x = 0; p.center.y = 0; der(p.center.x) = 2; der(p.center.y) = 1;\nend Puck;\n")
     run = model.simulate(at=[0, 0.4, 2, 100], stop=100, solver=solver, max_steps=5000)
     np.testing.assert_allclose(run["p.center.x"][2:], 2 / 5**0.5, atol=1e-9)

@@ -23,7 +23,7 @@ from lagrangia.cli import DONE, FAILED, WRONG, main
 
 PENDULUM = """model Pendulum
   parameter Mass m = 1; parameter Length L = 1; parameter Integer n = 1;
-  Revolute hinge[n]; Bar bar[n](each m = m, each L = L); input Torque M0;
+  Revolute hinge[n]; Bar bar[n](each m = m, each L = L); input Torque M0(start = 0);
   AppliedTorque drive(on = bar[1].center, torque = M0);
 equation
   connect(world, hinge[1].a);
@@ -422,11 +422,18 @@ def test_broken_pipe() -> None:
 def test_a_full_disk_leaves_the_older_result() -> None:
     Path("x.csv").write_text(OLD)
     process = start("simulate", "pendulum.lag", "-o", "x.csv", "--interval", "1e-5",
-                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000)))
+                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000)))
     code, said = finish(process)
     assert code == FAILED and "'x.csv': File too large" in said
     assert Path("x.csv").read_text() == OLD
     assert not list(Path().glob(".x.csv*"))
+
+
+def test_a_compiler_that_cannot_write_is_told() -> None:
+    process = start("simulate", "pendulum.lag", "--engine", "native",
+                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000)))
+    code, said = finish(process)
+    assert code == FAILED and "error: " in said
 
 
 def test_standard_output_on_a_full_disk() -> None:

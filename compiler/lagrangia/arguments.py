@@ -47,11 +47,11 @@ def tell_warnings(options: Namespace, model: Model) -> None:
 
 
 def tell_inputs(options: Namespace, model: Model, experiment: Any, given: Any) -> None:
-    """Says what the inputs do that nobody gave, and those whose table ends before the run does."""
+    """Says what the inputs do that have no value, declared or given, and those whose table ends before the run does."""
     times, columns = given if isinstance(given, tuple) else ((), given)
     found = []
     for known in model.scene.inputs:
-        if known.name not in columns:
+        if known.name not in columns and not known.is_stated:
             value = f"{known.value or 0:g} {known.unit}".rstrip()
             found.append(f"warning[L0708]: nothing is given for the input '{known.name}': it is {value} throughout\n"
                          f"   = give it with -u {known.name}=VALUE, or -u FILE.csv")

@@ -54,7 +54,19 @@ def _execute(parsed: argparse.Namespace) -> int:
         _drop_output()
         return FAILED
     except Exception as error:
-        return _out_of_memory() if "std::bad_alloc" in str(error) else _confess(error)  # as CasADi says it
+        if "std::bad_alloc" in str(error):  # as CasADi says it
+            return _out_of_memory()
+        return _refused(error) or _confess(error)
+
+
+def _refused(error: Exception) -> int:
+    """Where the C compiler could not do its work: no place for its files, an installation that lacks its headers."""
+    from lagrangia.native import CompilerError
+
+    if not isinstance(error, CompilerError):
+        return DONE
+    print(f"error: the C compiler refused\n{error}\n   = LAGRANGIA_CC names another one, or none", file=sys.stderr)
+    return FAILED
 
 
 def _out_of_memory() -> int:

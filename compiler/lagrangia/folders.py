@@ -60,7 +60,7 @@ def is_trusted(path: Path) -> bool:
 
 def note_use(path: Path) -> None:
     """What is used stays in the cache, by its time of access: see store.prune. Raises OSError."""
-    os.utime(path, (time.time(), path.stat().st_mtime))
+    os.utime(path, ns=(time.time_ns(), path.stat().st_mtime_ns))
 
 
 @cache

@@ -24,6 +24,7 @@ class Parameter:
     place: str
     compiled: float | None = None
     locked: str = ""  # "final" or "protected": why it cannot be set
+    is_stated: bool = True  # False for an input whose declaration says no value: it is 0
 
 
 @dataclass(frozen=True)

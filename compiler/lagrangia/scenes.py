@@ -240,5 +240,5 @@ def _parameters(model: FlatModel, kind: str, is_general: bool = True) -> tuple[P
             if kind == "input" and value is None:
                 fail("L0605", f"the start of the input '{name}' must be a number", variable.span)
             found.append(Parameter(name, variable.unit, value, variable.minimum, variable.maximum, variable.description,
-                                   str(variable.span), number, variable.locked))
+                                   str(variable.span), number, variable.locked, source is not None))
     return tuple(found)
