@@ -86,7 +86,8 @@ def test_the_summary_names_what_ran(solver: str, capsys: pytest.CaptureFixture[s
     assert main(["simulate", file, "--solver", solver]) == 0
     line = next(text for text in capsys.readouterr().out.splitlines() if "evaluations" in text)
     run = lag.load(file).simulate(solver=solver)
-    assert sum(run.statistics.steps_by) == run.statistics.steps
+    assert sum(run.statistics.steps_by) == run.statistics.steps - 1  # at rest from 0.47 s on
+    assert "at rest (1 steps)" in line
     counts = [int(count) for count in re.findall(r"\((\d+) steps\)", line)]
     assert sum(counts) == (run.statistics.steps if counts else 0)
     assert solver == "auto" or solver in line

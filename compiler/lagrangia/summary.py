@@ -52,6 +52,8 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
 def methods_of(statistics: Statistics, asked: str, is_cut: bool) -> str:
     """What ran, with the steps of each method where there were several, and why another than the one asked for did."""
     counts = {name_of(Solver(k)): count for k, count in enumerate(statistics.steps_by) if count}
+    if counts and (rest := statistics.steps - sum(counts.values())) > 0:
+        counts["at rest"] = rest
     names = list(counts) or [name_of(statistics.solver)]
     shown = names[0] if len(names) == 1 else ", ".join(f"{name} ({count} steps)" for name, count in counts.items())
     if asked in (AUTO, *names):
