@@ -1,0 +1,33 @@
+"""Random scenes of all kinds by every solver, held against bodies in maximal coordinates: no run is silently wrong.
+
+LAGRANGIA_SCENES=10000 asks for that many, as before a release; each wrong run is told with its seed, solver and tolerance.
+"""
+
+import os
+
+import pytest
+from verdicts import Verdict, look_at_all
+
+from lagrangia.native import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+FEW, MANY = 48, int(os.environ.get("LAGRANGIA_SCENES", "200"))
+
+
+def _told(verdicts: list[Verdict]) -> list[str]:
+    return [str(verdict) for verdict in verdicts if verdict.word == "wrong"]
+
+
+@pytest.mark.parametrize("first", range(0, FEW, 12))
+def test_a_few_scenes(first: int) -> None:
+    verdicts = look_at_all(range(first, first + 12))
+    assert {verdict.family for verdict in verdicts} == {"tree", "loop", "rods", "kinks", "contacts", "friction"}
+    assert _told(verdicts) == []
+    assert sum(verdict.word == "right" for verdict in verdicts) > 0.9 * len(verdicts)
+
+
+@pytest.mark.slow
+def test_many_scenes() -> None:
+    verdicts = look_at_all(range(FEW, FEW + MANY))
+    assert _told(verdicts) == []
+    assert sum(verdict.word == "right" for verdict in verdicts) > 0.95 * len(verdicts)

@@ -1,0 +1,105 @@
+"""What every solver says of a random scene, held against the reference in maximal coordinates.
+
+A run is right, refused (it ends with a sentence), or wrong: rows further from the reference than the tolerance explains, rods and
+hinges that are open, an energy account that is open. Wrong is what must not be.
+"""
+
+import tempfile
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from os import cpu_count
+from pathlib import Path
+
+import numpy as np
+
+import lagrangia as lag
+from lagrangia.diagnostics import RunError
+from lagrangia.solvers import AUTO, applicable
+from maximal import Motion, reference
+from random_scenes import RandomScene, random_scene
+from reference import Array
+
+TIMES = (0.25, 0.5, 0.75, 1.0)
+TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)
+_MAX_STEP = 0.05  # s, of the reference: that no kink is met twice within a step
+_NUDGE = 1e-7  # m/s, by which the start is changed to see what the motion magnifies
+_MOST_STEPS = 100_000
+_EXPLAINED = 300.0  # tolerances, for each size that an error at the start grows to
+_REFERENCE = 1e-9  # what the reference itself may err by, likewise
+_OPEN = 1e-9  # m, of rods and hinges
+_LEFT_OUT = ("taylor", "islands")  # of C that is compiled for each scene; solvers of parts
+
+
+@dataclass(frozen=True)
+class Verdict:
+    seed: int
+    family: str
+    solver: str
+    tolerance: float
+    word: str  # "right", "refused", "wrong"
+    figure: float  # the error in what is explained; below 1 where it is right
+    said: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.seed} {self.family} {self.solver} {self.tolerance:g}: {self.word} ({self.figure:.2g}) {self.said}"
+
+
+def look_at(seed: int, tolerances: tuple[float, ...] = TOLERANCES) -> list[Verdict]:
+    """The verdicts on all solvers that can run the scene."""
+    scene = random_scene(seed)
+    right = reference(scene.system, scene.x0, scene.v0, TIMES, max_step=_MAX_STEP)
+    growth = _growth(scene, right)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scene.lag"
+        path.write_text(scene.text, encoding="utf-8")
+        model = lag.Model(path, outputs=scene.columns)
+        model.native = False
+        solvers = [AUTO, *(name for name in applicable(model.scene) if name not in _LEFT_OUT)]
+        return [_judge(model, scene, right, growth, solver, tolerance, seed) for solver in solvers for tolerance in tolerances]
+
+
+def _growth(scene: RandomScene, right: Motion) -> Array:
+    """How much larger an error is at each time than at the start; inf where the nudged motion goes another way."""
+    random = np.random.default_rng(1)
+    nudged = reference(scene.system, scene.x0, scene.v0 + _NUDGE * random.standard_normal(scene.v0.size), TIMES,
+                       max_step=_MAX_STEP)
+    apart = np.full(right.count, np.inf)
+    count = min(right.count, nudged.count)
+    apart[:count] = np.abs(nudged.rows[:count] - right.rows[:count]).max(axis=1) / _NUDGE
+    if nudged.events != right.events:
+        apart *= 10  # an event more or less: at a place where motions part
+    return 1 + np.maximum.accumulate(apart)
+
+
+def _judge(model: lag.Model, scene: RandomScene, right: Motion, growth: Array, solver: str, tolerance: float, seed: int
+           ) -> Verdict:
+    try:
+        run = model.simulate(at=[0.0, *TIMES], tolerance=tolerance, solver=solver, max_steps=_MOST_STEPS)
+    except RunError as error:
+        return Verdict(seed, scene.family, solver, tolerance, "refused", 0.0, str(error).splitlines()[0][:160])
+    got = np.array([run[name] for name in scene.columns]).T[1:]
+    count, rows = right.count, right.rows[:, list(scene.picked)]
+    size = max(1.0, float(np.abs(rows).max(initial=0.0)))
+    figures = {"rows": _largest(np.abs(got[:count] - rows).max(axis=1) / (size * growth * (_EXPLAINED * tolerance + _REFERENCE)))}
+    state = np.zeros((len(got), len(scene.x0)))
+    state[:, list(scene.picked)] = got
+    opened = [np.abs(tie.residual(x)).max() / (_OPEN * size) for x in state for tie in scene.system.ties]
+    figures["ties"] = _largest(np.array(opened))
+    account = run.energy
+    stored = max(1e-3, float(np.ptp(account.kinetic)), float(np.ptp(account.potential)), float(np.abs(account.work).max()))
+    explained = _EXPLAINED * tolerance * float(growth[-1]) if count else np.inf
+    figures["account"] = _largest(np.abs(account.residual[: count + 1]) / (stored * (explained + _REFERENCE)))
+    worst = max(figures, key=lambda name: figures[name])
+    return Verdict(seed, scene.family, solver, tolerance, "wrong" if figures[worst] > 1 else "right", figures[worst],
+                   f"{worst}; {'; '.join(run.warnings)}")
+
+
+def _largest(values: Array) -> float:
+    return float(np.nan_to_num(values, nan=np.inf, posinf=np.inf).max(initial=0.0))
+
+
+def look_at_all(seeds: Iterable[int]) -> list[Verdict]:
+    """On all cores."""
+    with ProcessPoolExecutor(cpu_count()) as pool:
+        return [verdict for verdicts in pool.map(look_at, seeds, chunksize=5) for verdict in verdicts]
