@@ -368,7 +368,7 @@ class _Run:
             impulses = impulses[len(J) - len(struck) :]
             others = [s.contacts[k].gap.rows(x, v)[0][0] @ after for k in rates if k not in struck]
             if all(p > -1e-12 for p in impulses) and all(rate > -_CLOSED for rate in others):
-                for k, rate in zip(struck, wanted, strict=True):
+                for rate in wanted:
                     if 0 < rate < 0.05:
                         raise _Stopped("bounces ever lower")
                 return after

@@ -164,8 +164,8 @@ class _Builder:
         """A mass at the end of a rod."""
         k = len(self.names) + 1
         m = self.mass()
-        x, y = (float(value) for value in self.place(below.point) + [self.number(0.3, 1), self.number(-0.8, 0.8)])
-        start = self.place(below.point)
+        start, away = self.place(below.point), np.array([self.number(0.3, 1), self.number(-0.8, 0.8)])
+        x, y = (float(value) for value in start + away)
         length = float(np.hypot(x - start[0], y - start[1]))
         self.lines.append(f"PointMass b{k}(m = {m}); Link r{k}(L = {length!r}, a = {below.name}, b = b{k}.center);")
         self.starts.append(f"b{k}.center.x = {x!r}; b{k}.center.y = {y!r};")
@@ -194,7 +194,8 @@ class _Builder:
             name, below, body = self.hinges[int(self.random.integers(len(self.hinges)))]
             stiffness, c = self.number(0.5, 5), self.number(0, 0.5)
             other = "world" if below == GROUND else f"{self.names[below]}.center"
-            self.lines.append(f"TorsionSpringDamper t_{name}(a = {other}, b = {self.names[body]}.center, k = {stiffness}, c = {c});")
+            self.lines.append(f"TorsionSpringDamper t_{name}(a = {other}, b = {self.names[body]}.center, k = {stiffness}, "
+                              f"c = {c});")
             self.loads.append(torsion(below, body, stiffness, c))
         if self.chance(0.6):
             frame, size, omega = self.some_frame(), self.number(-5, 5), self.number(1, 6)
