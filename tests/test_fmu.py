@@ -147,4 +147,4 @@ end Pushed;
     terminals = zipfile.ZipFile(path).read("terminalsAndIcons/terminalsAndIcons.xml").decode()
     assert '<Terminal name="left" matchingRule="bus" terminalKind="mechanical flange">' in terminals
     assert 'variableName="left.f"' in terminals and 'variableName="left.s"' in terminals
-    assert not check_fmu(path, run=False).faults
+    assert not check_fmu(path).faults

@@ -16,6 +16,7 @@ from fmpy.validation import validate_fmu
 
 from broken_fmus import DESCRIPTION, broken, described, replaced
 from fmus import EXAMPLES, VERSIONS, fmu_of
+from lagrangia import Model
 from lagrangia.cli import DONE, FAILED, WRONG, main
 from lagrangia.diagnostics import Diagnostic
 from lagrangia.fmu_check import check_fmu, read_faults
@@ -44,7 +45,7 @@ def found(target: Path) -> list[Diagnostic]:
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_what_we_make_has_no_fault(version: str) -> None:
-    checked = check_fmu(fmu_of(PATH, version))
+    checked = check_fmu(fmu_of(PATH, version), Model)
     assert checked.faults == [] and not checked.has_failed
     assert [told.partition(" from")[0] for told, _ in checked.told] == ["Model Exchange", "Co-Simulation"]
     assert all("of the native run" in told for told, _ in checked.told)
@@ -96,7 +97,7 @@ def test_states_that_only_a_run_tells_apart(tmp_path: Path) -> None:
 
     target = broken(fmu_of(PATH, "3"), tmp_path / "x.fmu", {DESCRIPTION: exchanged})
     assert validate_fmu(str(target)) == [] and found(target) == []
-    checked = check_fmu(target)
+    checked = check_fmu(target, Model)
     assert any("the state 1 is" in told and "'elbow.phi'" in told for told, is_fault in checked.told if is_fault)
 
 
@@ -169,9 +170,9 @@ def test_faults_are_told_with_their_place(case: str, tmp_path: Path) -> None:
 
 def test_what_fmpy_finds_is_told_once(tmp_path: Path) -> None:
     good = fmu_of(PATH, "2")
-    missing = check_fmu(described(good, tmp_path / "x.fmu", r"(<InitialUnknowns>\n)[^\n]*\n", r"\1"), run=False)
+    missing = check_fmu(described(good, tmp_path / "x.fmu", r"(<InitialUnknowns>\n)[^\n]*\n", r"\1"))
     assert [d.code for d in missing.faults] == ["L0739"] and "expected set of variables" in missing.faults[0].message
-    both = check_fmu(described(good, tmp_path / "y.fmu", r'(name="upper.m"[^\n]*\n[^\n]*) start="[^"]*"', r"\1"), run=False)
+    both = check_fmu(described(good, tmp_path / "y.fmu", r'(name="upper.m"[^\n]*\n[^\n]*) start="[^"]*"', r"\1"))
     assert [d.code for d in both.faults] == ["L0732"], "FMPy says the same of the same line"
 
 

@@ -60,7 +60,7 @@ def test_sources_compile_elsewhere(version: str, tmp_path: Path) -> None:
     binaries = [name for name in zipfile.ZipFile(good).namelist() if name.startswith("binaries/")]
     target = broken(good, tmp_path / "x.fmu", dict.fromkeys(binaries))
     subprocess.run([sys.executable, "-m", "fmpy", "compile", str(target)], check=True, capture_output=True)
-    checked = check_fmu(target)
+    checked = check_fmu(target, lag.Model)
     assert not checked.faults and not checked.has_failed and len(checked.told) == 2
 
 
@@ -127,7 +127,7 @@ def test_models_of_one_name_in_two_folders(tmp_path: Path) -> None:
         names = [n for n in zipfile.ZipFile(path).namelist() if n.endswith(".lag")]
         start = "extra/io.github.lagrangia"
         assert sorted(names) == [f"{start}/{folder}/parts/scene.lag", f"{start}/{folder}/scene.lag", f"{start}/shared/scene.lag"]
-        checked = check_fmu(path)
+        checked = check_fmu(path, lag.Model)
         assert not checked.faults and not checked.has_failed and "of the native run" in checked.told[0][0]
     one, other = (fmpy.read_model_description(str(path)) for path in found)
     assert one.modelName == other.modelName == "Scene" and one.guid != other.guid
@@ -143,6 +143,6 @@ def test_models_of_one_name_in_two_folders(tmp_path: Path) -> None:
 def test_odd_scenes_have_no_fault(text: str, tmp_path: Path) -> None:
     (tmp_path / "sc ene ü.lag").write_text(text, encoding="utf-8")
     for path in lag.load(tmp_path / "sc ene ü.lag").export_fmu(tmp_path / "x.fmu", fmi="both"):
-        checked = check_fmu(path)
+        checked = check_fmu(path, lag.Model)
         assert not checked.faults, [d.message for d in checked.faults]
         assert not checked.has_failed and "of the native run" in checked.told[1][0], checked.told

@@ -9,6 +9,7 @@
 from lagrangia.diagnostics import Diagnostic, LagError, RunError
 from lagrangia.model import Model, load
 from lagrangia.trajectory import EnergyAccount, Trajectory
+from lagrangia.version import VERSION
 
-__version__ = "0.1.0"
+__version__ = VERSION
 __all__ = ["Diagnostic", "EnergyAccount", "LagError", "Model", "RunError", "Trajectory", "load"]

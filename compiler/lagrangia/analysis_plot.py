@@ -2,18 +2,16 @@
 
 import math
 import os
+from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.mechanism import Mechanism
 from lagrangia.plot import require_format, save
-
-if TYPE_CHECKING:
-    from lagrangia.modes import Mode, Modes
-    from lagrangia.response import Response
 
 Vector = NDArray[np.float64]
 _MOST_DRAWN = 12
@@ -24,7 +22,30 @@ _MOST_NAMES = 24
 _MOST_INSIDE = 4  # curves, named in the panel itself
 
 
-def draw_modes(modes: "Modes", path: str | os.PathLike[str] | None = None, first: int = _MOST_DRAWN) -> Any:
+@dataclass(frozen=True)
+class Shapes:
+    """Modes to be drawn: each a title and its shape (coordinates,), about the position `q` (coordinates,)."""
+
+    name: str
+    coordinates: tuple[str, ...]
+    q: Vector
+    shapes: tuple[tuple[str, Vector], ...]
+    mechanism: Mechanism | None
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Responses to be drawn: frequencies in Hz; magnitude, and phase in degrees, (frequencies, outputs, inputs)."""
+
+    name: str
+    inputs: tuple[str, ...]
+    labels: tuple[tuple[str, ...], ...]  # a pair, by output, then by input
+    frequencies: Vector
+    magnitude: Vector
+    phase: Vector
+
+
+def draw_modes(modes: Shapes, path: str | os.PathLike[str] | None = None, first: int = _MOST_DRAWN) -> Any:
     """A panel for each mode: the mechanism at rest and deflected, or bars of its coordinates; returns the matplotlib Figure.
 
     Raises LagError L0004 when the picture cannot be written.
@@ -33,8 +54,7 @@ def draw_modes(modes: "Modes", path: str | os.PathLike[str] | None = None, first
 
     if path is not None:
         require_format(path)
-    shown = modes.modes[:first]
-    q = np.array([modes.linearization.point[name] for name in modes.coordinates])
+    shown, q = modes.shapes[:first], modes.q
     mechanism = modes.mechanism if modes.mechanism is not None and modes.mechanism.is_drawable(q) else None
     columns = max(1, min(_COLUMNS, len(shown)))
     rows = max(1, math.ceil(len(shown) / columns))
@@ -42,39 +62,30 @@ def draw_modes(modes: "Modes", path: str | os.PathLike[str] | None = None, first
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for panel in panels[len(shown) :]:
         panel.set_visible(False)
-    for k, (panel, mode) in enumerate(zip(panels, shown, strict=False)):
+    for k, (panel, (title, shape)) in enumerate(zip(panels, shown, strict=False)):
         if mechanism is not None:
-            _draw_deflected(panel, mechanism, q, np.array([mode.shape[name] for name in modes.coordinates]))
+            _draw_deflected(panel, mechanism, q, shape)
         else:
-            _draw_bars(panel, modes, mode)
-        panel.set_title(f"{k + 1}: {title_of(mode)}", fontsize=10)
-    more = f" (the first {len(shown)} of {len(modes)})" if len(shown) < len(modes) else ""
+            _draw_bars(panel, modes.coordinates, shape)
+        panel.set_title(f"{k + 1}: {title}", fontsize=10)
+    more = f" (the first {len(shown)} of {len(modes.shapes)})" if len(shown) < len(modes.shapes) else ""
     figure.suptitle(f"{modes.name}: modes{more}", fontsize=11)
     if path is not None:
         save(figure, Path(path))
     return figure
 
 
-def title_of(mode: "Mode") -> str:
-    if mode.kind == "rigid body":
-        return "rigid body, 0 Hz"
-    if mode.kind == "divergence":
-        return f"runs away, exp({mode.growth:.4g} t)"
-    return f"{mode.frequency:.4g} Hz, {mode.omega:.4g} rad/s"
-
-
-def _draw_bars(panel: Any, modes: "Modes", mode: "Mode") -> None:
-    values = [mode.shape[name] for name in modes.coordinates]
+def _draw_bars(panel: Any, coordinates: tuple[str, ...], values: Vector) -> None:
     places = np.arange(len(values))
     panel.axhline(0.0, color="0.6", linewidth=0.8)
     if len(values) <= _MOST_NAMES:
         panel.bar(places, values, width=0.6, color=["C0" if x >= 0 else "C3" for x in values])
-        panel.set_xticks(places, modes.coordinates, rotation=90 if len(values) > 3 else 0, fontsize=8)
+        panel.set_xticks(places, coordinates, rotation=90 if len(values) > 3 else 0, fontsize=8)
         panel.set_xlim(min(-0.6, -1.6 + 0.5 * len(values)), max(len(values) - 0.4, 0.6 + 0.5 * len(values)))
     else:
         panel.plot(places + 1, values, color="C0", linewidth=1.2)
         panel.set_xlabel("coordinate", fontsize=8)
-    reach = 1.1 * max(map(abs, values), default=1.0) or 1.0
+    reach = 1.1 * float(np.abs(values).max(initial=0.0)) or 1.0
     panel.set_ylim(-reach, reach)
     panel.tick_params(axis="y", labelsize=8)
     panel.grid(True, axis="y", alpha=0.3)
@@ -132,7 +143,7 @@ def _coil(a: Vector, b: Vector, width: float) -> tuple[Vector, Vector]:
     return points[:, 0], points[:, 1]
 
 
-def draw_bode(response: "Response", path: str | os.PathLike[str] | None = None) -> Any:
+def draw_bode(response: Curves, path: str | os.PathLike[str] | None = None) -> Any:
     """Magnitude and phase over frequency, a column for each input; returns the matplotlib Figure. Raises LagError L0004."""
     from matplotlib.figure import Figure
 
@@ -142,13 +153,12 @@ def draw_bode(response: "Response", path: str | os.PathLike[str] | None = None) 
     figure = Figure(figsize=(1.2 + 6.2 * count, 6.2), layout="constrained")
     panels = figure.subplots(2, count, sharex=True, squeeze=False, height_ratios=[3, 2])
     phase = response.phase
-    for y, u, i, j in response.pairs():
+    for i, j in product(range(len(response.labels)), range(len(response.inputs))):
         curve = response.magnitude[:, i, j]
-        unit = f" [{ratio_unit(response.units[i], response.units[len(response.outputs) + j])}]"
         usable = np.where(np.isfinite(curve) & (curve > 0), curve, np.nan)
-        panels[0, j].loglog(response.frequencies, usable, label=y + unit, linewidth=1.3)
+        panels[0, j].loglog(response.frequencies, usable, label=response.labels[i][j], linewidth=1.3)
         panels[1, j].semilogx(response.frequencies, phase[:, i, j] + 0.0, linewidth=1.3)
-        panels[0, j].set_title(f"from {u}", fontsize=10)
+        panels[0, j].set_title(f"from {response.inputs[j]}", fontsize=10)
     for j in range(count):
         panels[0, j].set_ylabel("magnitude")
         panels[1, j].set_ylabel("phase [deg]")
@@ -157,22 +167,14 @@ def draw_bode(response: "Response", path: str | os.PathLike[str] | None = None) 
         for panel in panels[:, j]:
             panel.grid(True, which="both", alpha=0.2)
             panel.margins(x=0)
-        if len(response.outputs) <= _MOST_INSIDE:
+        if len(response.labels) <= _MOST_INSIDE:
             panels[0, j].legend(frameon=False, fontsize=8)
-    if len(response.outputs) > _MOST_INSIDE:
+    if len(response.labels) > _MOST_INSIDE:
         panels[0, -1].legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     figure.suptitle(f"{response.name}: frequency response", fontsize=11)
     if path is not None:
         save(figure, Path(path))
     return figure
-
-
-def ratio_unit(upper: str, lower: str) -> str:
-    """m/N; rad/(N.m); 1 of equal units."""
-    if upper == lower:
-        return "1"
-    simple = lower and not any(letter in lower for letter in "./")
-    return f"{upper or '1'}/{lower}" if simple else f"{upper or '1'}/({lower})" if lower not in ("", "1") else upper or "1"
 
 
 def _quarter_turns(phase: Vector) -> Any:

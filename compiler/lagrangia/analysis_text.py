@@ -176,14 +176,12 @@ def _damped(modes: "Modes", way: str) -> Iterator[str]:
 
 def response_text(response: "Response") -> str:
     f = response.frequencies
-    from lagrangia.analysis_plot import ratio_unit
-
     lines = [f"{response.name}: frequency response, {f.size} frequencies from {f[0]:.4g} to {f[-1]:.4g} Hz"]
     phase = response.phase
     s = response.linearization.eigenvalues
     unbounded = s.imag[np.abs(s.real) <= _UNDAMPED * np.abs(s)] / (2 * np.pi)
     for y, u, i, j in response.pairs():
-        unit = ratio_unit(response.units[i], response.units[len(response.outputs) + j])
+        unit = response.unit(i, j)
         curve = response.magnitude[:, i, j]
         lines.append(f"{y} / {u} [{unit}]")
         marks = [("lowest", 0), *(("peak", int(k)) for k in _peaks(curve)), ("highest", f.size - 1)]

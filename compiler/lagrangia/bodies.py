@@ -14,7 +14,8 @@ from lagrangia.energies import Energies, Term
 from lagrangia.evaluation import Evaluator, Value
 from lagrangia.flat import FlatModel
 from lagrangia.graph import ComponentGraph
-from lagrangia.kinematics import Kinematics, Pose
+from lagrangia.kinematics import Kinematics
+from lagrangia.planar import Pose
 from lagrangia.scalars import scalars_in, symbol
 from lagrangia.tree import Call, FrameRef, Ref, Time
 from lagrangia.walk import nodes

@@ -15,6 +15,7 @@ from typing import Any, NoReturn
 from lagrangia.diagnostics import LagError, RunError, render_all
 from lagrangia.interruptions import ended_as_by_control_c
 from lagrangia.spelling import prepare_output
+from lagrangia.version import VERSION
 
 DONE, FAILED, WRONG = 0, 1, 2
 
@@ -208,9 +209,7 @@ def _parser() -> argparse.ArgumentParser:
 
 class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *rest: object) -> None:
-        from lagrangia import __version__
-
-        print(f"lagrangia {__version__}")
+        print(f"lagrangia {VERSION}")
         parser.exit()
 
 

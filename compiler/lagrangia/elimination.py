@@ -23,7 +23,8 @@ from lagrangia.edges import Edge
 from lagrangia.energies import Energies
 from lagrangia.evaluation import Evaluator, Value
 from lagrangia.forces import Forces, find_forces
-from lagrangia.kinematics import Kinematics, Pose, rotated
+from lagrangia.kinematics import Kinematics, rotated
+from lagrangia.planar import Pose
 from lagrangia.scalars import scalars_in
 
 Vector = list[Scalar]  # vx, vy, w or fx, fy, torque

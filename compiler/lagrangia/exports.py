@@ -121,7 +121,7 @@ def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool
 
     book = written_book(model.path, Request(names=names, is_forced=force), model.model, model.structural)
     c = model.compilation
-    freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions)
+    freedom = find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions.table)
     remarks = [*_remarks(model, target), *(f"left out: {what}" for what in freedom.repeated if freedom.dependent)]
     book = replace(book, equations=without_rows(book.equations, freedom.dependent))
     return write_modelica(book, starts(model) | inputs(model), remarks)

@@ -26,6 +26,7 @@ from lagrangia.folders import data_folder
 from lagrangia.given import by_name
 from lagrangia.pipeline import read_files
 from lagrangia.targets import Target, keep_apart
+from lagrangia.version import VERSION
 
 VERSIONS = ("2", "3")
 KINDS = ("me", "cs")
@@ -104,21 +105,19 @@ def _checked_info(info: Mapping[str, str] | None) -> Mapping[str, str]:
 
 def archive(described: FmuModel, wanted: Export, extras: Extras, tell: Callable[[str], None] | None = None) -> bytes:
     """The bytes of an FMU."""
-    from lagrangia import __version__
-
     scene = described.scene
     identifier = identifier_of(scene.name)
     sources = _sources(described, wanted.version, "")
     names = tuple(sorted(name for name in sources if name.endswith(".c")))
     content = hashlib.sha256(repr((sorted(sources.items()), list(described.variables), described.dependencies,
-                                   __version__, wanted.kinds)).encode()).hexdigest()
+                                   VERSION, wanted.kinds)).encode()).hexdigest()
     token = f"{{{content[:8]}-{content[8:12]}-{content[12:16]}-{content[16:20]}-{content[20:32]}}}"
     sources = _sources(described, wanted.version, token)
     binaries = build_binaries(identifier, sources, wanted.platforms, tell)
     if not binaries and not wanted.sources:
         fail("L0706", "an FMU without binaries and without sources cannot be used", None, "leave one of the two options out")
     listed = names if wanted.sources else ()
-    about = About(token, identifier, wanted.kinds, listed, f"Lagrangia {__version__}", _date(), wanted.info)
+    about = About(token, identifier, wanted.kinds, listed, f"Lagrangia {VERSION}", _date(), wanted.info)
     write = write_fmi2 if wanted.version == "2" else write_fmi3
     files: dict[str, bytes] = {"modelDescription.xml": write(described, about).encode()}
     if wanted.version == "2" and all(name in binaries for name in DARWIN):

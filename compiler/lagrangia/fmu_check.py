@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lagrangia.diagnostics import Diagnostic, LagError
 from lagrangia.fmu_archive import DESCRIPTION, archive_rules
-from lagrangia.fmu_compare import compare, experiment_of
+from lagrangia.fmu_compare import Load, compare, experiment_of
 from lagrangia.fmu_parts import part_rules
 from lagrangia.fmu_process import SPOKEN, Job, require_fmpy, run_job
 from lagrangia.fmu_rules import unit_rules, variable_rules
@@ -35,14 +35,17 @@ class Checked:
         return any(is_fault for _, is_fault in self.told)
 
 
-def check_fmu(path: Path, run: bool = True) -> Checked:
-    """`run`: its binary for this machine is loaded and simulated, which is to trust it. Raises LagError for what is no FMU."""
+def check_fmu(path: Path, load: Load | None = None) -> Checked:
+    """With `load`, which opens a source inside, its binary for this machine is loaded and simulated: that is to trust it.
+
+    Raises LagError for what is no FMU.
+    """
     require_fmpy()
     opened = open_fmu(path)
     found = list(read_faults(opened))
     checked = Checked(opened, found + list(_fmpy_rules(path, found)))
-    if run:
-        _run(opened, checked)
+    if load is not None:
+        _run(opened, checked, load)
     return checked
 
 
@@ -73,7 +76,7 @@ def _fmpy_rules(path: Path, found: list[Diagnostic]) -> Iterator[Diagnostic]:
             yield Diagnostic("error", FMPY, f"FMPy: {message}")
 
 
-def _run(opened: Opened, checked: Checked) -> None:
+def _run(opened: Opened, checked: Checked, load: Load) -> None:
     if opened.description.bad_identifier is not None:
         checked.told.append(("it was not run: its model identifier is none, and names no library in it", False))
         return
@@ -84,7 +87,7 @@ def _run(opened: Opened, checked: Checked) -> None:
         with unpacked(opened) as folder:
             for kind in opened.offers:
                 checked.told += [(text, True) for text in _probed(opened, folder, kind)]
-            checked.told += [(found.message, found.is_wrong) for found in compare(opened, folder, opened.offers)]
+            checked.told += [(found.message, found.is_wrong) for found in compare(opened, folder, opened.offers, load)]
     except LagError as error:
         checked.told += [(d.message, True) for d in error.diagnostics]
 

@@ -8,6 +8,7 @@ from lagrangia.diagnostics import LagError, render_all
 from lagrangia.fmu_check import Checked, check_fmu
 from lagrangia.fmu_process import SPOKEN
 from lagrangia.fmu_run import Opened
+from lagrangia.model import Model
 
 
 def check_fmu_command(options: Namespace) -> int:
@@ -19,7 +20,7 @@ def check_fmu_command(options: Namespace) -> int:
 def _check(file: Path, run: bool) -> int:
     color = sys.stderr.isatty()
     try:
-        checked = check_fmu(file, run)
+        checked = check_fmu(file, Model if run else None)
     except LagError as error:
         print(render_all(error.diagnostics, color), file=sys.stderr)
         return 2

@@ -1,20 +1,19 @@
 """An FMU beside the run of the model it was made from, when its source is inside (fmu.py puts it there)."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.diagnostics import LagError, RunError
 from lagrangia.fmu import EXTRA, SCENE
 from lagrangia.fmu_process import SPOKEN, Job, Outcome, run_job
 from lagrangia.fmu_run import Opened
+from lagrangia.scene import Scene
 
 if TYPE_CHECKING:
     import numpy as np
-
-    from lagrangia.model import Model
 
 _ROWS = 100
 _ALLOWED = 100  # tolerances
@@ -25,6 +24,20 @@ _GROWN = 1e5  # tolerances: a motion that tells nothing any more
 _LONGEST = 60  # seconds for one run of an FMU
 
 
+class Native(Protocol):
+    """What a model is asked for here."""
+
+    @property
+    def scene(self) -> Scene:
+        """What there is to compare."""
+
+    def simulate(self, *, start: float, stop: float, at: list[float], tolerance: float, parameters: Mapping[str, float]) -> Any:
+        """The columns of a run, by name."""
+
+
+Load = Callable[[Path, str | None, Mapping[str, Any], tuple[str, ...]], Native]
+
+
 @dataclass(frozen=True)
 class Comparison:
     """`message` for people; `is_wrong`: the FMU failed, or its motion is another one."""
@@ -33,10 +46,8 @@ class Comparison:
     is_wrong: bool
 
 
-def source_of(opened: Opened, folder: Path) -> "Model | None":
-    """The model in extra/, as it was exported; None where there is none. Raises LagError."""
-    from lagrangia.model import Model
-
+def source_of(opened: Opened, folder: Path, load: Load) -> Native | None:
+    """The model in extra/, as it was exported, by what loads one; None where there is none. Raises LagError."""
     base = f"extra/{EXTRA}/"
     if base + SCENE not in opened.archive.names:
         return None
@@ -46,13 +57,13 @@ def source_of(opened: Opened, folder: Path) -> "Model | None":
     except (ValueError, KeyError, TypeError):
         return None
     path = (folder / base / file).resolve()
-    return Model(path, name, structural, tuple(outputs)) if path.is_relative_to(folder.resolve()) else None
+    return load(path, name, structural, tuple(outputs)) if path.is_relative_to(folder.resolve()) else None
 
 
-def compare(opened: Opened, folder: str, kinds: list[str]) -> list[Comparison]:
+def compare(opened: Opened, folder: str, kinds: list[str], load: Load) -> list[Comparison]:
     """Every kind over the default experiment, against the native run where the source is inside."""
     try:
-        model = source_of(opened, Path(folder))
+        model = source_of(opened, Path(folder), load)
     except LagError as error:
         return [Comparison(f"the source inside does not compile: {error.diagnostics[0].message}", True)]
     span = experiment_of(opened)
@@ -60,7 +71,7 @@ def compare(opened: Opened, folder: str, kinds: list[str]) -> list[Comparison]:
         return [_alone(opened, folder, kind, *span) for kind in kinds]
     parameters = _parameters(opened, model)
     try:
-        native = _Native(model, span[0], span[1], span[2], parameters)
+        native = _NativeRun(model, span[0], span[1], span[2], parameters)
     except (LagError, RunError) as error:
         return [Comparison(f"the native run of the source inside fails: {error}", True)]
     return [native.compared(opened, folder, kind) for kind in kinds]
@@ -87,17 +98,17 @@ def _stopped(kind: str, outcome: Outcome) -> Comparison:
     return Comparison(f"{SPOKEN[kind]}: at t = {outcome.time:.9g}, {outcome.explanation}", is_wrong)
 
 
-def _parameters(opened: Opened, model: "Model") -> dict[str, float]:
+def _parameters(opened: Opened, model: Native) -> dict[str, float]:
     """The start values that the FMU gives to the model's parameters."""
     known = {p.name for p in model.scene.parameters}
     return {q.name: float(q.start) for q in opened.description.quantities
             if q.name in known and q.causality == "parameter" and q.is_float and q.start is not None}
 
 
-class _Native:
+class _NativeRun:
     """The native run, and how far errors of the size of the tolerance are grown at each time."""
 
-    def __init__(self, model: "Model", start: float, stop: float, tolerance: float, parameters: Mapping[str, float]) -> None:
+    def __init__(self, model: Native, start: float, stop: float, tolerance: float, parameters: Mapping[str, float]) -> None:
         import numpy as np
 
         self.model, self.tolerance, self.stop = model, tolerance, stop

@@ -5,6 +5,7 @@ decision counts singular values above 1e-7 of the largest, rows and columns scal
 singular position is not known better.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,7 +19,6 @@ from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints, Row
 from lagrangia.diagnostics import Diagnostic, tell_miss
 from lagrangia.equilibrium import StaticEquations, ways_at
-from lagrangia.functions import Functions
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
@@ -48,7 +48,8 @@ class Freedom:
 
 
 def is_held_still(
-    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, functions: Functions
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions,
+    functions: Mapping[str, ca.Function]
 ) -> bool:
     """Whether no freedom is left. Ranks are taken only where there are as many constraints as coordinates."""
     held, n = motion.constrained, motion.q.numel()
@@ -58,7 +59,8 @@ def is_held_still(
 
 
 def find_freedom(
-    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, functions: Functions
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions,
+    functions: Mapping[str, ca.Function]
 ) -> Freedom:
     """The freedom of a scene with its parameters as declared, other assemblies too."""
     found, assembly, x = _find(kinematics, motion, constraints, initial, functions)
@@ -70,14 +72,15 @@ def find_freedom(
 
 
 def _find(
-    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, functions: Functions
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions,
+    functions: Mapping[str, ca.Function]
 ) -> tuple[Freedom, Assembly | None, Vector]:
     """But for the alternatives; the assembly, and the state it found."""
     held, n = motion.constrained, motion.q.numel()
     told = tuple(dict.fromkeys(map(_tell, constraints.repeated)))
     if held is None:
         return Freedom(n, n, told, None), None, np.zeros(0)
-    assembly = begin(kinematics, initial, functions.table)
+    assembly = begin(kinematics, initial, functions)
     x, worst = assembly.assemble()
     if worst >= 0:
         is_rate = worst >= initial.n_positions

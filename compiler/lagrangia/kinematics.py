@@ -5,7 +5,7 @@ Duals, so the velocities come with the positions. Only this module, the frame fu
 dimensions.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
@@ -21,24 +21,11 @@ from lagrangia.evaluation import Evaluator, Value, scalars_of
 from lagrangia.flat import Variable
 from lagrangia.graph import ComponentGraph
 from lagrangia.lines import line_of
+from lagrangia.planar import Pose
 from lagrangia.scalars import symbol
 
 _JUST_AFTER = 1e-9  # of the time from start to stop
 Displacement = tuple[ca.SX, ...]  # a virtual one and its rate, or those of an excitation, with its second derivative
-
-
-@dataclass(frozen=True, slots=True)
-class Pose:
-    """Place of a frame: origin, angle, and the cosine and sine of the angle."""
-
-    x: Scalar
-    y: Scalar
-    phi: Scalar
-    cos: Scalar
-    sin: Scalar
-
-    def map(self, function: Callable[[Scalar], Scalar]) -> "Pose":
-        return Pose(*(function(x) for x in (self.x, self.y, self.phi, self.cos, self.sin)))
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,7 @@ class Model:
             from lagrangia.freedom import find_freedom, freedom_notes
 
             c = self.compilation
-            found = freedom_notes(find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions))
+            found = freedom_notes(find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions.table))
             self.scene = self._keep(replace(self.scene, notes={**self.scene.notes, "freedom": found}))
         notes: Mapping[str, Any] = self.scene.notes["freedom"]
         return notes

@@ -40,6 +40,15 @@ class Mode:
         """1/s, of motion that runs away as exp(growth t)."""
         return float(np.sqrt(-self.omega2)) if self.kind == "divergence" else 0.0
 
+    @property
+    def title(self) -> str:
+        """Its frequency, or how it runs away, in words."""
+        if self.kind == "rigid body":
+            return "rigid body, 0 Hz"
+        if self.kind == "divergence":
+            return f"runs away, exp({self.growth:.4g} t)"
+        return f"{self.frequency:.4g} Hz, {self.omega:.4g} rad/s"
+
 
 @dataclass(frozen=True)
 class DampedMode:
@@ -121,9 +130,11 @@ class Modes:
 
     def plot(self, path: Any = None) -> Any:
         """Each shape as the deflected mechanism, or as bars where nothing has an extent; returns the matplotlib Figure."""
-        from lagrangia.analysis_plot import draw_modes
+        from lagrangia.analysis_plot import Shapes, draw_modes
 
-        return draw_modes(self, path)
+        q = np.array([self.linearization.point[name] for name in self.coordinates])
+        shapes = tuple((mode.title, np.array([mode.shape[name] for name in self.coordinates])) for mode in self.modes)
+        return draw_modes(Shapes(self.name, self.coordinates, q, shapes, self.mechanism), path)
 
 
 def _of_way(way: str) -> dict[str, str]:

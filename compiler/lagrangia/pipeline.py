@@ -90,7 +90,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             hamilton = None if stuck or is_separable(run) else build_hamilton(kinematics, run)
             functions = build_functions(hit, run, constraints, initial, hamilton, _reported(graph, outputs))
         with _timed(took, "freedom"):
-            is_still = is_held_still(kinematics, motion, constraints, initial, functions)
+            is_still = is_held_still(kinematics, motion, constraints, initial, functions.table)
         with _timed(took, "scene"):
             scene = divide(build_scene(kinematics, run, initial, functions, is_still, flow, stuck), kinematics, run, initial)
     return Compilation(syntax, flat, graph, kinematics, constraints, energies, motion, hit, run, initial, functions, scene, took)

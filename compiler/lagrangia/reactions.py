@@ -16,8 +16,9 @@ from lagrangia.drives import force_beside_drives
 from lagrangia.edges import Closure, Edge
 from lagrangia.instances import REACTIONS
 from lagrangia.joints import component_of, cuts_of, joints_of
-from lagrangia.kinematics import Kinematics, Pose
+from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
+from lagrangia.planar import Pose
 from lagrangia.released import Released, forces_of_ties
 from lagrangia.tree import FrameRef
 from lagrangia.walk import nodes

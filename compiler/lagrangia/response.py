@@ -55,6 +55,10 @@ class Response:
         """Output, input, and their places."""
         return [(y, u, i, j) for j, u in enumerate(self.inputs) for i, y in enumerate(self.outputs)]
 
+    def unit(self, output: int, input: int) -> str:
+        """That of a pair, by its places."""
+        return ratio_unit(self.units[output], self.units[len(self.outputs) + input])
+
     def to_csv(self, path: "str | Path") -> Path:
         """Frequency, and magnitude, phase, real and imaginary part of each pair. Raises LagError L0004."""
         path = Path(path)
@@ -73,9 +77,18 @@ class Response:
 
     def plot(self, path: Any = None) -> Any:
         """The Bode plot; returns the matplotlib Figure."""
-        from lagrangia.analysis_plot import draw_bode
+        from lagrangia.analysis_plot import Curves, draw_bode
 
-        return draw_bode(self, path)
+        labels = tuple(tuple(f"{y} [{self.unit(i, j)}]" for j in range(len(self.inputs))) for i, y in enumerate(self.outputs))
+        return draw_bode(Curves(self.name, self.inputs, labels, self.frequencies, self.magnitude, self.phase), path)
+
+
+def ratio_unit(upper: str, lower: str) -> str:
+    """m/N; rad/(N.m); 1 of equal units."""
+    if upper == lower:
+        return "1"
+    simple = lower and not any(letter in lower for letter in "./")
+    return f"{upper or '1'}/{lower}" if simple else f"{upper or '1'}/({lower})" if lower not in ("", "1") else upper or "1"
 
 
 def find_response(linear: Linearization, frequencies: Sequence[float] | None, span: tuple[float, float] | None, points: int,

@@ -24,8 +24,9 @@ from lagrangia.energies import Energies, evaluate_energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of
 from lagrangia.events import level_of, position_of
 from lagrangia.flat import Variable, When
-from lagrangia.kinematics import Dependent, Kinematics, Pose, Symbols
+from lagrangia.kinematics import Dependent, Kinematics, Symbols
 from lagrangia.parameters import scalars
+from lagrangia.planar import Pose
 from lagrangia.sympy_algebra import TIME, Expr, SympyAlgebra, exact_throughout, slope
 from lagrangia.tree import Array, Flat, Number, Ref, Unary
 from lagrangia.walk import nodes
