@@ -1,7 +1,6 @@
 """The C run time: events, inputs, assembly, accounts, failures and tapes."""
 
 import math
-import re
 import subprocess
 from array import array
 from pathlib import Path
@@ -393,15 +392,6 @@ def test_a_tape_that_reaches_outside_is_refused(runtime: Runtime, instruction: t
 
 
 # --------------------------------------------------------------------------------------------------------------- hygiene
-
-
-def test_enumerations_match_the_headers() -> None:
-    def names(header: str, prefix: str, last: str) -> list[str]:
-        text = re.sub(r"/\*.*?\*/", "", (FOLDER / header).read_text(), flags=re.S)
-        return re.findall(rf"\b{prefix}(\w+)", text[text.index("typedef enum") : text.index(last)])
-
-    assert [status.name for status in Status] == names("status.h", "LAG_", "} LagStatus")
-    assert [op.name for op in Op] == names("tape.h", "LAG_OP_", "LAG_OP_COUNT")
 
 
 def test_sources_compile_without_a_warning(tmp_path: Path) -> None:

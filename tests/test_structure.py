@@ -134,6 +134,7 @@ ORDER = """
     modelica
     numpy_module
     tapes
+    mirrors
     runtime
     interpret
     scene

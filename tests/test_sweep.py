@@ -1,7 +1,6 @@
 """Many runs: what is varied, what is kept of each run, failures, journals, tables, and the command `lag sweep`."""
 
 import math
-import re
 import threading
 from collections.abc import Callable
 from itertools import pairwise
@@ -12,7 +11,6 @@ import pytest
 from scipy.optimize import brentq
 
 import lagrangia as lag
-from lagrangia.batch import Ending, Kind
 from lagrangia.folders import data_folder
 from lagrangia.native import find_compiler
 from lagrangia.sweep_pieces import Pieces
@@ -389,16 +387,6 @@ def test_initial_equations_that_cannot_hold(scene: Scene) -> None:
     assert list(table.failures) == [1]
     assert "initial equations" in table.failures[1]
     assert table["initial(bar.b.y)"][[0, 2]] == pytest.approx([0.5, -0.5], abs=1e-9)
-
-
-def test_enumerations_match_the_headers() -> None:
-    def names(header: str, prefix: str) -> list[str]:
-        text = re.sub(r"/\*.*?\*/", "", (FOLDER / header).read_text(), flags=re.S)
-        (block,) = (body for body in re.findall(r"enum \{(.*?)\}", text, re.S) if prefix in body)
-        return re.findall(rf"\b{prefix}(\w+)", block)
-
-    assert [kind.name for kind in Kind] == names("reduce.h", "LAG_REDUCE_")
-    assert [ending.name for ending in Ending if ending >= 0] == names("batch.h", "LAG_RUN_")
 
 
 # The oscillator in C: two batches of one model, runs that fail, that have no time, that are out of their limits.

@@ -5,12 +5,13 @@ While a batch advances the interpreter is free (ctypes lets go of its lock), so 
 
 import ctypes as c
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from lagrangia.mirrors import Mirrored, check_mirrors
 from lagrangia.runtime import Model, Run, Settings
 from lagrangia.runtime_library import Runtime
 
@@ -100,6 +101,9 @@ OUTCOME = [
     ("kind", "<i4"), ("padding", "<i4"), ("status", "<i4"), ("index", "<i4"), ("rate", "<i4"), ("padding2", "<i4"),
     ("time", "<f8"), ("value", "<f8"), ("steps", "<i8"), ("energy", "<f8"),
 ]  # fmt: skip
+MIRRORS: Mapping[str, Mirrored] = {
+    "LagReduction": _Reduction, "LagSweep": _Sweep, "LagOutcome": OUTCOME, "LAG_REDUCE": Kind, "LAG_RUN": Ending,
+}  # fmt: skip
 
 
 class Batch:
@@ -124,6 +128,7 @@ class Batch:
 
     def _declare(self) -> None:
         library = self._library
+        check_mirrors(library, MIRRORS)
         library.lag_batch_new.restype, library.lag_batch_new.argtypes = c.c_void_p, (c.c_void_p, c.c_void_p, c.POINTER(_Sweep))
         library.lag_batch_free.restype, library.lag_batch_free.argtypes = None, (c.c_void_p,)
         library.lag_batch_advance.restype = c.c_int64

@@ -37,7 +37,8 @@ _MOST_READABLE = 3  # coordinates of a scene whose equations are written out
 _LONGEST_IDENTIFIER = 60
 _EARLIEST = (1980, 1, 1, 0, 0, 0)  # in an archive; files in it have no dates
 _VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_unused.c", "fmi3_instance.h")}
-_UNUSED = ("batch.c", "batch.h", "reduce.c", "reduce.h")  # of the run time: many runs, which an FMU has no use for
+# Of the run time: many runs, and what Python compares when it loads a library.
+_UNUSED = ("batch.c", "batch.h", "reduce.c", "reduce.h", "layout.c", "layout.h")
 
 
 @dataclass(frozen=True)

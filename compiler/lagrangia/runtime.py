@@ -14,7 +14,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from lagrangia.tapes import Tape
+from lagrangia.mirrors import Mirrored, check_mirrors
+from lagrangia.tapes import Op, Tape
 
 _Doubles = c.POINTER(c.c_double)
 _Ints = c.POINTER(c.c_int)
@@ -256,6 +257,11 @@ class _Failure(c.Structure):
     _fields_ = (("status", c.c_int32), ("index", c.c_int32), ("rate", c.c_int32), ("time", c.c_double), ("value", c.c_double))
 
 
+# By their names in runtime/layout.c.
+MIRRORS: Mapping[str, Mirrored] = {
+    "LagTape": _Tape, "LagFunction": _Function, "LagModel": _Model, "LagSettings": _Settings, "LagStatistics": _Statistics,
+    "LagFailure": _Failure, "LagStatus": Status, "LAG_SOLVER": Solver, "LagOp": Op,
+}  # fmt: skip
 _RUN = c.c_void_p
 _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
     "lag_tape_valid": (c.c_int, (c.POINTER(_Function),)),
@@ -368,8 +374,9 @@ def _function_of(tape: Tape) -> _Function:
 
 
 def load_runtime(path: Path) -> c.CDLL:
-    """A library of the run time."""
+    """A library of the run time. Raises LagError L0707 when its structures are not those mirrored here."""
     library = c.CDLL(str(path))
+    check_mirrors(library, MIRRORS)
     for name, (result, arguments) in _SIGNATURES.items():
         function = getattr(library, name)
         function.restype, function.argtypes = result, arguments
