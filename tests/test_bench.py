@@ -19,6 +19,7 @@ from lagrangia.bench_reference import NoReference, find_reference
 from lagrangia.bench_table import as_json, as_text, duel, front, seconds_at
 from lagrangia.cli import main
 from lagrangia.diagnostics import LagError
+from lagrangia.request import Request
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES, CASES = ROOT / "models" / "examples", ROOT / "tests" / "cases"
@@ -30,7 +31,7 @@ PEERS = {"casadi": True, "scipy": True, "heyoka": find_spec("heyoka") is not Non
 
 def test_the_reference_agrees_with_published_digits() -> None:
     """Andrews' squeezer: the test set's solution at 0.03 s, which our case files hold to 14 digits."""
-    problem = build_problem(lag.load(EXAMPLES / "andrews_squeezer.lag"), stop=0.03, points=1)
+    problem = build_problem(lag.load(EXAMPLES / "andrews_squeezer.lag"), Request(stop=0.03), points=1)
     reference = find_reference(problem)
     case = yaml.safe_load((CASES / "testset_andrews_squeezer.yaml").read_text(encoding="utf-8"))
     (row,) = [row for row in case["runs"]["Andrews"] if float(row["t"]) == 0.03]
@@ -44,14 +45,14 @@ def test_the_reference_agrees_with_published_digits() -> None:
 def test_the_reference_of_a_linear_scene_is_its_closed_form(tmp_path: Path) -> None:
     file = tmp_path / "oscillator.lag"
     file.write_text("model One Block b(m = 2, base = world, s(start = 0.3)); Spring k(k = 18, stretch = b.s); end One;")
-    problem = build_problem(lag.load(file), stop=7.0, points=4)
+    problem = build_problem(lag.load(file), Request(stop=7.0), points=4)
     exact = 0.3 * np.cos(3 * np.array(problem.times))[:, None]
     assert problem.error(find_reference(problem).positions, exact) < 3e-16 * 21
 
 
 def test_pieces_meet_at_events() -> None:
     """The quarter car's bump begins at 0.5 s and ends at 0.6 s."""
-    problem = build_problem(lag.load(EXAMPLES / "quarter_car.lag"), stop=1.0, points=3)
+    problem = build_problem(lag.load(EXAMPLES / "quarter_car.lag"), Request(stop=1.0), points=3)
     assert [round(piece.end, 12) for piece in problem.pieces] == [0.5, 0.6, 1.0]
     assert [piece.times for piece in problem.pieces] == [problem.times[:1], (), problem.times[1:]]
 
@@ -61,7 +62,7 @@ def test_a_stiff_scene_gets_its_reference_by_an_implicit_method(tmp_path: Path) 
     file = tmp_path / "door.lag"
     file.write_text("""model Door Block b(m = 1, base = world, s(start = 0.3));
       SpringDamper k(k = 1[MN/m], c = 2[MN.s/m], stretch = b.s); end Door;""")
-    problem = build_problem(lag.load(file), stop=2.0, points=4)
+    problem = build_problem(lag.load(file), Request(stop=2.0), points=4)
     fast = 1e6 + math.sqrt(1e12 - 1e6)
     slow = 1e6 / fast
     exact = 0.3 * fast * np.exp(-slow * np.array(problem.times)) / (fast - slow)
@@ -105,7 +106,7 @@ def test_impulses_that_peers_would_not_know_are_refused(tmp_path: Path) -> None:
 
 def test_a_reference_that_takes_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lagrangia.bench_reference.find_spec", lambda _: None)  # no SciPy
-    problem = build_problem(lag.load(CASES / "stiff_spring_pendulum.lag"), stop=1000.0)
+    problem = build_problem(lag.load(CASES / "stiff_spring_pendulum.lag"), Request(stop=1000.0))
     with pytest.raises(NoReference, match="too long"):
         find_reference(problem, seconds=0.3)
 
@@ -118,7 +119,7 @@ def test_what_sticks_has_no_reference(scene: Callable[[str], lag.Model]) -> None
       DryFriction f(F = 5, rate = b.v);
     end Stopping;""")
     with pytest.raises(NoReference, match="too long"):
-        find_reference(build_problem(model, stop=10.0), seconds=0.5)
+        find_reference(build_problem(model, Request(stop=10.0)), seconds=0.5)
 
 
 # -------------------------------------------------------------------- solvers
@@ -134,7 +135,7 @@ def available(problem: Problem) -> list[Solver]:
 ])
 def test_every_solver_converges_to_the_reference(scene: str, left_out: tuple[str, ...]) -> None:
     """On a smooth scene, one with events and one with a closed loop, whose equations take long to compile for some."""
-    problem = build_problem(lag.load(EXAMPLES / f"{scene}.lag"), stop=0.8, points=4)
+    problem = build_problem(lag.load(EXAMPLES / f"{scene}.lag"), Request(stop=0.8), points=4)
     reference = find_reference(problem)
     for solver in (s for s in available(problem) if s.name not in left_out):
         errors = [point.error for point in measure(problem, reference, [solver], (1e-4, 1e-9), 1) if isinstance(point, Point)]
@@ -172,7 +173,7 @@ def test_what_heyoka_lacks_is_said() -> None:
 
 
 def test_a_solver_that_is_not_installed_is_skipped() -> None:
-    problem = build_problem(lag.load(EXAMPLES / "pendulum.lag"), stop=0.1)
+    problem = build_problem(lag.load(EXAMPLES / "pendulum.lag"), Request(stop=0.1))
     missing = Solver("other", "no-such-package-of-anybody", lambda *_: pytest.fail("it is not to be prepared"))
     assert list(measure(problem, find_reference(problem), [missing])) == [Skipped("other", "not installed")]
 

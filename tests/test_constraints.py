@@ -10,7 +10,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.instructions import tape_of
 from lagrangia.interpret import evaluate, evaluate_each
-from lagrangia.simulate import check_values
+from lagrangia.request import check_values
 from reference import integrate
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"

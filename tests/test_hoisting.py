@@ -11,7 +11,7 @@ import lagrangia as lag
 from lagrangia.factors import hoist
 from lagrangia.instructions import count_operations, tape_of
 from lagrangia.interpret import evaluate
-from lagrangia.simulate import check_values
+from lagrangia.request import check_values
 
 Scene = Callable[[str], lag.Model]
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"

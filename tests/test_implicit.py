@@ -16,9 +16,9 @@ import test_cases
 from lagrangia.engines import load_engine
 from lagrangia.native import build, find_compiler
 from lagrangia.pipeline import compile_file
+from lagrangia.request import check_values
 from lagrangia.runtime import Rows, Settings, Solver, Status
 from lagrangia.runtime_library import Runtime
-from lagrangia.simulate import check_values
 from native_models import FOLDER, OSCILLATOR, compiled
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

@@ -11,9 +11,9 @@ import lagrangia as lag
 from lagrangia.ccode import write_c
 from lagrangia.diagnostics import LagError, RunError
 from lagrangia.native import find_compiler
+from lagrangia.request import Values, check_values
 from lagrangia.runtime import Run, Settings, Solver, Status
 from lagrangia.scene import from_json, to_json
-from lagrangia.simulate import Values, check_values
 from sanitizers import needs_sanitizers, run_sanitized
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

@@ -14,8 +14,8 @@ import lagrangia as lag
 from lagrangia.ccode import write_c
 from lagrangia.diagnostics import LagError
 from lagrangia.native import find_compiler
+from lagrangia.request import check_values
 from lagrangia.runtime import Run, Settings, Solver, Status
-from lagrangia.simulate import check_values
 from sanitizers import needs_sanitizers, run_sanitized
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

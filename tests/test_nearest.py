@@ -12,8 +12,9 @@ import lagrangia as lag
 from lagrangia.engines import load_engine
 from lagrangia.native import find_compiler
 from lagrangia.pipeline import compile_file
+from lagrangia.request import Request, check_values, plan
 from lagrangia.scene import Scene
-from lagrangia.simulate import check_values, plan, start_run
+from lagrangia.simulate import start_run
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
@@ -67,7 +68,7 @@ def test_a_closed_state_is_left_alone(file: str, structural: Mapping[str, int]) 
 
 def rows(scene: Scene, tolerance: float) -> tuple[np.ndarray, float, float]:
     """100 rows, and the residuals of positions and rates."""
-    experiment = plan(scene, stop=0.2 * plan(scene).stop, tolerance=tolerance)
+    experiment = plan(scene, Request(stop=0.2 * plan(scene).stop, tolerance=tolerance))
     engine = load_engine(scene, native=False)
     assert engine is not None
     with start_run(scene, engine, experiment, check_values(scene)) as run:

@@ -156,6 +156,7 @@ ORDER = """
     solvers
     engines
     explain
+    request
     simulate
     casadi_solvers
     fmu_xmltree

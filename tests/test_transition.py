@@ -9,8 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.native import find_compiler
+from lagrangia.request import check_values
 from lagrangia.runtime import Run, Settings, Solver, Status
-from lagrangia.simulate import check_values
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Write = Callable[[str], lag.Model]

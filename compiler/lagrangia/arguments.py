@@ -5,13 +5,14 @@ import os
 import re
 import sys
 from argparse import Namespace
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from lagrangia.diagnostics import fail
 from lagrangia.model import Model
 from lagrangia.plot import require_format
+from lagrangia.request import Request
 from lagrangia.targets import keep_apart, require_kind
 from lagrangia.values import read_value
 
@@ -113,6 +114,14 @@ def number(text: str, option: str) -> float:
         return float(text)
     except ValueError:
         fail("L0706", f"'{text}' after {option} is no number")
+
+
+def asked(options: Namespace, parameters: Mapping[str, Any], initial: Mapping[str, Any], inputs: Any) -> Request:
+    """What the options ask of a run, with the values that were read for it."""
+    texts = getattr(options, "at", None)
+    at = None if texts is None else [number(text, "--at") for text in texts.split(",") if text.strip()]
+    return Request(options.start, options.stop, options.tolerance, options.interval, at, options.solver, options.max_step,
+                   options.max_steps, parameters, initial, inputs, split_names(options.outputs))
 
 
 def open_parameters(scene: Any, given: list[tuple[str, str]]) -> dict[str, float]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from lagrangia.arguments import assignment, keep_inputs, load_model, number, open_parameters
 from lagrangia.diagnostics import RunError, fail, suggest
+from lagrangia.request import Request
 from lagrangia.targets import write_text
 
 _TABLES = (".csv", ".json")
@@ -32,7 +33,7 @@ def bench_command(options: Namespace) -> int:
         fail("L0901", "not supported yet: a benchmark without a C compiler, which compiles all that is measured", None,
              "pip install ziglang brings one")
     parameters = open_parameters(model.scene, given)
-    problem = build_problem(model, stop=options.stop, points=options.points, parameters=parameters)
+    problem = build_problem(model, Request(stop=options.stop, parameters=parameters), options.points)
     try:
         reference = find_reference(problem)
     except NoReference as reason:

@@ -19,8 +19,9 @@ import numpy as np
 
 from lagrangia.bench_problem import Piece, Problem
 from lagrangia.native import build, find_compiler
+from lagrangia.request import check_values
 from lagrangia.runtime import Run, Status
-from lagrangia.simulate import check_values, explain, start_run
+from lagrangia.simulate import explain, start_run
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -15,7 +15,7 @@ import numpy as np
 from lagrangia.casadi_solvers import segments, switching_times
 from lagrangia.diagnostics import fail
 from lagrangia.model import Model
-from lagrangia.simulate import Experiment, check_values, plan
+from lagrangia.request import USUAL, Experiment, Request, check_values, plan
 from lagrangia.switches import live
 
 if TYPE_CHECKING:
@@ -87,12 +87,11 @@ class Problem:
         return np.concatenate(rows)
 
 
-def build_problem(model: Model, *, stop: float | None = None, points: int = 10,
-                  parameters: Mapping[str, float] | None = None) -> Problem:
+def build_problem(model: Model, request: Request = USUAL, points: int = 10) -> Problem:
     """`points` output times at equal distances, the last at the stop time. Raises LagError, RunError."""
     model.native = True  # compiled as a whole before the clock runs, as the peers are
-    whole = plan(model.scene, stop=stop)
-    given = dict(parameters or {})
+    whole = plan(model.scene, request)
+    given = dict(request.parameters or {})
     values = check_values(model.scene, given)
     model = model.suited(values)
     table = model.compilation.functions.table

@@ -17,8 +17,9 @@ import numpy as np
 
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.pipeline import Compilation
+from lagrangia.request import Experiment, Values, check_parameters
 from lagrangia.runtime import Statistics
-from lagrangia.simulate import Experiment, Progress, Values, check_parameters
+from lagrangia.simulate import Progress
 from lagrangia.switches import has_dry_friction, live
 
 _INTEGRATORS = ("cvodes", "idas", "rk", "collocation")

@@ -10,7 +10,7 @@ from lagrangia.arguments import tell_warnings
 from lagrangia.diagnostics import Diagnostic, LagError, Report, render_all
 from lagrangia.interpret import evaluate
 from lagrangia.model import Model
-from lagrangia.simulate import check_parameters, check_values
+from lagrangia.request import check_parameters, check_values
 
 _LACKS_A_VALUE = "L0211"
 

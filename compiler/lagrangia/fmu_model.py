@@ -112,7 +112,7 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     import numpy as np
 
     from lagrangia.fmu_derivatives import build_derivatives
-    from lagrangia.simulate import check_values
+    from lagrangia.request import check_values
 
     scene = model.scene
     values = check_values(scene, parameters)

@@ -15,6 +15,7 @@ from lagrangia.fmu_build import PLATFORMS, host_platform
 from lagrangia.fmu_description import Description, Quantity, read_description
 from lagrangia.fmu_importer import is_recorded
 from lagrangia.fmu_process import SPOKEN, Inputs, Job, Outcome, require_fmpy, run_job
+from lagrangia.request import Request
 from lagrangia.scene import Column
 
 _USUAL_TOLERANCE = 1e-6
@@ -22,21 +23,6 @@ _ROWS = 500
 _MOST_ROWS = 10_000_000
 _MOST_COLUMNS = 100  # of an FMU without states and outputs
 _SET = ("input", "parameter", "structuralParameter")
-
-
-@dataclass(frozen=True)
-class Request:
-    """None stands for what the FMU says itself. `values` are start values by name, in the FMU's own units."""
-
-    kind: str | None = None
-    start: float | None = None
-    stop: float | None = None
-    tolerance: float | None = None
-    interval: float | None = None
-    at: Sequence[float] | None = None
-    values: Mapping[str, Any] | None = None
-    inputs: Inputs | None = None
-    outputs: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -129,18 +115,22 @@ def unpacked(opened: Opened) -> Iterator[str]:
         yield folder
 
 
-def simulate_fmu(opened: Opened, request: Request) -> FmuRun:
-    """Raises LagError for what the FMU does not have or cannot do. A run that ends early is told in the outcome."""
+def simulate_fmu(opened: Opened, request: Request, kind: str | None = None) -> FmuRun:
+    """`kind` is "me" or "cs", by itself Co-Simulation where there is one; values are in the FMU's own units.
+
+    Raises LagError for what the FMU does not have or cannot do. A run that ends early is told in the outcome.
+    """
     require_fmpy()
-    kind = choose_kind(opened, request.kind)
+    kind = choose_kind(opened, kind)
+    values = {**(request.parameters or {}), **(request.initial or {})}
     require_binary(opened)
     times, stop, tolerance = _plan(opened, request)
     if kind == "cs":
         _check_steps(opened, times)
-    _check_values(opened, request.values or {})
+    _check_values(opened, values)
     names = _columns(opened, request.outputs)
     with unpacked(opened) as folder:
-        job = Job(folder, kind, times, stop, tolerance, names, request.values or {}, request.inputs or Inputs())
+        job = Job(folder, kind, times, stop, tolerance, names, values, request.inputs or Inputs())
         outcome = run_job(job)
     return FmuRun(opened, job, outcome, tuple(opened.column(name) for name in outcome.columns or names))
 

@@ -4,15 +4,16 @@ import math
 import sys
 from argparse import Namespace
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from lagrangia.arguments import assignment, input_tables, number, prepare_target, read_table, split_names
+from lagrangia.arguments import asked, assignment, input_tables, prepare_target, read_table, split_names
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.fmu_description import Description
 from lagrangia.fmu_process import SPOKEN, Inputs
-from lagrangia.fmu_run import FmuRun, Request, open_fmu, settable, simulate_fmu
+from lagrangia.fmu_run import FmuRun, open_fmu, settable, simulate_fmu
 from lagrangia.plot import draw
 from lagrangia.targets import Target, cells, quoted
 from lagrangia.units import ONE, Unit, parse_unit
@@ -34,11 +35,9 @@ def simulate_fmu_command(options: Namespace) -> int:
     description = opened.description
     shown = split_names(options.plot_quantities)
     values = {**_values(description, options.parameter, "-p"), **_values(description, options.initial, "--initial")}
-    at = None if options.at is None else [number(text, "--at") for text in options.at.split(",") if text.strip()]
-    request = Request(options.kind, options.start, options.stop, options.tolerance, options.interval, at, values,
-                      _inputs(description, options.input), split_names(options.outputs) + shown)
-    run = simulate_fmu(opened, request)
-    _write(run, target, None if at is None else at[0])
+    request = asked(options, values, {}, _inputs(description, options.input))
+    run = simulate_fmu(opened, replace(request, outputs=(*request.outputs, *shown)), options.kind)
+    _write(run, target, None if request.at is None else request.at[0])
     if options.plot is not None and run.rows:
         curves = shown or [c.name for c in _usual_curves(run)]
         draw(opened.text or opened.name, run["time"], [(opened.column(name), run[name]) for name in curves], options.plot)

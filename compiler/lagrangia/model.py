@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.cache import find_scene, keep_scene
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.engines import Engine, divided, load_engine, start_building
-from lagrangia.given import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, by_name, names, numbers
+from lagrangia.given import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, names, numbers
 from lagrangia.interpret import evaluate, evaluate_each
+from lagrangia.request import Request, Values, check_values, plan
 from lagrangia.runtime_library import Runtime
 from lagrangia.scene import Scene
-from lagrangia.simulate import Values, check_values, plan, simulate
+from lagrangia.simulate import simulate
 from lagrangia.solvers import AUTO, WAYS, is_casadi
 from lagrangia.trajectory import Trajectory, collect
 
@@ -123,12 +124,14 @@ class Model:
         `solver` is "auto", a name from solvers.WAYS, or an integrator of CasADi as "casadi:cvodes".
         Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on.
         """
+        return self.run(Request(start, stop, tolerance, interval, at, solver, max_step, max_steps, parameters, initial, inputs))
+
+    def run(self, request: Request) -> Trajectory:
+        """What `simulate` does, by a request."""
         import numpy as np
 
-        experiment = plan(self.scene, stop=stop, start=start, tolerance=tolerance, interval=interval,
-                          at=None if at is None else numbers("output times", at), max_step=max_step, max_steps=max_steps,
-                          solver=solver)
-        values = check_values(self.scene, parameters, initial, inputs)
+        experiment = plan(self.scene, request)
+        values = check_values(self.scene, request.parameters, request.initial, request.inputs)
         suited = self.suited(values)
         progress, portions = suited.start(experiment, values)
         kept: list[Sequence[float]] = []
@@ -198,18 +201,15 @@ class Model:
         """
         from lagrangia.sweep import require_place, run_into
         from lagrangia.sweep_measures import quantities, read_measures, usual_measures
-        from lagrangia.sweep_plan import Request, build_job
+        from lagrangia.sweep_plan import Design, build_job
 
         if path is not None:
             require_place(path, [self.path, *([] if runs is None else [runs])])
         measures = read_measures(outputs)
         model = self._with_outputs(quantities(measures))
-        experiment = plan(self.scene, stop=stop, start=start, tolerance=tolerance, interval=interval, max_step=max_step,
-                          max_steps=max_steps, solver=solver)
-        request = Request(by_name("parameters", parameters), by_name("start values", initial),
-                          None if runs is None else Path(runs), samples, seed, sampling, together, inputs, interval,
-                          seconds_per_run)
-        model, job = model.suited_to_all(build_job(model.scene, measures or usual_measures(model.scene), experiment, request))
+        request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
+        design = Design(None if runs is None else Path(runs), samples, seed, sampling, together, seconds_per_run)
+        model, job = model.suited_to_all(build_job(model.scene, measures or usual_measures(model.scene), request, design))
         return run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
 
     def suited_to_all(self, job: "Job") -> "tuple[Model, Job]":

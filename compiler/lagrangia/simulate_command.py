@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.arguments import (
+    asked,
     assignment,
     keep_foreign,
     load_model,
-    number,
     open_parameters,
     prepare_target,
     read_inputs,
@@ -24,7 +24,8 @@ from lagrangia.diagnostics import LagError, RunError, fail
 from lagrangia.interruptions import undisturbed
 from lagrangia.model import Model
 from lagrangia.pipeline import ALL_REACTIONS
-from lagrangia.simulate import Experiment, Progress, check_values, loss, plan
+from lagrangia.request import Experiment, check_values, plan
+from lagrangia.simulate import Progress, loss
 from lagrangia.statics import is_static
 from lagrangia.summary import summarise, tell_assembly, tell_moved, tell_reactions
 from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names
@@ -50,16 +51,12 @@ def simulate_command(options: Namespace) -> int:
         print(dump(model.compilation, options.dump))
         return 0
     keep_foreign(options, target, [column.name for column in (*scene.coordinates, *scene.rates)])
-    at = None if options.at is None else [number(text, "--at") for text in options.at.split(",")]
-    experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
-                      at=at, max_step=options.max_step, max_steps=options.max_steps,
-                      solver=options.solver)
-    parameters = open_parameters(scene, given)
     initial = values_with_units([assignment(text, "--initial") for text in options.initial], scene.start_units)
-    inputs = read_inputs(options.input, scene)
-    values = check_values(scene, parameters, initial, inputs)
+    request = asked(options, open_parameters(scene, given), initial, read_inputs(options.input, scene))
+    experiment = plan(scene, request)
+    values = check_values(scene, request.parameters, request.initial, request.inputs)
     tell_warnings(options, model)
-    tell_inputs(options, model, experiment, inputs)
+    tell_inputs(options, model, experiment, request.inputs)
     model = model.suited(values)
     compiled = time.perf_counter() - begin
     return _run(options, model, experiment, values, compiled, target)

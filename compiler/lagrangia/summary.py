@@ -9,8 +9,9 @@ from typing import Any
 from lagrangia.engines import Engine, describe
 from lagrangia.interpret import evaluate
 from lagrangia.model import Model
+from lagrangia.request import Experiment, Values
 from lagrangia.runtime import Solver, Statistics
-from lagrangia.simulate import Experiment, Progress, Values, shortcomings
+from lagrangia.simulate import Progress, shortcomings
 from lagrangia.solvers import AUTO, name_of
 from lagrangia.statics import is_static, reaction_table
 

@@ -6,14 +6,15 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.arguments import assignment, input_tables, keep_foreign, load_model, read_inputs, tell_inputs, tell_warnings
+from lagrangia.arguments import asked, assignment, input_tables, keep_foreign, load_model, read_inputs, tell_inputs, tell_warnings
 from lagrangia.diagnostics import fail
 from lagrangia.model import Model
-from lagrangia.simulate import DOUBTFUL, plan
+from lagrangia.request import plan
+from lagrangia.simulate import DOUBTFUL
 from lagrangia.sweep import require_place, run_job
 from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_measures import Measure, quantities, read_measures, usual_measures
-from lagrangia.sweep_plan import Job, Request, build_job
+from lagrangia.sweep_plan import Design, Job, build_job
 from lagrangia.sweep_table import Sweep
 from lagrangia.targets import Target, cells, is_device
 
@@ -47,15 +48,11 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     model = load_model(options, single, quantities(measures))
     tell_warnings(options, model)
     scene = model.scene
-    experiment = plan(scene, stop=options.stop, start=options.start, tolerance=options.tolerance, interval=options.interval,
-                      max_step=options.max_step, max_steps=options.max_steps, solver=options.solver)
-    inputs = read_inputs(options.input, scene)
-    tell_inputs(options, model, experiment, inputs)
     varied = {name: text for name, text in given.items() if name not in model.structural}
-    request = Request(varied, _assignments(options.initial, "--initial"), options.runs, options.samples, options.seed,
-                      options.sampling, options.together, inputs, options.interval,
-                      options.seconds_per_run)
-    return model.suited_to_all(build_job(scene, measures or usual_measures(scene), experiment, request))
+    request = asked(options, varied, _assignments(options.initial, "--initial"), read_inputs(options.input, scene))
+    tell_inputs(options, model, plan(scene, request), request.inputs)
+    design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run)
+    return model.suited_to_all(build_job(scene, measures or usual_measures(scene), request, design))
 
 
 def _assignments(texts: list[str], option: str) -> dict[str, str]:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from lagrangia.batch import Kind, Reduction
 from lagrangia.diagnostics import fail, suggest
+from lagrangia.request import Experiment
 from lagrangia.scene import Scene
-from lagrangia.simulate import Experiment
 from lagrangia.units import parse_unit, spell
 from lagrangia.values import read_value
 

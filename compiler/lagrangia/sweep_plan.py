@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.batch import Kind, Reduction, Sweep
 from lagrangia.diagnostics import LagError, Report, fail, suggest
 from lagrangia.given import a_count, a_number, by_name
+from lagrangia.request import Request, check_values, plan
 from lagrangia.runtime import Settings, Solver
 from lagrangia.scene import Scene, to_json
-from lagrangia.simulate import Experiment, check_values
 from lagrangia.solvers import AUTO, applicable, is_casadi, number_of
 from lagrangia.sweep_measures import Measure, reductions
 from lagrangia.sweep_values import (
@@ -38,18 +38,14 @@ _LOOKS = 50  # windows at least in a run, when no interval says how closely to l
 
 
 @dataclass(frozen=True)
-class Request:
-    """What a person gives. Values are numbers, sequences, arrays, or text as on the command line."""
+class Design:
+    """How the runs are chosen from the values of a request: numbers, sequences, arrays, or text as on the command line."""
 
-    parameters: Mapping[str, Any]
-    initial: Mapping[str, Any]
     runs: Path | None = None  # a table with a line for each run
     samples: int | None = None
     seed: int = 0
     sampling: str = "random"
     together: bool = False  # lists side by side instead of all their combinations
-    inputs: Any = None
-    interval: float | None = None  # the motion is looked at that closely
     seconds: float = 0.0  # of wall time a run may take
 
 
@@ -94,9 +90,13 @@ class Job:
         return hashed.hexdigest()[:32]
 
 
-def build_job(scene: Scene, measures: Sequence[Measure], experiment: Experiment, request: Request) -> Job:
-    """Raises LagError for names the scene does not know and values it cannot have."""
-    fixed, factors = _factors(scene, request)
+def build_job(scene: Scene, measures: Sequence[Measure], request: Request, design: Design) -> Job:
+    """`request.interval` says how closely the motion is looked at.
+
+    Raises LagError for names the scene does not know and values it cannot have.
+    """
+    experiment = plan(scene, request)
+    fixed, factors = _factors(scene, request, design)
     variations = Variations(tuple(factors))
     if variations.runs > MOST_RUNS:
         fail("L0712", f"the sweep has {variations.runs} runs; at most {MOST_RUNS} are possible", None, "take fewer values")
@@ -104,7 +104,7 @@ def build_job(scene: Scene, measures: Sequence[Measure], experiment: Experiment,
     reduced = reductions(scene, measures, experiment)
     settings = Settings(experiment.start, experiment.stop, experiment.tolerance, experiment.max_step, 0.0, experiment.max_steps,
                         _solver(scene, experiment.solver, reduced, request))
-    if not (seconds := a_number("seconds per run", request.seconds)) >= 0:
+    if not (seconds := a_number("seconds per run", design.seconds)) >= 0:
         fail("L0702", f"the seconds per run must be a positive number, not {seconds}")
     window = float(request.interval or (experiment.stop - experiment.start) / _LOOKS)
     least = [-math.inf if p.minimum is None else p.minimum for p in scene.parameters]
@@ -174,7 +174,8 @@ def _resolve(scene: Scene, kind: str, name: str) -> _Name:
     return _Name(name, kind, (name,), (len(scene.parameters) + slot,), unit)
 
 
-def _factors(scene: Scene, request: Request) -> tuple[tuple[dict[str, float], dict[str, float]], list[Factor]]:
+def _factors(scene: Scene, request: Request, design: Design
+             ) -> tuple[tuple[dict[str, float], dict[str, float]], list[Factor]]:
     """Values that are the same in all runs (parameters, start values), and the factors: table, lists, samples."""
     fixed: tuple[dict[str, float], dict[str, float]] = ({}, {})
     lists: list[Factor] = []
@@ -189,9 +190,9 @@ def _factors(scene: Scene, request: Request) -> tuple[tuple[dict[str, float], di
             fixed[name.kind == "initial"].update(zip(name.elements, found[0].tolist(), strict=True))
         else:
             lists.append(Factor(name.elements, name.places, found))
-    table = [_table(scene, request.runs)] if request.runs is not None else []
+    table = [_table(scene, design.runs)] if design.runs is not None else []
     _check_once([*(name.places for name, _ in names), *(factor.places for factor in table)], scene)
-    factors = [*table, *(_side_by_side(lists) if request.together else lists), *_samples(random, request)]
+    factors = [*table, *(_side_by_side(lists) if design.together else lists), *_samples(random, design)]
     for factor in factors:
         _check_finite(factor)
     return fixed, factors
@@ -254,21 +255,21 @@ def _side_by_side(lists: Sequence[Factor]) -> list[Factor]:
     return [Factor(names, places, np.concatenate(values, axis=1))]
 
 
-def _samples(random: Sequence[tuple[_Name, Distribution]], request: Request) -> list[Factor]:
-    if request.sampling not in WAYS:
-        fail("L0712", f"there is no sampling '{request.sampling}'", None, f"the ways are {', '.join(WAYS)}")
-    if a_count("seed", request.seed) < 0:
-        fail("L0712", f"the seed must not be negative: {request.seed}")
-    if request.samples is not None and not 1 <= a_count("number of samples", request.samples) <= MOST_RUNS:
-        fail("L0712", f"the number of samples must lie between 1 and {MOST_RUNS}, not {request.samples}")
+def _samples(random: Sequence[tuple[_Name, Distribution]], design: Design) -> list[Factor]:
+    if design.sampling not in WAYS:
+        fail("L0712", f"there is no sampling '{design.sampling}'", None, f"the ways are {', '.join(WAYS)}")
+    if a_count("seed", design.seed) < 0:
+        fail("L0712", f"the seed must not be negative: {design.seed}")
+    if design.samples is not None and not 1 <= a_count("number of samples", design.samples) <= MOST_RUNS:
+        fail("L0712", f"the number of samples must lie between 1 and {MOST_RUNS}, not {design.samples}")
     if not random:
-        if request.samples is not None:
+        if design.samples is not None:
             fail("L0712", "nothing is random, so there is nothing to take samples of", None,
                  "say how a value is distributed: k=normal(100,5)")
         return []
-    if request.samples is None:
+    if design.samples is None:
         fail("L0712", f"'{random[0][0].name}' is random, but the number of samples is not given", None, "say --samples 1000")
-    values = sample([distribution for _, distribution in random], request.samples, request.seed, request.sampling)
+    values = sample([distribution for _, distribution in random], design.samples, design.seed, design.sampling)
     return [Factor(tuple(name.name for name, _ in random), tuple(name.places[0] for name, _ in random), values)]
 
 

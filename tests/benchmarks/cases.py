@@ -6,6 +6,7 @@ from pathlib import Path
 
 import lagrangia as lag
 from lagrangia.bench_problem import Problem, build_problem
+from lagrangia.request import Request
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES, CASES = ROOT / "models" / "examples", ROOT / "tests" / "cases"
@@ -20,7 +21,7 @@ class Case:
     structural: Mapping[str, int] = field(default_factory=dict)
 
     def problem(self, stop: float | None = None) -> Problem:
-        return build_problem(lag.load(self.file, model=self.model, **self.structural), stop=stop or self.stop)
+        return build_problem(lag.load(self.file, model=self.model, **self.structural), Request(stop=stop or self.stop))
 
 
 def _chain(n: int, stop: float) -> Case:

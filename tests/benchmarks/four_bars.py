@@ -14,7 +14,8 @@ import numpy as np
 
 import lagrangia as lag
 from lagrangia.engines import Engine, load_engine
-from lagrangia.simulate import check_values, plan, simulate
+from lagrangia.request import Request, check_values, plan
+from lagrangia.simulate import simulate
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -34,7 +35,8 @@ def ladder(largest: int) -> Iterator[str]:
 
 
 def _seconds(model: lag.Model, engine: Engine) -> float:
-    progress, rows = simulate(model.scene, engine, plan(model.scene, at=[2.0], tolerance=1e-6), check_values(model.scene))
+    experiment = plan(model.scene, Request(at=[2.0], tolerance=1e-6))
+    progress, rows = simulate(model.scene, engine, experiment, check_values(model.scene))
     for _ in rows:
         pass
     return progress.seconds

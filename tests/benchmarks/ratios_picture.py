@@ -2,7 +2,8 @@
 
     python tests/benchmarks/ratios_picture.py [TABLE.md] [-o PICTURE.png]
 
-The table is looked for in a Markdown file, by default the page of this folder. Of a cell with a bar the number before it is drawn.
+The table is looked for in a Markdown file, by default the page of this folder. Of a cell with a bar the number
+before it is drawn.
 """
 
 import argparse
@@ -37,7 +38,8 @@ def draw(page: str, path: Path) -> None:
     figure, axes = pyplot.subplots(figsize=(8.5, 4.2), layout="constrained")
     marks = "osv^D<>ph*Xd8Ps"
     for k, (name, ratios) in enumerate(scenes):
-        axes.loglog(errors, ratios, marker=marks[k % len(marks)], markersize=4, linewidth=1.1, color=pyplot.cm.tab20(k % 20), label=name)
+        axes.loglog(errors, ratios, marker=marks[k % len(marks)], markersize=4, linewidth=1.1, color=f"C{k % 10}", label=name,
+                    linestyle="-" if k < 10 else "--")
     axes.axhline(1, color="black", linewidth=1.4)
     axes.text(errors[0], 1.06, "the fastest peer", ha="left", va="bottom")
     axes.invert_xaxis()
