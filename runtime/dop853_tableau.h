@@ -2,7 +2,7 @@
  *
  * E. Hairer, S.P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993, section II.5
  * (method), II.6 (dense output); values of their Fortran code DOP853. Stages count from 0 here.
- * Row sums, order conditions and the dense output's continuity are checked in tests/test_runtime.py.
+ * Row sums, order conditions and the dense output's continuity are checked in test_runtime.py.
  */
 #ifndef LAG_DOP853_TABLEAU_H
 #define LAG_DOP853_TABLEAU_H

@@ -116,7 +116,7 @@ struct LagModel {
     LagFunction linear;     /* p, d                 -> numbers of the linear equations; always a tape */
     LagFunction waves;      /* t, p, d              -> states of its loads; always a tape */
     /* The matrix of implicit steps mu S0 + S1 + S2/mu, written out or by its products with directions: derivatives of
-     * M a + h + J^T lambda and of J a + bias (compiler/lagrangia/jacobians.py). One of the two is there, or neither. */
+     * M a + h + J^T lambda and of J a + bias (jacobians.py). One of the two is there, or neither. */
     LagFunction jacobian;   /* t, q, v, a, lambda, u, d, c         -> S0, S1, S2 */
     LagFunction tangent;    /* t, q, v, a, lambda, u, d, c, dq, dv -> S0 (dv, 0), S1 (dv, 0) + S2 (dq, 0) */
     LagFunction velocity;   /* q, p, c              -> v = M^-1 p      these two only where energy is kept */

@@ -2,7 +2,7 @@
  *
  * E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, IV.5 and IV.8; Stiff differential
  * equations solved by Radau methods, J. Comput. Appl. Math. 111 (1999). Computed from the definitions with 60 digits: the
- * nodes are the zeros of d^(s-1)/dx^(s-1) x^(s-1) (x-1)^s. tests/test_implicit.py checks them against these definitions.
+ * nodes are the zeros of d^(s-1)/dx^(s-1) x^(s-1) (x-1)^s. test_implicit.py checks them against these definitions.
  */
 #ifndef LAG_RADAU_TABLEAU_H
 #define LAG_RADAU_TABLEAU_H

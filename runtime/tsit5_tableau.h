@@ -2,7 +2,7 @@
  *
  * Ch. Tsitouras, Runge-Kutta pairs of order 5(4) satisfying only the first column simplifying assumption, Computers &
  * Mathematics with Applications 62 (2011) 770-775. Stages count from 0 here. Row sums, order conditions and those of the
- * dense output are checked in tests/test_explicit.py.
+ * dense output are checked in test_explicit.py.
  */
 #ifndef LAG_TSIT5_TABLEAU_H
 #define LAG_TSIT5_TABLEAU_H

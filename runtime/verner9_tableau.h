@@ -1,7 +1,7 @@
 /* Coefficients of the pair 9(8) without dense output.
  *
  * J.H. Verner, Numerically optimal Runge-Kutta pairs with interpolants, Numerical Algorithms 53 (2010) 383-396: its efficient pair of
- * 16 stages. Stages count from 0 here. Row sums and order conditions are checked in tests/test_explicit.py.
+ * 16 stages. Stages count from 0 here. Row sums and order conditions are checked in test_explicit.py.
  */
 #ifndef LAG_VERNER9_TABLEAU_H
 #define LAG_VERNER9_TABLEAU_H

@@ -49,7 +49,7 @@ typedef struct {
     const double *parameter_start;
     const double *minimum, *maximum;      /* n_parameters */
     const int *parameter_settable;        /* n_parameters: 0 where it follows from others */
-    /* Derivatives of the slopes x', of y, and of the rates R of what may be held, which are 0 while it is (fmu_derivatives.py). */
+    /* Derivatives of the slopes x', of y, and of the rates R of what may be held, which are 0 while it is. */
     LagFunction forward; /* t, q, v, u, d, p, dt, dq, dv, du, dd, dp -> dx', dy, dR   along a direction */
     LagFunction adjoint; /* t, q, v, u, d, p, wx, wy, wR -> wt, wq, wv, wu, wd, wp   gradients of wx.x' + wy.y + wR.R */
 } LagFmu;
