@@ -179,6 +179,7 @@ ORDER = """
     plot
     trajectory
     statics
+    fmu_factors
     fmu_derivatives
     fmu_model
     fmu_source

@@ -9,12 +9,13 @@ R(t, q, v, u, d, p), which are 0, give them. With R as a third result and direct
 (runtime/fmi/partial.c).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
 
 import casadi as ca
 
+from lagrangia.fmu_factors import DEPENDENT, factor_kinds
 from lagrangia.functions import state_space
 from lagrangia.instructions import tape_of
 from lagrangia.kinematics import Kinematics
@@ -29,13 +30,13 @@ class Derivatives:
     """forward: a state t, q, v, u, d, p and directions of all these -> those of the slopes, y, R; adjoint: a state and weights of
     the slopes, y, R -> gradients by all of the state. Without switches nothing is along d, and there is no R.
 
-    `rows`: for each of dq/dt, dv/dt and y the columns, of t, q, v, u, p, that it depends on; `parameter_rows`: for each
-    parameter those that can be set, by their number among these, that it follows from."""
+    `rows`: for each of dq/dt, dv/dt and y the columns, of t, q, v, u, p, that it depends on, and how (fmu_factors.py);
+    `parameter_rows`: for each parameter those that can be set, by their number among these, that it follows from, and how."""
 
     forward: Tape
     adjoint: Tape
-    rows: tuple[tuple[int, ...], ...]
-    parameter_rows: tuple[tuple[int, ...], ...]
+    rows: tuple[Mapping[int, str], ...]
+    parameter_rows: tuple[Mapping[int, str], ...]
 
 
 def build_derivatives(
@@ -50,8 +51,10 @@ def build_derivatives(
     forward, adjoint = _both([t, q, v, u, along_d, given], [slope, y, rates], [t, q, v, u, d, given])
     free = [k for k, is_free in enumerate(settable) if is_free]
     chosen = given[free] if free else ca.SX(0, 1)
-    rows = _rows_with_shares(ca.vertcat(slope, y), rates, ca.vertcat(t, q, v, u, given), shares)
-    return Derivatives(tape_of(forward), tape_of(adjoint), rows, _rows(values, chosen))
+    rows = _kinds_with_shares(ca.vertcat(slope, y), rates, ca.vertcat(t, q, v, u), d, given, shares)
+    kinds = factor_kinds(values, [], chosen)
+    parameter_rows = [{k: own.kind(k) for k in row} for row, own in zip(_rows(values, chosen), kinds, strict=True)]
+    return Derivatives(tape_of(forward), tape_of(adjoint), rows, tuple(parameter_rows))
 
 
 def _equations(compilation: Compilation, outputs: tuple[str, ...],
@@ -89,13 +92,18 @@ def _parted(column: ca.SX, like: list[ca.SX]) -> list[ca.SX]:
     return [column[i:j] for i, j in pairwise(ends)]
 
 
-def _rows_with_shares(unknowns: ca.SX, rates: ca.SX, x: ca.SX, shares: ca.SX) -> tuple[tuple[int, ...], ...]:
-    """While something is held, what depends on its share depends on all that shares follow from."""
-    free = _rows(unknowns, x)
+def _kinds_with_shares(unknowns: ca.SX, rates: ca.SX, moving: ca.SX, d: ca.SX, p: ca.SX,
+                       shares: ca.SX) -> tuple[dict[int, str], ...]:
+    """While something is held, what depends on its share depends on all that shares follow from, in no way that is known."""
+    n, x = int(moving.numel()), ca.vertcat(moving, p)
     on_shares, of_rates = _rows(unknowns, shares), _rows(rates, shares)
     held = {k for row, found in zip(_rows(rates, x), of_rates, strict=True) if found for k in row}
     known = {k for found in of_rates for k in found}
-    return tuple(tuple(sorted({*row, *held})) if known & set(found) else row for row, found in zip(free, on_shares, strict=True))
+    rows = []
+    for own, row, found in zip(factor_kinds(unknowns, [moving, d], p), _rows(unknowns, x), on_shares, strict=True):
+        kinds = {k: own.kind(k) if k < n else own.kind_of_parameter(k - n) for k in row}
+        rows.append(dict(sorted((kinds | (dict.fromkeys(held, DEPENDENT) if known & {*found} else {})).items())))
+    return tuple(rows)
 
 
 def _product(unknowns: ca.SX, x: ca.SX, seed: ca.SX, transposed: bool) -> ca.SX:

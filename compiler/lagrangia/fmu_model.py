@@ -79,13 +79,12 @@ class Variable:
 
 @dataclass(frozen=True)
 class FmuModel:
-    """`dependencies` of outputs, derivatives and calculated parameters, as (row, column) with rows by name and columns of knowns;
+    """`dependencies` of outputs, derivatives and calculated parameters: the knowns of each, by name, and of what kind each is;
     `given` are the parameters (n_p,) of the FMU, `settable` those that an importer may set."""
 
     scene: Scene
     variables: tuple[Variable, ...]
-    dependencies: Mapping[str, tuple[str, ...]]
-    constant_dependencies: frozenset[str]  # unknowns that depend with a constant factor: slopes of positions
+    dependencies: Mapping[str, Mapping[str, str]]
     given: tuple[float, ...]
     settable: tuple[bool, ...]
     state_start: tuple[float, ...]
@@ -117,7 +116,8 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     scene = model.scene
     values = check_values(scene, parameters)
     given = tuple(float(x) for x in model.parameter_values(parameters))
-    settable = tuple(known.value is not None or bool(mask) for known, mask in zip(scene.parameters, values.mask, strict=True))
+    settable = tuple(not known.locked and (known.value is not None or bool(mask))
+                     for known, mask in zip(scene.parameters, values.mask, strict=True))
     start, nominal = _states(model, parameters)
     length = scene.stop - scene.start
     stabilisation = _DRIFT_RATE / length if scene.sizes["n_multipliers"] and length > 0 else 0.0
@@ -128,14 +128,14 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     variables = tuple(_variables(scene, names, kinds, start, nominal, given, settable))
     columns = _columns(names, variables)
     rows = [v.name for v in variables if v.group == "slope"] + [v.name for v in variables if v.group == "output"]
-    dependencies = {row: tuple(columns[k] for k in found) for row, found in zip(rows, derivatives.rows, strict=True)}
+    dependencies = {row: {columns[k]: kind for k, kind in found.items()}
+                    for row, found in zip(rows, derivatives.rows, strict=True)}
     free = [p.name for p, is_free in zip(scene.parameters, settable, strict=True) if is_free]
     for parameter, found in zip(scene.parameters, derivatives.parameter_rows, strict=True):
-        dependencies[parameter.name] = tuple(free[k] for k in found)
-    plain = () if scene.sizes["n_multipliers"] else names.slopes[: scene.n]
-    return FmuModel(scene, variables, dependencies, frozenset(plain), given, settable,
-                    tuple(np.asarray(start, dtype=float).tolist()), tuple(kind != "calculated" for kind in kinds),
-                    nominal, stabilisation, derivatives.forward, derivatives.adjoint)
+        dependencies[parameter.name] = {free[k]: kind for k, kind in found.items()}
+    return FmuModel(scene, variables, dependencies, given, settable, tuple(np.asarray(start, dtype=float).tolist()),
+                    tuple(kind != "calculated" for kind in kinds), nominal, stabilisation, derivatives.forward,
+                    derivatives.adjoint)
 
 
 def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[list[float], tuple[float, ...]]:

@@ -1,10 +1,11 @@
 """What the model descriptions of both versions of the standard have in common: elements, units, who is to be named."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isclose
 from xml.sax.saxutils import quoteattr
 
+from lagrangia.fmu_factors import CONSTANT, DEPENDENT
 from lagrangia.fmu_model import FmuModel, Variable
 from lagrangia.units import parse_unit
 
@@ -115,35 +116,44 @@ def _display_unit(unit: str, display: str) -> str:
     return element("DisplayUnit", {"name": display, "factor": base.factor / shown.factor}, indent=3)
 
 
-def known_when_running(model: FmuModel, name: str, with_parameters: bool) -> list[str]:
-    """What an output or a derivative depends on while the simulation runs."""
+def known_when_running(model: FmuModel, name: str, with_parameters: bool) -> dict[str, str]:
+    """What an output or a derivative depends on while the simulation runs, and how."""
     groups = {"time", "state", "input"} | ({"parameter"} if with_parameters else set())
-    return [known for known in model.dependencies[name] if model.named(known).group in groups]
+    return {known: kind for known, kind in model.dependencies[name].items() if model.named(known).group in groups}
 
 
-def initial_unknowns(model: FmuModel) -> list[tuple[Variable, list[str]]]:
-    """The exact set that the standards name, in the order of the variables, and what each depends on at the start."""
+def initial_unknowns(model: FmuModel) -> list[tuple[Variable, dict[str, str]]]:
+    """The exact set that the standards name, in the order of the variables, and what each depends on at the start: as a constant
+    factor or in another way, which is all that there is there."""
     free = [v.name for v in model.of("parameter") if v.causality == "parameter"]
     states = {v.name: v for v in model.of("state")}
     found = []
     for variable in model.variables:
         if variable.group == "state" and variable.initial != "exact":
-            found.append((variable, free))
+            found.append((variable, dict.fromkeys(free, DEPENDENT)))
         elif variable.group in ("slope", "output"):
             found.append((variable, _at_start(model, model.dependencies[variable.name], states, free)))
         elif variable.causality == "calculatedParameter":
-            found.append((variable, list(model.dependencies[variable.name])))
-    return found
+            found.append((variable, dict(model.dependencies[variable.name])))
+    return [(variable, {known: kind if kind == CONSTANT else DEPENDENT for known, kind in knowns.items()})
+            for variable, knowns in found]
 
 
-def _at_start(model: FmuModel, names: Sequence[str], states: Mapping[str, Variable], free: Sequence[str]) -> list[str]:
-    """Dependencies with those states replaced that follow from parameters themselves."""
-    exact = [name for name in names if name not in states or states[name].initial == "exact"]
-    if len(exact) == len(names):
+def _at_start(model: FmuModel, knowns: Mapping[str, str], states: Mapping[str, Variable], free: Sequence[str]) -> dict[str, str]:
+    """Dependencies with those states replaced that follow from parameters themselves, in no way that is known."""
+    exact = {name: kind for name, kind in knowns.items() if name not in states or states[name].initial == "exact"}
+    if len(exact) == len(knowns):
         return exact
-    wanted = {*exact, *free}
-    return [v.name for v in model.variables if v.name in wanted]
+    wanted = exact | dict.fromkeys(free, DEPENDENT)
+    return {v.name: wanted[v.name] for v in model.variables if v.name in wanted}
 
 
-def too_many(lists: Iterable[Sequence[str]]) -> bool:
+def dependencies(knowns: Mapping[str, str], numbers: Mapping[str, int]) -> dict[str, object]:
+    """The attributes of an unknown that name its knowns by their numbers, in rising order."""
+    ordered = sorted(knowns, key=numbers.__getitem__)
+    return {"dependencies": " ".join(str(numbers[known]) for known in ordered),
+            "dependenciesKind": " ".join(knowns[known] for known in ordered)}
+
+
+def too_many(lists: Iterable[Collection[str]]) -> bool:
     return sum(map(len, lists)) > _MOST_DEPENDENCIES

@@ -6,6 +6,7 @@ from lagrangia.fmu_model import FmuModel, Variable
 from lagrangia.fmu_xml import (
     LOG_CATEGORIES,
     About,
+    dependencies,
     display_unit_of,
     element,
     experiment,
@@ -92,13 +93,9 @@ def _structure(model: FmuModel) -> str:
     return element("ModelStructure", {}, *parts)
 
 
-def _unknowns(model: FmuModel, name: str, rows: Sequence[tuple[Variable, list[str]]]) -> str:
-    everything = too_many([found for _, found in rows])
-    found = []
-    for variable, knowns in rows:
-        indices = sorted(model.index[known] for known in knowns)
-        kind = "constant" if variable.name in model.constant_dependencies else "dependent"
-        listed = {} if everything else {"dependencies": " ".join(map(str, indices)),
-                                        "dependenciesKind": " ".join([kind] * len(indices))}
-        found.append(element("Unknown", {"index": model.index[variable.name], **listed}, indent=3))
+def _unknowns(model: FmuModel, name: str, rows: Sequence[tuple[Variable, dict[str, str]]]) -> str:
+    everything = too_many([knowns for _, knowns in rows])
+    found = [element("Unknown", {"index": model.index[variable.name],
+                                 **({} if everything else dependencies(knowns, model.index))}, indent=3)
+             for variable, knowns in rows]
     return element(name, {}, *found, indent=2) if found else ""

@@ -6,6 +6,7 @@ from lagrangia.fmu_model import FmuModel, Variable
 from lagrangia.fmu_xml import (
     LOG_CATEGORIES,
     About,
+    dependencies,
     display_unit_of,
     element,
     experiment,
@@ -87,16 +88,11 @@ def _structure(model: FmuModel) -> str:
     return element("ModelStructure", {}, *parts)
 
 
-def _unknowns(model: FmuModel, name: str, rows: Sequence[tuple[Variable, list[str]]]) -> list[str]:
-    everything = too_many([found for _, found in rows])
-    found = []
-    for variable, knowns in rows:
-        references = sorted(model.named(known).reference for known in knowns)
-        kind = "constant" if variable.name in model.constant_dependencies else "dependent"
-        listed = {} if everything else {"dependencies": " ".join(map(str, references)),
-                                        "dependenciesKind": " ".join([kind] * len(references))}
-        found.append(element(name, {"valueReference": variable.reference, **listed}, indent=2))
-    return found
+def _unknowns(model: FmuModel, name: str, rows: Sequence[tuple[Variable, dict[str, str]]]) -> list[str]:
+    everything = too_many([knowns for _, knowns in rows])
+    references = {variable.name: variable.reference for variable in model.variables}
+    return [element(name, {"valueReference": variable.reference,
+                           **({} if everything else dependencies(knowns, references))}, indent=2) for variable, knowns in rows]
 
 
 def write_build_description(version: str, identifier: str, sources: Sequence[str]) -> str:
