@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 
-from lagrangia.cli import DONE, FAILED, WRONG, main
+from lagrangia.cli import DONE, FAILED, INTERRUPTED, WRONG, main
 
 PENDULUM = """model Pendulum
   parameter Mass m = 1; parameter Length L = 1; parameter Integer n = 1;
@@ -404,7 +404,7 @@ def test_a_killed_run_leaves_the_older_result(endless: subprocess.Popen[str]) ->
 def test_an_interrupted_run_keeps_its_rows(endless: subprocess.Popen[str], number: signal.Signals) -> None:
     endless.send_signal(number)
     code, said = finish(endless)
-    assert code == FAILED and "interrupted at t =" in said
+    assert code == INTERRUPTED and "interrupted at t =" in said
     assert len(rows("x.csv")) > 100
     assert not list(Path().glob("*.part"))
 

@@ -6,10 +6,10 @@
     run.time, run["hinge[1].phi"], run.energy.total
 """
 
-from lagrangia.diagnostics import Diagnostic, LagError, RunError
+from lagrangia.diagnostics import Diagnostic, EngineWarning, Interrupted, LagError, RunError
 from lagrangia.model import Model, load
 from lagrangia.trajectory import EnergyAccount, Trajectory
 from lagrangia.version import VERSION
 
 __version__ = VERSION
-__all__ = ["Diagnostic", "EnergyAccount", "LagError", "Model", "RunError", "Trajectory", "load"]
+__all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Interrupted", "LagError", "Model", "RunError", "Trajectory", "load"]

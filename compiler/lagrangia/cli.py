@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from lagrangia.diagnostics import LagError, RunError, render_all
-from lagrangia.interruptions import ended_as_by_control_c
+from lagrangia.diagnostics import EngineWarning, LagError, RunError, render_all
+from lagrangia.interruptions import INTERRUPTED, ended_as_by_control_c
 from lagrangia.spelling import prepare_output
 from lagrangia.version import VERSION
 
@@ -21,11 +21,12 @@ DONE, FAILED, WRONG = 0, 1, 2
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Exit codes: 0 done, 1 the run failed, 2 the input is wrong."""
+    """Exit codes: 0 done, 1 the run failed, 2 the input is wrong, 130 interrupted."""
     atexit.register(gc.freeze)  # what ends with the process need not be searched for cycles
     prepare_output()
     parsed = _parser().parse_args(arguments)
     warnings.filterwarnings("ignore", category=RuntimeWarning)  # of NumPy: what is not finite is told in our words
+    warnings.filterwarnings("ignore", category=EngineWarning)  # so is this
     with ended_as_by_control_c():
         return _execute(parsed)
 
@@ -46,7 +47,7 @@ def _execute(parsed: argparse.Namespace) -> int:
         return FAILED
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
-        return FAILED
+        return INTERRUPTED
     except MemoryError:
         return _out_of_memory()
     except OSError as error:

@@ -108,6 +108,19 @@ class RunError(Exception):
     trajectory: Any = None
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C ended what Model.simulate or simulate_many did; the command line exits with 130.
+
+    `result` holds the Trajectory, or the Sweep, of what was computed before.
+    """
+
+    result: Any = None
+
+
+class EngineWarning(UserWarning):
+    """Another engine runs than a Model takes where it can."""
+
+
 @dataclass
 class Report:
     """Collects what a phase finds wrong, so that several errors are told together."""

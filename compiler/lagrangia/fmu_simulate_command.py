@@ -14,6 +14,7 @@ from lagrangia.diagnostics import RunError, fail
 from lagrangia.fmu_description import Description
 from lagrangia.fmu_process import SPOKEN, Inputs
 from lagrangia.fmu_run import FmuRun, open_fmu, settable, simulate_fmu
+from lagrangia.interruptions import INTERRUPTED
 from lagrangia.plot import draw
 from lagrangia.targets import Target, cells, quoted
 from lagrangia.units import ONE, Unit, parse_unit
@@ -48,7 +49,7 @@ def simulate_fmu_command(options: Namespace) -> int:
         _summarise(options, run, target)
     if run.outcome.interrupted:
         print(f"interrupted at t = {run.outcome.time:.6g}; the {run.rows} rows before are kept", file=sys.stderr)
-        return 1
+        return INTERRUPTED
     if run.outcome.is_asked_for:
         print(f"{run.outcome.message} at t = {run.outcome.time:.6g}", file=sys.stderr)
     elif run.outcome.message:

@@ -5,6 +5,7 @@ import signal
 from collections.abc import Callable, Iterator
 from typing import Any
 
+INTERRUPTED = 130  # exit code, as shells have it for SIGINT
 _ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGINT") if hasattr(signal, name))
 
 
@@ -24,6 +25,28 @@ def undisturbed() -> Iterator[None]:
         yield
     if came:
         raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def noticed() -> Iterator[list[int]]:
+    """Whether Ctrl-C came meanwhile: a library that calls back may turn its KeyboardInterrupt into an error of its own."""
+    came: list[int] = []
+    earlier = signal.getsignal(signal.SIGINT)
+
+    def notice(number: int, frame: Any) -> Any:
+        came.append(number)
+        return earlier(number, frame) if callable(earlier) else None
+
+    is_handled = False
+    if callable(earlier):
+        with contextlib.suppress(ValueError):  # in a thread of its own nobody ends it
+            signal.signal(signal.SIGINT, notice)
+            is_handled = True
+    try:
+        yield came
+    finally:
+        if is_handled:
+            signal.signal(signal.SIGINT, earlier)
 
 
 @contextlib.contextmanager

@@ -1,6 +1,7 @@
 """The Python interface: lag.load(...) -> Model, model.simulate(...) -> Trajectory."""
 
 import os
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
@@ -8,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.cache import find_scene, keep_scene
-from lagrangia.diagnostics import RunError, fail
+from lagrangia.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.engines import Engine, divided, load_engine, start_building
 from lagrangia.given import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, names, numbers
 from lagrangia.interpret import evaluate, evaluate_each
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
     from lagrangia.response import Response
     from lagrangia.sweep_plan import Job
     from lagrangia.sweep_table import Sweep
+
+NO_COMPILER = ("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
+               "(pip install ziglang brings a compiler)")
 
 
 def load(path: str | os.PathLike[str], *, model: str | None = None, **structural: Any) -> "Model":
@@ -122,7 +126,8 @@ class Model:
         `tolerance` is relative to the size of each coordinate and rate. `parameters` and `initial` map names to values in SI
         units; `inputs` maps names to constants, or is a pair (times, {name: values}) of tables that are linear in between.
         `solver` is "auto", a name from solvers.WAYS, or an integrator of CasADi as "casadi:cvodes".
-        Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on.
+        Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on, Interrupted
+        (with it in `.result`) after Ctrl-C. Without a C compiler an EngineWarning says that CasADi runs in place of "auto".
         """
         return self.run(Request(start, stop, tolerance, interval, at, solver, max_step, max_steps, parameters, initial, inputs))
 
@@ -133,6 +138,8 @@ class Model:
         experiment = plan(self.scene, request)
         values = check_values(self.scene, request.parameters, request.initial, request.inputs)
         suited = self.suited(values)
+        if suited.falls_back(experiment.solver):
+            warnings.warn(NO_COMPILER, EngineWarning, stacklevel=3)
         progress, portions = suited.start(experiment, values)
         kept: list[Sequence[float]] = []
         failure: RunError | None = None
@@ -140,11 +147,15 @@ class Model:
             kept.extend(portions)
         except RunError as error:
             failure = error
+        except KeyboardInterrupt:  # between two portions
+            progress.interrupted = True
         trajectory = Trajectory(self.scene, collect(self.scene, kept), progress,
                                 suited.observer(np.array(progress.parameters), values))
         if failure is not None:
             failure.trajectory = trajectory
             raise failure
+        if progress.interrupted:
+            raise _interrupted(trajectory, f"at t = {progress.time:.6g}")
         return trajectory
 
     def suited(self, values: Values) -> "Model":
@@ -197,7 +208,7 @@ class Model:
         `samples`. `runs` is a CSV file with a line for each run; `together` takes sequences side by side. `outputs` are
         measures: "max(y)", "at(0.5, y)", "first_time(abs(y) > 3)", ...; final values by default (`lag help sweep`). The motion
         is looked at every `interval` (s) at least. A run that fails is told in `.failures`, and no error. With a `path` (.csv,
-        .parquet) the table is written there, and a sweep that was killed goes on from `path`.part. Raises LagError.
+        .parquet) the table is written there, and a sweep that was killed goes on from `path`.part. Raises LagError, Interrupted.
         """
         from lagrangia.sweep import require_place, run_into
         from lagrangia.sweep_measures import quantities, read_measures, usual_measures
@@ -210,7 +221,10 @@ class Model:
         request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
         design = Design(None if runs is None else Path(runs), samples, seed, sampling, together, seconds_per_run)
         model, job = model.suited_to_all(build_job(model.scene, measures or usual_measures(model.scene), request, design))
-        return run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
+        sweep = run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
+        if sweep.interrupted:
+            raise _interrupted(sweep, f"after {sweep.ledger.entered} of {sweep.runs} runs")
+        return sweep
 
     def suited_to_all(self, job: "Job") -> "tuple[Model, Job]":
         """The model whose formulas hold for the parameters of every run, and the job with its scene; see `suited`."""
@@ -433,3 +447,9 @@ def _interpolated(t: "np.ndarray", values: Any, k: int) -> "np.ndarray":
     count = len(values.input_values) // len(values.input_times)
     column: np.ndarray = np.interp(t, values.input_times, np.asarray(values.input_values).reshape(-1, count)[:, k])
     return column
+
+
+def _interrupted(result: Any, when: str) -> Interrupted:
+    error = Interrupted(f"interrupted {when}")
+    error.result = result
+    return error

@@ -35,6 +35,7 @@ class Progress:
     is_driven: bool = False  # something is moved in time, and may bring energy whatever the steps
     contacts: tuple[str, ...] = ()  # of each event, what to call it
     interrupted: bool = False
+    engine: str = ""  # native, tape, or an integrator of CasADi
 
 
 # -------------------------------------------------------------------- the run
@@ -50,7 +51,8 @@ def simulate(
     """
     run = start_run(scene, engine, experiment, values)
     progress = Progress(experiment, parameters=run.parameters, has_power=scene.sizes["n_power"] > 0,
-                        is_driven=bool(scene.notes["is_driven"]), contacts=tuple(scene.notes["contacts"]))
+                        is_driven=bool(scene.notes["is_driven"]), contacts=tuple(scene.notes["contacts"]),
+                        engine=engine.how)
     return progress, _rows(scene, engine, run, progress, watch)
 
 
@@ -91,6 +93,7 @@ def _rows(
                 finally:
                     progress.seconds, progress.statistics, progress.time = time.perf_counter() - begin, run.statistics, run.time
                 engine.look(progress.seconds, (progress.time - start) / span if span > 0 else 1.0)
+                progress.engine = engine.how
                 done += rows.count
                 progress.rows += rows.count
                 if rows.count:

@@ -21,8 +21,8 @@ from lagrangia.arguments import (
     values_with_units,
 )
 from lagrangia.diagnostics import LagError, RunError, fail
-from lagrangia.interruptions import undisturbed
-from lagrangia.model import Model
+from lagrangia.interruptions import INTERRUPTED, undisturbed
+from lagrangia.model import NO_COMPILER, Model
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.request import Experiment, check_values, plan
 from lagrangia.simulate import Progress, loss
@@ -84,9 +84,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     scene = model.scene
     begin = time.perf_counter()
     if model.falls_back(options.solver) and not options.quiet:
-        print("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
-              "(pip install ziglang brings a compiler)",
-              file=sys.stderr)
+        print(NO_COMPILER, file=sys.stderr)
     bar = _Bar(experiment, sys.stderr)
     progress, portions = model.start(experiment, values, bar)
     loaded = time.perf_counter() - begin
@@ -116,7 +114,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
         tell_reactions(scene, last, sys.stdout if target != "-" else sys.stderr)
     if progress.interrupted:
         print(f"interrupted at t = {progress.time:.6g}; the {progress.rows} rows before are kept", file=sys.stderr)
-        return 1
+        return INTERRUPTED
     _raise_failure(failure, progress, target)
     return 0
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from lagrangia.arguments import asked, assignment, input_tables, keep_foreign, load_model, read_inputs, tell_inputs, tell_warnings
 from lagrangia.diagnostics import fail
+from lagrangia.interruptions import INTERRUPTED
 from lagrangia.model import Model
 from lagrangia.request import plan
 from lagrangia.simulate import DOUBTFUL
@@ -77,7 +78,7 @@ def _finish(options: Namespace, sweep: Sweep, target: str, journal: Journal | No
     if sweep.interrupted:
         how = f"kept in {journal.path}; the same command goes on with them" if journal is not None else "lost"
         print(f"interrupted: {entered} of {sweep.runs} runs are done, and {how}", file=sys.stderr)
-        return 1
+        return INTERRUPTED
     if target == "-":
         for text in sweep.lines():
             sys.stdout.write(text)

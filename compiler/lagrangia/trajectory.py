@@ -67,6 +67,11 @@ class Trajectory:
         return self.progress.statistics
 
     @property
+    def engine(self) -> str:
+        """What ran: native, tape, "tape, then native", or an integrator of CasADi (casadi:cvodes)."""
+        return self.progress.engine
+
+    @property
     def names(self) -> list[str]:
         return [column.name for column in self.columns]
 

@@ -1,0 +1,82 @@
+"""Ctrl-C in Python ends what runs at once, as KeyboardInterrupt, and what was computed is kept; engines are named."""
+
+import os
+import signal
+import sys
+import threading
+import time
+import warnings
+from pathlib import Path
+
+import pytest
+
+import lagrangia as lag
+
+PENDULUM = """
+model Pendulum
+  Revolute hinge(a = world, phi(start = 2));
+  Bar bar(m = 1, L = 1, a = hinge.b);
+  annotation(experiment(StopTime = 5, Tolerance = 1e-10));
+end Pendulum;
+"""
+
+
+@pytest.fixture(scope="module")
+def pendulum(tmp_path_factory: pytest.TempPathFactory) -> lag.Model:
+    path = tmp_path_factory.mktemp("interruptions") / "pendulum.lag"
+    path.write_text(PENDULUM)
+    return lag.load(path)
+
+
+def interrupted_after(seconds: float) -> float:
+    """When Ctrl-C comes."""
+    threading.Timer(seconds, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    return time.perf_counter() + seconds
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGINT")
+@pytest.mark.parametrize("solver", ["auto", "implicit", "conservative", "casadi:cvodes"])
+def test_control_c_ends_a_run(pendulum: lag.Model, solver: str) -> None:
+    before = pendulum.simulate(solver=solver)["hinge.phi"]
+    when = interrupted_after(0.5)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        pendulum.simulate(solver=solver, stop=1e6, interval=1.0, tolerance=1e-12)
+    assert time.perf_counter() - when < 2
+    assert isinstance(caught.value, lag.Interrupted) and "interrupted at t =" in str(caught.value)
+    kept = caught.value.result
+    assert kept.progress.interrupted and kept.time.tolist() == [float(k) for k in range(len(kept.time))]
+    assert pendulum.simulate(solver=solver)["hinge.phi"].tolist() == before.tolist()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGINT")
+def test_control_c_within_one_row(pendulum: lag.Model) -> None:
+    when = interrupted_after(0.3)
+    with pytest.raises(KeyboardInterrupt):
+        pendulum.simulate(at=[1e7], solver="erk", tolerance=1e-12)
+    assert time.perf_counter() - when < 2
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGINT")
+def test_control_c_ends_many_runs(pendulum: lag.Model) -> None:
+    when = interrupted_after(0.5)
+    with pytest.raises(lag.Interrupted) as caught:
+        pendulum.simulate_many(parameters={"bar.m": "1:2:4"}, stop=1e6, tolerance=1e-12)
+    assert time.perf_counter() - when < 5
+    assert caught.value.result.interrupted and not caught.value.result.ok.any()
+    assert pendulum.simulate_many(parameters={"bar.m": "1:2:4"}).ok.all()
+
+
+def test_without_a_compiler_python_says_what_runs(pendulum: lag.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        usual = pendulum.simulate()
+    assert usual.engine == "native"
+    monkeypatch.setenv("LAGRANGIA_CC", "none")
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path))
+    other = lag.load(pendulum.path)
+    with pytest.warns(lag.EngineWarning, match="CasADi's cvodes") as told:
+        run = other.simulate()
+    assert told[0].filename == __file__
+    assert run.engine == "casadi:cvodes" and other.simulate(solver="casadi:idas").engine == "casadi:idas"
+    assert abs(run["hinge.phi"] - usual["hinge.phi"]).max() < 1e-9
