@@ -16,6 +16,7 @@
 #include "lanes.h"
 #include "rough.h"
 #include "step.h"
+#include "turns.h"
 
 /* Chosen, like those of scale.c, for fewest evaluations to a given error, on chains, linkages and rows of springs. CAUTION multiplies
  * the error, so that a tolerance means about the same error by each method. Another order must be LOYAL times better. */
@@ -377,7 +378,7 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
 /* Where conditions are not held through steps, slopes before tell little of those to come. */
 static LagStatus step(LagRun *run)
 {
-    if ((run->switches.is_live || run->model->n_cones > 0) && lag_stiffness_pass(run))
+    if ((run->switches.is_live || run->model->n_cones > 0) && lag_turn_pass(run))
         return run->methods.table->step(run);
     return lag_step_adaptive(run);
 }

@@ -2,10 +2,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "accelerations.h"
 #include "account.h"
 #include "advance.h"
 #include "clock.h"
-#include "evaluate.h"
+#include "inside.h"
+#include "run.h"
 #include "schedule.h"
 #include "step.h"
 
@@ -13,18 +15,6 @@ enum { TICKS_PER_LOOK = 64 };
 static const double CLOSED = 1e-9; /* residuals of rows, relative to the motion: near singular positions rounding leaves as much */
 
 int lag_run_row_width(const LagModel *model) { return 1 + 2 * model->n + model->n_outputs + LAG_ACCOUNT_SIZE; }
-
-void lag_state_inside(LagRun *run, double t, double *y)
-{
-    if (t == run->motion.t || run->rests) {
-        memcpy(y, run->motion.y, (size_t)run->motion.size * sizeof *y);
-    } else {
-        run->careful = run->model->n_multipliers > 0; /* the stages of the dense output may lie near a singular position */
-        run->methods.table->interpolate(run->methods.self, &run->motion, t, y);
-        run->careful = 0;
-        run->stiffness.looks += LAG_LOOK;
-    }
-}
 
 /* A state beyond the range of numbers is no row: exact solvers reach there without a step that could fail. */
 static LagStatus row_at(LagRun *run, double t, double *row)
@@ -113,17 +103,6 @@ LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *don
         ++*done;
     }
     return LAG_OK;
-}
-
-void lag_go_back(LagRun *run, double t)
-{
-    LagMotion *motion = &run->motion;
-    lag_state_inside(run, t, run->inside);
-    lag_project_inside(run, t, run->inside);
-    memcpy(motion->y, run->inside, (size_t)motion->size * sizeof *motion->y);
-    memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);
-    motion->t = t;
-    lag_project_forget(run);
 }
 
 LagStatus lag_run_cut(LagRun *run, double t)

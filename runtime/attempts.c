@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "singular.h"
-#include "stiffness.h"
+#include "turns.h"
 
 enum { PATIENT = 2, TOLERANT = 5, MOST_TRIES = 3, DEPTHS = 30, IN_VAIN, PLUNGED = 100, LATELY = 8, MOST_PLUNGES = 4 };
 static const double WAY[LAG_WAYS] = {1, 0.77, 1.29, 0.6, 0.45, 0.9, 1.1, 0.35}, FORGIVEN = 1e-5, SINGULAR = 100;
@@ -109,7 +109,7 @@ int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, doubl
         return 0;
     run->step = is_loop ? TO_OTHERS * fmax(attempts->planned, run->calm_step) : shorter;
     run->calm_step *= is_loop ? TO_OTHERS : 1;
-    return (is_loop && lag_stiffness_fall_back(run)) || lag_stiffness_pass(run);
+    return (is_loop && lag_turn_fall_back(run)) || lag_turn_pass(run);
 }
 
 double lag_attempts_next(LagRun *run, LagAttempts *attempts, double h, double error, double shorter)

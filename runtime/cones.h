@@ -3,7 +3,7 @@
 #define LAG_CONES_H
 
 #include "model.h"
-#include "run.h"
+#include "settings.h"
 
 /* Whether switch i is a component of a slip in the plane. */
 int lag_cones_have(const LagRun *run, int i);

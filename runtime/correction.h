@@ -4,7 +4,7 @@
 #ifndef LAG_CORRECTION_H
 #define LAG_CORRECTION_H
 
-#include "run.h"
+#include "settings.h"
 
 /* The largest component, each compared with its coordinate; infinity when they are not finite. */
 double lag_correction_size(const LagRun *run, int first);

@@ -7,8 +7,8 @@
 #include <float.h>
 #include <math.h>
 
-#include "advance.h"
 #include "conditions.h"
+#include "inside.h"
 #include "schedule.h"
 
 /* Of what it could move in a step at the pace of one of its ends: a length that is more at both does not reach 0 in between. */

@@ -2,7 +2,7 @@
 #ifndef LAG_EQUAL_STEPS_H
 #define LAG_EQUAL_STEPS_H
 
-#include "run.h"
+#include "settings.h"
 
 typedef struct {
     double shortest; /* step */

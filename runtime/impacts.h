@@ -4,7 +4,7 @@
 
 #include "complementarity.h"
 #include "model.h"
-#include "run.h"
+#include "settings.h"
 
 typedef struct {
     int *fires;      /* n_whens: those whose rates are reset now */

@@ -8,6 +8,7 @@
 
 #include "advance.h"
 #include "project.h"
+#include "run.h"
 #include "step.h"
 
 int lag_islands_open(LagIslands *s, const LagModel *model, const LagSettings *settings)

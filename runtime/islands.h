@@ -2,18 +2,7 @@
 #ifndef LAG_ISLANDS_H
 #define LAG_ISLANDS_H
 
-#include "method.h"
-#include "run.h"
-
-typedef struct {
-    int count;
-    LagRun **runs;
-    double *row, *mask, *values; /* scratch: a row; a mask of ones; a state (q, v) */
-    double *p;                           /* the parameters that the runs have */
-    double *taken, *now;                 /* 2 each run: its {dissipated, work}, in the present state and in the one tried */
-    int are_started;                     /* at the start of the present run; the first step may take many calls */
-    int inputs_version;                  /* of the table that the runs have */
-} LagIslands;
+#include "parts.h"
 
 extern const LagMethod lag_islands_method;
 

@@ -3,7 +3,7 @@
 #ifndef LAG_JAMS_H
 #define LAG_JAMS_H
 
-#include "run.h"
+#include "settings.h"
 
 /* The shares of the first `count` of sliding.which at a state: into sliding.share; impacts.problem has their states. Returns 0 where there
  * are none. */

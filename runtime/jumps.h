@@ -3,7 +3,7 @@
 #define LAG_JUMPS_H
 
 #include "model.h"
-#include "run.h"
+#include "settings.h"
 
 /* Where they are looked for. What is large and what is rounding is learned at present states alone: stages of steps that are too long may
  * be anywhere. LAG_FIRST: at the present state, with nothing known of it. */

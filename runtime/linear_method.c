@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "evaluate.h"
+#include "accelerations.h"
 #include "step.h"
 
 static const double SAME = 1e-9, IGNORED = 4 * DBL_EPSILON;

@@ -64,4 +64,10 @@ typedef struct {
     int dreads_rows;         /* other methods go on where there are many */
 } LagMethod;
 
+/* A method with its own struct. */
+typedef struct {
+    const LagMethod *table;
+    void *self;
+} LagStepper;
+
 #endif

@@ -1,8 +1,9 @@
 #include "methods.h"
 
+#include <string.h>
+
 #include "function.h"
 #include "orbit.h"
-#include "parts.h"
 
 /* What may go on in steps between which rows are looked at. */
 static int32_t stepwise(const LagSettings *settings, const LagModel *model)
@@ -75,22 +76,27 @@ static LagStepper conservative(LagMethods *methods)
     return (LagStepper){lag_parts.implicit_conservative, &methods->gauss};
 }
 
-LagStepper lag_methods_find(LagMethods *methods, int32_t solver)
+/* What a number stands for; where it stands for none of them, an explicit method serves. */
+static void fill(LagMethods *methods)
 {
-    switch (solver) {
-    case LAG_SOLVER_LINEAR: return (LagStepper){lag_parts.linear, &methods->linear};
-    case LAG_SOLVER_TRANSITION: return (LagStepper){&lag_transition, &methods->transition};
-    case LAG_SOLVER_ORBIT: return (LagStepper){&lag_orbit, NULL};
-    case LAG_SOLVER_IMPLICIT: return (LagStepper){&lag_radau, &methods->radau};
-    case LAG_SOLVER_ISLANDS: return (LagStepper){lag_parts.islands, &methods->islands};
-    case LAG_SOLVER_CONSERVATIVE: return conservative(methods);
-    case LAG_SOLVER_TAYLOR: return (LagStepper){&lag_taylor, &methods->taylor};
-    case LAG_SOLVER_ADAMS: return (LagStepper){&lag_adams, &methods->adams};
-    case LAG_SOLVER_PIRK: return (LagStepper){&lag_pirk, &methods->pirk};
-    case LAG_SOLVER_ERK9: return (LagStepper){&lag_verner9, &methods->verner9};
-    case LAG_SOLVER_ERK5: return (LagStepper){&lag_tsit5, &methods->tsit5};
-    default: return (LagStepper){&lag_dop853, &methods->dop853};
-    }
+    const LagStepper explicit_one = {&lag_dop853, &methods->dop853};
+    const LagStepper all[LAG_SOLVERS] = {
+        [LAG_SOLVER_AUTO] = explicit_one,
+        [LAG_SOLVER_STEPWISE] = explicit_one,
+        [LAG_SOLVER_ERK] = explicit_one,
+        [LAG_SOLVER_LINEAR] = {lag_parts.linear, &methods->linear},
+        [LAG_SOLVER_IMPLICIT] = {&lag_radau, &methods->radau},
+        [LAG_SOLVER_ISLANDS] = {lag_parts.islands, &methods->islands},
+        [LAG_SOLVER_CONSERVATIVE] = conservative(methods),
+        [LAG_SOLVER_TAYLOR] = {&lag_taylor, &methods->taylor},
+        [LAG_SOLVER_ERK5] = {&lag_tsit5, &methods->tsit5},
+        [LAG_SOLVER_ADAMS] = {&lag_adams, &methods->adams},
+        [LAG_SOLVER_TRANSITION] = {&lag_transition, &methods->transition},
+        [LAG_SOLVER_ORBIT] = {&lag_orbit, NULL},
+        [LAG_SOLVER_ERK9] = {&lag_verner9, &methods->verner9},
+        [LAG_SOLVER_PIRK] = {&lag_pirk, &methods->pirk},
+    };
+    memcpy(methods->steppers, all, sizeof all);
 }
 
 /* The one that is there for what others cannot take. */
@@ -106,13 +112,14 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
     const int32_t solver = methods->next = usual(settings, model);
     if (lag_methods_first(settings, model) == LAG_SOLVER_TRANSITION)
         lag_transition.layout(&methods->transition, motion, arena);
+    methods->is_separable = model->is_separable;
+    fill(methods);
     if (!lag_methods_permit(model, solver))
         return;
-    methods->is_separable = model->is_separable;
     methods->explicit_solver = explicit_of(settings, model, solver);
     methods->rows_solver = stepwise(settings, model);
     const int may_turn = lag_methods_turn(settings) && lag_methods_alternate(model, solver);
-    const int leaves = lag_methods_find(methods, solver).table->leaves_trouble || solver == LAG_SOLVER_CONSERVATIVE;
+    const int leaves = methods->steppers[solver].table->leaves_trouble || solver == LAG_SOLVER_CONSERVATIVE;
     const int needs_other = leaves || lag_methods_alternate(model, solver) || model->n_switches > 0;
     methods->may_find_poles = may_turn && solver == LAG_SOLVER_TAYLOR && settings->solver != LAG_SOLVER_STEPWISE
         && lag_pirk_outruns_series(model, settings->tolerance);
@@ -123,16 +130,8 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
         int is_new = 1;
         for (size_t j = 0; j < i; ++j)
             is_new = is_new && asked[j] != asked[i];
-        const LagStepper stepper = lag_methods_find(methods, asked[i]);
+        const LagStepper stepper = methods->steppers[asked[i]];
         if (is_new)
             stepper.table->layout(stepper.self, motion, arena);
     }
-}
-
-void lag_methods_choose(LagMethods *methods, int32_t solver)
-{
-    const LagStepper stepper = lag_methods_find(methods, solver);
-    methods->solver = solver;
-    methods->table = stepper.table;
-    methods->self = stepper.self;
 }

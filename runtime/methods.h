@@ -5,12 +5,12 @@
 #include "adams.h"
 #include "explicit.h"
 #include "gauss.h"
-#include "islands.h"
 #include "linear_method.h"
 #include "nystrom.h"
+#include "parts.h"
 #include "pirk.h"
 #include "radau.h"
-#include "run.h"
+#include "settings.h"
 #include "taylor.h"
 #include "transition.h"
 
@@ -21,6 +21,7 @@ typedef struct {
     int32_t explicit_solver; /* erk or erk5 */
     int32_t rows_solver;     /* what goes on where iterated collocation meets many rows: erk, erk5, adams or taylor */
     int may_find_poles;      /* that goes on where series find the motion limited by poles */
+    LagStepper steppers[LAG_SOLVERS]; /* by their numbers */
     int32_t next;            /* LAG_SOLVER_...: what a run that begins with transition matrices goes on with, if it must */
     LagExplicit dop853, tsit5, verner9;
     LagPirk pirk;
@@ -34,12 +35,6 @@ typedef struct {
     LagTaylor taylor;
     LagTransition transition;
 } LagMethods;
-
-/* A method with its own struct. */
-typedef struct {
-    const LagMethod *table;
-    void *self;
-} LagStepper;
 
 /* The solver to begin with. */
 int32_t lag_methods_first(const LagSettings *settings, const LagModel *model);
@@ -59,10 +54,5 @@ int lag_methods_alternate(const LagModel *model, int32_t solver);
 /* The methods that a run with these settings may use take their memory. */
 void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,
                         LagArena *arena);
-
-LagStepper lag_methods_find(LagMethods *methods, int32_t solver);
-
-/* Puts a method to use; it must be restarted. */
-void lag_methods_choose(LagMethods *methods, int32_t solver);
 
 #endif

@@ -6,6 +6,7 @@
 #include "extremes.h"
 #include "jets.h"
 #include "step.h"
+#include "stepper.h"
 
 /* At a turn all rates are 0 but for their errors; where they are not, only one coordinate has turned, and others go on: each by the
  * measure of its own rates, as one may be slow where another is quick. Below NOTHING of all rates it hardly moves. */
@@ -55,7 +56,7 @@ static void keep(LagRun *run)
 static void recall(LagRun *run, int k, double t, double *y)
 {
     const LagOrbit *s = &run->orbit;
-    const LagStepper base = lag_methods_find(&run->methods, s->solver);
+    const LagStepper base = lag_stepper_of(run, s->solver);
     const double begin = s->begin[k], length = s->begin[k + 1] - begin;
     const int was_careful = run->careful;
     run->careful = run->model->n_multipliers > 0; /* as in lag_state_inside */
@@ -131,7 +132,7 @@ static void turn(LagRun *run, double t)
     s->span = t - s->first;
     s->is_open = 0;
     if (s->span > 0) {
-        lag_methods_choose(&run->methods, LAG_SOLVER_ORBIT);
+        lag_stepper_choose(run, LAG_SOLVER_ORBIT);
         run->stiffness.is_watching = 0;
     }
 }

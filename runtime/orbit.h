@@ -9,7 +9,7 @@
 
 #include "method.h"
 #include "model.h"
-#include "run.h"
+#include "settings.h"
 
 enum { LAG_ORBIT_STEPS = 320 };
 

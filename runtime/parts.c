@@ -2,6 +2,7 @@
 #include "parts.h"
 
 #include "gauss.h"
+#include "islands.h"
 #include "linear_method.h"
 #include "nystrom.h"
 

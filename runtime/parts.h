@@ -4,7 +4,19 @@
 #define LAG_PARTS_H
 
 #include "assemble.h"
-#include "islands.h"
+#include "method.h"
+#include "settings.h"
+
+/* What islands.c keeps in the run that they make up. */
+typedef struct {
+    int count;
+    LagRun **runs;
+    double *row, *mask, *values; /* scratch: a row; a mask of ones; a state (q, v) */
+    double *p;                           /* the parameters that the runs have */
+    double *taken, *now;                 /* 2 each run: its {dissipated, work}, in the present state and in the one tried */
+    int are_started;                     /* at the start of the present run; the first step may take many calls */
+    int inputs_version;                  /* of the table that the runs have */
+} LagIslands;
 
 typedef struct {
     const LagMethod *linear, *islands;

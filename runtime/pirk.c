@@ -13,6 +13,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "accelerations.h"
 #include "evaluate.h"
 #include "extremes.h"
 #include "pirk_tableau.h"

@@ -4,7 +4,7 @@
 
 #include "closure.h"
 #include "model.h"
-#include "run.h"
+#include "settings.h"
 
 /* Of a projected state. */
 typedef struct {

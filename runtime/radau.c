@@ -10,6 +10,7 @@
 #include "attempts.h"
 #include "onset.h"
 #include "step.h"
+#include "turns.h"
 
 static const double SAFETY = 0.9, LEAST_FACTOR = 1.0 / 8, MOST_FACTOR = 5, NOT_FINITE_SHRINK = 0.25, DIVERGED_SHRINK = 0.5;
 /* A step is kept when it could grow by less than this; contractions below which the Jacobian is kept, more stages pay, and
@@ -178,7 +179,7 @@ static LagStatus step(LagRun *run)
         if ((convergence == LAG_NO_JACOBIAN || convergence == LAG_STAGES_NOT_FINITE) && lag_switches_release(run))
             continue;
         if (convergence == LAG_NO_JACOBIAN)
-            return lag_stiffness_pass(run) ? run->methods.table->step(run) : lag_step_give_up(run, worst);
+            return lag_turn_pass(run) ? run->methods.table->step(run) : lag_step_give_up(run, worst);
         if (convergence != LAG_STAGES_CONVERGED && !s->jacobian_is_fresh) {
             s->jacobian_is_known = 0; /* and the same step again */
             continue;
@@ -188,7 +189,7 @@ static LagStatus step(LagRun *run)
         if (convergence == LAG_STAGES_CONVERGED && lag_project_is_near(run, t_new, m->other))
             lag_onset_learn(m, &run->scale, t_new, error * run->scale.tolerance, FORESEEN);
         run->step = lag_attempts_next(run, &attempts, h, error, h * shorter(s, convergence, asked, error));
-        if (run->careful && attempts.rejected > HOPELESS && lag_stiffness_pass(run)) {
+        if (run->careful && attempts.rejected > HOPELESS && lag_turn_pass(run)) {
             run->step = fmax(attempts.planned, run->calm_step);
             return run->methods.table->step(run);
         }

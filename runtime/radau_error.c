@@ -4,7 +4,6 @@
  */
 #include <math.h>
 
-#include "evaluate.h"
 #include "radau.h"
 #include "step.h"
 

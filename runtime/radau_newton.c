@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "evaluate.h"
+#include "accelerations.h"
 #include "radau.h"
 #include "step.h"
 

@@ -8,11 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "advance.h"
-#include "evaluate.h"
+#include "ends.h"
 #include "extremes.h"
 #include "state.h"
-#include "step.h"
 
 static const double ROUNDING = 4096 * DBL_EPSILON; /* of the largest rate so far: what stops is not known better */
 

@@ -2,13 +2,15 @@
 
 #include <math.h>
 
-#include "advance.h"
 #include "evaluate.h"
 #include "function.h"
+#include "inside.h"
 #include "project.h"
 #include "segment.h"
 #include "state.h"
 #include "step.h"
+#include "stepper.h"
+#include "turns.h"
 
 /* Of the larger one at the ends of a step, what lies under a root comes near to 0 within it: there the distance is a tenth. */
 static const double NEAR = 0.01, HALF = 0.5, SUSPECT = 0.1; /* the last one by a parabola */
@@ -134,8 +136,8 @@ static void take_back(LagRun *run, double share)
 
 LagStatus lag_roots_leave(LagRun *run)
 {
-    lag_methods_choose(&run->methods, run->methods.explicit_solver);
-    lag_stiffness_reset(run);
+    lag_stepper_choose(run, run->methods.explicit_solver);
+    run->choice.reset(run);
     const LagStatus status = lag_segment_evaluate(run);
     return status == LAG_OK ? run->methods.table->step(run) : status;
 }
@@ -151,5 +153,5 @@ LagStatus lag_roots_watch(LagRun *run)
     if (x == 0)
         return LAG_OK;
     take_back(run, x);
-    return lag_stiffness_pass(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
+    return lag_turn_pass(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
 }

@@ -7,7 +7,7 @@
 
 #include "arena.h"
 #include "model.h"
-#include "run.h"
+#include "settings.h"
 #include "status.h"
 
 typedef struct {

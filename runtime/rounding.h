@@ -2,7 +2,7 @@
 #ifndef LAG_ROUNDING_H
 #define LAG_ROUNDING_H
 
-#include "run.h"
+#include "settings.h"
 
 /* Before a step: looks now and then. */
 void lag_rounding_watch(LagRun *run);

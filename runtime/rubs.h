@@ -3,7 +3,7 @@
 #define LAG_RUBS_H
 
 #include "model.h"
-#include "run.h"
+#include "settings.h"
 
 /* Whether switch i is that of friction that presses with the force of a contact, and of nothing else. */
 int lag_rubs_alone(const LagModel *model, int i);

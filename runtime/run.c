@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "accelerations.h"
 #include "account.h"
 #include "evaluate.h"
 #include "function.h"
@@ -71,6 +72,7 @@ static void connect_parts(LagRun *run, const LagModel *model)
     run->motion.rhs = lag_accelerations;
     run->motion.flow = lag_flow;
     run->motion.context = run;
+    run->choice = (LagChoice){lag_stiffness_reset, lag_stiffness_begin, lag_stiffness_watch};
 }
 
 int32_t lag_run_solver(const LagModel *model, const LagSettings *settings)

@@ -2,14 +2,16 @@
 
 #include <math.h>
 
+#include "accelerations.h"
 #include "account.h"
-#include "evaluate.h"
 #include "first_step.h"
 #include "function.h"
 #include "onset.h"
 #include "rest.h"
 #include "schedule.h"
 #include "step.h"
+#include "stepper.h"
+#include "turns.h"
 
 static const double FIRST_PART = 0.1; /* of what is left: no first step is longer */
 static const double FAR = 1e3; /* times all that was before */
@@ -79,16 +81,16 @@ LagStatus lag_segment_evaluate(LagRun *run)
     const int n = motion->n;
     motion->t_old = motion->t;
     if (run->methods.solver == LAG_SOLVER_ORBIT) { /* the state or the equations are others now */
-        lag_methods_choose(&run->methods, run->orbit.solver);
-        lag_stiffness_reset(run);
+        lag_stepper_choose(run, run->orbit.solver);
+        run->choice.reset(run);
     }
     const int is_bend = lag_switches_enter(run);
     if (run->sliding.jams)
         return lag_fail(run, LAG_NO_IMPULSE, -1, 0, 0);
     if (run->sliding.count > run->methods.table->most_sliding)
-        lag_stiffness_pass(run);
+        lag_turn_pass(run);
     else if (run->methods.table->begins_low)
-        lag_stiffness_lead(run);
+        lag_stepper_lead(run);
     lag_account_weigh(run);
     if (!lag_motion_slope(motion, motion->t, motion->y, motion->y + n, motion->slope)) {
         run->segment_over = 1;

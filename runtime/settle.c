@@ -11,7 +11,6 @@
 #include <math.h>
 
 #include "cones.h"
-#include "evaluate.h"
 #include "extremes.h"
 #include "jams.h"
 #include "jumps.h"

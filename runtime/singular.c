@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "evaluate.h"
+#include "accelerations.h"
 #include "extremes.h"
 #include "function.h"
 

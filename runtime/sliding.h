@@ -5,7 +5,7 @@
 
 #include "dense_lu.h"
 #include "model.h"
-#include "run.h"
+#include "settings.h"
 
 /* Pivots below this are those of shares that hold the same: corners of a box that is all but flat. */
 #define LAG_SLIDING_DEPENDENT 1e-9

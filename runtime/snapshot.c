@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "state.h"
+#include "stepper.h"
 
 typedef struct {
     uint64_t struct_size, memory_size, table_size; /* bytes, doubles, doubles */
@@ -125,6 +126,6 @@ LagStatus lag_snapshot_restore(LagRun *run, const unsigned char *bytes, size_t s
     keep_own(&result, run);
     memcpy(run->memory, vectors, run->memory_size * sizeof(double));
     *run = result;
-    lag_methods_choose(&run->methods, saved.methods.solver);
+    lag_stepper_choose(run, saved.methods.solver);
     return LAG_OK;
 }

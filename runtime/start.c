@@ -7,7 +7,9 @@
 #include "evaluate.h"
 #include "function.h"
 #include "parts.h"
+#include "run.h"
 #include "segment.h"
+#include "stepper.h"
 
 static int settings_valid(const LagSettings *s)
 {
@@ -56,9 +58,9 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
 {
     run->started = 0;
     clear(run);
-    lag_methods_choose(&run->methods, lag_methods_first(&run->settings, run->model));
+    lag_stepper_choose(run, lag_methods_first(&run->settings, run->model));
     if (run->methods.solver == LAG_SOLVER_TRANSITION && !lag_transition_serves(run))
-        lag_methods_choose(&run->methods, run->methods.next);
+        lag_stepper_choose(run, run->methods.next);
     if (!settings_valid(&run->settings) || !lag_methods_permit(run->model, run->methods.solver))
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     guess(run, q_given, v_given);

@@ -9,13 +9,21 @@
 #include "orbit.h"
 #include "project.h"
 #include "roots.h"
-#include "run.h"
+#include "settings.h"
 #include "sliding.h"
 #include "stiffness.h"
 #include "switches.h"
 
+/* Of the choice of methods, what steps call: they are told, and know no more of it. Set by run.c. */
+typedef struct {
+    void (*reset)(LagRun *run); /* a run starts, or goes on by a method that was not chosen for it */
+    void (*begin)(LagRun *run); /* a method begins */
+    void (*watch)(LagRun *run); /* a step was taken */
+} LagChoice;
+
 struct LagRun {
     const LagModel *model;
+    LagChoice choice;
     LagSettings settings;
     LagStatistics statistics;
     LagFailure failure;

@@ -1,42 +1,16 @@
 #include "step.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "account.h"
 #include "extremes.h"
 #include "rest.h"
 #include "segment.h"
+#include "turns.h"
 
-static const double FIRST_STEP = 1; /* towards no end */
 static const double MOST_STEPS = 1e10; /* hours, of the smallest scenes */
 enum { LOOK_FOR_PROGRESS = 1 << 17 };
 enum { GLANCE = 16 }; /* strides from one look at the energies to the next */
-
-double lag_step_smallest(double t) { return lag_max(4 * DBL_EPSILON * fabs(t), DBL_MIN); }
-
-double lag_step_end(const LagRun *run, double h)
-{
-    const double t = run->motion.t, end = lag_min(run->segment_end, run->settings.t_stop);
-    const int has_row = run->methods.table->ends_at_rows && run->wanted > t;
-    const double limit = has_row ? lag_min(run->wanted, end) : end, left = limit - t;
-    if (run->impacts.seen > t && h > run->impacts.seen - t)
-        return lag_min(run->impacts.seen, limit);
-    if (run->sliding.stops > t && h > run->sliding.stops - t)
-        return lag_min(run->sliding.stops, limit);
-    if (h >= left)
-        return limit;
-    return t + (2 * h > left ? left / 2 : h);
-}
-
-double lag_step_aim(const LagRun *run)
-{
-    const double t = run->motion.t, end = lag_min(run->segment_end, run->settings.t_stop);
-    double target = run->wanted > t && run->wanted < end ? run->wanted : end;
-    if (isinf(target))
-        target = t + fmax(FIRST_STEP, fabs(t));
-    return run->settings.max_step > 0 ? fmin(target, t + run->settings.max_step) : target;
-}
 
 /* The state reached. */
 static void note_state(LagRun *run)
@@ -45,11 +19,6 @@ static void note_state(LagRun *run)
         lag_scale_note(&run->scale, run->motion.y);
     if (lag_step_is_every(run, GLANCE))
         lag_account_glance(run);
-}
-
-void lag_step_set_units(LagRun *run, double h)
-{
-    lag_scale_set_step(&run->scale, h, run->methods.solver == LAG_SOLVER_IMPLICIT && run->sliding.count == 0);
 }
 
 void lag_step_record(LagRun *run, double h)
@@ -65,19 +34,6 @@ void lag_step_record(LagRun *run, double h)
     lag_step_set_units(run, h);
 }
 
-LagStatus lag_step_give_up(LagRun *run, int worst)
-{
-    const int n = run->model->n;
-    run->careful = 0;
-    return lag_fail(run, LAG_STEP_TOO_SMALL, worst < n ? worst : worst - n, worst >= n, 0);
-}
-
-LagStatus lag_step_no_progress(LagRun *run, int worst, double steps)
-{
-    const int n = run->model->n;
-    return lag_fail(run, LAG_NO_PROGRESS, worst < n ? worst : worst - n, worst >= n, steps);
-}
-
 /* Now and then: whether the rest would take more steps, each like the latest ones, than anybody waits for. */
 static LagStatus look_for_progress(LagRun *run)
 {
@@ -89,7 +45,7 @@ static LagStatus look_for_progress(LagRun *run)
 
 LagStatus lag_step(LagRun *run)
 {
-    if (!lag_stiffness_turn(run))
+    if (!lag_turn(run))
         return lag_fail(run, LAG_NOT_FINITE, -1, 0, 0);
     lag_switches_resolve(run);
     if (run->segment_over) {
@@ -107,7 +63,7 @@ LagStatus lag_step(LagRun *run)
     if (status == LAG_OK) {
         if (run->orbit.is_open)
             lag_orbit_follow(run);
-        lag_stiffness_watch(run);
+        run->choice.watch(run);
         if (run->model->n_switches > 0) {
             lag_switches_watch(run);
             lag_account_weigh(run);

@@ -7,11 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "account.h"
 #include "extremes.h"
-#include "first_step.h"
 #include "state.h"
-#include "step.h"
 
 /* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
  * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1; sweeps of iterated collocation come nearer up to some 5), the
@@ -21,7 +18,6 @@ static const double DIFFERENCE = 1e-6, FASTER = 1.2;
 /* Steps times spectral radius of iterated collocation from which on limits by sweeps are those of stability; the share of steps that
  * are limited so. */
 static const double SWEPT = 1, MOSTLY = 0.7;
-static const double SMALL = 0.25; /* share of a first step of order 1 */
 /* Steps to a row: fewer ask for dense output, or for one that costs less. */
 static const double STEPS_A_ROW = 1.5, STEPS_A_ROW_OF_LOOPS = 0.4, STEPS_A_ROW_OF_PIRK = 0.03;
 /* Steps times spectral radius below which series are limited by poles of the motion, not by vibration: there iterated collocation
@@ -34,7 +30,7 @@ enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, FIRST_LOOK_PIRK = 12, STEPS_OF_ADAMS =
 /* A trial of implicit steps costs as much as 75 steps by series of a small scene. */
 enum { SUSPICIONS = 8, SUSPICIONS_OF_OTHERS = 3, SUSPICIONS_SERIES = 24 };
 /* After an event, steps are short at first. */
-enum { TRIAL = 16, TRIAL_AFTER_EVENT = 64, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, PASSES = 4, RECOVERED = 64, STAGES = 12, STAGES5 = 6 };
+enum { TRIAL = 16, TRIAL_AFTER_EVENT = 64, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, STAGES = 12, STAGES5 = 6 };
 
 void lag_stiffness_layout(LagStiffness *s, int n, int size, LagArena *arena)
 {
@@ -154,7 +150,7 @@ static int first_look(const LagRun *run)
     return is_pirk(run) ? FIRST_LOOK_PIRK : steps_for_one(run) * (is_low(run) ? FIRST_LOOK5 : FIRST_LOOK);
 }
 
-static void begin(LagRun *run)
+void lag_stiffness_begin(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
     s->steps = s->suspicions = 0;
@@ -175,14 +171,14 @@ void lag_stiffness_reset(LagRun *run)
     s->next = LAG_SOLVER_AUTO;
     s->explicit_solver = is_explicit ? solver : run->methods.explicit_solver;
     s->passes = 0;
-    s->relief = PASSES;
+    s->relief = LAG_PASSES;
     s->leads = 0;
-    s->relieved = -RECOVERED * PASSES;
+    s->relieved = -LAG_RECOVERED * LAG_PASSES;
     s->square = -1;
     s->rate = 0;
     s->wait = s->looks = 0;
     s->penalty = FIRST_WAIT;
-    begin(run);
+    lag_stiffness_begin(run);
 }
 
 /* Sweeps that hardly come nearer cost more than Adams' methods, where these serve, or Runge-Kutta methods, which are stable for longer
@@ -228,7 +224,7 @@ static void watch_explicit(LagRun *run)
         s->next = is_adams(run) || is_pirk(run) ? leave(run) : LAG_SOLVER_IMPLICIT;
     const int look = s->interval, suspicions = s->suspicions;
     s->wait = 0;
-    begin(run); /* the next stretch */
+    lag_stiffness_begin(run); /* the next stretch */
     s->interval = s->look = look;
     s->suspicions = suspicions;
 }
@@ -248,7 +244,7 @@ static void watch_implicit(LagRun *run)
         s->penalty = FIRST_WAIT; /* it has paid: what comes next is judged anew */
     }
     s->pace = 0;
-    begin(run);
+    lag_stiffness_begin(run);
 }
 
 static double fewest_steps_a_row(const LagRun *run)
@@ -281,86 +277,4 @@ void lag_stiffness_watch(LagRun *run)
         watch_explicit(run);
     if (run->methods.table->dreads_rows)
         watch_rows(run);
-}
-
-static int restart(LagRun *run, int32_t solver)
-{
-    LagMotion *m = &run->motion;
-    const int weighed = run->methods.table->weighs_work, before = run->methods.solver;
-    lag_methods_choose(&run->methods, solver);
-    m->t_old = m->t;
-    if (!lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope))
-        return 0;
-    run->methods.table->restart(run->methods.self, m);
-    if (run->methods.table->begins_low) {
-        const double slowness = lag_slowness(m, &run->scale, run->step, 0);
-        run->calm_step = run->step = SMALL * fmin(run->step, lag_first_step(&run->scale, slowness, run->methods.table->order));
-    }
-    if (weighed || run->methods.table->weighs_work)
-        lag_account_weigh(run);
-    const int is_quiet = before == LAG_SOLVER_ERK9 || before == LAG_SOLVER_PIRK || solver == LAG_SOLVER_PIRK;
-    const int is_implicit = before == LAG_SOLVER_IMPLICIT || solver == LAG_SOLVER_IMPLICIT;
-    run->statistics.switches += is_implicit || !(is_quiet || run->stiffness.leads);
-    run->stiffness.looks = 0;
-    return 1;
-}
-
-int lag_stiffness_turn(LagRun *run)
-{
-    LagStiffness *s = &run->stiffness;
-    const int32_t next = s->next;
-    s->next = LAG_SOLVER_AUTO;
-    if (next == LAG_SOLVER_AUTO || next == run->methods.solver)
-        return 1;
-    if (!restart(run, next))
-        return 0;
-    s->passes = s->leads = 0;
-    if (next == s->explicit_solver) {
-        const double largest = (s->rate + sqrt(s->rate * s->rate + 4 * lag_max(s->square, 0))) / 2;
-        run->step = largest > 0 ? fmin(run->step, 1 / largest) : run->step;
-    }
-    begin(run);
-    return run->sliding.count <= run->methods.table->most_sliding || lag_stiffness_pass(run);
-}
-
-int lag_stiffness_fall_back(LagRun *run)
-{
-    LagStiffness *s = &run->stiffness;
-    if (!s->is_watching || !restart(run, run->methods.explicit_solver))
-        return 0;
-    s->explicit_solver = run->methods.explicit_solver;
-    begin(run);
-    return 1;
-}
-
-/* Steps that are left to others: more if the method has not got far since the last ones. */
-static int relief(LagRun *run)
-{
-    LagStiffness *s = &run->stiffness;
-    const int64_t steps = run->statistics.steps;
-    const int is_soon = steps - s->relieved < RECOVERED * s->relief;
-    s->relief = is_soon ? (s->relief < MOST_WAIT ? 2 * s->relief : s->relief) : PASSES;
-    s->relieved = steps;
-    return s->relief;
-}
-
-int lag_stiffness_pass(LagRun *run)
-{
-    LagStiffness *s = &run->stiffness;
-    const int32_t passed = run->methods.solver;
-    const int leaves_trouble = run->methods.table->leaves_trouble;
-    if (!restart(run, run->methods.explicit_solver))
-        return 0;
-    if (run->sliding.count > 0) /* for longer than some steps */
-        begin(run);
-    s->passes = leaves_trouble ? relief(run) : PASSES;
-    s->passed = passed;
-    return 1;
-}
-
-void lag_stiffness_lead(LagRun *run)
-{
-    run->stiffness.leads = run->stiffness.passes = 1;
-    run->stiffness.passed = run->methods.solver;
-    lag_methods_choose(&run->methods, run->methods.explicit_solver);
 }

@@ -8,8 +8,9 @@
 #define LAG_STIFFNESS_H
 
 #include "arena.h"
-#include "run.h"
+#include "settings.h"
 
+enum { LAG_PASSES = 4, LAG_RECOVERED = 64 }; /* steps left to another method at first; times that many without trouble end it */
 enum { LAG_LOOK = 2 }; /* what a row counts, among steps without one */
 
 typedef struct {
@@ -38,21 +39,10 @@ void lag_stiffness_layout(LagStiffness *stiffness, int n, int size, LagArena *ar
 /* A run starts. */
 void lag_stiffness_reset(LagRun *run);
 
+/* A method begins. */
+void lag_stiffness_begin(LagRun *run);
+
 /* A step was taken. */
 void lag_stiffness_watch(LagRun *run);
-
-/* Puts the method that was decided on to use, before a step. Returns 0 where its first evaluation is not finite. */
-int lag_stiffness_turn(LagRun *run);
-
-/* The method in use cannot take a step: implicit ones near a singular position or where derivatives are not finite, or where something
- * slides. The explicit method takes some. Returns 0 if it cannot. */
-int lag_stiffness_pass(LagRun *run);
-
-/* A step of the explicit method, which is to be restarted, leads to where the motion has a size that the one in use needs. */
-void lag_stiffness_lead(LagRun *run);
-
-/* A series has no finite coefficients (exp of a large number under a fraction bar), or collocation met a singular position: the
- * explicit method goes on from here. Returns 0 if there is none, or the user asked for the one in use. */
-int lag_stiffness_fall_back(LagRun *run);
 
 #endif

@@ -10,15 +10,16 @@
 #include <math.h>
 #include <string.h>
 
-#include "advance.h"
 #include "conditions.h"
 #include "cones.h"
 #include "contacts.h"
 #include "crossing.h"
-#include "extremes.h"
+#include "ends.h"
 #include "evaluate.h"
+#include "extremes.h"
+#include "inside.h"
 #include "schedule.h"
-#include "step.h"
+#include "stepper.h"
 
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
 static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
@@ -315,7 +316,7 @@ static void step_shorter(LagRun *run, double x)
     lag_motion_take_back(m);
     lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope);
     if (run->methods.table->begins_low)
-        lag_stiffness_lead(run);
+        lag_stepper_lead(run);
     run->methods.table->restart(run->methods.self, m);
     ++run->statistics.rejected;
     run->step = AMPLE * x * h;

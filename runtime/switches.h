@@ -4,7 +4,7 @@
 
 #include "arena.h"
 #include "model.h"
-#include "run.h"
+#include "settings.h"
 
 /* What becomes of each at the present time; the next two: what slid, or an event that has come, goes to that side. The last: an event
  * comes where its condition jumps. */

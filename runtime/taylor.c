@@ -14,7 +14,7 @@
 #include "rounding.h"
 #include "segment.h"
 #include "step.h"
-#include "stiffness.h"
+#include "turns.h"
 
 enum { LEAST_ORDER = 4, PATIENCE = 3 }; /* rejections after which rounding is asked for */
 /* What the rest of the series may be worth in units of error, so that errors are those of Dormand-Prince at the same tolerance; by
@@ -334,12 +334,12 @@ static LagStatus step(LagRun *run)
     double wrong = INFINITY;
     int in_vain = 0;
     const int is_live = needs_live_switches(run, 0, 0);
-    if ((rests_at_origin(run) || is_live || run->model->n_cones > 0) && lag_stiffness_fall_back(run))
+    if ((rests_at_origin(run) || is_live || run->model->n_cones > 0) && lag_turn_fall_back(run))
         return run->methods.table->step(run);
-    if ((is_live || run->model->n_cones > 0) && lag_stiffness_pass(run))
+    if ((is_live || run->model->n_cones > 0) && lag_turn_pass(run))
         return run->methods.table->step(run);
     if (is_live || !build(run, s, s->order))
-        return lag_stiffness_fall_back(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
+        return lag_turn_fall_back(run) ? run->methods.table->step(run) : lag_step_give_up(run, 0);
     const double longest = GROW * lag_max(run->step, lag_step_smallest(m->t)); /* at rest a series says nothing of what comes */
     double h = lag_min(length_of(run, s), longest);
     if (run->settings.max_step > 0)
@@ -356,7 +356,7 @@ static LagStatus step(LagRun *run)
             return LAG_OK;
         }
         ++run->statistics.rejected;
-        if (needs_live_switches(run, ++in_vain, wrong) && lag_stiffness_fall_back(run))
+        if (needs_live_switches(run, ++in_vain, wrong) && lag_turn_fall_back(run))
             return run->methods.table->step(run);
         if (in_vain == PATIENCE)
             lag_rounding_look(run);

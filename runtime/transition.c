@@ -14,6 +14,7 @@
 #include "evaluate.h"
 #include "segment.h"
 #include "step.h"
+#include "stepper.h"
 
 static const double SAME = 1e-9, IGNORED = 4 * DBL_EPSILON, LOST = 1.0 / 40; /* of eps (norm t)^2: allowed for */
 enum { OFTEN = 4 }; /* steps of one length, after which it gets a rung of its own */
@@ -91,8 +92,8 @@ static LagMoving move(LagTransition *s, const LagMotion *m, const double *y, con
 /* Goes on by the method that comes next. */
 static LagStatus leave(LagRun *run)
 {
-    lag_methods_choose(&run->methods, run->methods.next);
-    lag_stiffness_reset(run);
+    lag_stepper_choose(run, run->methods.next);
+    run->choice.reset(run);
     const LagStatus status = lag_segment_evaluate(run);
     return status == LAG_OK ? run->methods.table->step(run) : status;
 }

@@ -3,7 +3,7 @@
 #define LAG_TRANSITION_H
 
 #include "method.h"
-#include "run.h"
+#include "settings.h"
 #include "transition_matrices.h"
 
 typedef struct {

@@ -65,7 +65,7 @@ def test_every_number_has_the_value_it_has_in_c(name: str) -> None:
     assert isinstance(mirror, type) and issubclass(mirror, IntEnum)
     kinds = [kind for kind in mirror if kind >= 0]
     assert numbers([f"{PREFIXES.get(name, name + '_')}{kind.name}" for kind in kinds]) == [int(kind) for kind in kinds]
-    header = {"LagStatus": "status", "LagOp": "tape", "LAG_SOLVER": "run", "LAG_REDUCE": "reduce", "LAG_RUN": "batch"}[name]
+    header = {"LagStatus": "status", "LagOp": "tape", "LAG_SOLVER": "settings", "LAG_REDUCE": "reduce", "LAG_RUN": "batch"}[name]
     text = re.sub(r"/\*.*?\*/", "", (FOLDER / f"{header}.h").read_text(), flags=re.S)
     (block,) = (body for body in re.findall(r"enum \{(.*?)\}", text, re.S) if kinds[0].name in body)
     counts = name in ("LAG_SOLVER", "LagOp")  # whose last number is how many there are
@@ -94,7 +94,7 @@ def test_small_numbers_are_those_of_c() -> None:
 @pytest.mark.parametrize(
     ("file", "change", "said"),
     [
-        ("run.h", ("    double max_step;", "    double max_step, more;"), "LagSettings has 64 bytes in it, and 56 here"),
+        ("settings.h", ("    double max_step;", "    double max_step, more;"), "LagSettings has 64 bytes in it, and 56 here"),
         ("status.h", ("    LAG_PAUSED,", "    LAG_PAUSED, LAG_MORE,"), "LagStatus has 17 numbers in it, and 16 here"),
         ("batch.h", ("    int32_t padding;", "    int32_t padding, more[2];"), "LagOutcome has 64 bytes in it, and 56 here"),
     ],

@@ -47,7 +47,7 @@ _ZERO = array("d", (0.0,))
 
 
 class Solver(IntEnum):
-    """LAG_SOLVER_... of run.h."""
+    """LAG_SOLVER_... of settings.h."""
 
     AUTO = 0
     ERK = 1

@@ -15,9 +15,9 @@
 
 #include "instance.h"
 
+#include "accelerations.h"
 #include "conditions.h"
 #include "contacts.h"
-#include "evaluate.h"
 #include "function.h"
 #include "schedule.h"
 #include "segment.h"
