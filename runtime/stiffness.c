@@ -15,6 +15,10 @@
  * share of it where stability does not rule by far; relative length of differences; how much faster the other method must be. */
 static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_PIRK = 2.5, RULES_SERIES = 0.95, FAR = 1 / 3.5;
 static const double DIFFERENCE = 1e-6, FASTER = 1.2;
+/* Steps times spectral radius from which on what has long died out, being damped, can be all that limits steps of Runge-Kutta
+ * methods: tolerances near rounding are missed well before stability is. The share of a change of rates that is against them, and
+ * the damping beside the frequency, of which that is said. */
+static const double RULES_DAMPED = 0.5, LEAST_REACHED = 0.5, AGAINST = 0.8, CREEPING = 1;
 /* Steps times spectral radius of iterated collocation from which on limits by sweeps are those of stability; the share of steps that
  * are limited so. */
 static const double SWEPT = 1, MOSTLY = 0.7;
@@ -55,13 +59,15 @@ static double reach(const LagRun *run, const double *way, int first)
     return isfinite(length) ? DIFFERENCE * length : 0;
 }
 
-/* One iteration: `way` becomes the change of the accelerations along it. The factor by which it grew, or `before`. */
+/* One iteration: `way` becomes the change of the accelerations along it, `against` the cosine between it and what it was, turned
+ * round. The factor by which it grew, or `before`. */
 static double iterate(LagRun *run, double *way, int first, double before)
 {
     LagStiffness *s = &run->stiffness;
     const int n = run->model->n;
     const double length = reach(run, way, first);
-    double old = 0, new = 0;
+    double old = 0, new = 0, along = 0;
+    s->against = 0;
     if (length == 0)
         return before;
     memcpy(s->point, run->motion.y, 2 * (size_t)n * sizeof *way);
@@ -73,12 +79,14 @@ static double iterate(LagRun *run, double *way, int first, double before)
         const double change = (s->slope[n + i] - s->base[i]) / length;
         old += way[i] * way[i];
         new += change * change;
+        along += way[i] * change;
         s->point[i] = change;
     }
     if (!(new > 0) || !isfinite(new))
         return 0;
     for (int i = 0; i < n; ++i)
         way[i] = s->point[i] / sqrt(new);
+    s->against = -along / sqrt(old * new);
     return sqrt(new / old);
 }
 
@@ -95,6 +103,8 @@ static double radius(LagRun *run)
         s->square = iterate(run, s->place_way, 0, lag_max(s->square, 0));
         s->rate = iterate(run, s->rate_way, n, s->rate);
     }
+    const int dies_out = s->against > AGAINST && s->rate * s->rate > CREEPING * CREEPING * lag_max(s->square, 0);
+    s->damped = dies_out ? s->damped + 1 : 0;
     return (s->rate + sqrt(s->rate * s->rate + 4 * s->square)) / 2;
 }
 
@@ -176,6 +186,8 @@ void lag_stiffness_reset(LagRun *run)
     s->relieved = -LAG_RECOVERED * LAG_PASSES;
     s->square = -1;
     s->rate = 0;
+    s->damped = 0;
+    s->reached = rules(run);
     s->wait = s->looks = 0;
     s->penalty = FIRST_WAIT;
     lag_stiffness_begin(run);
@@ -199,10 +211,20 @@ static void watch_poles(LagRun *run)
         s->next = s->explicit_solver = LAG_SOLVER_PIRK;
 }
 
+static int is_runge_kutta(const LagRun *run)
+{
+    const int32_t solver = run->methods.solver;
+    return solver == run->methods.explicit_solver || solver == LAG_SOLVER_ERK9;
+}
+
+/* Whether what changes most is a rate that dies out without swinging; forces of inertia look like it for a while. */
+static int is_damped(const LagStiffness *s) { return s->damped > 1; }
+
 static int is_ruled(const LagRun *run, double ruled)
 {
+    const int is_dead = is_runge_kutta(run) && is_damped(&run->stiffness);
     const int is_swept = is_pirk(run) && run->methods.pirk.limited > MOSTLY * run->stiffness.steps;
-    return ruled > rules(run) || (is_swept && ruled > SWEPT);
+    return ruled > rules(run) || (is_swept && ruled > SWEPT) || (is_dead && ruled > RULES_DAMPED);
 }
 
 static void watch_explicit(LagRun *run)
@@ -216,6 +238,7 @@ static void watch_explicit(LagRun *run)
     const int is_by_steps = run->methods.solver == LAG_SOLVER_TAYLOR || is_pirk(run); /* evaluations are not what they cost */
     const double spent = is_by_steps ? s->steps * explicit_step_work(run) : work(run) - s->work;
     s->pace = (run->motion.t - s->t) / spent;
+    s->reached = is_damped(s) ? lag_min(s->reached, lag_max(ruled, LEAST_REACHED)) : s->reached;
     s->suspicions = is_ruled(run, ruled) ? s->suspicions + 1 : 0;
     const int suspicious = steps_for_one(run) * SUSPICIOUS_INTERVAL, most = steps_for_one(run) * MOST_INTERVAL;
     s->interval = s->suspicions > 0 ? suspicious : ruled > FAR * rules(run) ? first_look(run) : 2 * s->interval;
@@ -235,7 +258,8 @@ static void watch_implicit(LagRun *run)
     if (s->steps < (run->statistics.events > s->events ? TRIAL_AFTER_EVENT : TRIAL))
         return;
     const double pace = (run->motion.t - s->t) / (work(run) - s->work), largest = radius(run);
-    const double possible = largest > 0 ? rules(run) / largest / explicit_step_work(run) : INFINITY;
+    const double longest = is_damped(s) ? s->reached : rules(run);
+    const double possible = largest > 0 ? longest / largest / explicit_step_work(run) : INFINITY;
     if (pace < s->pace || pace * FASTER < possible) {
         s->next = s->explicit_solver;
         s->wait = s->penalty;

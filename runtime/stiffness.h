@@ -29,7 +29,10 @@ typedef struct {
     double t, work;         /* when the present stretch began */
     int64_t events;         /* until then */
     double pace;            /* time gained per work by the explicit method, before the implicit one took over */
+    double reached;         /* steps of the explicit method times spectral radius, at the last look */
     double square, rate;    /* largest eigenvalues of accelerations by positions, and by rates */
+    double against;         /* cosine between a change of rates and what it does to them, turned round: 1 for what is damped */
+    int damped;             /* looks in a row that found damping before all else */
     double *place_way, *rate_way; /* n: their eigenvectors */
     double *point, *slope, *base; /* 2 n, size, n */
 } LagStiffness;

@@ -37,6 +37,33 @@ RELAXATION = """model Relaxation "B. van der Pol's oscillator: slow stretches, a
   AppliedForce f(at = b.center, force = {mu*c*(1 - (b.s/one)^2)*b.v, 0});
 end Relaxation;
 """
+GOVERNOR = """model Governor "Flyball: the shaft turns by psi, the arms hang at alpha, the sleeve sits at s"
+  parameter Length R = 0.04, A = 0.9, H = 0.95, d0 = 0.45;
+  parameter Mass M = 4, S = 2.5, mr = 0.2;
+  parameter Inertia J = 0.004;
+  parameter Stiffness K = 9e5;
+  parameter Damping C = 5e4;
+  coordinate Angle psi(fixed = true), alpha(start = 32[deg], fixed = true);
+  coordinate Length s(start = 0.45, fixed = true);
+  Length reach = R + A*cos(alpha), mid = R + A*cos(alpha)/2, d = sqrt((A*cos(alpha)/2)^2 + (H - A*sin(alpha)/2 - s)^2);
+energy
+  kinetic J*der(psi)^2/2 + S*der(s)^2/2 + M*(A^2*der(alpha)^2 + reach^2*der(psi)^2)
+    + mr*((A/2)^2*der(alpha)^2 + mid^2*der(psi)^2) + mr*A^2/12*(der(alpha)^2 + cos(alpha)^2*der(psi)^2);
+  potential S*9.81[m/s2]*s - 2*M*9.81[m/s2]*A*sin(alpha) - mr*9.81[m/s2]*A*sin(alpha) + K*(d - d0)^2;
+  dissipation C*der(d)^2;
+initial equation
+  der(psi) = 6[rad/s];
+end Governor;
+"""
+COLLAR = """model Collar "A loop that carries a plate on a stiff, damped spring"
+  parameter Stiffness K = 2e5; parameter Damping C = 2e4;
+  Revolute h(a = world, phi(start = 0.5)); Bar arm(m = 1, L = 0.5, a = h.b);
+  Prismatic slide(a = world, along = {0, 1}); Body collar(m = 2, I = 0.1, center = slide.b);
+  Link link(a = arm.b, b = collar.center, L = 0.6);
+  Prismatic s2(a = collar.center, along = {0, 1}, s(start = 0.2)); Body plate(m = 1.5, I = 0.1, center = s2.b);
+  Spring k(stretch = s2.s - 0.2[m], k = K); Damper c(rate = s2.v, c = C);
+end Collar;
+"""
 
 
 def difference(run: lag.Trajectory, exact: lag.Trajectory, model: lag.Model) -> float:
@@ -52,6 +79,27 @@ def test_a_stiff_scene_goes_over_to_implicit_steps(scene: Write, tolerance: floa
     assert run.statistics.switches > 0
     assert run.statistics.implicit_steps > 10
     assert run.statistics.steps < 600  # erk alone takes 23 000
+
+
+@pytest.mark.parametrize(("K", "C", "tolerance"), [
+    (9e5, 5e4, 1e-9), (9e5, 5e4, 1e-10), (9e5, 5e4, 1e-12), (9e3, 5e3, 1e-10), (9e6, 5e4, 1e-11), (9e4, 5e3, 1e-8)])
+def test_what_has_died_out_limits_steps_before_stability_does(scene: Write, K: float, C: float, tolerance: float) -> None:
+    """erk alone takes 6000 to 75 000 steps, each near 1 in units of the damping, which is far from where it gets unstable."""
+    model = scene(GOVERNOR)
+    run = model.simulate(at=[0.0, 10.0], tolerance=tolerance, parameters={"K": K, "C": C})
+    assert run.statistics.implicit_steps > 100 and run.statistics.steps < 1500
+    if (K, C) == (9e5, 5e4):  # SciPy's Radau at 1e-10, of equations made by SymPy
+        assert [run["s"][-1], run["psi"][-1]] == pytest.approx([0.48152215517, 54.8118084162], rel=max(1e-9, tolerance))
+    else:
+        exact = model.simulate(at=[0.0, 10.0], tolerance=1e-13, parameters={"K": K, "C": C}, solver="implicit")
+        assert difference(run, exact, model) < 30 * tolerance
+
+
+def test_the_same_in_a_closed_loop(scene: Write) -> None:
+    model, at = scene(COLLAR), [0.0, 5.0, 10.0]
+    run = model.simulate(at=at, tolerance=1e-10)
+    assert run.statistics.steps < 6000  # erk alone: 35 000
+    assert difference(run, model.simulate(at=at, tolerance=1e-13, solver="implicit"), model) < 1e-8
 
 
 def test_it_goes_there_and_back(scene: Write) -> None:
