@@ -1,8 +1,8 @@
 """Derivatives of slopes and outputs by time, states, inputs and parameters: along a direction, adjoint, and which are 0.
 
 With F(t, q, v, u, p) = (dq/dt, dv/dt, y), p those parameters that can be set: forward F' s by CasADi's forward mode, adjoint
-F'^T w by its reverse mode; both exact, each of a few times the cost of F. Constrained slopes are those of Model Exchange
-(runtime/fmi/exchange.c) with one Newton correction for the projection, which has the same derivatives on the constraints.
+F'^T w by its reverse mode; both exact, each of a few times the cost of F. Those of closed loops are those of Model
+Exchange (runtime/fmi/exchange.c) with one Newton correction for the projection, which has the same derivatives there.
 
 Where the scene has switches, d holds them (switches.py), and with them the shares of what a stop or friction holds: its rates
 R(t, q, v, u, d, p), which are 0, give them. With R as a third result and directions of d the run time eliminates the shares
@@ -72,7 +72,7 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
     if motion.constrained is not None:
         Q = q + place
         V = v + ca.substitute(steer, q, Q)
-        a, rates = ca.substitute([a, rates], [q, v], [Q, V])
+        a, y, rates = ca.substitute([a, y, rates], [q, v], [Q, V])
         slope = ca.vertcat(V, a) + stabilisation * (ca.vertcat(Q, V) - ca.vertcat(q, v))
     return kinematics, symbols, [slope, y, rates, shares]
 

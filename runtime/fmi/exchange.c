@@ -4,7 +4,7 @@
  *     dq/dt = V + k (Q - q)       dv/dt = a(t, Q, V) + k (V - v).
  * On the constraints these are V and a; off them the distance decays with the rate k, and near singular positions, where the
  * accelerations of states off the constraints are wild, those of projected ones are not (E. Eich, SIAM J. Numer. Anal. 30
- * (1993)). So no importer drifts, whatever it does about events. And when a completed step ends too far away all the same, an
+ * (1993)); outputs too are those of (Q, V). So no importer drifts, whatever it does about events. And when a completed step ends too far away all the same, an
  * event is asked for in which the state is projected.
  *
  * The energy account is integrated from completed step to completed step, over the polynomial of degree 5 between them where
@@ -79,7 +79,7 @@ LagAnswer lag_instance_slope(LagInstance *s)
 LagAnswer lag_instance_outputs(LagInstance *s)
 {
     if (!s->vital.outputs_are_current && s->run)
-        lag_outputs(s->run, s->vital.t, s->x, s->outputs);
+        lag_outputs(s->run, s->vital.t, projected_at(s, s->vital.t, s->x), s->outputs);
     s->vital.outputs_are_current = 1;
     return LAG_ANSWER_OK;
 }
