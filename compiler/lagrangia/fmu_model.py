@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from lagrangia.diagnostics import LagError, RunError, fail
 from lagrangia.scene import Column, Scene
 from lagrangia.tapes import Tape
 
@@ -142,8 +143,6 @@ def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[
     """Where the states begin, and the size of each in the experiment, to a power of ten."""
     import numpy as np
 
-    from lagrangia.diagnostics import RunError
-
     scene = model.scene
     try:
         rows = model.simulate(parameters=parameters).rows
@@ -172,7 +171,6 @@ def _refuse_infinite(model: Exportable) -> None:
     """What cannot start for a constant that is no number. Raises LagError L0605."""
     import casadi as ca
 
-    from lagrangia.diagnostics import LagError, fail
     from lagrangia.parameters import scalars
 
     kinematics = model.compilation.kinematics

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.diagnostics import Report, Source, fail
+from lagrangia.diagnostics import Report, Source, fail, suggest
 from lagrangia.folders import data_folder
 from lagrangia.store import find_kept, keep, key_of
 
@@ -234,8 +234,6 @@ def other_models(path: Path) -> list[str]:
 
 
 def _choose(syntax: "Syntax", name: str | None) -> Any:
-    from lagrangia.diagnostics import suggest
-
     models = [c for c in syntax.classes if c.kind == "model"]
     if name is not None:
         chosen = [c for c in models if c.name == name]
