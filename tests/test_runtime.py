@@ -359,7 +359,7 @@ def test_every_operation_of_a_tape(runtime: Runtime, x: float, y: float) -> None
     outputs = state_function(0, 2, everything, outputs=True)
     start = tape_of(ca.Function("start", [ca.SX.sym("p", 0)], [ca.SX(0, 1), ca.SX(0, 1)]))
     model = Model.from_tapes({"n_inputs": 2, "n_outputs": outputs.out_sizes[0]}, {"start": start, "outputs": outputs}, [], [])
-    model.check_tapes(runtime.library_for(model))
+    model.check_tapes(runtime.library)
     assert set(outputs.code[0::4]) >= set(Op) - {Op.ASSIGN, Op.CONSTPOW}
     with runtime.run(model, Settings(t_stop=1)) as run:
         run.set_parameters()
@@ -388,7 +388,7 @@ def test_a_tape_that_reaches_outside_is_refused(runtime: Runtime, instruction: t
     tape = Tape([1], [1], 2, array("i", [Op.INPUT, 0, 0, 0, *instruction]), array("d", [1.0]))
     model = Model.from_tapes({}, {"hoist": tape}, [], [])
     with pytest.raises(ValueError, match="hoist"):
-        model.check_tapes(runtime.library_for(model))
+        model.check_tapes(runtime.library)
 
 
 # --------------------------------------------------------------------------------------------------------------- hygiene

@@ -147,6 +147,7 @@ ORDER = """
     dependence
     places
     needs
+    prebuilt
     native
     runtime_library
     batch

@@ -110,7 +110,7 @@ class Batch:
     """A run that is driven again and again; use it in a `with` statement, in one thread at a time."""
 
     def __init__(self, runtime: Runtime, model: Model, sweep: Sweep) -> None:
-        self._library = runtime.library_for(model, sweep.settings.solver, frozenset({"batch"}))
+        self._library = runtime.library
         self._declare()
         self.n_reductions, self.n_varied = len(sweep.reductions), len(sweep.varied)
         self._run = Run(self._library, model, sweep.settings)

@@ -8,6 +8,7 @@ from typing import Any
 
 from lagrangia.arguments import assignment, keep_inputs, load_model, number, open_parameters
 from lagrangia.diagnostics import RunError, fail, suggest
+from lagrangia.native import find_compiler
 from lagrangia.request import Request
 from lagrangia.targets import write_text
 
@@ -28,10 +29,10 @@ def bench_command(options: Namespace) -> int:
     if options.plot is not None:
         require_format(options.plot)
     given = [assignment(text, "-p") for text in options.parameter]
-    model = load_model(options, given, ())
-    if model.engine is None:
+    if find_compiler() is None:
         fail("L0901", "not supported yet: a benchmark without a C compiler, which compiles all that is measured", None,
              "pip install ziglang brings one")
+    model = load_model(options, given, ())
     parameters = open_parameters(model.scene, given)
     problem = build_problem(model, Request(stop=options.stop, parameters=parameters), options.points)
     try:

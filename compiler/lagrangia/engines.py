@@ -16,9 +16,9 @@ from pathlib import Path
 
 from lagrangia.ccode import write_c
 from lagrangia.folders import data_folder
-from lagrangia.native import Build, Compiler, CompilerError, find_build, find_compiler, start_build
+from lagrangia.native import Build, Compiler, CompilerError, find_build, require_compiler, start_build
 from lagrangia.runtime import Model, Solver
-from lagrangia.runtime_library import Runtime, start_runtime
+from lagrangia.runtime_library import Runtime, has_runtime, start_runtime
 from lagrangia.scene import Scene
 from lagrangia.tapes import Tape
 
@@ -86,18 +86,18 @@ class Upgrade:
 
 
 def start_building() -> Runtime | None:
-    """The run time in the making, so that it is ready when the scene is; None when there is no C compiler."""
-    compiler = find_compiler()
-    return start_runtime(compiler) if compiler is not None else None
+    """The run time, made meanwhile where it has to be; None when there is none, and no C compiler for one."""
+    return start_runtime() if has_runtime() else None
 
 
 def load_engine(
     scene: Scene, runtime: Runtime | None = None, native: bool | None = None, solver: Solver = Solver.AUTO
 ) -> Engine | None:
-    """The run time with the scene in it. None when there is no C compiler.
+    """The run time with the scene in it. None when there is neither a run time nor a C compiler.
 
-    `native` decides instead of the model of costs. `solver` is sure to be run: series are C in any case, and Jacobians are
-    compiled for implicit steps however long they are.
+    Without a compiler scenes run on their tapes. `native` decides instead of the model of costs (True: raises CompilerError where
+    there is none). `solver` is sure to be run: series are C in any case, and Jacobians are compiled for implicit steps however
+    long they are.
     """
     if native is None and solver is Solver.TAYLOR:
         native = True
@@ -121,19 +121,20 @@ def _load_whole(
     if runtime is None:
         return None
     compiler = runtime.compiler
-    if native if native is not None else compile_seconds(scene, is_implicit) <= _AT_ONCE:
-        scene_build = _start_scene_build(scene, compiler, scene.tapes, is_implicit)
+    if native if native is not None else compiler is not None and compile_seconds(scene, is_implicit) <= _AT_ONCE:
+        scene_build = _start_scene_build(scene, compiler or require_compiler(), scene.tapes, is_implicit)
         return _engine(runtime, Model.from_library(scene_build.finish()), "native", begin)
     model = Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns)
-    if native is None and (compiled := _find_library(scene, compiler, is_implicit)) is not None:
+    if native is not None or compiler is None:
+        return _engine(runtime, model, "tape", begin)
+    if (compiled := _find_library(scene, compiler, is_implicit)) is not None:
         model.adopt(Model.from_library(compiled))
         return _engine(runtime, model, "native", begin)
-    upgrade = Upgrade(scene, compiler, is_implicit) if native is None else None
-    return _engine(runtime, model, "tape", begin, upgrade)
+    return _engine(runtime, model, "tape", begin, Upgrade(scene, compiler, is_implicit))
 
 
 def _engine(runtime: Runtime, model: Model, how: str, begin: float, upgrade: Upgrade | None = None) -> Engine:
-    runtime.library_for(model)  # built and loaded now
+    _ = runtime.library  # built and loaded now
     return Engine(runtime, model, how, time.perf_counter() - begin, upgrade)
 
 

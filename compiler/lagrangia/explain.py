@@ -36,11 +36,11 @@ def solver_of(scene: Scene, engine: Engine | None) -> str:
     if engine is None:
         return NONE if CASADI[0] in scene.refused else CASADI[0]
     settings = Settings(scene.start, scene.stop, scene.tolerance)
-    return name_of(first_solver(engine.runtime.library_for(engine.model), engine.model, settings))
+    return name_of(first_solver(engine.runtime.library, engine.model, settings))
 
 
 def without_compiler(scene: Scene, casadi: str) -> Scene:
-    """The scene where there is no C compiler, which all solvers of the run time ask for. `casadi`: why CasADi cannot run it."""
+    """The scene where there is neither a run time nor a C compiler to build it. `casadi`: why CasADi cannot run it."""
     sizes = {name: size for name, size in scene.sizes.items() if name != "solver"}
     refused = dict.fromkeys(WAYS, "there is no C compiler") | dict(scene.refused) | dict.fromkeys(CASADI * bool(casadi), casadi)
     return replace(scene, sizes=sizes, refused=refused)

@@ -6,15 +6,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from lagrangia.cache import find_scene, keep_scene
 from lagrangia.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.engines import Engine, divided, load_engine, start_building
 from lagrangia.given import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, names, numbers
 from lagrangia.interpret import evaluate, evaluate_each
+from lagrangia.native import find_compiler
 from lagrangia.request import Request, Values, check_values, plan
-from lagrangia.runtime_library import Runtime
+from lagrangia.runtime_library import Runtime, has_runtime
 from lagrangia.scene import Scene
 from lagrangia.simulate import simulate
 from lagrangia.solvers import AUTO, WAYS, is_casadi
@@ -106,7 +107,7 @@ class Model:
 
     @property
     def engine(self) -> Engine | None:
-        """The run time with the scene in it, or None when there is no C compiler."""
+        """The run time with the scene in it, or None when there is neither a run time nor a C compiler."""
         if not self._has_engine:
             self._engine, self._has_engine = load_engine(self.scene, self._runtime, self.native), True
         return self._engine
@@ -256,16 +257,22 @@ class Model:
         return simulate(self.scene, engine, experiment, values, watch)
 
     def falls_back(self, solver: str) -> bool:
-        """Whether CasADi takes the place of our own solver, for want of a C compiler. Raises LagError L0704 where a solver or an
-        engine was asked for by name: another one is not what was asked for."""
+        """Whether CasADi takes the place of our own solver, as there is neither a run time nor a C compiler.
+
+        Raises LagError L0704 where a solver or an engine was asked for by name: another one is not what was asked for.
+        """
         if is_casadi(solver) or self.engine_for(solver) is not None:
             return False
-        engine = {True: "engine 'native'", False: "engine 'tape'", None: ""}[self.native]
-        if solver != AUTO or engine:
-            what = f"solver '{solver}'" if solver != AUTO else engine
-            fail("L0704", f"the {what} needs a C compiler, and none was found", None,
-                 "pip install ziglang brings one; without one, choose auto or casadi:cvodes")
+        if solver != AUTO or self.native is not None:
+            self._refuse(solver, "casadi:cvodes")
         return True
+
+    def _refuse(self, solver: str, other: str) -> NoReturn:
+        """A solver or an engine for want of a C compiler. Raises LagError L0704."""
+        engine = {True: "engine 'native'", False: "engine 'tape'", None: ""}[self.native]
+        what = f"solver '{solver}'" if solver != AUTO else engine
+        fail("L0704", f"the {what} needs a C compiler, and none was found", None,
+             f"pip install ziglang brings one; without one, choose auto or {other}")
 
     def engine_for(self, solver: str) -> Engine | None:
         """The engine that runs a solver of this name. Raises LagError L0704 where engine 'tape' cannot."""
@@ -276,6 +283,8 @@ class Model:
         if solver == "taylor" and self.native is False:
             fail("L0704", "the solver 'taylor' is C that is written for each scene: engine 'tape' cannot run it", None,
                  "leave --engine out")
+        if (solver == "taylor" or self.native) and has_runtime() and find_compiler() is None:
+            self._refuse(solver, "--engine tape" if self.native else "pirk")
         if solver not in ("implicit", "taylor"):
             return self.engine
         if solver not in self._engines:

@@ -18,22 +18,14 @@ import tempfile
 import weakref
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from platform import machine
 from sysconfig import get_platform
 
+from lagrangia import prebuilt
 from lagrangia.diagnostics import fail
 from lagrangia.folders import cache_folder, has_room, is_trusted, note_use
 
-_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
-# No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
-_FLAGS = ("-std=c99", "-shared", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden")
-_PLATFORM_FLAGS = () if sys.platform == "win32" else ("-fPIC",)
-_LIBRARIES = () if sys.platform == "win32" else ("-lm",)
-_PROCESSOR = Path("/proc/cpuinfo")
-_WIDE_FLAGS = ("-mavx512f", "-mavx512dq", "-mavx512vl")
 _MOST_LINES = 20
 _ATTEMPTS = 10  # to put a library in its place, where others put it or damage it at the same time
 
@@ -218,8 +210,8 @@ class Build:
     """A library in the making. `finish` waits for it; builds that were started together run at the same time."""
 
     def __init__(self, name: str, sources: str | Sequence[Path], include: Sequence[Path], level: str, compiler: Compiler,
-                 objects: Sequence[Objects] = (), defines: Sequence[str] = ()) -> None:
-        options = (*_options(level), *(f"-D{name}" for name in defines))
+                 objects: Sequence[Objects] = ()) -> None:
+        options = _options(level)
         linked = [path for made in objects for path in made.paths]
         self._library = _place(name, sources, linked, include, options, compiler)
         self._work: _Work | None = None
@@ -232,7 +224,7 @@ class Build:
         with _told_where(self._cache):
             files = [*self._written(self._work, name, sources), *linked]
         self._work.start([*compiler.command, *options, *(f"-I{folder}" for folder in include),
-                          "-o", str(self._work.folder / self._library.name), *map(str, files), *_LIBRARIES])
+                          "-o", str(self._work.folder / self._library.name), *map(str, files), *prebuilt.LIBRARIES])
 
     @staticmethod
     def _written(work: _Work, name: str, sources: str | Sequence[Path]) -> Sequence[Path]:
@@ -283,15 +275,13 @@ def build(
     level: str = "-O2",
     compiler: Compiler | None = None,
     objects: Sequence[Objects] = (),
-    defines: Sequence[str] = (),
 ) -> Path:
     """Build a shared library, or find it in the cache.
 
     `sources` is the text of one C file, or paths; `include` are the folders of headers, `level` is -O0 … -O3, `objects` are
-    finished and linked too, when the library is not there, `defines` are macros without values. Raises CompilerError; also when
-    there is no compiler at all.
+    finished and linked too, when the library is not there. Raises CompilerError; also when there is no compiler at all.
     """
-    return start_build(name, sources, include=include, level=level, compiler=compiler, objects=objects, defines=defines).finish()
+    return start_build(name, sources, include=include, level=level, compiler=compiler, objects=objects).finish()
 
 
 def start_build(
@@ -302,10 +292,9 @@ def start_build(
     level: str = "-O2",
     compiler: Compiler | None = None,
     objects: Sequence[Objects] = (),
-    defines: Sequence[str] = (),
 ) -> Build:
     """Like `build`, but does not wait for the compiler."""
-    return Build(name, sources, include, level, compiler or require_compiler(), objects, defines)
+    return Build(name, sources, include, level, compiler or require_compiler(), objects)
 
 
 def require_compiler() -> Compiler:
@@ -328,7 +317,7 @@ def _place(name: str, sources: str | Sequence[Path], objects: Sequence[Path], in
            compiler: Compiler) -> Path:
     texts = [sources.encode()] if isinstance(sources, str) else [file.read_bytes() for file in sources]
     names = [file.name.encode() for file in objects]  # they tell the content
-    return cache_folder() / f"{name}-{_hashed([_base(include, options, compiler), *texts, *names])}" / f"{name}{_SUFFIX}"
+    return cache_folder() / f"{name}-{_hashed([_base(include, options, compiler), *texts, *names])}" / f"{name}{prebuilt.SUFFIX}"
 
 
 def _base(include: Sequence[Path], options: Sequence[str], compiler: Compiler) -> bytes:
@@ -345,22 +334,7 @@ def _hashed(texts: Sequence[bytes]) -> str:
 
 
 def _options(level: str) -> tuple[str, ...]:
-    return (*_FLAGS, *_PLATFORM_FLAGS, *_processor_flags(), level)
-
-
-@cache
-def _processor_flags() -> tuple[str, ...]:
-    """Instructions of three operands and wide registers, where this machine has them: a tenth of the time of series and long
-    equations, half or more of that of states evaluated abreast. No fused multiply-add: the digits stay those of every machine."""
-    if machine() not in ("x86_64", "AMD64"):
-        return ()
-    try:
-        flags = next((line.split() for line in _PROCESSOR.read_text().splitlines() if line.startswith("flags")), [])
-    except OSError:
-        return ()
-    if "avx2" not in flags:
-        return ()
-    return ("-mavx2", *_WIDE_FLAGS) if {"avx512f", "avx512dq", "avx512vl"} <= {*flags} else ("-mavx2",)
+    return (*prebuilt.FLAGS, "-shared", *prebuilt.flags_of(prebuilt.kind_here()), level)
 
 
 def _digest(library: Path) -> str:

@@ -1,89 +1,83 @@
-"""The C run time as a library of the parts that a scene needs.
+"""The C run time as a library: the one that came with the package, or one that is compiled here.
 
-Each source is compiled once, into an object that is kept; a library is linked of the core and of the parts asked for, and of
-runtime/parts.c, which says what is there. The core is compiled while the scene is. zig keeps objects by itself and makes one
-at a time: it builds the whole at once.
+A source tree whose sources have changed since has to compile: each source into an object that is kept, while the scene is
+compiled, too. zig keeps objects by itself and makes one at a time: it builds the whole at once. Who names a compiler in
+LAGRANGIA_CC has the run time from it.
 """
 
+import os
 from ctypes import CDLL
 from functools import cache
 from pathlib import Path
 from threading import Lock
 
+from lagrangia import prebuilt
 from lagrangia.folders import cache_folder, data_folder
-from lagrangia.native import Build, Compiler, Objects, build, require_compiler, start_build
-from lagrangia.runtime import Model, Run, Settings, Solver, load_runtime
-
-# The sources of what few scenes need. A part that the core knows by runtime/parts.h is left out by LAG_WITHOUT_<PART>.
-PARTS = {
-    "assembly": ("assemble", "linear", "metric", "newton"),
-    "linear": ("dd", "dd_tape", "dd_vector", "linear_ladder", "linear_method", "linear_pace", "linear_series", "linear_system"),
-    "islands": ("islands",),
-    "conservative": ("equal_steps", "gauss", "nystrom"),
-    "batch": ("batch", "reduce"),
-    "snapshot": ("snapshot",),
-}
-_OF_PARTS = frozenset(name for names in PARTS.values() for name in names)
-ALL = frozenset(PARTS)
+from lagrangia.native import Build, Compiler, Objects, build, find_compiler, require_compiler, start_build
+from lagrangia.runtime import Model, Run, Settings, load_runtime
 
 
 class Runtime:
-    """The run time: made when it is needed, as libraries with the parts that are needed."""
+    """The run time, made and loaded when it is needed. `compiler` is what scenes are compiled with; None where there is none."""
 
-    def __init__(self, compiler: Compiler, level: str) -> None:
+    def __init__(self, compiler: Compiler | None, level: str = prebuilt.LEVEL, ready: Path | None = None) -> None:
         self.compiler = compiler
-        self._level = level
-        self._folder = data_folder("runtime")
         self._lock = Lock()
-        self._loaded: dict[frozenset[str], CDLL] = {}
-        self._core = self._objects({file.stem for file in self._folder.glob("*.c")} - _OF_PARTS - {"parts"})
-        self._whole: Build | None = None
-        if compiler.is_zig:
-            self._whole = start_build("runtime", sorted(self._folder.glob("*.c")), include=[self._folder], level=level,
-                                      compiler=compiler)
-        elif not any(cache_folder().glob("runtime-*")):
-            self._core.start()
+        self._library: CDLL | None = None
+        self._path = ready
+        self._level = level
+        self._work: Build | Objects | None = None if ready is not None else self._start()
 
     def run(self, model: Model, settings: Settings) -> Run:
         """A run that can be started. Raises CompilerError, MemoryError."""
-        return Run(self.library_for(model, settings.solver), model, settings)
+        return Run(self.library, model, settings)
 
-    def library_for(self, model: Model, solver: Solver = Solver.AUTO, more: frozenset[str] = frozenset()) -> CDLL:
-        """The library that runs this model, with more parts. Raises CompilerError."""
-        parts = _parts(model, solver) | more
+    @property
+    def library(self) -> CDLL:
+        """Raises CompilerError."""
         with self._lock:
-            for there, library in self._loaded.items():
-                if parts <= there:
-                    return library
-            return self._loaded.setdefault(parts, load_runtime(self.path(parts)))
+            if self._library is None:
+                self._library = load_runtime(self.path())
+            return self._library
 
-    def path(self, parts: frozenset[str] = ALL) -> Path:
-        """The file of the library with these parts. Raises CompilerError."""
-        if self._whole is not None:
-            return self._whole.finish()
-        rest = self._objects({name for part in parts for name in PARTS[part]})
-        return build("runtime", [self._folder / "parts.c"], include=[self._folder], level=self._level, compiler=self.compiler,
-                     objects=[self._core, rest], defines=[f"LAG_WITHOUT_{part.upper()}" for part in sorted(ALL - parts)])
+    def path(self) -> Path:
+        """The file of the library. Raises CompilerError."""
+        if self._path is None:
+            assert self._work is not None
+            self._path = self._work.finish() if isinstance(self._work, Build) else self._linked(self._work)
+        return self._path
 
-    def _objects(self, names: set[str]) -> Objects:
-        return Objects([self._folder / f"{name}.c" for name in sorted(names)], [self._folder], self._level, self.compiler)
+    def _start(self) -> Build | Objects:
+        compiler, folder = self.compiler or require_compiler(), data_folder("runtime")
+        files = prebuilt.sources(folder)
+        if compiler.is_zig:
+            return start_build("runtime", files, include=[folder], level=self._level, compiler=compiler)
+        objects = Objects(files, [folder], self._level, compiler)
+        objects.start()
+        return objects
 
-
-def _parts(model: Model, solver: Solver) -> frozenset[str]:
-    own = Solver(model.struct.solver) if solver == Solver.AUTO else solver
-    if own == Solver.ISLANDS:
-        return frozenset({"assembly", "linear", "islands"})  # each island has its solver and its start
-    parts = {"assembly"} if model.struct.n_initial else set()
-    if own in (Solver.LINEAR, Solver.CONSERVATIVE):
-        parts.add(own.name.lower())
-    return frozenset(parts)
+    def _linked(self, objects: Objects) -> Path:
+        return build("runtime", [], level=self._level, compiler=self.compiler, objects=[objects])
 
 
-def start_runtime(compiler: Compiler | None = None, level: str = "-O2") -> Runtime:
-    """A process makes it once, however many scenes ask for it meanwhile. Raises CompilerError when there is no compiler."""
-    return _runtime(cache_folder(), compiler or require_compiler(), level)
+def start_runtime(compiler: Compiler | None = None, level: str = prebuilt.LEVEL) -> Runtime:
+    """A process makes it once, however many scenes ask for it meanwhile.
+
+    Raises CompilerError when there is neither a compiler nor a run time that came with the package.
+    """
+    return _runtime(cache_folder(), compiler or find_compiler(), compiler is not None, level)
+
+
+def has_runtime() -> bool:
+    """Whether scenes can be run here."""
+    return find_compiler() is not None or _prebuilt() is not None
+
+
+def _prebuilt() -> Path | None:
+    return prebuilt.find(data_folder("runtime"))
 
 
 @cache
-def _runtime(_cache: Path, compiler: Compiler, level: str) -> Runtime:
-    return Runtime(compiler, level)
+def _runtime(_cache: Path, compiler: Compiler | None, is_asked_for: bool, level: str) -> Runtime:
+    is_named = is_asked_for or (compiler is not None and "LAGRANGIA_CC" in os.environ)
+    return Runtime(compiler, level, None if is_named or level != prebuilt.LEVEL else _prebuilt())

@@ -4,7 +4,6 @@ A task gets the scene as JSON and the values of its runs; it answers with bytes.
 Dask gives them to another one; the JSON is itself a task's result, so that it can be had again as well.
 """
 
-import hashlib
 import json
 import threading
 import time
@@ -18,6 +17,7 @@ from lagrangia.batch import OUTCOME, Batch, Reduction, Sweep
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.engines import Engine, load_engine
 from lagrangia.folders import data_folder
+from lagrangia.prebuilt import digest
 from lagrangia.runtime import Settings, Solver
 from lagrangia.scene import from_json, to_json
 from lagrangia.sweep_journal import Ledger
@@ -54,23 +54,15 @@ def _loaded(text: str) -> tuple[Engine, Sweep]:
 @lru_cache(maxsize=8)
 def _load(text: str) -> tuple[Engine, Sweep]:
     plain = json.loads(text)
-    if plain["runtime"] != _runtime_digest():
+    if plain["runtime"] != digest(data_folder("runtime")):
         raise RuntimeError("the worker has another version of lagrangia")
     given = plain["sweep"]
     given["settings"] = Settings(**given["settings"])
     engine = load_engine(from_json(plain["scene"]), solver=Solver(given["settings"].solver))
     if engine is None:
-        raise RuntimeError("the worker has no C compiler (pip install ziglang brings one)")
+        raise RuntimeError("the worker has neither a run time nor a C compiler (pip install ziglang brings one)")
     given["reductions"] = [Reduction(**reduction) for reduction in given["reductions"]]
     return engine, Sweep(**given)
-
-
-def _runtime_digest() -> str:
-    """Of the sources of the run time: the same numbers come from the same sources only."""
-    hashed = hashlib.sha256()
-    for file in sorted(data_folder("runtime").glob("*.[ch]")):
-        hashed.update(file.name.encode() + file.read_bytes())
-    return hashed.hexdigest()
 
 
 # -------------------------------------------------------------------- here
@@ -78,7 +70,7 @@ def _runtime_digest() -> str:
 
 def pack(job: Job) -> str:
     """What `run_there` needs of a job."""
-    return json.dumps({"runtime": _runtime_digest(), "scene": to_json(job.scene), "sweep": asdict(job.sweep)})
+    return json.dumps({"runtime": digest(data_folder("runtime")), "scene": to_json(job.scene), "sweep": asdict(job.sweep)})
 
 
 def run_on_dask(job: Job, address: str, ledger: Ledger, watch: Watch | None = None) -> bool:

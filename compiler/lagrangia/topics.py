@@ -179,7 +179,7 @@ conservative  symplectic steps of equal length: the energy error of a scene that
         Numerical Integration, II.1, VI.4). The length of steps is chosen in a trial at the start, so motions that are quick at
         times (close encounters) are not for it; in chaotic motion the energy error creeps. auto never takes it: it promises
         positions, and these steps keep the energy.
-casadi:cvodes, casadi:idas    integrators of SUNDIALS through CasADi: an independent check, and the way without a C compiler.
+casadi:cvodes, casadi:idas    integrators of SUNDIALS through CasADi: an independent check.
 
 Closed loops and constraints: accelerations and multipliers from one sparse linear system, written out and factored without
 pivoting (kkt.py), or from J M^-1 J^T of the multipliers with M along the tree of bodies (schur.py) where that counts clearly
@@ -208,7 +208,10 @@ its cell is empty, with a warning; NumPy arrays have nan there.
 A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says
 which, and what it took. Compiled scenes are kept in a cache folder ($LAGRANGIA_CACHE, or the system's place for caches).
 
-Environment: LAGRANGIA_CACHE, LAGRANGIA_CC (a C compiler's command, or none), CC, NO_COLOR, LAGRANGIA_TRACEBACK=1.
+The run time comes with the package; without a C compiler scenes run on tapes, by all solvers but taylor.
+
+Environment: LAGRANGIA_CACHE, LAGRANGIA_CC (a C compiler's command, or none), CC, NO_COLOR, LAGRANGIA_TRACEBACK=1; at install
+LAGRANGIA_KINDS=all, for a run time with all widths of registers.
 """
 
 _BENCH = """\

@@ -124,7 +124,7 @@ def native_way(clock: ctypes.CDLL, model: lag.Model) -> Way:
     engine = load_engine(model.scene, native=True)
     assert engine is not None, "this benchmark needs a C compiler"
     times = (ctypes.c_double * STEPS)(*(H * (k + 1) for k in range(STEPS)))
-    advance = pointer(engine.runtime.library_for(engine.model).lag_run_advance)
+    advance = pointer(engine.runtime.library.lag_run_advance)
 
     def seconds() -> float:
         with engine.runtime.run(engine.model, Settings(0.0, H * STEPS, TOLERANCE, 0.0, 0.0, 0, 0)) as run:

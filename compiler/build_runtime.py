@@ -1,0 +1,75 @@
+"""Builds the C run time into the wheel, for every kind of processor of this platform: hatchling's hook of pyproject.toml.
+
+    python compiler/build_runtime.py    does so in a source tree, as an editable install does
+
+Where no C compiler is found the wheel has none: what is installed looks for a compiler when a scene is run, and says so.
+"""
+
+import shutil
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from sysconfig import get_platform
+from types import ModuleType
+from typing import Any
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = ROOT / "compiler" / "lagrangia"
+
+try:
+    from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+except ImportError:  # called as a script
+    BuildHookInterface = object
+
+
+def prebuilt() -> ModuleType:
+    """The module of the package, by itself: what it imports is not installed yet."""
+    (file,) = PACKAGE.rglob("prebuilt.py")
+    spec = spec_from_file_location("prebuilt", file)
+    assert spec is not None and spec.loader is not None
+    module = module_from_spec(spec)
+    sys.modules["prebuilt"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+class RuntimeHook(BuildHookInterface):
+    """`initialize` builds; wheels take what lies beside the module, with a tag of the platform."""
+
+    def dependencies(self) -> list[str]:
+        """zig, where this machine has no C compiler."""
+        return [] if self.target_name != "wheel" or prebuilt().find_command() else ["ziglang>=0.13"]
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        if self.target_name != "wheel":
+            return
+        if build():
+            build_data["pure_python"] = False
+            build_data["tag"] = f"py3-none-{get_platform().replace('-', '_').replace('.', '_')}"
+            build_data["artifacts"].append("compiler/lagrangia/**/prebuilt/*")
+
+    def clean(self, versions: list[str]) -> None:
+        shutil.rmtree(place(), ignore_errors=True)
+
+
+def place() -> Path:
+    (file,) = PACKAGE.rglob("prebuilt.py")
+    return file.with_name("prebuilt")
+
+
+def build() -> bool:
+    """Whether there is a run time now; one that is there for these sources is kept."""
+    module, runtime, folder = prebuilt(), ROOT / "runtime", place()
+    if module.find(runtime, folder):
+        return True
+    if (command := module.find_command()) is None:
+        print("lagrangia: no C compiler was found, so that the run time is not built: scenes without contacts and loops run by "
+              "CasADi, all others need one; pip install ziglang brings it", file=sys.stderr)
+        return False
+    shutil.rmtree(folder, ignore_errors=True)
+    module.build(runtime, folder, command)
+    return True
+
+
+if __name__ == "__main__":
+    sys.exit(not build())

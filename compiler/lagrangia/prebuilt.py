@@ -1,0 +1,148 @@
+"""The C run time that comes with the package: built once, when the package is, for its platform.
+
+The build hook (compiler/build_runtime.py) loads this file by itself, before the package is there: it imports the standard library
+alone. A library goes with the digest of its sources and flags; one that was built from others is not found.
+
+It is compiled for this machine's processor and, with less care, for any of the platform: which is taken is decided where it is
+loaded. LAGRANGIA_KINDS=all compiles for all kinds with the same care, as a wheel for others should be. Widths of registers change
+no digit (no contraction, no fused multiply-add, sums in a fixed order). A library is of one kind throughout: where instructions
+with and without wide registers take turns, implicit steps take twice as long.
+"""
+
+import hashlib
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from platform import machine
+
+SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+# No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
+FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden",
+         *(() if sys.platform == "win32" else ("-fPIC",)))
+LIBRARIES = () if sys.platform == "win32" else ("-lm",)
+LEVEL = "-O2"
+_FOLDER = Path(__file__).with_name("prebuilt")
+_PROCESSOR = Path("/proc/cpuinfo")
+_WIDEST = ("avx512f", "avx512dq", "avx512vl")
+# What is compiled for, by name, the best first: the flags, and what a processor has to tell of itself. Instructions of three
+# operands and wide registers take a tenth off the time of series, half or more off that of states evaluated abreast.
+_KINDS: Mapping[str, tuple[tuple[str, ...], frozenset[str]]] = {
+    "avx512": (("-mavx2", *(f"-m{name}" for name in _WIDEST)), frozenset(("avx2", *_WIDEST))),
+    "avx2": (("-mavx2",), frozenset({"avx2"})),
+    "any": ((), frozenset()),
+}
+
+
+def kinds() -> tuple[str, ...]:
+    """Of processors on this platform, the best first."""
+    return tuple(_KINDS) if machine() in ("x86_64", "AMD64") else ("any",)
+
+
+def flags_of(kind: str) -> tuple[str, ...]:
+    return _KINDS[kind][0]
+
+
+@cache
+def kind_here() -> str:
+    """The best that this machine can run."""
+    if kinds() == ("any",):
+        return "any"
+    try:
+        told = next((line.split() for line in _PROCESSOR.read_text().splitlines() if line.startswith("flags")), [])
+    except OSError:
+        return "any"
+    return next(kind for kind in kinds() if _KINDS[kind][1] <= {*told})
+
+
+def find(runtime: Path, folder: Path = _FOLDER) -> Path | None:
+    """The library for this machine, built from these sources; None where it is not there, or was built from others.
+
+    `runtime` is the folder of the sources. What is loaded lies beside the modules, and is as trusted as they are.
+    """
+    try:
+        known = (folder / "digest").read_text().strip()
+    except OSError:
+        return None
+    able = kinds()[kinds().index(kind_here()) :]
+    there = [library for kind in able if (library := folder / f"{kind}{SUFFIX}").exists()]
+    return there[0] if there and known == digest(runtime) else None
+
+
+def sources(runtime: Path) -> list[Path]:
+    return sorted(file for file in runtime.rglob("*.c") if "fmi" not in file.relative_to(runtime).parts)
+
+
+@cache
+def digest(runtime: Path) -> str:
+    """Changes with every source, every header and the flags."""
+    hashed = hashlib.sha256(repr((FLAGS, LEVEL, _KINDS["avx512"][0])).encode())
+    for file in (*sources(runtime), *sorted(runtime.rglob("*.h"))):
+        hashed.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())
+    return hashed.hexdigest()
+
+
+# -------------------------------------------------------------------- building
+
+
+def find_command() -> list[str] | None:
+    """The first of $CC, cc, gcc, clang and PyPI's ziglang that builds an empty library."""
+    for words in _candidates():
+        with tempfile.TemporaryDirectory() as folder:
+            source = Path(folder) / "probe.c"
+            source.write_text("int lag_probe(void);\nint lag_probe(void) { return 0; }\n")
+            try:
+                _run([*words, *FLAGS, "-shared", str(source), "-o", str(Path(folder) / "probe")], Path(folder))
+            except (OSError, RuntimeError):
+                continue
+        return words
+    return None
+
+
+def _candidates() -> Iterator[list[str]]:
+    for words in (shlex.split(os.environ.get("CC", "")), ["cc"], ["gcc"], ["clang"]):
+        if words and shutil.which(words[0]):
+            yield words
+    if find_spec("ziglang"):
+        yield [sys.executable, "-m", "ziglang", "cc", *(() if sys.platform == "darwin" else ("-mcpu=baseline",))]
+
+
+def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
+    """The libraries, and the digest of what they were built from. Raises RuntimeError, OSError."""
+    files = sorted(sources(runtime), key=lambda file: -file.stat().st_size)
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="lagrangia-") as temporary, ThreadPoolExecutor(os.cpu_count()) as pool:
+        work = Path(temporary)
+
+        def compiled(kind: str, file: Path) -> str:
+            made = str(work / f"{kind}-{file.stem}.o")
+            _run([*command, *FLAGS, *flags_of(kind), _level(kind), f"-I{runtime}", "-c", str(file), "-o", made], work)
+            return made
+
+        objects = {kind: [pool.submit(compiled, kind, file) for file in files] for kind in _wanted()}
+        for kind, made in objects.items():
+            fresh = work / f"{kind}{SUFFIX}"
+            _run([*command, *FLAGS, "-shared", *(item.result() for item in made), "-o", str(fresh), *LIBRARIES], work)
+            shutil.move(fresh, folder / fresh.name)
+    (folder / "digest").write_text(digest(runtime) + "\n")
+
+
+def _wanted() -> tuple[str, ...]:
+    return kinds() if os.environ.get("LAGRANGIA_KINDS") == "all" else tuple(dict.fromkeys((kind_here(), "any")))
+
+
+def _level(kind: str) -> str:
+    return "-O1" if kind == "any" and len(_wanted()) == 2 else LEVEL
+
+
+def _run(command: Sequence[str], folder: Path) -> None:
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"{shlex.join(command)}\n{done.stdout}{done.stderr}"[:4000])

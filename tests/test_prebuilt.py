@@ -1,0 +1,92 @@
+"""The run time that comes with the package: which library is taken, and what runs without a C compiler."""
+
+from pathlib import Path
+
+import pytest
+
+import lagrangia as lag
+from lagrangia import prebuilt
+from lagrangia.cli import main
+from lagrangia.folders import data_folder
+from lagrangia.native import find_compiler
+
+RUNTIME = data_folder("runtime")
+EXAMPLES = data_folder("models") / "examples"
+needs_prebuilt = pytest.mark.skipif(prebuilt.find(RUNTIME) is None, reason="installed without a run time, or changed since")
+
+
+@pytest.fixture
+def alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A machine without a compiler, on which nothing was built before."""
+    monkeypatch.setenv("LAGRANGIA_CC", "none")
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "empty"))
+
+
+def library(folder: Path, *kinds: str) -> Path:
+    """A folder as the build leaves it, but for what is in the libraries."""
+    folder.mkdir()
+    for kind in kinds:
+        (folder / f"{kind}{prebuilt.SUFFIX}").write_bytes(b"")
+    (folder / "digest").write_text(prebuilt.digest(RUNTIME) + "\n")
+    return folder
+
+
+def test_a_library_of_other_sources_is_not_taken(tmp_path: Path) -> None:
+    folder = library(tmp_path / "built", "any")
+    assert prebuilt.find(RUNTIME, folder) == folder / f"any{prebuilt.SUFFIX}"
+    (folder / "digest").write_text("0" * 64)
+    assert prebuilt.find(RUNTIME, folder) is None
+    assert prebuilt.find(RUNTIME, tmp_path / "nowhere") is None
+
+
+def test_a_processor_gets_what_it_can_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = library(tmp_path / "built", *prebuilt.kinds())
+    for kind in prebuilt.kinds():
+        monkeypatch.setattr(prebuilt, "kind_here", lambda kind=kind: kind)
+        assert prebuilt.find(RUNTIME, folder) == folder / f"{kind}{prebuilt.SUFFIX}"
+    (folder / f"{prebuilt.kinds()[-1]}{prebuilt.SUFFIX}").unlink()
+    assert prebuilt.find(RUNTIME, folder) is None  # wider registers than it has
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+def test_what_is_built_is_found_and_only_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With sources of one function: all of them take a quarter of a minute."""
+    sources = tmp_path / "runtime"
+    sources.mkdir()
+    (sources / "answer.h").write_text("int lag_answer(void);\n")
+    (sources / "answer.c").write_text('#include "answer.h"\nint lag_answer(void) { return 42; }\n')
+    command = prebuilt.find_command()
+    assert command is not None
+    prebuilt.build(sources, tmp_path / "built", command)
+    assert prebuilt.find(sources, tmp_path / "built") is not None
+    (sources / "answer.h").write_text("int lag_answer(void); /* changed */\n")
+    prebuilt.digest.cache_clear()
+    assert prebuilt.find(sources, tmp_path / "built") is None
+
+
+@needs_prebuilt
+@pytest.mark.parametrize(("scene", "solver"), [
+    ("bouncing_ball", "auto"), ("stick_slip", "auto"), ("four_bar", "auto"), ("four_bar", "implicit"), ("chain", "pirk"),
+    ("vibration_absorber", "linear"), ("pendulum", "conservative"), ("suspended_bar", "adams"),
+])
+def test_every_solver_runs_without_a_compiler_with_the_digits_of_a_tape(scene: str, solver: str, alone: None,
+                                                                        monkeypatch: pytest.MonkeyPatch) -> None:
+    found = lag.load(EXAMPLES / f"{scene}.lag").simulate(stop=0.5, solver=solver)
+    monkeypatch.delenv("LAGRANGIA_CC")
+    model = lag.load(EXAMPLES / f"{scene}.lag")
+    model.native = False
+    assert found.rows.tolist() == model.simulate(stop=0.5, solver=solver).rows.tolist()
+
+
+@needs_prebuilt
+def test_sweeps_run_without_a_compiler_and_what_cannot_says_so(alone: None, tmp_path: Path,
+                                                              capsys: pytest.CaptureFixture[str]) -> None:
+    pendulum = str(EXAMPLES / "pendulum.lag")
+    assert main(["sweep", pendulum, "-p", "L=1,2", "-o", str(tmp_path / "runs.csv"), "--outputs", "max(hinge.phi)"]) == 0
+    assert len((tmp_path / "runs.csv").read_text().splitlines()) == 3
+    capsys.readouterr()
+    for options in (["--solver", "taylor"], ["--engine", "native"]):
+        assert main(["simulate", pendulum, "-o", str(tmp_path / "x.csv"), *options]) == 2
+        assert "error[L0704]" in capsys.readouterr().err
+    assert main(["bench", pendulum]) == 2
+    assert "error[L0901]" in capsys.readouterr().err
