@@ -1,6 +1,7 @@
 """FMUs with contacts and friction: events, indicators, derivatives while something is held; slopes of outputs."""
 
 import ctypes
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -90,6 +91,40 @@ def test_slopes_of_outputs_in_fmi_3(ball: Path) -> None:
     one = Instance(ball, "3", "CoSimulation").start({"F": 2.0}, tolerance=1e-10)
     one.step(0, 0.1)
     assert [slope(one, name) for name in ("h", "P")] == pytest.approx([(2 - G) * 0.1, 2 * (2 - G)], rel=1e-12)
+    one.free()
+
+
+def test_inputs_follow_a_ramp_in_intermediate_updates(tmp_path: Path) -> None:
+    """F = 6 t, set where the FMU's own steps end: what is set holds until the next one, so that v = sum F dt/2."""
+    from fmpy import fmi3
+
+    path = tmp_path / "cart.lag"
+    path.write_text("""model Cart
+      Block b(m = 2, base = world); input Force F(start = 0); AppliedForce f(at = b.center, force = {F, 0});
+      Revolute h(a = world, phi(start = 2)); Bar p(m = 1, L = 0.2, a = h.b);
+    end Cart;""")
+    one = Instance(path, "3", "CoSimulation")
+    one.fmu.fmi3FreeInstance(one.fmu.component)
+    seen = [0.0]
+
+    def update(environment: object, t: float, may_set: bool, may_get: bool, is_finished: bool, may_return: bool,
+               wants_return: object, early: object) -> None:
+        assert may_set and one.get("time") == [t]
+        with pytest.raises(Exception, match="status"):
+            one.set({"b.m": 3.0})
+        one.set({"F": 6 * t})
+        seen.append(t)
+
+    callback, log = fmi3.fmi3IntermediateUpdateCallback(update), fmi3.fmi3LogMessageCallback(lambda *rest: None)
+    token = (one.description.instantiationToken or one.description.guid).encode()
+    one.fmu.component = one.fmu.fmi3InstantiateCoSimulation(b"one", token, b"", False, False, False, False, None, 0, None, log,
+                                                            callback)
+    one.start(tolerance=1e-9)
+    for k in range(4):
+        one.step(0.5 * k, 0.5)
+    assert len(seen) > 20 and seen[-1] == 2
+    given = sum(6 * a * (b - a) for a, b in pairwise(seen))
+    assert one.get("b.v") == pytest.approx([given / 2], rel=1e-9) and given / 2 == pytest.approx(6, rel=0.1)
     one.free()
 
 

@@ -130,7 +130,7 @@ static LagAnswer advance_to_event(LagInstance *s, double target, LagStepResult *
     return advance(s, result->is_early && run->motion.t < target ? run->motion.t : target);
 }
 
-/* One internal step after another, each followed by the importer's intermediate update. */
+/* One internal step after another, each followed by the importer's intermediate update; inputs that it sets hold from there on. */
 static LagAnswer advance_watched(LagInstance *s, double target, LagStepResult *result)
 {
     double wanted = INFINITY;
@@ -149,6 +149,10 @@ static LagAnswer advance_watched(LagInstance *s, double target, LagStepResult *r
         const int early = s->intermediate(s, s->vital.t, &time);
         s->vital.mode = LAG_MODE_STEP;
         result->is_event |= is_event;
+        const LagAnswer answer = s->vital.inputs_changed ? lag_instance_settle(s) : LAG_ANSWER_OK;
+        if (answer != LAG_ANSWER_OK)
+            return answer;
+        lag_run_set_stop(s->run, target);
         if (s->may_return_early && (early || is_event))
             wanted = is_event ? s->vital.t : time;
     }

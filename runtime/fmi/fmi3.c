@@ -29,8 +29,8 @@ static int intermediate(LagInstance *instance, double t, double *time)
     const Fmi3 *wrapper = instance->wrapper;
     fmi3Boolean wants_return = fmi3False;
     fmi3Float64 early = t;
-    wrapper->intermediate_update(wrapper->environment, t, fmi3False, fmi3True, fmi3True, instance->may_return_early != 0,
-                                 &wants_return, &early);
+    wrapper->intermediate_update(wrapper->environment, t, instance->model->n_inputs > 0, fmi3True, fmi3True,
+                                 instance->may_return_early != 0, &wants_return, &early);
     *time = early;
     return wants_return;
 }
