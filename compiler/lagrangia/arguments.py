@@ -13,7 +13,7 @@ from lagrangia.diagnostics import fail
 from lagrangia.model import Model
 from lagrangia.plot import require_format
 from lagrangia.request import Request
-from lagrangia.targets import keep_apart, require_kind
+from lagrangia.targets import keep_apart, open_with_care, require_kind
 from lagrangia.values import read_value
 
 _TABLES = (".csv", ".txt", ".dat")
@@ -168,7 +168,7 @@ def read_inputs(given: list[str], scene: Any) -> Any:
 def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
     """A CSV file with a line of names, one of them time. Raises LagError L0703."""
     try:
-        with path.open(newline="", encoding="utf-8") as stream:
+        with open(path, newline="", encoding="utf-8", opener=open_with_care) as stream:
             rows = [row for row in csv.reader(stream) if row]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         fail("L0703", f"the table '{path}' cannot be read: {getattr(error, 'strerror', None) or error}")

@@ -12,6 +12,7 @@ from typing import Any
 
 from lagrangia.scene import Scene, from_json, to_json
 from lagrangia.store import find_kept, keep, key_of, prune
+from lagrangia.targets import require_file
 
 
 def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
@@ -35,8 +36,10 @@ def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[
 
 
 def _key(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...], *formulas: bool) -> str:
-    return key_of(str(path.resolve()), _digest(path), model, sorted(structural.items()), outputs, formulas)
+    digest = _digest(path)  # first: of links that lead to each other no path can be told
+    return key_of(str(path.resolve()), digest, model, sorted(structural.items()), outputs, formulas)
 
 
 def _digest(path: Path) -> str:
+    require_file(path)
     return hashlib.sha256(path.read_bytes()).hexdigest()

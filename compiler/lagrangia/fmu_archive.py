@@ -11,6 +11,7 @@ from pathlib import Path, PurePosixPath
 
 from lagrangia.diagnostics import Diagnostic, Severity, fail
 from lagrangia.fmu_xmltree import Element, read_xml
+from lagrangia.targets import require_file
 
 DESCRIPTION = "modelDescription.xml"
 _LARGEST_TEXT = 256 << 20  # bytes
@@ -64,6 +65,7 @@ def open_archive(path: Path) -> Archive:
     if path.is_dir():
         fail("L0730", f"'{path}' is a folder", None, "an FMU is a ZIP archive; pack what is in the folder")
     try:
+        require_file(path)
         archive = Archive(path, zipfile.ZipFile(path))
         names = archive.names
     except OSError as error:

@@ -1,6 +1,7 @@
 """An FMU beside the run of the model it was made from, when its source is inside (fmu.py puts it there)."""
 
 import json
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,7 +57,7 @@ def source_of(opened: Opened, folder: Path, load: Load) -> Native | None:
         file, name, structural, outputs = (scene[key] for key in ("file", "model", "structural", "outputs"))
     except (ValueError, KeyError, TypeError):
         return None
-    path = (folder / base / file).resolve()
+    path = Path(os.path.realpath(folder / base / file))
     return load(path, name, structural, tuple(outputs)) if path.is_relative_to(folder.resolve()) else None
 
 

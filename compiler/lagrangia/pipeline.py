@@ -4,6 +4,7 @@ Heavy libraries are imported by the phases that need them, when they are needed.
 """
 
 import gc
+import os
 import sys
 import time
 from collections.abc import Iterator, Mapping
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.diagnostics import Report, Source, fail, suggest
 from lagrangia.folders import data_folder
 from lagrangia.store import find_kept, keep, key_of
+from lagrangia.targets import require_file
 
 if TYPE_CHECKING:
     from lagrangia.constraints import Constraints
@@ -194,7 +196,7 @@ def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":
     while pending:
         here, syntax = pending.pop()
         for item in syntax.imports:
-            target = (here.parent / item.path).resolve()
+            target = Path(os.path.realpath(here.parent / item.path))
             if target in found:
                 continue  # also a cycle of imports ends here
             if target.suffix != ".lag":
@@ -212,6 +214,7 @@ def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":
 def read_source(path: Path) -> Source:
     """Raises LagError L000x for what cannot be read as text."""
     try:
+        require_file(path)
         return Source(str(path), path.read_bytes().decode("utf-8"))
     except FileNotFoundError:
         fail("L0001", f"there is no file '{path}'")

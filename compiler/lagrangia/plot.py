@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.diagnostics import fail
 from lagrangia.scene import Column
+from lagrangia.targets import Target
 
 if TYPE_CHECKING:
     import numpy as np
@@ -68,12 +69,5 @@ def _what(members: list[tuple[Column, Any]]) -> str:
 
 def save(figure: Any, path: Path) -> None:
     """Writes beside the target first. Raises LagError L0004 when the picture cannot be written."""
-    path = path.resolve()
-    temporary = path.with_name(f".{path.stem[:100]}.part{path.suffix}")
-    try:
-        figure.savefig(temporary, dpi=120)
-        os.replace(temporary, path)
-    except OSError as error:
-        fail("L0004", f"'{path}' cannot be written: {error.strerror}")
-    finally:
-        temporary.unlink(missing_ok=True)
+    with Target(path, binary=True) as target:
+        figure.savefig(target.stream, dpi=120, format=path.suffix[1:].lower())

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.diagnostics import fail, suggest
 from lagrangia.sweep_measures import cut_list, split_list
+from lagrangia.targets import open_with_care
 from lagrangia.values import read_value
 
 if TYPE_CHECKING:
@@ -251,7 +252,7 @@ def _check_count(name: str, count: int) -> None:
 def read_runs(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """A CSV file with a line of names and a line for each run: names, and (line number, cells). Raises LagError L0713."""
     try:
-        with path.open(newline="", encoding="utf-8-sig") as stream:
+        with open(path, newline="", encoding="utf-8-sig", opener=open_with_care) as stream:
             reader = csv.reader(stream)
             rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(cell.strip() for cell in row)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:

@@ -1,8 +1,10 @@
-"""Files of results: written beside the target, and given its name when all is well; never in the place of what is read."""
+"""Files that are read, opened with care, and files of results: written beside the target, and given its name when all is well;
+never in the place of what is read."""
 
 import errno
 import os
 import re
+import stat
 import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -11,6 +13,32 @@ from typing import IO, Any, Self
 import orjson
 
 from lagrangia.diagnostics import fail
+
+
+def open_with_care(path: str, flags: int) -> int:
+    """As `opener` of open(): a device is refused (it may never end), and a pipe into which nobody writes is empty, and not waited
+    for. Raises OSError.
+    """
+    handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+    kind = os.fstat(handle).st_mode
+    if stat.S_ISREG(kind) or stat.S_ISFIFO(kind):
+        if hasattr(os, "O_NONBLOCK"):
+            os.set_blocking(handle, True)
+        return handle
+    os.close(handle)
+    if stat.S_ISDIR(kind):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
+    raise OSError(errno.ENODEV, "it is a device, not a file", path)
+
+
+def require_file(path: Path) -> None:
+    """For what is read more than once, or not from its beginning: a link is followed, a pipe refused. Raises OSError."""
+    kind = path.stat().st_mode
+    if stat.S_ISDIR(kind):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(kind):
+        what = "a pipe" if stat.S_ISFIFO(kind) else "a socket" if stat.S_ISSOCK(kind) else "a device"
+        raise OSError(errno.ENODEV, f"it is {what}, not a file", str(path))
 
 
 class Target:
