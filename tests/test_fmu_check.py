@@ -325,6 +325,8 @@ ACTS = {
             "SIGABRT"),
     "memory": ('char *x = malloc((size_t)9 << 30); if (!x) { puts("no memory"); fflush(stdout); } else memset(x, 1, 1); abort();',
                "no memory"),
+    "endless": ("for (;;) sleep(1);", "given up after 4 s"),
+    "endless noise": ('for (;;) puts("noise, noise, noise, noise, noise, noise, noise");', "given up after 4 s"),
 }
 
 
@@ -340,7 +342,7 @@ def test_foreign_code_has_limits(act: str, tmp_path: Path) -> None:
     (name,) = (name for name in zipfile.ZipFile(good).namelist() if name.startswith("binaries/"))
     opened = open_fmu(broken(good, tmp_path / "x.fmu", {name: (tmp_path / "a.so").read_bytes()}))
     with unpacked(opened) as folder:
-        outcome = run_job(Job(folder, "me", [0.0], 1.0, 1e-6, probe=True), 20)
+        outcome = run_job(Job(folder, "me", [0.0], 1.0, 1e-6, probe=True), 4 if "endless" in act else 20)
     assert said in outcome.explanation and len(outcome.log) <= 20_000
     time.sleep(3.5 if act == "child" else 0)
     assert not marker.exists()
