@@ -81,6 +81,7 @@ ORDER = """
     assembly
     virtual_forces
     positions
+    double_roots
     partition
     forces
     elimination

@@ -278,6 +278,9 @@ class Study:
         if asked and pace == 0.0 and self.scene.notes["is_driven"]:
             notes.append("reactions are not told while supports move")
             asked = []
+        if asked and (straight := self.c.constraints.touching):
+            notes.append(f"reactions are not told: {straight[0].told} only just holds, so that nothing bounds them")
+            asked = []
         full = self.equations((), (*outputs, *asked)) if asked else e
         most = starts if starts is not None else (24 if self.scene.n <= _LARGE else 3)
         found, is_reached = self.all_rests(e, pace, most)

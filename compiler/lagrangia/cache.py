@@ -14,12 +14,14 @@ from lagrangia.scene import Scene, from_json, to_json
 from lagrangia.store import find_kept, keep, key_of, prune
 from lagrangia.targets import require_file
 
+AS_DECLARED = False, False, False  # formulas of a Model
+
 
 def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
-               for_any_mass: bool = False, is_general: bool = False) -> Scene | None:
+               formulas: tuple[bool, bool, bool] = AS_DECLARED) -> Scene | None:
     """The scene compiled earlier from the same text, or None."""
     try:
-        stored = json.loads(find_kept("scenes", _key(path, model, structural, outputs, for_any_mass, is_general)) or "")
+        stored = json.loads(find_kept("scenes", _key(path, model, structural, outputs, formulas)) or "")
         if all(_digest(Path(name)) == digest for name, digest in stored["imports"].items()):
             return from_json(stored["scene"])
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
@@ -28,14 +30,15 @@ def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], out
 
 
 def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
-               imports: list[Path], for_any_mass: bool = False, is_general: bool = False) -> None:
+               imports: list[Path], formulas: tuple[bool, bool, bool] = AS_DECLARED) -> None:
     """Store a scene."""
     text = json.dumps({"imports": {str(p.resolve()): _digest(p) for p in imports}, "scene": to_json(scene)})
-    keep("scenes", _key(path, model, structural, outputs, for_any_mass, is_general), text.encode())
+    keep("scenes", _key(path, model, structural, outputs, formulas), text.encode())
     prune()
 
 
-def _key(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...], *formulas: bool) -> str:
+def _key(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
+         formulas: tuple[bool, bool, bool]) -> str:
     digest = _digest(path)  # first: of links that lead to each other no path can be told
     return key_of(str(path.resolve()), digest, model, sorted(structural.items()), outputs, formulas)
 

@@ -93,5 +93,6 @@ def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
         lines.append(f"  the start is a singular position, where {len(ways)} ways of moving meet: {'; or '.join(ways)}")
     elif freedom["degrees_at_start"] > degrees:
         lines.append(f"  the start is a singular position: {freedom['degrees_at_start']} degrees of freedom there")
+    lines += [f"  {text} only just holds: it is kept with its slopes" for text in notes["touching"]["told"]]
     lines += [f"  {text}" for text in (*freedom["repeated"], *freedom["assemblies"])]
     return "\n".join(lines)

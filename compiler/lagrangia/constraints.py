@@ -39,6 +39,10 @@ class Row:
     is_timed: bool = False  # the equation itself depends on time
     equation: Equation | None = None
 
+    @property
+    def told(self) -> str:
+        return f"the loop {self.loop.around}" if self.loop else f"the equation '{self.span.text}' at {self.span}"
+
     def rate(self, kinematics: Kinematics) -> Scalar:
         """d/dt of a holonomic row along the motion; a nonholonomic row itself."""
         return rate_of(self.value(kinematics, 1)) if self.is_holonomic else self.value(kinematics, 0)
@@ -58,6 +62,7 @@ class Constraints:
     agreements: tuple[tuple[ca.SX, Row], ...] = ()  # what vanishes as long as a repeated row says nothing new, with that row
     absorbed: tuple[Row, ...] = ()  # linear rows that gave a coordinate
     givers: Mapping[str, Row] = field(default_factory=dict)  # the absorbed row of each coordinate that was given up
+    touching: tuple[Row, ...] = ()  # rows that only just hold, with whose slopes they are kept
 
     @property
     def all_rows(self) -> tuple[Row, ...]:

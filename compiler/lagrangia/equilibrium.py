@@ -373,7 +373,7 @@ class _Newton:
     def onto(self, q: Vector, is_free: NDArray[np.bool_] | None = None) -> Vector | None:
         """Onto the constraints, by the shortest corrections."""
         reach = self.reach if is_free is None else self.reach * is_free
-        last = np.inf
+        last, before = np.inf, q
         for _ in range(_MOST_RETURNS):
             _, phi, _ = self.e.static(q)
             if not np.isfinite(phi).all():
@@ -381,12 +381,14 @@ class _Newton:
             size = float(np.abs(phi / self.gap_sizes).max(initial=0.0))
             if size == 0.0 or (size < _SHUT and size >= 0.5 * last):
                 return q
+            if last < _SHUT <= size:
+                return before  # a slope of nothing but rounding leads away
             _, J, _ = self.e.stiffness(q, np.zeros(0))
             if not np.isfinite(J).all():
                 return None
             step = np.linalg.lstsq(J * reach / self.gap_sizes[:, None], -phi / self.gap_sizes, rcond=1e-8)[0]
             longest = float(np.abs(step).max(initial=0.0))
-            q = q + step * min(1.0, _LARGEST_TURN / max(longest, 1e-300)) * reach
+            before, q = q, q + step * min(1.0, _LARGEST_TURN / max(longest, 1e-300)) * reach
             last = size
         return q if size < _SHUT else None
 

@@ -9,7 +9,7 @@ from lagrangia.arguments import assignment, load_model, split_names, tell_warnin
 from lagrangia.diagnostics import RunError, fail
 from lagrangia.native import CompilerError
 from lagrangia.pipeline import ALL_REACTIONS
-from lagrangia.statics import is_static
+from lagrangia.statics import tells_reactions
 
 if TYPE_CHECKING:
     from lagrangia.model import Model
@@ -22,7 +22,7 @@ def export_fmu_command(options: Namespace) -> int:
         fail("L0704", "an FMU is no text: it cannot go to standard output", None, "give a file with -o")
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, split_names(options.outputs))
-    if is_static(model.scene):
+    if tells_reactions(model.scene):
         model = load_model(options, given, (*split_names(options.outputs), ALL_REACTIONS))
     tell_warnings(options, model)
     units = {p.name: p.unit for p in model.scene.parameters}

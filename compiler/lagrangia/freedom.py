@@ -18,12 +18,12 @@ from lagrangia.branches import told
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints, Row
 from lagrangia.diagnostics import Diagnostic, tell_miss
-from lagrangia.equilibrium import StaticEquations, ways_at
+from lagrangia.double_roots import static_constraints
+from lagrangia.equilibrium import ways_at
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
 from lagrangia.orthogonal import Vector
-from lagrangia.parameters import at_declared_values
 from lagrangia.positions import Positions, shortest
 
 _RANK = 1e-7
@@ -93,13 +93,14 @@ def _find(
     ranks = [_rank(J) for J in slopes]
     dependent = tuple(_dependent_rows(slopes[int(np.argmax(ranks))]))
     repeated = dict.fromkeys((*told, *(_tell(constraints.rows[k]) for k in dependent)))
-    found = Freedom(n - max(ranks), n - ranks[0], tuple(repeated), None, (), dependent)
+    is_rigid = bool(constraints.touching) and max(ranks) == n
+    found = Freedom(n - max(ranks), n - ranks[0], tuple(repeated), None, (), dependent, (), is_rigid)
     return found, assembly, x
 
 
 def _at_the_start(found: Freedom, kinematics: Kinematics, held: ConstrainedMotion, q: Vector) -> Freedom:
     """Where constraints are dependent, what second order allows of what first order does."""
-    ways = ways_at(_places(kinematics, held), q)
+    ways = ways_at(static_constraints(kinematics, held.rows.phi, held.J), q)
     if ways is None or ways.is_open:
         return found
     names = [c.name for c in kinematics.graph.coordinates]
@@ -109,26 +110,8 @@ def _at_the_start(found: Freedom, kinematics: Kinematics, held: ConstrainedMotio
     return replace(found, degrees=now, now=now, is_rigid=ways.is_rigid)
 
 
-def _places(kinematics: Kinematics, held: ConstrainedMotion) -> StaticEquations:
-    """The constraints alone, without forces."""
-    q = ca.vertcat(*kinematics.symbols.positions.values())
-    lam = ca.SX.sym("lambda", held.J.shape[0])
-    phi, J = (ca.densify(x) for x in at_declared_values(kinematics, [held.rows.phi, held.J]))
-    bent = ca.jacobian(ca.jtimes(phi, q, lam[: phi.numel()], True), q) if phi.numel() else ca.SX(q.numel(), q.numel())
-    gaps = ca.Function("gaps", [q], [phi])
-    slopes = ca.Function("slopes", [q, lam], [ca.densify(bent), ca.densify(ca.jacobian(phi, q)), J])
-    nothing, ones = np.zeros(q.numel()), np.ones(q.numel())
-
-    def stiffness(x: Vector, multipliers: Vector) -> tuple[Vector, Vector, Vector]:
-        K, own, rows = slopes(x, multipliers if multipliers.size else 0)
-        return K.full(), own.full(), rows.full()
-
-    return StaticEquations(lambda x: (nothing, gaps(x).full().ravel(), 0.0), stiffness, ones, np.full(q.numel(), False))
-
-
 def _tell(row: Row) -> str:
-    what = f"the loop {row.loop.around}" if row.loop else f"the equation '{row.span.text}' at {row.span}"
-    return f"{what} repeats in part what others already impose"
+    return f"{row.told} repeats in part what others already impose"
 
 
 def _problem(initial: InitialConditions, worst: int, residuals: Vector) -> Diagnostic:

@@ -50,10 +50,12 @@ class Model:
     """A compiled scene. Parameters are numbers of each run: changing one compiles nothing."""
 
     def __init__(self, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
-                 outputs: Sequence[str] = (), for_any_mass: bool = False, is_general: bool = False) -> None:
-        """`for_any_mass`, `is_general`: with formulas that hold whatever the masses, the numbers compiled in; see `suited`."""
-        self.for_any_mass, self.is_general = for_any_mass, is_general
-        self._others: dict[tuple[bool, bool], Model] = {}
+                 outputs: Sequence[str] = (), for_any_mass: bool = False, is_general: bool = False,
+                 is_as_written: bool = False) -> None:
+        """`for_any_mass`, `is_general`, `is_as_written`: with formulas that hold whatever the masses, the numbers compiled in and
+        what only just holds; see `suited`."""
+        self.formulas = for_any_mass, is_general, is_as_written
+        self._others: dict[tuple[bool, bool, bool], Model] = {}
         self.path, self.model, self.structural, self.outputs = path, model, dict(structural or {}), tuple(outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
@@ -61,7 +63,7 @@ class Model:
         self._has_engine = False
         self._engines: dict[str, Engine | None] = {}  # of solvers that want one of their own
         self.native: bool | None = None  # native code, a tape, or what costs less time
-        found = find_scene(path, model, self.structural, self.outputs, for_any_mass, is_general)
+        found = find_scene(path, model, self.structural, self.outputs, self.formulas)
         self.is_cached = found is not None
         self.scene: Scene = found if found is not None else self._compile_and_keep()
 
@@ -71,9 +73,13 @@ class Model:
 
     def _keep(self, scene: Scene) -> Scene:
         imports = [(self.path.parent / item.path) for item in self.compilation.syntax.imports]
-        keep_scene(scene, self.path, self.model, self.structural, self.outputs, imports, self.for_any_mass,
-                   self.is_general)
+        keep_scene(scene, self.path, self.model, self.structural, self.outputs, imports, self.formulas)
         return scene
+
+    @property
+    def for_any_mass(self) -> bool:
+        """Whether the formulas hold whatever the masses."""
+        return self.formulas[0]
 
     @property
     def freedom(self) -> Mapping[str, Any]:
@@ -101,8 +107,7 @@ class Model:
         if self._compilation is None:
             from lagrangia.pipeline import compile_file
 
-            self._compilation = compile_file(self.path, self.model, self.structural, self.outputs, self.for_any_mass,
-                                             self.is_general)
+            self._compilation = compile_file(self.path, self.model, self.structural, self.outputs, *self.formulas)
         return self._compilation
 
     @property
@@ -169,6 +174,8 @@ class Model:
         given = zip(self.scene.parameters, values.parameters, values.mask, strict=True)
         if any(mask and parameter.compiled not in (None, value) for parameter, value, mask in given):
             return self.general.suited(values)
+        if self._lets_go(evaluate, values.parameters, values.mask):
+            return self._as_written.suited(values)
         if self.scene.evenness is None:
             return self
         return self if all(x > 1 for x in self._evenness(evaluate, values.parameters, values.mask)) else self._for_all_masses
@@ -182,18 +189,34 @@ class Model:
     @property
     def general(self) -> "Model":
         """The scene with all its parameters open: no number is compiled in."""
-        return self if all(p.compiled is None for p in self.scene.parameters) else self._other(self.for_any_mass, True)
+        return self if all(p.compiled is None for p in self.scene.parameters) else self._other(is_general=True)
 
     @property
     def _for_all_masses(self) -> "Model":
-        return self._other(True, self.is_general)
+        return self._other(for_any_mass=True)
 
-    def _other(self, for_any_mass: bool, is_general: bool) -> "Model":
-        formulas = for_any_mass, is_general
+    @property
+    def _as_written(self) -> "Model":
+        return self._other(is_as_written=True)
+
+    def _other(self, for_any_mass: bool = False, is_general: bool = False, is_as_written: bool = False) -> "Model":
+        mass, general, written = self.formulas
+        formulas = mass or for_any_mass, general or is_general, written or is_as_written
         if formulas not in self._others:
             self._others[formulas] = Model(self.path, self.model, self.structural, self.outputs, *formulas)
             self._others[formulas].native = self.native
         return self._others[formulas]
+
+    def _lets_go(self, compute: Callable[..., list[list[Any]]], given: Sequence[Any], mask: Sequence[float]) -> bool:
+        """Whether parameters differ by which constraints only just hold: of one set of parameters, or of many (evaluate_each)."""
+        places = self.scene.notes["touching"]["parameters"]
+        if not places:
+            return False
+        import numpy as np
+
+        declared, tape = check_values(self.scene), self.scene.tapes["parameters"]
+        usual, found = evaluate(tape, declared.parameters, declared.mask)[0], compute(tape, given, mask)[0]
+        return any(np.any(found[k] != usual[k]) for k in places)
 
     def simulate_many(
         self, *, parameters: Mapping[str, Any] | None = None, initial: Mapping[str, Any] | None = None,
@@ -234,6 +257,8 @@ class Model:
         parameters, varied = self.scene.parameters, [k for k in job.sweep.varied if k < len(self.scene.parameters)]
         suited = self.general if any(parameters[k].compiled is not None for k in varied) else self
         suited = suited.suited(Values(tuple(job.sweep.given), tuple(job.sweep.mask), (), ()))
+        if any(suited._lets_go(evaluate_each, *sets) for sets in job.parameter_sets()):
+            suited = suited._as_written
         if suited.scene.evenness is not None:
             found = (x > 1 for sets in job.parameter_sets() for x in suited._evenness(evaluate_each, *sets))
             suited = suited if all(map(np.all, found)) else suited._for_all_masses
@@ -243,8 +268,7 @@ class Model:
         """This model, or one that reports these names too."""
         known = {column.name for column in self.scene.outputs}
         missing = [name for name in names if name not in known and self.scene.slot(name) is None]
-        return Model(self.path, self.model, self.structural, (*self.outputs, *missing), self.for_any_mass,
-                     self.is_general) if missing else self
+        return Model(self.path, self.model, self.structural, (*self.outputs, *missing), *self.formulas) if missing else self
 
     def start(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""
@@ -314,7 +338,7 @@ class Model:
 
     def __reduce__(self) -> "tuple[Any, ...]":
         """Pickled as what it was loaded from: where it is unpickled, the file must be there."""
-        return Model, (self.path, self.model, self.structural, self.outputs, self.for_any_mass, self.is_general)
+        return Model, (self.path, self.model, self.structural, self.outputs, *self.formulas)
 
     def equilibrium(self, *, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
                     inputs: Mapping[str, float] | None = None, time: float | None = None, starts: int | None = None

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lagrangia.flat import FlatModel
     from lagrangia.functions import Functions
     from lagrangia.graph import ComponentGraph
+    from lagrangia.hamilton import Hamilton
     from lagrangia.initial import InitialConditions
     from lagrangia.kinematics import Kinematics
     from lagrangia.motion import Motion
@@ -57,7 +58,8 @@ class Compilation:
 
 
 def compile_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
-                 outputs: tuple[str, ...] = (), for_any_mass: bool = False, is_general: bool = False) -> Compilation:
+                 outputs: tuple[str, ...] = (), for_any_mass: bool = False, is_general: bool = False,
+                 is_as_written: bool = False) -> Compilation:
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
     from lagrangia.constraints import reduce_kinematics
     from lagrangia.dimensions import check_dimensions
@@ -65,7 +67,6 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.freedom import is_held_still
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
-    from lagrangia.hamilton import build_hamilton, energy_flow, is_separable, no_momenta
     from lagrangia.initial import loosen
     from lagrangia.kinematics import build_kinematics
     from lagrangia.motion import build_motion
@@ -81,31 +82,44 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
             graph, energies = kinematics.graph, build_energies(kinematics)
         with _timed(took, "motion"):
-            initial = _start(kinematics, constraints)
+            constraints, initial = _start(kinematics, constraints, is_as_written)
             made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
             motion = build_motion(kinematics, energies, *made_of)
             hit, run = _with_impacts(kinematics, energies, motion, made_of)
             initial = loosen(initial, motion.momentum, motion.v)
         with _timed(took, "functions"):
-            flow = energy_flow(kinematics, constraints, energies, run)
-            stuck = flow or no_momenta(constraints, run)
-            hamilton = None if stuck or is_separable(run) else build_hamilton(kinematics, run)
+            flow, stuck, hamilton = _flow(kinematics, constraints, energies, run)
             functions = build_functions(hit, run, constraints, initial, hamilton, _reported(graph, outputs))
         with _timed(took, "freedom"):
             is_still = is_held_still(kinematics, motion, constraints, initial, functions.table)
         with _timed(took, "scene"):
-            scene = divide(build_scene(kinematics, run, initial, functions, is_still, flow, stuck), kinematics, run, initial)
+            scene = build_scene(kinematics, run, constraints, initial, functions, is_still, flow, stuck)
+            scene = divide(scene, kinematics, run, initial)
     return Compilation(syntax, flat, graph, kinematics, constraints, energies, motion, hit, run, initial, functions, scene, took)
 
 
-def _start(kinematics: "Kinematics", constraints: "Constraints") -> "InitialConditions":
-    """Where it begins; raises LagError for equations whose force acts on what they do not hold, too."""
+def _start(kinematics: "Kinematics", constraints: "Constraints", is_as_written: bool
+           ) -> "tuple[Constraints, InitialConditions]":
+    """The constraints, by their slopes where they only just hold unless `is_as_written`, and where it begins; raises LagError for
+    equations whose force acts on what they do not hold, too."""
+    from lagrangia.double_roots import lift_double_roots
     from lagrangia.initial import build_initial
     from lagrangia.virtual_forces import refuse_forces_elsewhere
 
     initial = build_initial(kinematics, constraints)
     refuse_forces_elsewhere(kinematics, constraints, initial)
-    return initial
+    lifted = None if is_as_written else lift_double_roots(kinematics, constraints, initial)
+    return (constraints, initial) if lifted is None else (lifted, build_initial(kinematics, lifted))
+
+
+def _flow(kinematics: "Kinematics", constraints: "Constraints", energies: "Energies", run: "Motion"
+          ) -> "tuple[str, str, Hamilton | None]":
+    """Why the scene does not keep its energy, why it has no conservative steps, and the momenta of these where it needs them."""
+    from lagrangia.hamilton import build_hamilton, energy_flow, is_separable, no_momenta
+
+    flow = energy_flow(kinematics, constraints, energies, run)
+    stuck = flow or no_momenta(constraints, run)
+    return flow, stuck, None if stuck or is_separable(run) else build_hamilton(kinematics, run)
 
 
 def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motion",

@@ -32,6 +32,10 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
     asked = kinematics.reactions
     if not asked:
         return ca.SX(0, 1), ca.SX(0, 1)
+    if constraints.touching:
+        frame, straight = next(iter(asked)), constraints.touching[0].told
+        fail("L0911", f"the reaction of '{component_of(frame)}' is not known: {straight} only just holds, so that nothing bounds "
+             "its force", _asked_at(kinematics, frame), "make what is straight there a little longer or shorter")
     edges, cuts = joints_of(kinematics.graph), cuts_of(kinematics.graph)
     ties = {frame: [row for row in constraints.all_rows if row.loop is None and row.component == component_of(frame)]
             for frame in asked if frame not in cuts and frame not in edges}

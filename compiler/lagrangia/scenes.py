@@ -8,8 +8,10 @@ import casadi as ca
 
 from lagrangia.ccode import may_hide, usual_rhs, write_motion_series
 from lagrangia.constrained_motion import ConstrainedMotion
+from lagrangia.constraints import Constraints
 from lagrangia.diagnostics import fail
 from lagrangia.dimensions import unit_of
+from lagrangia.double_roots import touching_notes
 from lagrangia.flat import FlatModel
 from lagrangia.folding import numbers_of
 from lagrangia.functions import Functions, build_island_functions
@@ -28,8 +30,8 @@ from lagrangia.tapes import Tape
 
 
 def build_scene(
-    kinematics: Kinematics, motion: Motion, initial: InitialConditions, functions: Functions, is_still: bool,
-    flow: str, no_momenta: str,
+    kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, functions: Functions,
+    is_still: bool, flow: str, no_momenta: str,
 ) -> Scene:
     """`flow`: why it does not keep its energy, `no_momenta`: why it has no conservative steps; "" where it does and has."""
     model, graph = kinematics.graph.model, kinematics.graph
@@ -58,7 +60,7 @@ def build_scene(
         sizes=sizes, patterns=functions.patterns, tapes=tapes, islands=(), evenness=_evenness(motion),
         coordinate_kind=tuple(kinds[c.unit] for c in started), fixed=tuple(map(int, initial.fixed)),
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
-        notes=_notes(motion, tapes) | _freedom(kinematics, motion, is_still) | _told(model),
+        notes=_notes(motion, tapes) | _freedom(kinematics, motion, constraints, is_still) | _told(model),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_no_series(tapes)},
     )
 
@@ -186,13 +188,13 @@ def _is_driven(kinematics: Kinematics, motion: Motion) -> bool:
     return bool(rows) and ca.depends_on(ca.vertcat(*rows), motion.t)
 
 
-def _freedom(kinematics: Kinematics, motion: Motion, is_still: bool) -> dict[str, object]:
+def _freedom(kinematics: Kinematics, motion: Motion, constraints: Constraints, is_still: bool) -> dict[str, object]:
     """What is known at once; "freedom" is filled in when somebody asks: see model.py."""
     is_driven = _is_driven(kinematics, motion)
     return {"is_static": is_still and not is_driven, "is_prescribed": is_still and is_driven, "is_driven": is_driven,
             "loops": len(kinematics.graph.closures), "freedom": None,
             "prescribed": [name for name, dependent in kinematics.dependents.items() if not dependent.terms],
-            "dependent": [c.name for c in kinematics.graph.dependent_coordinates]}
+            "dependent": [c.name for c in kinematics.graph.dependent_coordinates], **touching_notes(kinematics, constraints)}
 
 
 def _told(model: FlatModel) -> dict[str, object]:

@@ -26,7 +26,7 @@ from lagrangia.model import NO_COMPILER, Model
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.request import Experiment, check_values, plan
 from lagrangia.simulate import Progress, loss
-from lagrangia.statics import is_static
+from lagrangia.statics import tells_reactions
 from lagrangia.summary import summarise, tell_assembly, tell_moved, tell_reactions
 from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names
 
@@ -41,7 +41,7 @@ def simulate_command(options: Namespace) -> int:
     outputs = split_names(options.outputs) + ((ALL_REACTIONS,) if options.reactions else ())
     given = [assignment(text, "-p") for text in options.parameter]
     model = _load(options, given, outputs)
-    if is_static(model.scene) and not options.reactions:
+    if tells_reactions(model.scene) and not options.reactions:
         model = load_model(options, given, (*outputs, ALL_REACTIONS))
     model = _without_repeated(options, model, given)
     scene = model.scene

@@ -11,6 +11,11 @@ def is_static(scene: Scene) -> bool:
     return bool(scene.notes["is_static"])
 
 
+def tells_reactions(scene: Scene) -> bool:
+    """Whether a scene that cannot move is asked for them: where something only just holds, nothing bounds the forces."""
+    return is_static(scene) and not scene.notes["touching"]["told"]
+
+
 def reaction_table(scene: Scene, row: Sequence[float]) -> list[str]:
     """The reactions in one row of results, a line for each joint or tie, with their units."""
     from lagrangia.instances import REACTIONS  # here: few scenes stand still, and others need not know the language's trees

@@ -17,6 +17,7 @@ from lagrangia.statics import is_static, reaction_table
 
 _GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model.h
 _MOVED = 1e-3  # less is taken for the rounding of a start value
+_ROUNDING = 1e-14  # m or rad
 
 
 def summarise(options: Namespace, model: Model, progress: Progress, target: str, compiled: float, loaded: float) -> None:
@@ -84,7 +85,7 @@ def tell_moved(scene: Any, progress: Progress, values: Values, row: Sequence[flo
     stated = zip((*scene.coordinates, *scene.rates), kinds, [*guess[0], *guess[1]], (*values.q, *values.v), row[1:], strict=True)
     for k, (column, kind, wanted, given, value) in enumerate(stated):
         may_tell = kind == _GUESS or (kind == _FREE and k < scene.n and not scene.sizes["n_initial_positions"])
-        if may_tell and math.isnan(given) and abs(value - wanted) > _MOVED * max(abs(value), abs(wanted)):
+        if may_tell and math.isnan(given) and abs(value - wanted) > max(_MOVED * max(abs(value), abs(wanted)), _ROUNDING):
             print(f"  {column.name} begins at {_quantity(value, column.unit)}, not at {_quantity(wanted, column.unit)}: the "
                   "equations ask for it", file=out)
 
@@ -96,7 +97,9 @@ def _quantity(value: float, unit: str) -> str:
 
 def tell_reactions(scene: Any, row: Sequence[float], out: Any) -> None:
     """What a scene that cannot move is computed for."""
-    if is_static(scene) and row:
+    if is_static(scene) and row and (straight := scene.notes["touching"]["told"]):
+        print(f"  no freedom is left, so it stands still; nothing bounds the forces, for {straight[0]} only just holds", file=out)
+    elif is_static(scene) and row:
         print(f"  no freedom is left, so it stands still; on the port b of each joint act, at t = {row[0]:g} s", file=out)
         print("\n".join(f"    {line}" for line in reaction_table(scene, row)), file=out)
 
