@@ -28,7 +28,7 @@ COMMANDS = [
     ["hand_written.py"],
     ["four_bars.py", "--largest", "2"],
     ["many_runs.py", "--runs", "50", "--repeats", "1"],
-    ["fmu_steps.py", "--repeats", "2"],
+    pytest.param(["fmu_steps.py", "--repeats", "2"], marks=pytest.mark.slow, id="fmu_steps.py --repeats"),
     ["suite.py", "--scenes", "pendulum,four-bar", "--solvers", "erk,casadi:erk,heyoka,mujoco,exudyn,rumoca", *TINY],
 ]
 

@@ -11,7 +11,7 @@ from verdicts import Verdict, look_at_all
 from lagrangia.native import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
-FEW, MANY = 48, int(os.environ.get("LAGRANGIA_SCENES", "152"))
+FEW, MANY = 24, int(os.environ.get("LAGRANGIA_SCENES", "48"))
 
 
 def _told(verdicts: list[Verdict]) -> list[str]:

@@ -10,7 +10,7 @@ from forest import look_at, look_at_all
 from lagrangia.native import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
-FEW, MANY = 36, int(os.environ.get("LAGRANGIA_TREES", "1000"))
+FEW, MANY = 36, int(os.environ.get("LAGRANGIA_TREES", "120"))
 
 
 @pytest.mark.parametrize("first", range(0, FEW, 12))
