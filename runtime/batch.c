@@ -261,6 +261,7 @@ static int wrong_parameter(const LagBatch *batch)
 static void start_reductions(LagBatch *batch)
 {
     batch->next_at = 0;
+    batch->row[0] = NAN;
     batch->n_pending = batch->sweep.n_reductions - batch->n_at;
     for (int i = 0; i < batch->sweep.n_reductions; ++i)
         lag_reduce_start(&batch->reduced[i]);
@@ -282,6 +283,12 @@ static LagStatus begin(LagBatch *batch, const double *values, LagOutcome *outcom
     return lag_run_start(batch->run, batch->state, batch->state + batch->model->n);
 }
 
+/* Each row judges the energy account: there is one at the end, whatever was asked for. */
+static LagStatus close_account(LagBatch *batch)
+{
+    return batch->row[0] == lag_run_time(batch->run) ? LAG_OK : lag_run_row(batch->run, batch->row);
+}
+
 static void conclude(LagBatch *batch, LagStatus status, double *results, LagOutcome *outcome)
 {
     const LagStatistics *statistics = lag_run_statistics(batch->run);
@@ -297,6 +304,11 @@ static void conclude(LagBatch *batch, LagStatus status, double *results, LagOutc
         outcome->steps = statistics->steps;
         const double energy = fmax(statistics->energy_scale, statistics->energy_stored);
         outcome->energy = energy > 0 ? statistics->energy_residual / energy : 0;
+    }
+    if (outcome->kind == LAG_RUN_DONE && statistics->energy_is_open) {
+        outcome->kind = LAG_RUN_OPEN;
+        outcome->failure.time = statistics->energy_open;
+        outcome->failure.value = outcome->energy;
     }
     for (int i = 0; i < batch->sweep.n_reductions; ++i)
         results[i] = status == LAG_OK || batch->reduced[i].is_known
@@ -318,6 +330,8 @@ int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, d
         LagStatus status = begin(batch, values + i * batch->sweep.n_varied, outcome);
         if (status == LAG_OK)
             status = follow(batch);
+        if (status == LAG_OK)
+            status = close_account(batch);
         if (status == LAG_PAUSED && *stop)
             return i;
         conclude(batch, status, results + i * batch->sweep.n_reductions, outcome);

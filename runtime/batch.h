@@ -23,10 +23,11 @@ typedef struct {
     const double *least, *most; /* n_parameters: what each parameter may be */
 } LagSweep;
 
-enum { LAG_RUN_DONE, LAG_RUN_FAILED, LAG_RUN_PARAMETER, LAG_RUN_OVERTIME };
+enum { LAG_RUN_DONE, LAG_RUN_FAILED, LAG_RUN_PARAMETER, LAG_RUN_OVERTIME, LAG_RUN_OPEN };
 
 typedef struct {
-    int32_t kind;       /* LAG_RUN_...; of a parameter out of its limits, failure holds the index and the value */
+    int32_t kind;       /* LAG_RUN_...; of a parameter out of its limits, failure holds the index and the value; of an energy account
+                         * that is open, the time from which on it is, and by how much of its size: results are there all the same */
     int32_t padding;
     LagFailure failure;
     int64_t steps;

@@ -47,6 +47,7 @@ class Ending(IntEnum):
     FAILED = 1
     PARAMETER = 2
     OVERTIME = 3
+    OPEN = 4
 
 
 @dataclass(frozen=True)

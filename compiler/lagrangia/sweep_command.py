@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.arguments import asked, assignment, input_tables, keep_foreign, load_model, read_inputs, tell_inputs, tell_warnings
+from lagrangia.batch import Ending
 from lagrangia.diagnostics import fail
 from lagrangia.interruptions import INTERRUPTED
 from lagrangia.model import Model
@@ -25,7 +26,7 @@ _DRY_ROWS = 10
 
 
 def sweep_command(options: Namespace) -> int:
-    """0 when at least one run went well; runs that fail are rows of the table."""
+    """0 when at least one run went well, and no energy account is open; runs that fail are rows of the table."""
     target = options.output or f"{options.file.stem}_sweep.csv"
     if not options.dry_run:
         require_place(target, [options.file, *filter(None, [options.runs]), *input_tables(options.input)])
@@ -92,7 +93,16 @@ def _finish(options: Namespace, sweep: Sweep, target: str, journal: Journal | No
         print("error: no run went well" + "".join(f"\n   = {count} runs: {what}" for what, count in sweep.common_failures()),
               file=sys.stderr)
         return 1
-    return 0
+    return _judge(sweep)
+
+
+def _judge(sweep: Sweep) -> int:
+    """1 where runs are in the table whose energy account is open."""
+    count = int((sweep.ledger.outcomes["kind"] == Ending.OPEN).sum())
+    if count:
+        print(f"error: the energy account of {count} of {sweep.runs} runs misses by more than the tolerance explains: their rows, "
+              "which say so, are not the motion of this scene\n   = a smaller --tolerance, or another --solver", file=sys.stderr)
+    return 1 if count else 0
 
 
 # -------------------------------------------------------------------- what is said

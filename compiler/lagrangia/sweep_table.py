@@ -30,8 +30,8 @@ _PORTION = 4096  # rows
 class Sweep:
     """The result of many runs. `sweep["max(y)"]`, `sweep["k"]`: a measure, or what was varied, as an array (runs,) in SI units.
 
-    A measure is NaN where the run failed, or has no such time. `failures` says which runs failed, and why. `interrupted`: some
-    runs had no turn.
+    A measure is NaN where the run failed, or has no such time. `failures` says which runs failed, and why; a run whose energy
+    account is open counts as one, though it keeps its numbers. `interrupted`: some runs had no turn.
     """
 
     job: Job
@@ -170,6 +170,8 @@ def explain_outcome(scene: Scene, outcome: Any) -> str:
         return f"out of time at t = {time:.6g}"
     if kind is Ending.PARAMETER:
         return _wrong_parameter(scene, index, value)
+    if kind is Ending.OPEN:
+        return f"the energy account misses by {value:.1e} of its size, more than the tolerance explains, from t = {time:.6g} on"
     return explain(scene, Failure(Status(outcome["status"]), index, bool(outcome["rate"]), time, value))
 
 
@@ -187,6 +189,8 @@ def _in_general(scene: Scene, kind: int, status: int, index: int, rate: int) -> 
     ending = Ending(kind)
     if ending is Ending.PARAMETER:
         return f"the parameter '{scene.parameters[index].name}' is out of its limits"
+    if ending is Ending.OPEN:
+        return "the energy account is open: a smaller tolerance or another solver is needed"
     if ending is not Ending.FAILED:
         return "not run" if ending is Ending.NOT_RUN else "out of time"
     what = {Status.NOT_FINITE: "the accelerations are not finite", Status.STEP_TOO_SMALL: "the motion cannot be continued",
