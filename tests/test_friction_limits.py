@@ -69,7 +69,10 @@ STILL = {
     "abs": "if abs(b.v) > 0 then 2 else 3", "differs": "if b.v <> 0 then 2 else 3", "equals": "if b.v == 0 then 3 else 2",
     "or": "if b.v > 0 or b.v < 0 then 2 else 3", "and": "if b.v >= 0 and b.v <= 0 then 3 else 2",
     "not": "if not b.v > 0 and not b.v < 0 then 3 else 2", "sign": "if sign(b.v) == 0 then 3 else 2",
-    "multiple": "if abs(-2*b.v) > 0 then 2 else 3",
+    "multiple": "if abs(-2*b.v) > 0 then 2 else 3", "times": "if -2*abs(b.v) < 0 then 2 else 3",
+    "absolute sign": "if abs(sign(b.v)) > 0 then 2 else 3", "sign differs": "if sign(b.v) <> 0 then 2 else 3",
+    "square": "if b.v^2 > 0 then 2 else 3", "square is none": "if b.v^2 == 0 then 3 else 2",
+    "no absolute": "if abs(b.v) == 0 then 3 else 2",
 }
 DRAWN = {
     **{f"expression: {name}": f"""Block b(m = 1, base = world); Spring k(k = 20, stretch = 0.1[m/s]*time - b.s);

@@ -11,6 +11,7 @@ RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
 _JUMPS = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN)
 SIGNS = (ca.OP_FABS, ca.OP_SIGN)
 _EQUALITIES = (ca.OP_EQ, ca.OP_NE)
+_EVEN = (ca.OP_FABS, ca.OP_SQ)
 _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _NOTHING = frozenset[int]()
 Pair = tuple[int, int]  # the numbers of a and b, the smaller one first
@@ -32,19 +33,33 @@ def pair_of(numbering: Numbering, op: int, numbers: list[int]) -> Pair | None:
 
 def rest_asked(numbering: Numbering, op: int, numbers: list[int]) -> tuple[tuple[Pair, ...], bool] | None:
     """What a condition compares that is true, or false, just where both are equal: a == b, a <> b, |a| > 0, |a| <= 0 (without its
-    factors, and as it is); and whether it is true there."""
-    if op in _EQUALITIES:
-        a, b = sorted(numbers)
-        return (((a, b),), op == ca.OP_EQ) if a != b else None
+    factors, and as it is), a^2 > 0, |sign(a)| > 0; and whether it is true there."""
     zero = numbering.of_number(0.0)
-    place = {ca.OP_LT: 1, ca.OP_LE: 0}.get(op)
-    if place is None or numbers[1 - place] != zero:
+    if op in _EQUALITIES:
+        a, b = ordered(*numbers)
+        inner = [k for k in numbers if zero in numbers and numbering.keys[k][0] in (*_EVEN, ca.OP_SIGN)]
+        pairs = _zeros_of(numbering, inner[0]) if inner else ((a, b),)
+        return (pairs, op == ca.OP_EQ) if a != b else None
+    if op not in (ca.OP_LT, ca.OP_LE) or zero not in numbers:
         return None
-    outer, *inner = numbering.keys[numbers[place]]
-    if outer != ca.OP_FABS:
-        return None
-    pairs = [sorted((number, zero)) for number in (_without_factors(numbering, int(inner[0])), int(inner[0]))]
-    return tuple((a, b) for a, b in pairs), op == ca.OP_LE
+    place = 1 if numbers[0] == zero else 0
+    even = _without_factors(numbering, numbers[place])
+    is_asked = numbering.keys[even][0] in _EVEN and _is_positive(numbering, numbers[place]) == ((op == ca.OP_LT) == (place == 1))
+    return (_zeros_of(numbering, even), op == ca.OP_LE) if is_asked else None
+
+
+def _is_positive(numbering: Numbering, number: int) -> bool:
+    """Of a product of numbers and of what is not negative."""
+    op, *operands = numbering.keys[number]
+    if op in (ca.OP_MUL, ca.OP_TWICE):
+        return sum(not _is_positive(numbering, int(x)) for x in operands) % 2 == 0
+    return op != ca.OP_NEG and not (op == ca.OP_CONST and operands[0] < 0)
+
+
+def _zeros_of(numbering: Numbering, number: int) -> tuple[Pair, ...]:
+    """Of |a|, a^2 or sign(a): a with 0, without its factors, and as it is."""
+    inner, zero = int(numbering.keys[number][1]), numbering.of_number(0.0)
+    return ordered(_without_factors(numbering, inner), zero), ordered(inner, zero)
 
 
 def direction_in(numbering: Numbering, op: int, numbers: list[int]) -> tuple[int, int, int] | None:
@@ -69,9 +84,9 @@ def _has_factor(numbering: Numbering, number: int, factor: int) -> bool:
 
 
 def _without_factors(numbering: Numbering, number: int) -> int:
-    """The value that is 0 where this one is: of -2 x, x."""
+    """The value that is 0 where this one is: of -2 x or of sign(x), x."""
     op, *operands = numbering.keys[number]
-    inner = [int(x) for x in operands] if op in (ca.OP_NEG, ca.OP_TWICE, ca.OP_MUL) else []
+    inner = [int(x) for x in operands] if op in (ca.OP_NEG, ca.OP_TWICE, ca.OP_MUL, ca.OP_SIGN) else []
     left = [x for x in inner if numbering.keys[x][0] != ca.OP_CONST]
     return _without_factors(numbering, left[0]) if len(left) == 1 else number
 

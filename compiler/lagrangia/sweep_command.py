@@ -100,8 +100,9 @@ def _judge(sweep: Sweep) -> int:
     """1 where runs are in the table whose energy account is open."""
     count = int((sweep.ledger.outcomes["kind"] == Ending.OPEN).sum())
     if count:
-        print(f"error: the energy account of {count} of {sweep.runs} runs misses by more than the tolerance explains: their rows, "
-              "which say so, are not the motion of this scene\n   = a smaller --tolerance, or another --solver", file=sys.stderr)
+        print(f"error: the energy account of {count} of {sweep.runs} runs misses by more than the tolerance explains: their "
+              "rows, which say so, are not the motion of this scene\n   = a smaller --tolerance, or another --solver",
+              file=sys.stderr)
     return 1 if count else 0
 
 

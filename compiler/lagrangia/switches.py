@@ -156,7 +156,8 @@ class _Finding:
         rest = rest_asked(self.numbering, op, numbers)
         if rest is not None:
             self.asked.append(rest[0])
-            if op in RELATIONS:  # of |a|, which is found by itself
+            self._note_square(operands)
+            if op in RELATIONS or len(rest[0]) > 1:  # of |a|, which is found by itself
                 return
         pair = rest[0][0] if rest else pair_of(self.numbering, op, numbers)
         if pair is None or pair in self.found:
@@ -165,6 +166,17 @@ class _Finding:
         g = a - b if numbers[0] == pair[0] else b - a
         if not self.moving.isdisjoint(symbols_in(g)):
             self.found[pair] = g
+
+    def _note_square(self, operands: list[Expression]) -> None:
+        """Of a^2 > 0 or a^2 == 0: a."""
+        square = next((x for x in operands if not x.is_constant() and x.op() == ca.OP_SQ), None)
+        if square is None:
+            return
+        root = as_expression(square.dep(0))
+        number = self.numbering.number(root)
+        pair = ordered(number, self.numbering.of_number(0.0))
+        if not self.moving.isdisjoint(symbols_in(root)):
+            self.found.setdefault(pair, root if pair[0] == number else as_expression(-root))
 
     def _note_direction(self, norm: Expression) -> None:
         """Of a rate that is a vector: both components are to rest where it has none."""
