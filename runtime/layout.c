@@ -22,6 +22,6 @@ const LagSize lag_sizes[] = {
     COUNT_OF("LAG_SOLVER", LAG_SOLVERS - 1),
     COUNT_OF("LagOp", LAG_OP_COUNT - 1),
     COUNT_OF("LAG_REDUCE", LAG_REDUCE_LAST_BELOW),
-    COUNT_OF("LAG_RUN", LAG_RUN_OVERTIME),
+    COUNT_OF("LAG_RUN", LAG_RUN_OPEN),
     {NULL, 0},
 };
