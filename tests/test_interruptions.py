@@ -75,8 +75,12 @@ def test_without_a_compiler_python_says_what_runs(pendulum: lag.Model, tmp_path:
     monkeypatch.setenv("LAGRANGIA_CC", "none")
     monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path))
     other = lag.load(pendulum.path)
-    with pytest.warns(lag.EngineWarning, match="CasADi's cvodes") as told:
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
         run = other.simulate()
-    assert told[0].filename == __file__
+    if run.engine == "tape":  # the run time came with the package, and has the same digits
+        assert not told and run["hinge.phi"].tolist() == usual["hinge.phi"].tolist()
+        return
+    assert told[0].category is lag.EngineWarning and told[0].filename == __file__ and "CasADi's cvodes" in str(told[0].message)
     assert run.engine == "casadi:cvodes" and other.simulate(solver="casadi:idas").engine == "casadi:idas"
     assert abs(run["hinge.phi"] - usual["hinge.phi"]).max() < 1e-9
