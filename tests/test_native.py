@@ -121,6 +121,12 @@ def test_builds_started_together_finish_in_any_order() -> None:
     assert runtime.path().exists()
 
 
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Caches that the scenes of a test share: the run time is compiled once for each way to compile it."""
+    return tmp_path_factory.mktemp("built")
+
+
 @needs_compiler
 @pytest.mark.skipif(prebuilt.kind_here() == "any", reason="the processor has no registers beyond the usual ones")
 @pytest.mark.parametrize(("file", "solver", "structural"), [
@@ -129,17 +135,18 @@ def test_builds_started_together_finish_in_any_order() -> None:
     (EXAMPLES / "chain.lag", "adams", {"n": 19}), (EXAMPLES / "four_bar.lag", "adams", {}),
     (EXAMPLES / "chain.lag", "pirk", {"n": 6}), (EXAMPLES / "andrews_squeezer.lag", "pirk", {}),
 ], ids=str)
-def test_wide_registers_and_vectors_change_no_digit(file: Path, solver: str, structural: dict[str, int], tmp_path: Path,
+def test_wide_registers_and_vectors_change_no_digit(file: Path, solver: str, structural: dict[str, int], built: Path,
                                                     monkeypatch: pytest.MonkeyPatch) -> None:
     def rows() -> "object":
         model = lag.load(file, **structural)
         model.native = True
         return model.simulate(solver=solver, interval=0.001, stop=0.03).rows.tolist()
 
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(built / "wide"))
     wide, here = rows(), prebuilt.kind_here()
     for kind in prebuilt.kinds()[prebuilt.kinds().index(here) + 1 :]:  # four numbers to a register, and two
         monkeypatch.setattr(prebuilt, "kind_here", lambda kind=kind: kind)
-        monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / kind))
+        monkeypatch.setenv("LAGRANGIA_CACHE", str(built / kind))
         with monkeypatch.context() as patch:
             patch.setattr(prebuilt, "find", lambda _: None)  # compiled for this kind, not the next one that is there
             assert rows() == wide
@@ -148,7 +155,7 @@ def test_wide_registers_and_vectors_change_no_digit(file: Path, solver: str, str
     assert compiler is not None
     if not compiler.is_zig:  # headers of clang ask which one it is
         monkeypatch.setenv("LAGRANGIA_CC", f"{shlex.join(compiler.command)} -U__GNUC__ -D__GNUC__=11")
-        monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "without"))
+        monkeypatch.setenv("LAGRANGIA_CACHE", str(built / "without"))
         assert rows() == wide
 
 
