@@ -28,6 +28,14 @@ def pendulum(tmp_path_factory: pytest.TempPathFactory) -> lag.Model:
     return lag.load(path)
 
 
+@pytest.fixture(scope="module")
+def endless(tmp_path_factory: pytest.TempPathFactory) -> lag.Model:
+    """A double pendulum: swings of a single one are read from one of them, and a million seconds are over in no time."""
+    path = tmp_path_factory.mktemp("endless") / "double.lag"
+    path.write_text(PENDULUM.replace("hinge.b);", "hinge.b); Revolute elbow(a = bar.b); Bar lower(m = 1, L = 1, a = elbow.b);"))
+    return lag.load(path)
+
+
 def interrupted_after(seconds: float) -> float:
     """When Ctrl-C comes."""
     threading.Timer(seconds, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
@@ -36,16 +44,16 @@ def interrupted_after(seconds: float) -> float:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGINT")
 @pytest.mark.parametrize("solver", ["auto", "implicit", "conservative", "casadi:cvodes"])
-def test_control_c_ends_a_run(pendulum: lag.Model, solver: str) -> None:
-    before = pendulum.simulate(solver=solver)["hinge.phi"]
+def test_control_c_ends_a_run(endless: lag.Model, solver: str) -> None:
+    before = endless.simulate(solver=solver)["hinge.phi"]
     when = interrupted_after(0.5)
     with pytest.raises(KeyboardInterrupt) as caught:
-        pendulum.simulate(solver=solver, stop=1e6, interval=1.0, tolerance=1e-12)
+        endless.simulate(solver=solver, stop=1e6, interval=1.0, tolerance=1e-12)
     assert time.perf_counter() - when < 2
     assert isinstance(caught.value, lag.Interrupted) and "interrupted at t =" in str(caught.value)
     kept = caught.value.result
     assert kept.progress.interrupted and kept.time.tolist() == [float(k) for k in range(len(kept.time))]
-    assert pendulum.simulate(solver=solver)["hinge.phi"].tolist() == before.tolist()
+    assert endless.simulate(solver=solver)["hinge.phi"].tolist() == before.tolist()
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
@@ -58,13 +66,13 @@ def test_control_c_within_one_row(pendulum: lag.Model) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGINT")
-def test_control_c_ends_many_runs(pendulum: lag.Model) -> None:
+def test_control_c_ends_many_runs(endless: lag.Model) -> None:
     when = interrupted_after(0.5)
     with pytest.raises(lag.Interrupted) as caught:
-        pendulum.simulate_many(parameters={"bar.m": "1:2:4"}, stop=1e6, tolerance=1e-12)
+        endless.simulate_many(parameters={"bar.m": "1:2:4"}, stop=1e6, tolerance=1e-12)
     assert time.perf_counter() - when < 5
     assert caught.value.result.interrupted and not caught.value.result.ok.any()
-    assert pendulum.simulate_many(parameters={"bar.m": "1:2:4"}).ok.all()
+    assert endless.simulate_many(parameters={"bar.m": "1:2:4"}).ok.all()
 
 
 def test_without_a_compiler_python_says_what_runs(pendulum: lag.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -78,8 +86,8 @@ def test_without_a_compiler_python_says_what_runs(pendulum: lag.Model, tmp_path:
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         run = other.simulate()
-    if run.engine == "tape":  # the run time came with the package, and has the same digits
-        assert not told and run["hinge.phi"].tolist() == usual["hinge.phi"].tolist()
+    if run.engine == "tape":  # the run time came with the package; series are C, so that another solver of ours takes their place
+        assert not told and abs(run["hinge.phi"] - usual["hinge.phi"]).max() < 1e-9
         return
     assert told[0].category is lag.EngineWarning and told[0].filename == __file__ and "CasADi's cvodes" in str(told[0].message)
     assert run.engine == "casadi:cvodes" and other.simulate(solver="casadi:idas").engine == "casadi:idas"
