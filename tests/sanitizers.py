@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from lagrangia.folders import data_folder
+from lagrangia.base.folders import data_folder
 from lagrangia.native import find_compiler
 
 needs_sanitizers = pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")

@@ -12,13 +12,13 @@ import pytest
 import yaml
 
 import lagrangia as lag
+from lagrangia.base.diagnostics import LagError
 from lagrangia.bench import Point, Skipped, all_solvers, measure
 from lagrangia.bench_peers import Solver, Unsuitable
 from lagrangia.bench_problem import Problem, build_problem
 from lagrangia.bench_reference import NoReference, find_reference
 from lagrangia.bench_table import as_json, as_text, duel, front, seconds_at
 from lagrangia.cli import main
-from lagrangia.diagnostics import LagError
 from lagrangia.request import Request
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.diagnostics import LagError
-from lagrangia.folders import data_folder
+from lagrangia.base.diagnostics import LagError
+from lagrangia.base.folders import data_folder
 from lagrangia.runtime import Solver
 
 EXAMPLES = Path(__file__).parents[1] / "models" / "examples"

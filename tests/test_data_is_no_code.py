@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.base.diagnostics import Source
+from lagrangia.base.folders import cache_folder, data_folder
+from lagrangia.base.store import find_kept, keep, key_of, prune
 from lagrangia.cli import main
-from lagrangia.diagnostics import Source
-from lagrangia.folders import cache_folder, data_folder
 from lagrangia.native import find_compiler
 from lagrangia.plain_tree import read_trees, write_trees
-from lagrangia.store import find_kept, keep, key_of, prune
 from lagrangia.syntax import parse
 
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.diagnostics import LagError
+from lagrangia.base.diagnostics import LagError
 from lagrangia.native import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

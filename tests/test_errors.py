@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from lagrangia.base.diagnostics import LagError, Source
+from lagrangia.base.folders import data_folder
 from lagrangia.cli import WRONG, main
-from lagrangia.diagnostics import LagError, Source
 from lagrangia.expectations import SPOKEN
-from lagrangia.folders import data_folder
 from lagrangia.pipeline import flatten_file, read_files
 from lagrangia.syntax import parse
 

@@ -17,8 +17,8 @@ from fmpy.validation import validate_fmu
 from broken_fmus import DESCRIPTION, broken, described, replaced
 from fmus import EXAMPLES, VERSIONS, fmu_of
 from lagrangia import Model
+from lagrangia.base.diagnostics import Diagnostic
 from lagrangia.cli import DONE, FAILED, WRONG, main
-from lagrangia.diagnostics import Diagnostic
 from lagrangia.fmu_check import check_fmu, read_faults
 from lagrangia.fmu_process import Job, run_job
 from lagrangia.fmu_run import open_fmu, unpacked

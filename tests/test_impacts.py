@@ -8,7 +8,7 @@ import pytest
 
 import lagrangia as lag
 from fmus import simulated
-from lagrangia.diagnostics import RunError
+from lagrangia.base.diagnostics import RunError
 from lagrangia.exports import export
 from lagrangia.native import find_compiler
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.ccode import write_c
-from lagrangia.diagnostics import LagError, RunError
 from lagrangia.native import find_compiler
 from lagrangia.request import Values, check_values
 from lagrangia.runtime import Run, Settings, Solver, Status

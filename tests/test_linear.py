@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.base.diagnostics import LagError
 from lagrangia.ccode import write_c
-from lagrangia.diagnostics import LagError
 from lagrangia.native import find_compiler
 from lagrangia.request import check_values
 from lagrangia.runtime import Run, Settings, Solver, Status

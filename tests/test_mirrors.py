@@ -13,7 +13,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia import assembly, batch, impacts, initial, metric, newton, runtime, summary
-from lagrangia.folders import data_folder
+from lagrangia.base.folders import data_folder
 from lagrangia.mirrors import check_mirrors
 from lagrangia.native import build
 from lagrangia.runtime_library import start_runtime

@@ -12,7 +12,7 @@ from matplotlib.image import imread
 from scipy.linalg import null_space
 
 import lagrangia as lag
-from lagrangia.diagnostics import RunError
+from lagrangia.base.diagnostics import RunError
 from lagrangia.request import Experiment
 
 EXAMPLES = sorted((Path(__file__).resolve().parent.parent / "models" / "examples").glob("*.lag"))

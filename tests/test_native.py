@@ -13,8 +13,9 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
-from lagrangia import folders, native, prebuilt
-from lagrangia.folders import cache_folder
+from lagrangia import native, prebuilt
+from lagrangia.base import folders
+from lagrangia.base.folders import cache_folder
 from lagrangia.native import Compiler, CompilerError, build, find_compiler, start_build
 from lagrangia.runtime_library import start_runtime
 

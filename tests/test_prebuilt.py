@@ -6,8 +6,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia import prebuilt
+from lagrangia.base.folders import data_folder
 from lagrangia.cli import main
-from lagrangia.folders import data_folder
 from lagrangia.native import find_compiler
 
 RUNTIME = data_folder("runtime")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from lagrangia.folders import data_folder
+from lagrangia.base.folders import data_folder
 from lagrangia.instructions import count_operations, tape_of
 from lagrangia.interpret import evaluate
 from lagrangia.native import build, find_compiler

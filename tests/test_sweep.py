@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import brentq
 
 import lagrangia as lag
-from lagrangia.folders import data_folder
+from lagrangia.base.folders import data_folder
 from lagrangia.native import find_compiler
 from lagrangia.sweep_pieces import Pieces
 from sanitizers import needs_sanitizers, run_sanitized

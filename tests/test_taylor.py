@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.ccode import write_c
-from lagrangia.diagnostics import LagError, RunError
 from lagrangia.instructions import tape_of
 from lagrangia.native import build
 from lagrangia.runtime import Model, Settings, Solver, Status

@@ -6,10 +6,10 @@
     run.time, run["hinge[1].phi"], run.energy.total
 """
 
-from lagrangia.diagnostics import Diagnostic, EngineWarning, Interrupted, LagError, RunError
+from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Interrupted, LagError, RunError
+from lagrangia.base.version import VERSION
 from lagrangia.model import Model, load
 from lagrangia.trajectory import EnergyAccount, Trajectory
-from lagrangia.version import VERSION
 
 __version__ = VERSION
 __all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Interrupted", "LagError", "Model", "RunError", "Trajectory", "load"]

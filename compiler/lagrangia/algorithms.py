@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lagrangia.diagnostics import Span, fail, suggest
+from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.instances import Instance, Scope
 from lagrangia.names import Names, read_unit
 from lagrangia.tree import (

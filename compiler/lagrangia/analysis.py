@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra import value_of
 from lagrangia.assembly import Assembly
+from lagrangia.base.checked_values import a_number
+from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.branches import told
-from lagrangia.diagnostics import RunError, fail
 from lagrangia.dimensions import unit_of
 from lagrangia.equilibrium import Rest, find_all, find_rest, onto_constraints
-from lagrangia.given import a_number
 from lagrangia.grips import Grip, balance, find_all_held, find_held, holds_at
 from lagrangia.initial import FIXED, FREE
 from lagrangia.joints import all_reactions, reaction_ports

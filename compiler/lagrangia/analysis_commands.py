@@ -18,11 +18,11 @@ from lagrangia.arguments import (
     tell_warnings,
     values_with_units,
 )
-from lagrangia.diagnostics import RunError, fail
-from lagrangia.given import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span
+from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span
+from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.result_files import write_text
 from lagrangia.model import Model
 from lagrangia.plot import require_format
-from lagrangia.targets import write_text
 
 
 def equilibrium_command(options: Namespace) -> int:

@@ -9,11 +9,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.result_files import keep_apart, open_with_care, require_kind
 from lagrangia.model import Model
 from lagrangia.plot import require_format
 from lagrangia.request import Request
-from lagrangia.targets import keep_apart, open_with_care, require_kind
 from lagrangia.values import read_value
 
 _TABLES = (".csv", ".txt", ".dat")

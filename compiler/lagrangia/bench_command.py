@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.arguments import assignment, keep_inputs, load_model, number, open_parameters
-from lagrangia.diagnostics import RunError, fail, suggest
+from lagrangia.base.diagnostics import RunError, fail, suggest
+from lagrangia.base.result_files import write_text
 from lagrangia.native import find_compiler
 from lagrangia.request import Request
-from lagrangia.targets import write_text
 
 _TABLES = (".csv", ".json")
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from lagrangia.base.diagnostics import fail
 from lagrangia.casadi_solvers import segments, switching_times
-from lagrangia.diagnostics import fail
 from lagrangia.model import Model
 from lagrangia.request import USUAL, Experiment, Request, check_values, plan
 from lagrangia.switches import live

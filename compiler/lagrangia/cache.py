@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from lagrangia.base.result_files import require_file
+from lagrangia.base.store import find_kept, keep, key_of, prune
 from lagrangia.scene import Scene, from_json, to_json
-from lagrangia.store import find_kept, keep, key_of, prune
-from lagrangia.targets import require_file
 
 AS_DECLARED = False, False, False  # formulas of a Model
 

@@ -15,8 +15,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from lagrangia.diagnostics import RunError, fail
-from lagrangia.interruptions import noticed
+from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.interruptions import noticed
 from lagrangia.pipeline import Compilation
 from lagrangia.request import Experiment, Values, check_parameters
 from lagrangia.runtime import Statistics

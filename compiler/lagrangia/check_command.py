@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.arguments import tell_warnings
-from lagrangia.diagnostics import Diagnostic, LagError, Report, render_all
+from lagrangia.base.diagnostics import Diagnostic, LagError, Report, render_all
 from lagrangia.interpret import evaluate
 from lagrangia.model import Model
 from lagrangia.request import check_parameters, check_values

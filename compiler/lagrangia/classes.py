@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from lagrangia.diagnostics import Report, Source, Span, fail, suggest
+from lagrangia.base.diagnostics import Report, Source, Span, fail, suggest
 from lagrangia.tree import Argument, ClassDefinition, Declaration, Extends, Syntax
 
 _FOREIGN = {"double": "Real", "float": "Real", "int": "Integer", "long": "Integer", "bool": "Boolean", "string": "String"}

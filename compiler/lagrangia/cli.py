@@ -12,10 +12,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from lagrangia.diagnostics import EngineWarning, LagError, RunError, render_all
-from lagrangia.interruptions import INTERRUPTED, ended_as_by_control_c
-from lagrangia.spelling import prepare_output
-from lagrangia.version import VERSION
+from lagrangia.base.diagnostics import EngineWarning, LagError, RunError, render_all
+from lagrangia.base.interruptions import INTERRUPTED, ended_as_by_control_c
+from lagrangia.base.spelling import prepare_output
+from lagrangia.base.version import VERSION
 
 DONE, FAILED, WRONG = 0, 1, 2
 

@@ -4,7 +4,7 @@ but for forces and dissipation functions on those of contacts.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
-from lagrangia.diagnostics import Report, Span
+from lagrangia.base.diagnostics import Report, Span
 from lagrangia.flat import Equation, FlatModel, FrameEquation
 from lagrangia.instances import REACTIONS
 from lagrangia.tree import Call, Flat, FrameRef

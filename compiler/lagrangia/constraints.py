@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.algebra import Scalar, rate_of
+from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.closures import gaps
-from lagrangia.diagnostics import Report, Span, fail
 from lagrangia.edges import Closure
 from lagrangia.evaluation import scalars_of
 from lagrangia.flat import Equation

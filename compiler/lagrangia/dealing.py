@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from lagrangia.diagnostics import Span, fail
+from lagrangia.base.diagnostics import Span, fail
 from lagrangia.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Number, Ref, Unary
 
 _VECTORS = frozenset({"r", "v", "reaction"})  # attributes of frames that have two components

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from lagrangia.algorithms import FlatFunction
-from lagrangia.diagnostics import LagError, Report, Span
+from lagrangia.base.diagnostics import LagError, Report, Span
 from lagrangia.flat import Equation, FlatModel, Variable, When
 from lagrangia.folding import fold
 from lagrangia.names import FRAME_FUNCTIONS

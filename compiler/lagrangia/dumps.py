@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 from lagrangia.pipeline import PHASES, Compilation
 from lagrangia.tree import (
     Array,

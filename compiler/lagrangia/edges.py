@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass
 
-from lagrangia.diagnostics import Span
+from lagrangia.base.diagnostics import Span
 from lagrangia.tree import Flat, Ref
 from lagrangia.walk import is_linear, nodes
 

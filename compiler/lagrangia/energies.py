@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from lagrangia.algebra import Scalar
-from lagrangia.diagnostics import Report, Span
+from lagrangia.base.diagnostics import Report, Span
 from lagrangia.evaluation import Value, scalars_of
 from lagrangia.flat import Energy, Work
 from lagrangia.kinematics import Kinematics

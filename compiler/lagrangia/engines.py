@@ -14,8 +14,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from lagrangia.base.folders import data_folder
 from lagrangia.ccode import write_c
-from lagrangia.folders import data_folder
 from lagrangia.native import Build, Compiler, CompilerError, find_build, require_compiler, start_build
 from lagrangia.runtime import Model, Solver
 from lagrangia.runtime_library import Runtime, has_runtime, start_runtime

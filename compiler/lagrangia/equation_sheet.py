@@ -9,12 +9,12 @@ from typing import Any
 
 import casadi as ca
 
+from lagrangia.base.checked_values import a_number
+from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.book import Book
-from lagrangia.diagnostics import fail, suggest
 from lagrangia.document import Document
 from lagrangia.equations import constants_of_motion, derive, with_values
 from lagrangia.forms import FORMS
-from lagrangia.given import a_number
 from lagrangia.impulses import rates_jump
 from lagrangia.kinematics import Kinematics
 from lagrangia.linear_matrices import Begin, linearize

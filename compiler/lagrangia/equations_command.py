@@ -4,8 +4,8 @@ from argparse import Namespace
 from pathlib import Path
 
 from lagrangia.arguments import assignment, keep_inputs, part_structural, split_names
-from lagrangia.diagnostics import fail
-from lagrangia.targets import write_text
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.result_files import write_text
 
 
 def equations_command(options: Namespace) -> int:

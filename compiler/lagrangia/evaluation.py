@@ -13,7 +13,7 @@ from typing import Any, Protocol, TypeAlias
 
 from lagrangia.algebra import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
 from lagrangia.algorithms import FlatFunction
-from lagrangia.diagnostics import Span, fail
+from lagrangia.base.diagnostics import Span, fail
 from lagrangia.events import are_alike, contact_of, kept_by, name_of_contact
 from lagrangia.flat import FlatModel
 from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpression, Local, Number, Ref, String, Time, Unary

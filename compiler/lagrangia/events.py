@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 from lagrangia.flat import FlatModel, Reset, When
 from lagrangia.tree import Binary, Boolean, Call, Flat, FrameRef, Number, Ref, Unary
 

@@ -5,7 +5,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from lagrangia.arguments import assignment, part_structural, tell, tell_warnings
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 from lagrangia.exports import TARGETS
 
 _WRITTEN = ("modelica", "sympy", "latex")  # with names on paper

@@ -7,12 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.diagnostics import Diagnostic, fail, suggest
+from lagrangia.base.diagnostics import Diagnostic, fail, suggest
+from lagrangia.base.result_files import Target, keep_apart, write_text
+from lagrangia.base.spelling import python_text
 from lagrangia.places import place_of_moving_support
 from lagrangia.small_motion import build_small_motion
-from lagrangia.spelling import python_text
 from lagrangia.switches import has_corners
-from lagrangia.targets import Target, keep_apart, write_text
 
 if TYPE_CHECKING:
     from lagrangia.model import Model

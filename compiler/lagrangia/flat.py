@@ -6,7 +6,7 @@ from math import prod
 from typing import Literal
 
 from lagrangia.algorithms import FlatFunction
-from lagrangia.diagnostics import Diagnostic, Span
+from lagrangia.base.diagnostics import Diagnostic, Span
 from lagrangia.folding import numbers_of
 from lagrangia.names import FRAME_FUNCTIONS
 from lagrangia.tree import Call, EnergyKind, Flat, FrameRef

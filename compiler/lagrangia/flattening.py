@@ -6,8 +6,9 @@ from dataclasses import replace
 from typing import Any
 
 from lagrangia.algorithms import FlatFunction, flatten_function
+from lagrangia.base.checked_values import a_number
+from lagrangia.base.diagnostics import LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.flat import (
     Energy,
     Equation,
@@ -23,7 +24,6 @@ from lagrangia.flat import (
     is_frame,
 )
 from lagrangia.folding import fold
-from lagrangia.given import a_number
 from lagrangia.idle import find_idle
 from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
 from lagrangia.names import Names, read_unit

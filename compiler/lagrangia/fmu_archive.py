@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 
-from lagrangia.diagnostics import Diagnostic, Severity, fail
+from lagrangia.base.diagnostics import Diagnostic, Severity, fail
+from lagrangia.base.result_files import require_file
 from lagrangia.fmu_xmltree import Element, read_xml
-from lagrangia.targets import require_file
 
 DESCRIPTION = "modelDescription.xml"
 _LARGEST_TEXT = 256 << 20  # bytes

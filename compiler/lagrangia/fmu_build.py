@@ -19,10 +19,10 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from lagrangia.diagnostics import fail
-from lagrangia.folders import cache_folder
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.folders import cache_folder
+from lagrangia.base.store import find_kept, keep
 from lagrangia.native import CompilerError, find_compiler
-from lagrangia.store import find_kept, keep
 
 # Reproducible on every processor: no contraction to fused multiply-add, no folder names inside.
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-DLAG_STATIC=1",

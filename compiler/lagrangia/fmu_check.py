@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from lagrangia.diagnostics import Diagnostic, LagError
+from lagrangia.base.diagnostics import Diagnostic, LagError
 from lagrangia.fmu_archive import DESCRIPTION, archive_rules
 from lagrangia.fmu_compare import Load, compare, experiment_of
 from lagrangia.fmu_parts import part_rules

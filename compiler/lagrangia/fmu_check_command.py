@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.diagnostics import LagError, render_all
+from lagrangia.base.diagnostics import LagError, render_all
 from lagrangia.fmu_check import Checked, check_fmu
 from lagrangia.fmu_process import SPOKEN
 from lagrangia.fmu_run import Opened

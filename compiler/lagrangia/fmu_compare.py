@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from lagrangia.diagnostics import LagError, RunError
+from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.fmu import EXTRA, SCENE
 from lagrangia.fmu_process import SPOKEN, Job, Outcome, run_job
 from lagrangia.fmu_run import Opened

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 from lagrangia.fmu_xmltree import Element
 
 INTERFACES = {"ModelExchange": "me", "CoSimulation": "cs", "ScheduledExecution": "se"}

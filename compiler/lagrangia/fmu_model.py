@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from lagrangia.diagnostics import LagError, RunError, fail
+from lagrangia.base.diagnostics import LagError, RunError, fail
 from lagrangia.scene import Column, Scene
 from lagrangia.tapes import Tape
 

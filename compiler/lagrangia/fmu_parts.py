@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from fnmatch import fnmatch
 from pathlib import PurePosixPath
 
-from lagrangia.diagnostics import Diagnostic, LagError, Severity
+from lagrangia.base.diagnostics import Diagnostic, LagError, Severity
 from lagrangia.fmu_archive import Archive
 from lagrangia.fmu_binary import Library, read_library
 from lagrangia.fmu_description import INTERFACES, Description

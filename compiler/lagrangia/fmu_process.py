@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 
 KINDS = {"me": "ModelExchange", "cs": "CoSimulation"}
 SPOKEN = {"me": "Model Exchange", "cs": "Co-Simulation"}

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from lagrangia.diagnostics import Diagnostic
+from lagrangia.base.diagnostics import Diagnostic
 from lagrangia.fmu_description import Description, Quantity
 from lagrangia.fmu_xmltree import Element
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from lagrangia.diagnostics import fail, suggest
+from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.fmu_archive import DESCRIPTION, Archive, open_archive
 from lagrangia.fmu_build import PLATFORMS, host_platform
 from lagrangia.fmu_description import Description, Quantity, read_description

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 
-from lagrangia.diagnostics import Diagnostic, LagError, Span
+from lagrangia.base.diagnostics import Diagnostic, LagError, Span
 from lagrangia.fmu_archive import Archive
 from lagrangia.fmu_xmltree import Element
 

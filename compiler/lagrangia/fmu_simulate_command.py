@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.arguments import asked, assignment, input_tables, prepare_target, read_table, split_names
-from lagrangia.diagnostics import RunError, fail
+from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.interruptions import INTERRUPTED
+from lagrangia.base.result_files import Target, cells, quoted
 from lagrangia.fmu_description import Description
 from lagrangia.fmu_process import SPOKEN, Inputs
 from lagrangia.fmu_run import FmuRun, open_fmu, settable, simulate_fmu
-from lagrangia.interruptions import INTERRUPTED
 from lagrangia.plot import draw
-from lagrangia.targets import Target, cells, quoted
 from lagrangia.units import ONE, Unit, parse_unit
 from lagrangia.values import read_value
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 
-from lagrangia.diagnostics import Diagnostic
+from lagrangia.base.diagnostics import Diagnostic
 from lagrangia.fmu_description import Description, Quantity, Unknown
 from lagrangia.fmu_xmltree import Element
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 from lagrangia.tree import Array, Binary, Boolean, Call, Flat, Number, String, Unary
 
 _FOLD: Mapping[str, Callable[[Any, Any], Any]] = {

@@ -14,10 +14,10 @@ import numpy as np
 
 from lagrangia.assemblies import Alternatives, find_alternatives
 from lagrangia.assembly import Assembly, begin
+from lagrangia.base.diagnostics import Diagnostic, tell_miss
 from lagrangia.branches import told
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints, Row
-from lagrangia.diagnostics import Diagnostic, tell_miss
 from lagrangia.double_roots import static_constraints
 from lagrangia.equilibrium import ways_at
 from lagrangia.initial import InitialConditions

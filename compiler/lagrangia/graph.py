@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.consequences import keep_consequences_out
-from lagrangia.diagnostics import Report, Span, fail
 from lagrangia.edges import Closure, Edge, Step, choose_tree, close
 from lagrangia.flat import FlatModel, FrameEquation, Variable
 from lagrangia.tree import Call, Flat, FrameRef, Number, Ref, Time

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
+from lagrangia.base.diagnostics import Report
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import Report
 from lagrangia.flat import FlatModel, Variable
 from lagrangia.instances import REACTIONS, Instance, Slot
 from lagrangia.tree import Call, Flat, FrameRef, Ref

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra import Scalar, rate_of, value_of
+from lagrangia.base.diagnostics import fail
 from lagrangia.consequences import contact_forces_in
-from lagrangia.diagnostics import fail
 from lagrangia.energies import Load
 from lagrangia.evaluation import scalars_of
 from lagrangia.events import COMPARED, are_alike, contact_of, kept_by, level_of, name_of_contact, parts_of, position_of

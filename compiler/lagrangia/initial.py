@@ -14,8 +14,8 @@ import casadi as ca
 
 from lagrangia.algebra import Scalar, value_of
 from lagrangia.algebra import rate_of as rate_of_dual
+from lagrangia.base.diagnostics import Report, Span
 from lagrangia.constraints import Constraints
-from lagrangia.diagnostics import Report, Span
 from lagrangia.evaluation import Value
 from lagrangia.flat import Equation
 from lagrangia.graph import Coordinate, rate_of

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from math import prod
 from typing import Any, Protocol, TypeAlias
 
+from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import Report, Span, fail, suggest
 from lagrangia.meanings import explain
 from lagrangia.tree import Argument, ClassDefinition, Clause, Declaration, Expression, Extends
 

@@ -13,9 +13,9 @@ from typing import Any
 import casadi as ca
 
 from lagrangia.algebra import Dual, GlidingAlgebra, Scalar, minus, plus, rate_of, times, value_of
+from lagrangia.base.diagnostics import fail
 from lagrangia.casadi_algebra import CasadiAlgebra
 from lagrangia.closures import cut_coordinate
-from lagrangia.diagnostics import fail
 from lagrangia.edges import Edge, Step
 from lagrangia.evaluation import Evaluator, Value, scalars_of
 from lagrangia.flat import Variable

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import sympy as sp
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 from lagrangia.equations import Equations
 from lagrangia.linearization import pivots
 from lagrangia.rest_points import Begin, Point, Statics, point_given, point_of_rest, put

@@ -3,8 +3,8 @@
 import re
 from collections.abc import Collection, Mapping
 
+from lagrangia.base.diagnostics import nearest
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import nearest
 from lagrangia.tree import ClassDefinition, Declaration
 
 _MOST_LISTED = 12

@@ -9,7 +9,7 @@ import ctypes as c
 from collections.abc import Mapping
 from enum import IntEnum
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 
 Mirrored = type[c.Structure] | type[IntEnum] | list[tuple[str, str]]  # the last: a record of NumPy, its members as "<i4"
 

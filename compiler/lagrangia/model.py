@@ -8,10 +8,10 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, names, numbers
+from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.cache import find_scene, keep_scene
-from lagrangia.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.engines import Engine, divided, load_engine, start_building
-from lagrangia.given import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, names, numbers
 from lagrangia.interpret import evaluate, evaluate_each
 from lagrangia.native import find_compiler
 from lagrangia.request import Request, Values, check_values, plan

@@ -13,11 +13,11 @@ from functools import cached_property
 import casadi as ca
 
 from lagrangia.algebra import Scalar, rate_of, value_of
+from lagrangia.base.diagnostics import Span, fail
 from lagrangia.bodies import Bodies, Inertia, find_bodies
 from lagrangia.collected import MOST_COORDINATES, Collected, blocks_of, collect, split_weights
 from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, bring_down, constrain, constraint_rows
 from lagrangia.constraints import Constraints
-from lagrangia.diagnostics import Span, fail
 from lagrangia.directions import gradient_by_rates
 from lagrangia.elimination import ArticulatedBodies, articulate
 from lagrangia.energies import Energies

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from functools import reduce
 from typing import Any, NoReturn, cast
 
+from lagrangia.base.diagnostics import Diagnostic, Report, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.classes import ClassTable
 from lagrangia.dealing import element, length
-from lagrangia.diagnostics import Diagnostic, Report, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.folding import fold, folded
 from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS, Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
 from lagrangia.meanings import explain

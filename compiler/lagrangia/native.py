@@ -23,8 +23,8 @@ from pathlib import Path
 from sysconfig import get_platform
 
 from lagrangia import prebuilt
-from lagrangia.diagnostics import fail
-from lagrangia.folders import cache_folder, has_room, is_trusted, note_use
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.folders import cache_folder, has_room, is_trusted, note_use
 
 _MOST_LINES = 20
 _ATTEMPTS = 10  # to put a library in its place, where others put it or damage it at the same time

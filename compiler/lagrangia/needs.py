@@ -9,9 +9,9 @@ from functools import cached_property
 
 import casadi as ca
 
+from lagrangia.base.diagnostics import Span
 from lagrangia.constraints import Constraints, moved_in_time
 from lagrangia.dependence import changes
-from lagrangia.diagnostics import Span
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
 from lagrangia.graph import Coordinate

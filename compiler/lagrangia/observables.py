@@ -2,7 +2,7 @@
 
 import re
 
-from lagrangia.diagnostics import Span, fail, suggest
+from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.flat import FlatModel
 from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS, held_port
 from lagrangia.tree import Call, Flat, FrameRef, Ref

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra import Scalar
-from lagrangia.diagnostics import Span, fail
+from lagrangia.base.diagnostics import Span, fail
 from lagrangia.evaluation import Evaluator, Value, elements
 from lagrangia.flat import FlatModel
 from lagrangia.kinematics import Kinematics

@@ -14,10 +14,10 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.diagnostics import Report, Source, fail, suggest
-from lagrangia.folders import data_folder
-from lagrangia.store import find_kept, keep, key_of
-from lagrangia.targets import require_file
+from lagrangia.base.diagnostics import Report, Source, fail, suggest
+from lagrangia.base.folders import data_folder
+from lagrangia.base.result_files import require_file
+from lagrangia.base.store import find_kept, keep, key_of
 
 if TYPE_CHECKING:
     from lagrangia.constraints import Constraints

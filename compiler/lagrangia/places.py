@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 
 import casadi as ca
 
-from lagrangia.diagnostics import Span
+from lagrangia.base.diagnostics import Span
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
 from lagrangia.kinematics import Kinematics

@@ -9,7 +9,7 @@ from dataclasses import fields
 from typing import Any
 
 from lagrangia import tree
-from lagrangia.diagnostics import Source, Span
+from lagrangia.base.diagnostics import Source, Span
 from lagrangia.tree import Syntax
 
 _CLASSES = [Span, *sorted((c for c in vars(tree).values() if isinstance(c, type) and hasattr(c, "__dataclass_fields__")

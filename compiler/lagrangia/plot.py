@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.result_files import Target
 from lagrangia.scene import Column
-from lagrangia.targets import Target
 
 if TYPE_CHECKING:
     import numpy as np

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 import casadi as ca
 
 from lagrangia.algebra import Dual, Scalar
+from lagrangia.base.diagnostics import fail
 from lagrangia.constraints import Constraints
-from lagrangia.diagnostics import fail
 from lagrangia.evaluation import Value, scalars_of
 from lagrangia.kinematics import Displacement, Kinematics, Symbols
 from lagrangia.observables import observe

@@ -8,10 +8,10 @@ Only what is asked for is built.
 
 import casadi as ca
 
+from lagrangia.base.diagnostics import Span, fail
 from lagrangia.bodies import Bodies
 from lagrangia.closures import meeting_place, slide_normal
 from lagrangia.constraints import Constraints
-from lagrangia.diagnostics import Span, fail
 from lagrangia.drives import force_beside_drives
 from lagrangia.edges import Closure, Edge
 from lagrangia.instances import REACTIONS

@@ -13,7 +13,7 @@ from lark import Lark, Token
 from lark.exceptions import UnexpectedCharacters, UnexpectedToken
 from lark.parsers.lalr_interactive_parser import InteractiveParser
 
-from lagrangia.diagnostics import Source, Span
+from lagrangia.base.diagnostics import Source, Span
 
 _MOST_TOLD = 10
 _MOST_STOPS = 100  # with those that are passed over

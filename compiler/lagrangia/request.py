@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from lagrangia.diagnostics import Report, fail, suggest
-from lagrangia.given import a_count, a_number, by_name, numbers
+from lagrangia.base.checked_values import a_count, a_number, by_name, numbers
+from lagrangia.base.diagnostics import Report, fail, suggest
 from lagrangia.scene import Scene
 from lagrangia.solvers import AUTO, is_casadi, number_of
 

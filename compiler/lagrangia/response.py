@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.result_files import Target
 from lagrangia.linearization import Linearization
-from lagrangia.targets import Target
 
 Matrix = NDArray[np.float64]
 _USUAL_RANGE = (0.1, 100.0)  # Hz, of a scene that does not oscillate

@@ -14,7 +14,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 from lagrangia.equations import Equations
 from lagrangia.equilibrium import Rest, StaticEquations, find_rest, onto_constraints, starts
 from lagrangia.sympy_algebra import Expr, exact, slope

@@ -12,7 +12,7 @@ from pathlib import Path
 from threading import Lock
 
 from lagrangia import prebuilt
-from lagrangia.folders import cache_folder, data_folder
+from lagrangia.base.folders import cache_folder, data_folder
 from lagrangia.native import Build, Compiler, Objects, build, find_compiler, require_compiler, start_build
 from lagrangia.runtime import Model, Run, Settings, load_runtime
 

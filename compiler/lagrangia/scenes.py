@@ -6,10 +6,10 @@ from math import prod
 
 import casadi as ca
 
+from lagrangia.base.diagnostics import fail
 from lagrangia.ccode import may_hide, usual_rhs, write_motion_series
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints
-from lagrangia.diagnostics import fail
 from lagrangia.dimensions import unit_of
 from lagrangia.double_roots import touching_notes
 from lagrangia.flat import FlatModel

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from lagrangia.diagnostics import Diagnostic, LagError, RunError, tell_miss
+from lagrangia.base.diagnostics import Diagnostic, LagError, RunError, tell_miss
 from lagrangia.engines import Engine
 from lagrangia.request import Experiment, Values, check_parameters
 from lagrangia.runtime import Failure, Run, Settings, Statistics, Status

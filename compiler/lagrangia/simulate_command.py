@@ -20,8 +20,8 @@ from lagrangia.arguments import (
     tell_warnings,
     values_with_units,
 )
-from lagrangia.diagnostics import LagError, RunError, fail
-from lagrangia.interruptions import INTERRUPTED, undisturbed
+from lagrangia.base.diagnostics import LagError, RunError, fail
+from lagrangia.base.interruptions import INTERRUPTED, undisturbed
 from lagrangia.model import NO_COMPILER, Model
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.request import Experiment, check_values, plan

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from lagrangia.base.diagnostics import fail
 from lagrangia.casadi_algebra import CORNERS, uses
-from lagrangia.diagnostics import fail
 from lagrangia.energies import Energies, Load, evaluate_energies
 from lagrangia.holding import Holding, Pair
 from lagrangia.numbering import Numbering, rebuilt

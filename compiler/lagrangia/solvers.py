@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from lagrangia.diagnostics import fail, suggest
+from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.runtime import Solver
 from lagrangia.scene import Scene
 

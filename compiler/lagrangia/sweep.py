@@ -7,16 +7,16 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Protocol
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.checked_values import a_count
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.engines import Engine
-from lagrangia.given import a_count
 from lagrangia.solvers import name_of
 from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_pieces import Watch
 from lagrangia.sweep_plan import Job
 from lagrangia.sweep_table import Sweep, is_parquet, require_parquet
 from lagrangia.sweep_threads import cores, run_on_threads
-from lagrangia.targets import keep_apart, require_kind
 
 _TABLES = (".csv", ".txt", ".dat", ".parquet", ".pq")
 

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.arguments import asked, assignment, input_tables, keep_foreign, load_model, read_inputs, tell_inputs, tell_warnings
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.interruptions import INTERRUPTED
+from lagrangia.base.result_files import Target, cells, is_device
 from lagrangia.batch import Ending
-from lagrangia.diagnostics import fail
-from lagrangia.interruptions import INTERRUPTED
 from lagrangia.model import Model
 from lagrangia.request import plan
 from lagrangia.simulate import DOUBTFUL
@@ -18,7 +19,6 @@ from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_measures import Measure, quantities, read_measures, usual_measures
 from lagrangia.sweep_plan import Design, Job, build_job
 from lagrangia.sweep_table import Sweep
-from lagrangia.targets import Target, cells, is_device
 
 _BAR_AFTER = 2.0  # seconds
 _MOST_SHOWN = 12  # measures in the summary

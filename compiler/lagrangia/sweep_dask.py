@@ -13,10 +13,10 @@ from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
+from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.folders import data_folder
 from lagrangia.batch import OUTCOME, Batch, Reduction, Sweep
-from lagrangia.diagnostics import RunError, fail
 from lagrangia.engines import Engine, load_engine
-from lagrangia.folders import data_folder
 from lagrangia.prebuilt import digest
 from lagrangia.runtime import Settings, Solver
 from lagrangia.scene import from_json, to_json

@@ -13,8 +13,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
+from lagrangia.base.diagnostics import fail
 from lagrangia.batch import OUTCOME, Ending
-from lagrangia.diagnostics import fail
 from lagrangia.sweep_plan import Job
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.batch import Kind, Reduction
-from lagrangia.diagnostics import fail, suggest
 from lagrangia.request import Experiment
 from lagrangia.scene import Scene
 from lagrangia.units import parse_unit, spell

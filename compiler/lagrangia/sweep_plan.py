@@ -9,9 +9,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lagrangia.base.checked_values import a_count, a_number, by_name
+from lagrangia.base.diagnostics import LagError, Report, fail, suggest
 from lagrangia.batch import Kind, Reduction, Sweep
-from lagrangia.diagnostics import LagError, Report, fail, suggest
-from lagrangia.given import a_count, a_number, by_name
 from lagrangia.request import Request, check_values, plan
 from lagrangia.runtime import Settings, Solver
 from lagrangia.scene import Scene, to_json

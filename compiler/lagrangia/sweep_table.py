@@ -9,15 +9,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.result_files import Target, cells, quoted
 from lagrangia.batch import Ending
-from lagrangia.diagnostics import fail, suggest
 from lagrangia.runtime import Failure, Status
 from lagrangia.scene import Scene
 from lagrangia.simulate import explain
 from lagrangia.sweep_journal import Ledger
 from lagrangia.sweep_measures import unit_of
 from lagrangia.sweep_plan import Job
-from lagrangia.targets import Target, cells, quoted
 
 if TYPE_CHECKING:
     import numpy as np

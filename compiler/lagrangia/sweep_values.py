@@ -13,9 +13,9 @@ from pathlib import Path
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.diagnostics import fail, suggest
+from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.result_files import open_with_care
 from lagrangia.sweep_measures import cut_list, split_list
-from lagrangia.targets import open_with_care
 from lagrangia.values import read_value
 
 if TYPE_CHECKING:

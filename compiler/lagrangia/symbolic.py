@@ -15,10 +15,10 @@ import sympy as sp
 
 from lagrangia.algebra import Dual, Scalar, rate_of, value_of
 from lagrangia.algorithms import FlatFunction
+from lagrangia.base.diagnostics import Span, fail
 from lagrangia.casadi_algebra import CasadiAlgebra
 from lagrangia.consequences import contact_forces_in
 from lagrangia.constraints import Constraints
-from lagrangia.diagnostics import Span, fail
 from lagrangia.edges import Edge, Step
 from lagrangia.energies import Energies, evaluate_energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of

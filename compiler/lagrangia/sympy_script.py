@@ -7,9 +7,9 @@ from keyword import kwlist
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
+from lagrangia.base.spelling import python_text
 from lagrangia.book import Book
 from lagrangia.layout import Name
-from lagrangia.spelling import python_text
 from lagrangia.symbolic import Given
 from lagrangia.sympy_algebra import Expr, exact_throughout, slope
 

@@ -13,11 +13,11 @@ from lark import Lark, Token, Transformer, UnexpectedInput, v_args
 from lark.grammar import Rule
 from lark.lexer import TerminalDef
 
-from lagrangia.diagnostics import Report, Source, Span, fail
+from lagrangia.base.diagnostics import Report, Source, Span, fail
+from lagrangia.base.folders import data_folder
+from lagrangia.base.spelling import plain_text
+from lagrangia.base.store import find_kept, keep, key_of
 from lagrangia.expectations import refuse, shortened
-from lagrangia.folders import data_folder
-from lagrangia.spelling import plain_text
-from lagrangia.store import find_kept, keep, key_of
 from lagrangia.tree import (
     Argument,
     Array,

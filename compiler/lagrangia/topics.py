@@ -3,8 +3,8 @@
 import re
 from collections.abc import Callable, Mapping
 
-from lagrangia.diagnostics import fail, suggest
-from lagrangia.folders import data_folder
+from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.folders import data_folder
 
 _LANGUAGE = """\
 A file holds models. A model declares parameters, components and coordinates, joins frames by equations, and states energies:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.diagnostics import fail, suggest
+from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.result_files import Target, cells, quoted
 from lagrangia.scene import Column, Scene
 from lagrangia.simulate import Progress, loss, shortcomings
-from lagrangia.targets import Target, cells, quoted
 
 if TYPE_CHECKING:
     import numpy as np

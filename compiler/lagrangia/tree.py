@@ -7,7 +7,7 @@ are resolved, whose loops are unrolled and whose structural values are put in (n
 from dataclasses import dataclass
 from typing import Generic, Literal, TypeAlias, TypeVar
 
-from lagrangia.diagnostics import Source, Span
+from lagrangia.base.diagnostics import Source, Span
 
 E = TypeVar("E", covariant=True)
 

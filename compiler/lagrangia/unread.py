@@ -9,8 +9,8 @@ from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from typing import Any
 
+from lagrangia.base.diagnostics import Report, Source, Span
 from lagrangia.classes import ClassTable
-from lagrangia.diagnostics import Report, Source, Span
 from lagrangia.flat import FlatModel
 from lagrangia.instances import Bound, FrameSlot, Instance, Member, Slot
 from lagrangia.tree import Binary, Declaration, Expression, Flat, FrameRef, IfExpression, Ref, Reference, Time, Unary

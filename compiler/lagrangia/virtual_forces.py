@@ -9,8 +9,8 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.assembly import begin
+from lagrangia.base.diagnostics import Report
 from lagrangia.constraints import Constraints, Row
-from lagrangia.diagnostics import Report
 from lagrangia.initial import InitialConditions, initial_function, start_function
 from lagrangia.kinematics import Kinematics
 from lagrangia.orthogonal import Vector

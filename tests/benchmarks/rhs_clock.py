@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lagrangia.folders import data_folder
+from lagrangia.base.folders import data_folder
 from lagrangia.native import build
 from lagrangia.scene import Scene
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.diagnostics import RunError
+from lagrangia.base.diagnostics import RunError
 from lagrangia.native import find_compiler
 from lagrangia.solvers import applicable
 

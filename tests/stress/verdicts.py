@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import lagrangia as lag
-from lagrangia.diagnostics import RunError
+from lagrangia.base.diagnostics import RunError
 from lagrangia.solvers import AUTO, applicable
 from maximal import Motion, reference
 from random_scenes import RandomScene, random_scene

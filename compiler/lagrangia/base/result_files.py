@@ -12,7 +12,7 @@ from typing import IO, Any, Self
 
 import orjson
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 
 
 def open_with_care(path: str, flags: int) -> int:

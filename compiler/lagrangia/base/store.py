@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from lagrangia.folders import cache_folder, data_folder, is_trusted, note_use
+from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_use
 
 _KINDS = ("scenes", "syntax", "objects")  # folders of files
 _DAY = 86_400.0  # seconds
@@ -100,7 +100,7 @@ def _digest(content: bytes) -> bytes:
 @cache
 def _installation() -> str:
     """Changes with every file of the compiler, its grammar and its library."""
-    files = [*Path(__file__).parent.glob("*.py"), *data_folder("grammar").glob("*.lark"),
+    files = [*Path(__file__).parents[1].rglob("*.py"), *data_folder("grammar").glob("*.lark"),
              *(data_folder("models") / "library").glob("*.lag")]
     stats = [(file.name, (stat := file.stat()).st_size, stat.st_mtime_ns) for file in sorted(files)]
     return hashlib.sha256(repr(stats).encode()).hexdigest()

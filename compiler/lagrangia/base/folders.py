@@ -1,4 +1,4 @@
-"""Where the data folders are (in a wheel beside the modules, in a checkout two levels above them), and where results are kept."""
+"""Where the data folders are (in a wheel beside the rooms, in a checkout two levels above them), and where results are kept."""
 
 import os
 import shutil
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-_HERE = Path(__file__).resolve().parent
+_PACKAGE = Path(__file__).resolve().parents[1]
 _ROOM = 4 << 20  # bytes: the run time and a scene, twice over
 
 
@@ -19,7 +19,7 @@ def data_folder(name: str) -> Path:
     `importlib.resources` is not used: with an editable install it would find a stale copy.
     Raises FileNotFoundError when the installation is broken.
     """
-    for base in (_HERE, _HERE.parent.parent):
+    for base in (_PACKAGE, _PACKAGE.parents[1]):
         folder = base / name
         if folder.is_dir():
             return folder

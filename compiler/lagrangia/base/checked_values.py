@@ -4,7 +4,7 @@ import operator
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from lagrangia.diagnostics import fail
+from lagrangia.base.diagnostics import fail
 
 MOST_STARTS, MOST_POINTS = 10_000, 200_000
 _HIGHEST = 1e100  # Hz: its square is still a number
