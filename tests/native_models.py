@@ -1,7 +1,7 @@
 """Models for the run time, written in C by hand: what the compiler would make, without the compiler."""
 
 from lagrangia.base.folders import data_folder
-from lagrangia.native import build
+from lagrangia.native.build import build
 from lagrangia.runtime import Model, Run, Settings, Status
 from lagrangia.runtime_library import Runtime
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from lagrangia.base.folders import data_folder
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 
 needs_sanitizers = pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
 _OPTIONS = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")

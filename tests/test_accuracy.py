@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from lagrangia.native import build, find_compiler
+from lagrangia.native.build import build, find_compiler
 from lagrangia.runtime import Solver, Status
 from lagrangia.runtime_library import Runtime
 from native_models import FOLDER, OSCILLATOR, compiled, started

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.runtime import Solver
 from test_stiffness import FLEXIBLE
 

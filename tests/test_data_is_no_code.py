@@ -15,7 +15,7 @@ from lagrangia.base.diagnostics import Source
 from lagrangia.base.folders import cache_folder, data_folder
 from lagrangia.base.store import find_kept, keep, key_of, prune
 from lagrangia.cli import main
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.plain_tree import read_trees, write_trees
 from lagrangia.syntax import parse
 

@@ -86,7 +86,7 @@ def test_what_a_change_costs_is_counted_over_all_runs() -> None:
 
 
 def test_a_build_that_is_given_up_leaves_nothing(empty_cache: Path) -> None:
-    from lagrangia.native import find_compiler, start_build
+    from lagrangia.native.build import find_compiler, start_build
 
     compiler = find_compiler()
     assert compiler is not None

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.runtime import Solver, Status
 from lagrangia.runtime_library import Runtime
 from native_models import FOLDER, OSCILLATOR, compiled, started

@@ -9,7 +9,7 @@ from fmpy import read_model_description
 
 import lagrangia as lag
 from fmus import simulated
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Write = Callable[[str], lag.Model]

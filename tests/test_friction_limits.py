@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagrangia as lag
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Write = Callable[[str], lag.Model]

@@ -10,7 +10,7 @@ import lagrangia as lag
 from fmus import simulated
 from lagrangia.base.diagnostics import RunError
 from lagrangia.exports import export
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Write = Callable[[str], lag.Model]

@@ -14,7 +14,7 @@ import pytest
 import lagrangia as lag
 import test_cases
 from lagrangia.engines import load_engine
-from lagrangia.native import build, find_compiler
+from lagrangia.native.build import build, find_compiler
 from lagrangia.pipeline import compile_file
 from lagrangia.request import check_values
 from lagrangia.runtime import Rows, Settings, Solver, Status

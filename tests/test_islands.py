@@ -9,8 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError, RunError
-from lagrangia.ccode import write_c
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
+from lagrangia.native.c_code import write_c
 from lagrangia.request import Values, check_values
 from lagrangia.runtime import Run, Settings, Solver, Status
 from lagrangia.scene import from_json, to_json

@@ -9,7 +9,7 @@ import pytest
 import lagrangia as lag
 from lagrangia import motion as motion_module
 from lagrangia.motion import Motion, build_motion, count_nodes
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.pipeline import Compilation, compile_file
 from rounding import needs_longer_numbers, noise
 

@@ -15,7 +15,7 @@ import lagrangia as lag
 from lagrangia import assembly, batch, impacts, initial, metric, newton, runtime, summary
 from lagrangia.base.folders import data_folder
 from lagrangia.mirrors import check_mirrors
-from lagrangia.native import build
+from lagrangia.native.build import build
 from lagrangia.runtime_library import start_runtime
 
 FOLDER = data_folder("runtime")

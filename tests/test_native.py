@@ -13,10 +13,11 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
-from lagrangia import native, prebuilt
 from lagrangia.base import folders
 from lagrangia.base.folders import cache_folder
-from lagrangia.native import Compiler, CompilerError, build, find_compiler, start_build
+from lagrangia.native import build as native
+from lagrangia.native import prebuilt
+from lagrangia.native.build import Compiler, CompilerError, build, find_compiler, start_build
 from lagrangia.runtime_library import start_runtime
 
 EXAMPLES = Path(__file__).parents[1] / "models" / "examples"

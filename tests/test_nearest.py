@@ -10,7 +10,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.engines import load_engine
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.pipeline import compile_file
 from lagrangia.request import Request, check_values, plan
 from lagrangia.scene import Scene

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
-from lagrangia import prebuilt
 from lagrangia.base.folders import data_folder
 from lagrangia.cli import main
-from lagrangia.native import find_compiler
+from lagrangia.native import prebuilt
+from lagrangia.native.build import find_compiler
 
 RUNTIME = data_folder("runtime")
 EXAMPLES = data_folder("models") / "examples"

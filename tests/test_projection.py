@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("casadi")
 
 from constrained import linkage, pendulum, skate
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.runtime import Model, Run, Settings, Solver, Status
 from lagrangia.runtime_library import Runtime
 from native_models import compiled, started

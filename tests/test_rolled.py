@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia import taylor
-from lagrangia.native import find_compiler
-from lagrangia.rolled import Constants, Loop, find_loops, needed, write_loop
+from lagrangia.native import series_code as taylor
+from lagrangia.native.build import find_compiler
+from lagrangia.native.rolled import Constants, Loop, find_loops, needed, write_loop
 
 # A row whose ends are free, each part with numbers of its own; what else acts on it.
 ROW = """model Row

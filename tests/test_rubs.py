@@ -8,7 +8,7 @@ import pytest
 
 import lagrangia as lag
 from fmus import KINDS, VERSIONS, simulated
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Write = Callable[[str], lag.Model]

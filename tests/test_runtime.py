@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
+from lagrangia.native.tapes import Op, Tape
 from lagrangia.runtime import Model, Settings, Solver, Status
 from lagrangia.runtime_library import Runtime
-from lagrangia.tapes import Op, Tape
 from native_models import FOLDER, OSCILLATOR, compiled, started
 from test_accuracy import CASES
 

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from lagrangia import Model, load, widecode
+from lagrangia import Model, load
 from lagrangia.dumps import dump
-from lagrangia.native import find_compiler
+from lagrangia.native import wide_code as widecode
+from lagrangia.native.build import find_compiler
 from sanitizers import needs_sanitizers, run_sanitized
 from test_friction import BRAKED, STANDING
 from test_rubs import BOX, SPINNING

@@ -13,7 +13,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.cli import main
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 
 pytest.importorskip("distributed")
 pytestmark = [

@@ -9,7 +9,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.cli import main
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.pipeline import compile_file
 
 Scene = Callable[[str], lag.Model]

@@ -10,9 +10,9 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError, RunError
-from lagrangia.ccode import write_c
 from lagrangia.instructions import tape_of
-from lagrangia.native import build
+from lagrangia.native.build import build
+from lagrangia.native.c_code import write_c
 from lagrangia.runtime import Model, Settings, Solver, Status
 from lagrangia.runtime_library import Runtime
 from native_models import FOLDER

@@ -10,7 +10,7 @@ import pytest
 
 import lagrangia as lag
 from fmus import simulated
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 
 Write = Callable[[str], lag.Model]
 KICKED = """model Kicked "its rate grows by 1 whenever the condition comes true"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.request import check_values
 from lagrangia.runtime import Run, Settings, Solver, Status
 

@@ -10,7 +10,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.cli import main
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 BLOCK = "model Road\n  Block b(m = 1, base = world, v(start = 1));\nend Road;\n"

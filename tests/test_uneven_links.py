@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 

@@ -23,7 +23,7 @@ from lagrangia.bench_peers import (
 )
 from lagrangia.bench_problem import Problem
 from lagrangia.bench_reference import Reference
-from lagrangia.native import CompilerError
+from lagrangia.native.build import CompilerError
 from lagrangia.solvers import WAYS
 
 TOLERANCES = tuple(10.0**-k for k in range(2, 14))

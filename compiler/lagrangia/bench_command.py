@@ -9,7 +9,7 @@ from typing import Any
 from lagrangia.arguments import assignment, keep_inputs, load_model, number, open_parameters
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.base.result_files import write_text
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.request import Request
 
 _TABLES = (".csv", ".json")

@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.bench_problem import Piece, Problem
-from lagrangia.native import build, find_compiler
+from lagrangia.native.build import build, find_compiler
 from lagrangia.request import check_values
 from lagrangia.runtime import Run, Status
 from lagrangia.simulate import explain, start_run

@@ -21,7 +21,7 @@ import numpy as np
 from lagrangia.bench_peers import prepare_scipy
 from lagrangia.bench_problem import Piece, Problem
 from lagrangia.casadi_algebra import CORNERS, uses
-from lagrangia.native import build
+from lagrangia.native.build import build
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

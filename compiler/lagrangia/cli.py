@@ -63,7 +63,7 @@ def _execute(parsed: argparse.Namespace) -> int:
 
 def _refused(error: Exception) -> int:
     """Where the C compiler could not do its work: no place for its files, an installation that lacks its headers."""
-    from lagrangia.native import CompilerError
+    from lagrangia.native.build import CompilerError
 
     if not isinstance(error, CompilerError):
         return DONE

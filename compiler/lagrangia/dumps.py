@@ -154,7 +154,7 @@ def _needs(compilation: Compilation) -> str:
 
 
 def _c(compilation: Compilation) -> str:
-    from lagrangia.ccode import write_c
+    from lagrangia.native.c_code import write_c
 
     scene = compilation.scene
     return write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns)

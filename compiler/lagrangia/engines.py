@@ -15,12 +15,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from lagrangia.base.folders import data_folder
-from lagrangia.ccode import write_c
-from lagrangia.native import Build, Compiler, CompilerError, find_build, require_compiler, start_build
+from lagrangia.native.build import Build, Compiler, CompilerError, find_build, require_compiler, start_build
+from lagrangia.native.c_code import write_c
+from lagrangia.native.tapes import Tape
 from lagrangia.runtime import Model, Solver
 from lagrangia.runtime_library import Runtime, has_runtime, start_runtime
 from lagrangia.scene import Scene
-from lagrangia.tapes import Tape
 
 # The model of costs, measured with gcc 12 on a chain of 2 to 1000 links: seconds to start a compiler, and for each instruction at
 # -O1 (-O2 takes half as long again and gives the same speed); seconds for each operation of one evaluation.

@@ -22,7 +22,7 @@ from pathlib import Path
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.folders import cache_folder
 from lagrangia.base.store import find_kept, keep
-from lagrangia.native import CompilerError, find_compiler
+from lagrangia.native.build import CompilerError, find_compiler
 
 # Reproducible on every processor: no contraction to fused multiply-add, no folder names inside.
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-DLAG_STATIC=1",

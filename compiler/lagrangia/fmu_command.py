@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from lagrangia.arguments import assignment, load_model, split_names, tell_warnings, values_with_units
 from lagrangia.base.diagnostics import RunError, fail
-from lagrangia.native import CompilerError
+from lagrangia.native.build import CompilerError
 from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.statics import tells_reactions
 

@@ -19,10 +19,10 @@ from lagrangia.fmu_factors import DEPENDENT, factor_kinds
 from lagrangia.functions import state_space
 from lagrangia.instructions import tape_of
 from lagrangia.kinematics import Kinematics
+from lagrangia.native.tapes import Tape
 from lagrangia.parameters import all_parameters
 from lagrangia.pipeline import Compilation
 from lagrangia.switches import find_switches
-from lagrangia.tapes import Tape
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.base.diagnostics import LagError, RunError, fail
+from lagrangia.native.tapes import Tape
 from lagrangia.scene import Column, Scene
-from lagrangia.tapes import Tape
 
 if TYPE_CHECKING:
     import casadi

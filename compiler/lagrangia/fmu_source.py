@@ -3,11 +3,11 @@
 import math
 from collections.abc import Sequence
 
-from lagrangia.ccode import INCLUDES, write_c, write_functions
 from lagrangia.fmu_model import FmuModel
+from lagrangia.native.c_code import INCLUDES, write_c, write_functions
+from lagrangia.native.tapes import Tape
 from lagrangia.runtime import Solver
 from lagrangia.scene import Scene
-from lagrangia.tapes import Tape
 
 # Scenes with more operations than this stay tapes, as data: a C compiler takes some 0.2 ms an operation, for each platform.
 _LARGEST_COMPILED = 3_000

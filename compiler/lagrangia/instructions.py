@@ -9,7 +9,7 @@ from math import copysign
 
 import casadi as ca
 
-from lagrangia.tapes import SINES, Op, Tape
+from lagrangia.native.tapes import SINES, Op, Tape
 
 # An operation has the same name in CasADi and in runtime/tape.h.
 _INPUT, _OUTPUT, _CONST = _MOVES = int(Op.INPUT), int(Op.OUTPUT), int(Op.CONST)  # members of an enumeration are slow keys

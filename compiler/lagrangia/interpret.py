@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from lagrangia.tapes import Op, Tape
+from lagrangia.native.tapes import Op, Tape
 
 if TYPE_CHECKING:
     import numpy as np

@@ -13,7 +13,7 @@ from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fai
 from lagrangia.cache import find_scene, keep_scene
 from lagrangia.engines import Engine, divided, load_engine, start_building
 from lagrangia.interpret import evaluate, evaluate_each
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.request import Request, Values, check_values, plan
 from lagrangia.runtime_library import Runtime, has_runtime
 from lagrangia.scene import Scene

@@ -15,7 +15,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from lagrangia.mirrors import Mirrored, check_mirrors
-from lagrangia.tapes import Op, Tape
+from lagrangia.native.tapes import Op, Tape
 
 _Doubles = c.POINTER(c.c_double)
 _Ints = c.POINTER(c.c_int)

@@ -11,9 +11,9 @@ from functools import cache
 from pathlib import Path
 from threading import Lock
 
-from lagrangia import prebuilt
 from lagrangia.base.folders import cache_folder, data_folder
-from lagrangia.native import Build, Compiler, Objects, build, find_compiler, require_compiler, start_build
+from lagrangia.native import prebuilt
+from lagrangia.native.build import Build, Compiler, Objects, build, find_compiler, require_compiler, start_build
 from lagrangia.runtime import Model, Run, Settings, load_runtime
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lagrangia.tapes import Tape
+from lagrangia.native.tapes import Tape
 
 
 @dataclass(frozen=True)

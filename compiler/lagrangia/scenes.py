@@ -7,7 +7,6 @@ from math import prod
 import casadi as ca
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.ccode import may_hide, usual_rhs, write_motion_series
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints
 from lagrangia.dimensions import unit_of
@@ -21,12 +20,13 @@ from lagrangia.instructions import count_operations, tape_of
 from lagrangia.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, islands_pay
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
+from lagrangia.native.c_code import may_hide, usual_rhs, write_motion_series
+from lagrangia.native.tapes import Tape
 from lagrangia.observables import observe
 from lagrangia.runtime import Solver
 from lagrangia.scalars import symbols_in
 from lagrangia.scene import Column, Parameter, Scene
 from lagrangia.switches import corners_remain
-from lagrangia.tapes import Tape
 
 
 def build_scene(

@@ -17,7 +17,7 @@ from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.folders import data_folder
 from lagrangia.batch import OUTCOME, Batch, Reduction, Sweep
 from lagrangia.engines import Engine, load_engine
-from lagrangia.prebuilt import digest
+from lagrangia.native.prebuilt import digest
 from lagrangia.runtime import Settings, Solver
 from lagrangia.scene import from_json, to_json
 from lagrangia.sweep_journal import Ledger

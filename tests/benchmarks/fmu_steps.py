@@ -21,7 +21,7 @@ import lagrangia as lag
 from lagrangia.engines import load_engine
 from lagrangia.fmu import Export, export_fmu
 from lagrangia.fmu_build import host_platform
-from lagrangia.native import build
+from lagrangia.native.build import build
 from lagrangia.runtime import Settings
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "models" / "examples"

@@ -18,9 +18,9 @@ from rhs_clock import Clock, state
 import lagrangia as lag
 from lagrangia.engines import load_engine
 from lagrangia.interpret import evaluate
-from lagrangia.native import build
+from lagrangia.native.build import build
+from lagrangia.native.tapes import Op
 from lagrangia.scene import Scene
-from lagrangia.tapes import Op
 
 HERE = Path(__file__).resolve().parent / "hand_written"
 EXAMPLES = HERE.parents[2] / "models" / "examples"

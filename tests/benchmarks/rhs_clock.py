@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lagrangia.base.folders import data_folder
-from lagrangia.native import build
+from lagrangia.native.build import build
 from lagrangia.scene import Scene
 
 CLOCK = """

@@ -10,7 +10,7 @@ import yaml
 from scipy.special import ellipk
 
 import lagrangia as lag
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 from lagrangia.solvers import applicable
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

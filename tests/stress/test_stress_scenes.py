@@ -8,7 +8,7 @@ import os
 import pytest
 from verdicts import Verdict, look_at_all
 
-from lagrangia.native import find_compiler
+from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 FEW, MANY = 24, int(os.environ.get("LAGRANGIA_SCENES", "48"))

@@ -9,8 +9,8 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from lagrangia.rolled import Constants, find_loops, needed, write_loop
-from lagrangia.tapes import EXPONENTIALS, Op, Tape
+from lagrangia.native.rolled import Constants, find_loops, needed, write_loop
+from lagrangia.native.tapes import EXPONENTIALS, Op, Tape
 
 _MOST_POWER = 8  # integer powers up to this one are products
 _ORDERS = 18  # LAG_JET_ORDER of runtime/jets.h

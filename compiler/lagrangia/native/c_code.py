@@ -6,9 +6,9 @@ A long function is cut into pieces that share the work vector: compilers take ti
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from lagrangia.tapes import EXPONENTIALS, SINES, Op, Tape
-from lagrangia.taylor import NoSeriesError, Series, sines_together, write_series
-from lagrangia.widecode import write_wide
+from lagrangia.native.series_code import NoSeriesError, Series, sines_together, write_series
+from lagrangia.native.tapes import EXPONENTIALS, SINES, Op, Tape
+from lagrangia.native.wide_code import write_wide
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
 INCLUDES = ("#include <math.h>", '#include "sines.h"', '#include "tape.h"')  # of what write_functions writes

@@ -22,9 +22,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from sysconfig import get_platform
 
-from lagrangia import prebuilt
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.folders import cache_folder, has_room, is_trusted, note_use
+from lagrangia.native import prebuilt
 
 _MOST_LINES = 20
 _ATTEMPTS = 10  # to put a library in its place, where others put it or damage it at the same time

@@ -6,7 +6,7 @@ The digits are those of one state after another.
 
 from collections.abc import Callable, Mapping, Sequence
 
-from lagrangia.tapes import SINES, Op, Tape
+from lagrangia.native.tapes import SINES, Op, Tape
 
 _LONGEST = 10_000  # instructions: compilers take time that grows faster than a function's length
 _SHARED = (4, 5)  # inputs that are the same for all states: modes, and what was hoisted
