@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
-from lagrangia.runtime_library import Runtime, start_runtime
+from lagrangia.run.library import Runtime, start_runtime
 
 Compare = Callable[[str, Path], None]
 

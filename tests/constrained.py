@@ -4,7 +4,7 @@ import casadi as ca
 
 from lagrangia.instructions import tape_of
 from lagrangia.native.tapes import Tape
-from lagrangia.runtime import Model
+from lagrangia.run.runtime import Model
 
 EPSILON = 1e-8  # keeps the KKT matrix regular where constraints repeat each other; 1e-12 leaves noise of 5e-8 in a
 

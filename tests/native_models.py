@@ -2,8 +2,8 @@
 
 from lagrangia.base.folders import data_folder
 from lagrangia.native.build import build
-from lagrangia.runtime import Model, Run, Settings, Status
-from lagrangia.runtime_library import Runtime
+from lagrangia.run.library import Runtime
+from lagrangia.run.runtime import Model, Run, Settings, Status
 
 FOLDER = data_folder("runtime")
 OSCILLATOR = "a[0] = -q[0];"

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import pytest
 
 from lagrangia.native.build import build, find_compiler
-from lagrangia.runtime import Solver, Status
-from lagrangia.runtime_library import Runtime
+from lagrangia.run.library import Runtime
+from lagrangia.run.runtime import Solver, Status
 from native_models import FOLDER, OSCILLATOR, compiled, started
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

@@ -19,7 +19,7 @@ from lagrangia.bench_problem import Problem, build_problem
 from lagrangia.bench_reference import NoReference, find_reference
 from lagrangia.bench_table import as_json, as_text, duel, front, seconds_at
 from lagrangia.cli import main
-from lagrangia.request import Request
+from lagrangia.run.request import Request
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES, CASES = ROOT / "models" / "examples", ROOT / "tests" / "cases"

@@ -10,7 +10,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError
 from lagrangia.base.folders import data_folder
-from lagrangia.runtime import Solver
+from lagrangia.run.runtime import Solver
 
 EXAMPLES = Path(__file__).parents[1] / "models" / "examples"
 CASES = Path(__file__).parent / "cases"

@@ -9,8 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.instructions import tape_of
-from lagrangia.interpret import evaluate, evaluate_each
-from lagrangia.request import check_values
+from lagrangia.run.interpret import evaluate, evaluate_each
+from lagrangia.run.request import check_values
 from reference import integrate
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"

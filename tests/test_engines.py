@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia import engines
 from lagrangia.model import Model
+from lagrangia.run import engines
 
 CHAIN = Path(__file__).parent.parent / "models" / "examples" / "chain.lag"
 

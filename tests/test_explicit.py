@@ -8,8 +8,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.native.build import find_compiler
-from lagrangia.runtime import Solver, Status
-from lagrangia.runtime_library import Runtime
+from lagrangia.run.library import Runtime
+from lagrangia.run.runtime import Solver, Status
 from native_models import FOLDER, OSCILLATOR, compiled, started
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

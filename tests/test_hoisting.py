@@ -10,8 +10,8 @@ import pytest
 import lagrangia as lag
 from lagrangia.factors import hoist
 from lagrangia.instructions import count_operations, tape_of
-from lagrangia.interpret import evaluate
-from lagrangia.request import check_values
+from lagrangia.run.interpret import evaluate
+from lagrangia.run.request import check_values
 
 Scene = Callable[[str], lag.Model]
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"

@@ -13,12 +13,12 @@ import pytest
 
 import lagrangia as lag
 import test_cases
-from lagrangia.engines import load_engine
 from lagrangia.native.build import build, find_compiler
 from lagrangia.pipeline import compile_file
-from lagrangia.request import check_values
-from lagrangia.runtime import Rows, Settings, Solver, Status
-from lagrangia.runtime_library import Runtime
+from lagrangia.run.engines import load_engine
+from lagrangia.run.library import Runtime
+from lagrangia.run.request import check_values
+from lagrangia.run.runtime import Rows, Settings, Solver, Status
 from native_models import FOLDER, OSCILLATOR, compiled
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

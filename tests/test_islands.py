@@ -11,9 +11,9 @@ import lagrangia as lag
 from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.native.build import find_compiler
 from lagrangia.native.c_code import write_c
-from lagrangia.request import Values, check_values
-from lagrangia.runtime import Run, Settings, Solver, Status
-from lagrangia.scene import from_json, to_json
+from lagrangia.run.request import Values, check_values
+from lagrangia.run.runtime import Run, Settings, Solver, Status
+from lagrangia.run.scene import from_json, to_json
 from sanitizers import needs_sanitizers, run_sanitized
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

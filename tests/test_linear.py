@@ -14,8 +14,8 @@ import lagrangia as lag
 from lagrangia.base.diagnostics import LagError
 from lagrangia.native.build import find_compiler
 from lagrangia.native.c_code import write_c
-from lagrangia.request import check_values
-from lagrangia.runtime import Run, Settings, Solver, Status
+from lagrangia.run.request import check_values
+from lagrangia.run.runtime import Run, Settings, Solver, Status
 from sanitizers import needs_sanitizers, run_sanitized
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia import assembly, batch, impacts, initial, metric, newton, runtime, summary
+from lagrangia import assembly, impacts, initial, metric, newton, summary
 from lagrangia.base.folders import data_folder
-from lagrangia.mirrors import check_mirrors
 from lagrangia.native.build import build
-from lagrangia.runtime_library import start_runtime
+from lagrangia.run import batch, runtime
+from lagrangia.run.library import start_runtime
+from lagrangia.run.mirrors import check_mirrors
 
 FOLDER = data_folder("runtime")
 MIRRORS = runtime.MIRRORS | batch.MIRRORS

@@ -13,7 +13,7 @@ from scipy.linalg import null_space
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import RunError
-from lagrangia.request import Experiment
+from lagrangia.run.request import Experiment
 
 EXAMPLES = sorted((Path(__file__).resolve().parent.parent / "models" / "examples").glob("*.lag"))
 FOLDER = EXAMPLES[0].parent

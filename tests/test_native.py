@@ -18,7 +18,7 @@ from lagrangia.base.folders import cache_folder
 from lagrangia.native import build as native
 from lagrangia.native import prebuilt
 from lagrangia.native.build import Compiler, CompilerError, build, find_compiler, start_build
-from lagrangia.runtime_library import start_runtime
+from lagrangia.run.library import start_runtime
 
 EXAMPLES = Path(__file__).parents[1] / "models" / "examples"
 ROW = Path(__file__).parent / "benchmarks" / "scenes" / "row.lag"

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.engines import load_engine
 from lagrangia.native.build import find_compiler
 from lagrangia.pipeline import compile_file
-from lagrangia.request import Request, check_values, plan
-from lagrangia.scene import Scene
-from lagrangia.simulate import start_run
+from lagrangia.run.engines import load_engine
+from lagrangia.run.request import Request, check_values, plan
+from lagrangia.run.scene import Scene
+from lagrangia.run.simulate import start_run
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"

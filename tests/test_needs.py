@@ -11,7 +11,7 @@ import lagrangia as lag
 from lagrangia.cli import main
 from lagrangia.needs import Need, find_needs
 from lagrangia.pipeline import Compilation, compile_file
-from lagrangia.solvers import name_of
+from lagrangia.run.solvers import name_of
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "models" / "examples"

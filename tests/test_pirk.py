@@ -9,8 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.native.build import find_compiler
-from lagrangia.runtime import Solver, Status
-from lagrangia.runtime_library import Runtime
+from lagrangia.run.library import Runtime
+from lagrangia.run.runtime import Solver, Status
 from native_models import FOLDER, compiled, started
 from test_stiffness import FLEXIBLE
 

@@ -8,8 +8,8 @@ pytest.importorskip("casadi")
 
 from constrained import linkage, pendulum, skate
 from lagrangia.native.build import find_compiler
-from lagrangia.runtime import Model, Run, Settings, Solver, Status
-from lagrangia.runtime_library import Runtime
+from lagrangia.run.library import Runtime
+from lagrangia.run.runtime import Model, Run, Settings, Solver, Status
 from native_models import compiled, started
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

@@ -9,8 +9,8 @@ import pytest
 
 from lagrangia.native.build import find_compiler
 from lagrangia.native.tapes import Op, Tape
-from lagrangia.runtime import Model, Settings, Solver, Status
-from lagrangia.runtime_library import Runtime
+from lagrangia.run.library import Runtime
+from lagrangia.run.runtime import Model, Settings, Solver, Status
 from native_models import FOLDER, OSCILLATOR, compiled, started
 from test_accuracy import CASES
 

@@ -10,9 +10,9 @@ from mpmath import mp, mpf
 
 from lagrangia.base.folders import data_folder
 from lagrangia.instructions import count_operations, tape_of
-from lagrangia.interpret import evaluate
 from lagrangia.native.build import build, find_compiler
 from lagrangia.native.tapes import Op, Tape
+from lagrangia.run.interpret import evaluate
 
 SOURCE = """#include "sines.h"
 __attribute__((visibility("default"))) void of_all(const double *x, double *s, double *c, int n)

@@ -9,8 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.native.build import find_compiler
-from lagrangia.runtime import Solver
-from lagrangia.solvers import name_of
+from lagrangia.run.runtime import Solver
+from lagrangia.run.solvers import name_of
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 EXAMPLES = Path(__file__).parent.parent / "models" / "examples"

@@ -13,8 +13,8 @@ from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.instructions import tape_of
 from lagrangia.native.build import build
 from lagrangia.native.c_code import write_c
-from lagrangia.runtime import Model, Settings, Solver, Status
-from lagrangia.runtime_library import Runtime
+from lagrangia.run.library import Runtime
+from lagrangia.run.runtime import Model, Settings, Solver, Status
 from native_models import FOLDER
 
 Force = Callable[[ca.SX, ca.SX, ca.SX], ca.SX]

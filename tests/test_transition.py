@@ -9,8 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.native.build import find_compiler
-from lagrangia.request import check_values
-from lagrangia.runtime import Run, Settings, Solver, Status
+from lagrangia.run.request import check_values
+from lagrangia.run.runtime import Run, Settings, Solver, Status
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Write = Callable[[str], lag.Model]

@@ -26,9 +26,9 @@ from lagrangia.modes import Modes, find_modes, modes_of_ways, stability_of_ways
 from lagrangia.newton import start_equations
 from lagrangia.observables import observe
 from lagrangia.probes import Probe, find_probes, usual_probes
-from lagrangia.request import Values, check_parameters
 from lagrangia.response import Response, find_response
 from lagrangia.resting import Resting, forces_of_grip, told_grip
+from lagrangia.run.request import Values, check_parameters
 from lagrangia.small_motion import DIRECTIONS, SmallMotion, build_small_motion
 from lagrangia.tree import Ref
 

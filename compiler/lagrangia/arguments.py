@@ -13,7 +13,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import keep_apart, open_with_care, require_kind
 from lagrangia.model import Model
 from lagrangia.plot import require_format
-from lagrangia.request import Request
+from lagrangia.run.request import Request
 from lagrangia.values import read_value
 
 _TABLES = (".csv", ".txt", ".dat")
@@ -63,7 +63,7 @@ def tell_inputs(options: Namespace, model: Model, experiment: Any, given: Any) -
 
 
 def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:
-    from lagrangia.cache import find_scene
+    from lagrangia.run.cache import find_scene
 
     found = find_scene(options.file, options.model, {}, outputs)
     if found is not None:

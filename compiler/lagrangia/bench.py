@@ -24,7 +24,7 @@ from lagrangia.bench_peers import (
 from lagrangia.bench_problem import Problem
 from lagrangia.bench_reference import Reference
 from lagrangia.native.build import CompilerError
-from lagrangia.solvers import WAYS
+from lagrangia.run.solvers import WAYS
 
 TOLERANCES = tuple(10.0**-k for k in range(2, 14))
 _MOST_SECONDS = 1.0  # for the repetitions of one point

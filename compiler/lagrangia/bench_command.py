@@ -10,7 +10,7 @@ from lagrangia.arguments import assignment, keep_inputs, load_model, number, ope
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.base.result_files import write_text
 from lagrangia.native.build import find_compiler
-from lagrangia.request import Request
+from lagrangia.run.request import Request
 
 _TABLES = (".csv", ".json")
 

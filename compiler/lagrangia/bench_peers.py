@@ -19,9 +19,9 @@ import numpy as np
 
 from lagrangia.bench_problem import Piece, Problem
 from lagrangia.native.build import build, find_compiler
-from lagrangia.request import check_values
-from lagrangia.runtime import Run, Status
-from lagrangia.simulate import explain, start_run
+from lagrangia.run.request import check_values
+from lagrangia.run.runtime import Run, Status
+from lagrangia.run.simulate import explain, start_run
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -15,7 +15,7 @@ import numpy as np
 from lagrangia.base.diagnostics import fail
 from lagrangia.casadi_solvers import segments, switching_times
 from lagrangia.model import Model
-from lagrangia.request import USUAL, Experiment, Request, check_values, plan
+from lagrangia.run.request import USUAL, Experiment, Request, check_values, plan
 from lagrangia.switches import live
 
 if TYPE_CHECKING:

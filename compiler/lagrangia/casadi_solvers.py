@@ -18,10 +18,10 @@ import numpy as np
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.interruptions import noticed
 from lagrangia.pipeline import Compilation
-from lagrangia.request import Experiment, Values, check_parameters
-from lagrangia.runtime import Statistics
-from lagrangia.simulate import Progress
-from lagrangia.solvers import AUTO
+from lagrangia.run.request import Experiment, Values, check_parameters
+from lagrangia.run.runtime import Statistics
+from lagrangia.run.simulate import Progress
+from lagrangia.run.solvers import AUTO
 from lagrangia.switches import has_dry_friction, live
 
 _INTEGRATORS = ("cvodes", "idas", "rk", "collocation")

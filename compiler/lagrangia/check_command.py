@@ -8,9 +8,9 @@ from typing import Any
 
 from lagrangia.arguments import tell_warnings
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, render_all
-from lagrangia.interpret import evaluate
 from lagrangia.model import Model
-from lagrangia.request import check_parameters, check_values
+from lagrangia.run.interpret import evaluate
+from lagrangia.run.request import check_parameters, check_values
 
 _LACKS_A_VALUE = "L0211"
 

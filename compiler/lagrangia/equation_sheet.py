@@ -127,7 +127,7 @@ def start_of(kinematics: Kinematics, parameters: Mapping[str, float | list[float
              structural: Mapping[str, Any] | None = None) -> Begin:
     """The assembled start, from which positions of rest are sought. Raises LagError L0606 where it does not assemble."""
     from lagrangia.analysis import Study
-    from lagrangia.request import check_values
+    from lagrangia.run.request import check_values
 
     compilation = compile_file(path, model, structural)
     chosen = chosen_parameters(kinematics, parameters)

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
-from lagrangia.engines import Engine
-from lagrangia.runtime import Settings, first_solver
-from lagrangia.scene import Scene
-from lagrangia.solvers import CASADI, WAYS, name_of
+from lagrangia.run.engines import Engine
+from lagrangia.run.runtime import Settings, first_solver
+from lagrangia.run.scene import Scene
+from lagrangia.run.solvers import CASADI, WAYS, name_of
 
 if TYPE_CHECKING:
     from lagrangia.needs import Need

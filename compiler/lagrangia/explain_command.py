@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from lagrangia.arguments import assignment, load_model, open_parameters
-from lagrangia.request import check_values
+from lagrangia.run.request import check_values
 
 
 def explain_command(options: Namespace) -> int:

@@ -11,7 +11,7 @@ from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.fmu import EXTRA, SCENE
 from lagrangia.fmu_process import SPOKEN, Job, Outcome, run_job
 from lagrangia.fmu_run import Opened
-from lagrangia.scene import Scene
+from lagrangia.run.scene import Scene
 
 if TYPE_CHECKING:
     import numpy as np

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.base.diagnostics import LagError, RunError, fail
 from lagrangia.native.tapes import Tape
-from lagrangia.scene import Column, Scene
+from lagrangia.run.scene import Column, Scene
 
 if TYPE_CHECKING:
     import casadi
@@ -112,7 +112,7 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     import numpy as np
 
     from lagrangia.fmu_derivatives import build_derivatives
-    from lagrangia.request import check_values
+    from lagrangia.run.request import check_values
 
     scene = model.scene
     values = check_values(scene, parameters)

@@ -15,8 +15,8 @@ from lagrangia.fmu_build import PLATFORMS, host_platform
 from lagrangia.fmu_description import Description, Quantity, read_description
 from lagrangia.fmu_importer import is_recorded
 from lagrangia.fmu_process import SPOKEN, Inputs, Job, Outcome, require_fmpy, run_job
-from lagrangia.request import Request
-from lagrangia.scene import Column
+from lagrangia.run.request import Request
+from lagrangia.run.scene import Column
 
 _USUAL_TOLERANCE = 1e-6
 _ROWS = 500

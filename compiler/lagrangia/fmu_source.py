@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from lagrangia.fmu_model import FmuModel
 from lagrangia.native.c_code import INCLUDES, write_c, write_functions
 from lagrangia.native.tapes import Tape
-from lagrangia.runtime import Solver
-from lagrangia.scene import Scene
+from lagrangia.run.runtime import Solver
+from lagrangia.run.scene import Scene
 
 # Scenes with more operations than this stay tapes, as data: a C compiler takes some 0.2 ms an operation, for each platform.
 _LARGEST_COMPILED = 3_000

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, names, numbers
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
-from lagrangia.cache import find_scene, keep_scene
-from lagrangia.engines import Engine, divided, load_engine, start_building
-from lagrangia.interpret import evaluate, evaluate_each
 from lagrangia.native.build import find_compiler
-from lagrangia.request import Request, Values, check_values, plan
-from lagrangia.runtime_library import Runtime, has_runtime
-from lagrangia.scene import Scene
-from lagrangia.simulate import simulate
-from lagrangia.solvers import AUTO, WAYS, is_casadi
+from lagrangia.run.cache import find_scene, keep_scene
+from lagrangia.run.engines import Engine, divided, load_engine, start_building
+from lagrangia.run.interpret import evaluate, evaluate_each
+from lagrangia.run.library import Runtime, has_runtime
+from lagrangia.run.request import Request, Values, check_values, plan
+from lagrangia.run.scene import Scene
+from lagrangia.run.simulate import simulate
+from lagrangia.run.solvers import AUTO, WAYS, is_casadi
 from lagrangia.trajectory import Trajectory, collect
 
 if TYPE_CHECKING:

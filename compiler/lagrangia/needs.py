@@ -22,8 +22,8 @@ from lagrangia.motion import Motion, build_motion, count_nodes, inertial_force
 from lagrangia.observables import observe
 from lagrangia.partition import is_too_large
 from lagrangia.places import is_linear, place_of_nonlinear_term, place_of_time, place_of_world
-from lagrangia.runtime import Solver
-from lagrangia.scene import Scene
+from lagrangia.run.runtime import Solver
+from lagrangia.run.scene import Scene
 from lagrangia.spectrum import Spectrum, find_spectrum
 
 _MOST_COUNTED = 60  # coordinates: in larger scenes nothing is built a second time only to be counted

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from lagrangia.kinematics import Kinematics
     from lagrangia.motion import Motion
     from lagrangia.partition import Partition
-    from lagrangia.scene import Scene
+    from lagrangia.run.scene import Scene
     from lagrangia.tree import Syntax
 
 PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import Target
-from lagrangia.scene import Column
+from lagrangia.run.scene import Column
 
 if TYPE_CHECKING:
     import numpy as np

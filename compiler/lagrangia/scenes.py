@@ -23,9 +23,9 @@ from lagrangia.motion import Motion
 from lagrangia.native.c_code import may_hide, usual_rhs, write_motion_series
 from lagrangia.native.tapes import Tape
 from lagrangia.observables import observe
-from lagrangia.runtime import Solver
+from lagrangia.run.runtime import Solver
+from lagrangia.run.scene import Column, Parameter, Scene
 from lagrangia.scalars import symbols_in
-from lagrangia.scene import Column, Parameter, Scene
 from lagrangia.switches import corners_remain
 
 

@@ -24,8 +24,8 @@ from lagrangia.base.diagnostics import LagError, RunError, fail
 from lagrangia.base.interruptions import INTERRUPTED, undisturbed
 from lagrangia.model import NO_COMPILER, Model
 from lagrangia.pipeline import ALL_REACTIONS
-from lagrangia.request import Experiment, check_values, plan
-from lagrangia.simulate import Progress, loss
+from lagrangia.run.request import Experiment, check_values, plan
+from lagrangia.run.simulate import Progress, loss
 from lagrangia.statics import tells_reactions
 from lagrangia.summary import summarise, tell_assembly, tell_moved, tell_reactions
 from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from lagrangia.scene import Scene
+from lagrangia.run.scene import Scene
 from lagrangia.trajectory import columns
 
 

@@ -6,13 +6,13 @@ from argparse import Namespace
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lagrangia.engines import Engine, describe
-from lagrangia.interpret import evaluate
 from lagrangia.model import Model
-from lagrangia.request import Experiment, Values
-from lagrangia.runtime import Solver, Statistics
-from lagrangia.simulate import Progress, shortcomings
-from lagrangia.solvers import AUTO, name_of
+from lagrangia.run.engines import Engine, describe
+from lagrangia.run.interpret import evaluate
+from lagrangia.run.request import Experiment, Values
+from lagrangia.run.runtime import Solver, Statistics
+from lagrangia.run.simulate import Progress, shortcomings
+from lagrangia.run.solvers import AUTO, name_of
 from lagrangia.statics import is_static, reaction_table
 
 _GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model.h

@@ -10,8 +10,8 @@ from typing import Protocol
 from lagrangia.base.checked_values import a_count
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import keep_apart, require_kind
-from lagrangia.engines import Engine
-from lagrangia.solvers import name_of
+from lagrangia.run.engines import Engine
+from lagrangia.run.solvers import name_of
 from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_pieces import Watch
 from lagrangia.sweep_plan import Job

@@ -10,10 +10,10 @@ from lagrangia.arguments import asked, assignment, input_tables, keep_foreign, l
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, is_device
-from lagrangia.batch import Ending
 from lagrangia.model import Model
-from lagrangia.request import plan
-from lagrangia.simulate import DOUBTFUL
+from lagrangia.run.batch import Ending
+from lagrangia.run.request import plan
+from lagrangia.run.simulate import DOUBTFUL
 from lagrangia.sweep import require_place, run_job
 from lagrangia.sweep_journal import Journal, Ledger
 from lagrangia.sweep_measures import Measure, quantities, read_measures, usual_measures

@@ -15,11 +15,11 @@ from typing import Any
 
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.folders import data_folder
-from lagrangia.batch import OUTCOME, Batch, Reduction, Sweep
-from lagrangia.engines import Engine, load_engine
 from lagrangia.native.prebuilt import digest
-from lagrangia.runtime import Settings, Solver
-from lagrangia.scene import from_json, to_json
+from lagrangia.run.batch import OUTCOME, Batch, Reduction, Sweep
+from lagrangia.run.engines import Engine, load_engine
+from lagrangia.run.runtime import Settings, Solver
+from lagrangia.run.scene import from_json, to_json
 from lagrangia.sweep_journal import Ledger
 from lagrangia.sweep_pieces import Pace, Pieces, Watch
 from lagrangia.sweep_plan import Job

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.batch import OUTCOME, Ending
+from lagrangia.run.batch import OUTCOME, Ending
 from lagrangia.sweep_plan import Job
 
 if TYPE_CHECKING:

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from lagrangia.base.diagnostics import fail, suggest
-from lagrangia.batch import Kind, Reduction
-from lagrangia.request import Experiment
-from lagrangia.scene import Scene
+from lagrangia.run.batch import Kind, Reduction
+from lagrangia.run.request import Experiment
+from lagrangia.run.scene import Scene
 from lagrangia.units import parse_unit, spell
 from lagrangia.values import read_value
 

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.checked_values import a_count, a_number, by_name
 from lagrangia.base.diagnostics import LagError, Report, fail, suggest
-from lagrangia.batch import Kind, Reduction, Sweep
-from lagrangia.request import Request, check_values, plan
-from lagrangia.runtime import Settings, Solver
-from lagrangia.scene import Scene, to_json
-from lagrangia.solvers import AUTO, applicable, is_casadi, number_of
+from lagrangia.run.batch import Kind, Reduction, Sweep
+from lagrangia.run.request import Request, check_values, plan
+from lagrangia.run.runtime import Settings, Solver
+from lagrangia.run.scene import Scene, to_json
+from lagrangia.run.solvers import AUTO, applicable, is_casadi, number_of
 from lagrangia.sweep_measures import Measure, reductions
 from lagrangia.sweep_values import (
     MOST_RUNS,

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.result_files import Target, cells, quoted
-from lagrangia.batch import Ending
-from lagrangia.runtime import Failure, Status
-from lagrangia.scene import Scene
-from lagrangia.simulate import explain
+from lagrangia.run.batch import Ending
+from lagrangia.run.runtime import Failure, Status
+from lagrangia.run.scene import Scene
+from lagrangia.run.simulate import explain
 from lagrangia.sweep_journal import Ledger
 from lagrangia.sweep_measures import unit_of
 from lagrangia.sweep_plan import Job

@@ -6,8 +6,8 @@ import queue
 import threading
 import time
 
-from lagrangia.batch import Batch
-from lagrangia.engines import Engine
+from lagrangia.run.batch import Batch
+from lagrangia.run.engines import Engine
 from lagrangia.sweep_journal import Ledger
 from lagrangia.sweep_pieces import Pace, Pieces, Watch
 from lagrangia.sweep_plan import Job

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.result_files import Target, cells, quoted
-from lagrangia.scene import Column, Scene
-from lagrangia.simulate import Progress, loss, shortcomings
+from lagrangia.run.scene import Column, Scene
+from lagrangia.run.simulate import Progress, loss, shortcomings
 
 if TYPE_CHECKING:
     import numpy as np

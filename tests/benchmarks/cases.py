@@ -6,7 +6,7 @@ from pathlib import Path
 
 import lagrangia as lag
 from lagrangia.bench_problem import Problem, build_problem
-from lagrangia.request import Request
+from lagrangia.run.request import Request
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES, CASES = ROOT / "models" / "examples", ROOT / "tests" / "cases"

@@ -18,11 +18,11 @@ import fmpy.fmi2
 import fmpy.fmi3
 
 import lagrangia as lag
-from lagrangia.engines import load_engine
 from lagrangia.fmu import Export, export_fmu
 from lagrangia.fmu_build import host_platform
 from lagrangia.native.build import build
-from lagrangia.runtime import Settings
+from lagrangia.run.engines import load_engine
+from lagrangia.run.runtime import Settings
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "models" / "examples"
 STEPS, H, TOLERANCE = 1000, 1e-3, 1e-6

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 import lagrangia as lag
-from lagrangia.engines import Engine, load_engine
-from lagrangia.request import Request, check_values, plan
-from lagrangia.simulate import simulate
+from lagrangia.run.engines import Engine, load_engine
+from lagrangia.run.request import Request, check_values, plan
+from lagrangia.run.simulate import simulate
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -16,11 +16,11 @@ import numpy as np
 from rhs_clock import Clock, state
 
 import lagrangia as lag
-from lagrangia.engines import load_engine
-from lagrangia.interpret import evaluate
 from lagrangia.native.build import build
 from lagrangia.native.tapes import Op
-from lagrangia.scene import Scene
+from lagrangia.run.engines import load_engine
+from lagrangia.run.interpret import evaluate
+from lagrangia.run.scene import Scene
 
 HERE = Path(__file__).resolve().parent / "hand_written"
 EXAMPLES = HERE.parents[2] / "models" / "examples"

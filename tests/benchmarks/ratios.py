@@ -24,7 +24,7 @@ from lagrangia.bench_problem import Problem
 from lagrangia.bench_reference import NoReference, Reference, find_reference
 from lagrangia.bench_table import ERRORS, as_csv, by_solver, duration, seconds_at
 from lagrangia.native.build import CompilerError
-from lagrangia.solvers import WAYS
+from lagrangia.run.solvers import WAYS
 
 SOLVERS = ("auto", "pirk", "erk", "erk5", "taylor", "linear", "implicit", "casadi:erk", "heyoka")
 OURS = ("auto", *WAYS)

@@ -7,7 +7,7 @@ import numpy as np
 
 from lagrangia.base.folders import data_folder
 from lagrangia.native.build import build
-from lagrangia.scene import Scene
+from lagrangia.run.scene import Scene
 
 CLOCK = """
 #define _POSIX_C_SOURCE 199309L
@@ -61,7 +61,7 @@ class Clock:
 
 def state(scene: Scene, seed: int = 0) -> list[np.ndarray]:
     """t, q, v, u, d and c of a scene at a general place, its parameters as declared."""
-    from lagrangia.interpret import evaluate
+    from lagrangia.run.interpret import evaluate
 
     random = np.random.default_rng(seed)
     given = [parameter.value if parameter.value is not None else 0.0 for parameter in scene.parameters]

@@ -35,10 +35,10 @@ def best(call: Callable[[], object], seconds: float = 0.3) -> float:
 
 def ours(file: Path, n: int, clock: Clock) -> tuple[float, int, str, float]:
     """Seconds an evaluation, nodes, how it runs, seconds from text to scene."""
-    from lagrangia.engines import load_engine
     from lagrangia.native.c_code import usual_rhs
     from lagrangia.pipeline import compile_file
-    from lagrangia.scene import Scene
+    from lagrangia.run.engines import load_engine
+    from lagrangia.run.scene import Scene
 
     begin = time.perf_counter()
     scene: Scene = compile_file(file, None, {"n": n}).scene

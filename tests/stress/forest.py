@@ -15,7 +15,7 @@ import lagrangia as lag
 from lagrangia.bodies import find_bodies
 from lagrangia.elimination import articulate
 from lagrangia.motion import mass_matrix, solve_dense
-from lagrangia.solvers import applicable
+from lagrangia.run.solvers import applicable
 from random_trees import random_tree
 
 STOP, ROWS, TOLERANCE, TIGHT = 1.0, 9, 1e-8, 1e-11

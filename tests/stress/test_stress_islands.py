@@ -8,7 +8,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.native.build import find_compiler
-from lagrangia.runtime import Solver
+from lagrangia.run.runtime import Solver
 from random_loops import random_loops
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

@@ -11,7 +11,7 @@ from scipy.special import ellipk
 
 import lagrangia as lag
 from lagrangia.native.build import find_compiler
-from lagrangia.solvers import applicable
+from lagrangia.run.solvers import applicable
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Scene = Callable[[str], lag.Model]

@@ -8,7 +8,7 @@ import pytest
 import lagrangia as lag
 from lagrangia.base.diagnostics import RunError
 from lagrangia.native.build import find_compiler
-from lagrangia.solvers import applicable
+from lagrangia.run.solvers import applicable
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 Scene = Callable[[str], lag.Model]

@@ -15,7 +15,7 @@ import numpy as np
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import RunError
-from lagrangia.solvers import AUTO, applicable
+from lagrangia.run.solvers import AUTO, applicable
 from maximal import Motion, reference
 from random_scenes import RandomScene, random_scene
 from reference import Array

@@ -11,9 +11,9 @@ from enum import IntEnum
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from lagrangia.mirrors import Mirrored, check_mirrors
-from lagrangia.runtime import Model, Run, Settings
-from lagrangia.runtime_library import Runtime
+from lagrangia.run.library import Runtime
+from lagrangia.run.mirrors import Mirrored, check_mirrors
+from lagrangia.run.runtime import Model, Run, Settings
 
 if TYPE_CHECKING:
     import numpy as np

@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, RunError, tell_miss
-from lagrangia.engines import Engine
-from lagrangia.request import Experiment, Values, check_parameters
-from lagrangia.runtime import Failure, Run, Settings, Statistics, Status
-from lagrangia.scene import Scene
-from lagrangia.solvers import number_of
+from lagrangia.run.engines import Engine
+from lagrangia.run.request import Experiment, Values, check_parameters
+from lagrangia.run.runtime import Failure, Run, Settings, Statistics, Status
+from lagrangia.run.scene import Scene
+from lagrangia.run.solvers import number_of
 
 _PAUSE = 0.1  # seconds between two looks at the clock and the keyboard
 _MANY_STEPS, _MUCH = 100, 100.0

@@ -14,7 +14,7 @@ from threading import Lock
 from lagrangia.base.folders import cache_folder, data_folder
 from lagrangia.native import prebuilt
 from lagrangia.native.build import Build, Compiler, Objects, build, find_compiler, require_compiler, start_build
-from lagrangia.runtime import Model, Run, Settings, load_runtime
+from lagrangia.run.runtime import Model, Run, Settings, load_runtime
 
 
 class Runtime:

@@ -12,8 +12,8 @@ from typing import Any
 
 from lagrangia.base.checked_values import a_count, a_number, by_name, numbers
 from lagrangia.base.diagnostics import Report, fail, suggest
-from lagrangia.scene import Scene
-from lagrangia.solvers import AUTO, is_casadi, number_of
+from lagrangia.run.scene import Scene
+from lagrangia.run.solvers import AUTO, is_casadi, number_of
 
 _PORTION = 4096  # rows
 _MOST_ROWS = 100_000_000

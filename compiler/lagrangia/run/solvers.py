@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from lagrangia.base.diagnostics import fail, suggest
-from lagrangia.runtime import Solver
-from lagrangia.scene import Scene
+from lagrangia.run.runtime import Solver
+from lagrangia.run.scene import Scene
 
 AUTO = "auto"
 CASADI = ("casadi:cvodes", "casadi:idas", "casadi:rk", "casadi:collocation")

@@ -18,9 +18,9 @@ from lagrangia.base.folders import data_folder
 from lagrangia.native.build import Build, Compiler, CompilerError, find_build, require_compiler, start_build
 from lagrangia.native.c_code import write_c
 from lagrangia.native.tapes import Tape
-from lagrangia.runtime import Model, Solver
-from lagrangia.runtime_library import Runtime, has_runtime, start_runtime
-from lagrangia.scene import Scene
+from lagrangia.run.library import Runtime, has_runtime, start_runtime
+from lagrangia.run.runtime import Model, Solver
+from lagrangia.run.scene import Scene
 
 # The model of costs, measured with gcc 12 on a chain of 2 to 1000 links: seconds to start a compiler, and for each instruction at
 # -O1 (-O2 takes half as long again and gives the same speed); seconds for each operation of one evaluation.

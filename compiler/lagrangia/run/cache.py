@@ -12,7 +12,7 @@ from typing import Any
 
 from lagrangia.base.result_files import require_file
 from lagrangia.base.store import find_kept, keep, key_of, prune
-from lagrangia.scene import Scene, from_json, to_json
+from lagrangia.run.scene import Scene, from_json, to_json
 
 AS_DECLARED = False, False, False  # formulas of a Model
 

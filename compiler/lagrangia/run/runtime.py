@@ -14,8 +14,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from lagrangia.mirrors import Mirrored, check_mirrors
 from lagrangia.native.tapes import Op, Tape
+from lagrangia.run.mirrors import Mirrored, check_mirrors
 
 _Doubles = c.POINTER(c.c_double)
 _Ints = c.POINTER(c.c_int)
