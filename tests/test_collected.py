@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.algebra.harmonics import Harmonics, TooLarge, added
 from lagrangia.bodies import find_bodies
 from lagrangia.collected import split_weights
 from lagrangia.constraints import reduce_kinematics
 from lagrangia.energies import build_energies
 from lagrangia.graph import build_graph
-from lagrangia.harmonics import Harmonics, TooLarge, added
 from lagrangia.kinematics import build_kinematics
 from lagrangia.motion import mass_matrix
 from lagrangia.pipeline import Compilation, compile_file, flatten_file

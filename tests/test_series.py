@@ -6,8 +6,8 @@ import pytest
 import sympy as sp
 from sympy import cos, pi, sin, sqrt
 
-from lagrangia.series import Ring, TooLarge
-from lagrangia.sympy_algebra import exact
+from lagrangia.algebra.normal_form import Ring, TooLarge
+from lagrangia.algebra.with_sympy import exact
 
 a, b, x, y, L = sp.symbols("a b x y L", real=True)
 k = sp.Symbol("k", nonnegative=True)

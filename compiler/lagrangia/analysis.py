@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.algebra import value_of
+from lagrangia.algebra.duals import value_of
 from lagrangia.assembly import Assembly
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import RunError, fail

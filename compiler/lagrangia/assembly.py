@@ -9,11 +9,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.algebra.orthogonal import Vector, independent_columns
 from lagrangia.initial import FIXED, FREE, GUESS, LOOSE, InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.metric import Way
 from lagrangia.newton import GOLDEN_RATIO, Equations, General, Newton, pattern, start_equations
-from lagrangia.orthogonal import Vector, independent_columns
 
 _DEPENDENT, _LONGEST_STEP = 1e-10, 0.5
 _CLOSED, _MOST_CLOSINGS = 1e-11, 40

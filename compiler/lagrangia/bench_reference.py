@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.bench_peers import prepare_scipy
 from lagrangia.bench_problem import Piece, Problem
-from lagrangia.casadi_algebra import CORNERS, uses
 from lagrangia.native.build import build
 
 if TYPE_CHECKING:

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar, minus
+from lagrangia.algebra.duals import Scalar, minus
+from lagrangia.algebra.scalars import scalars_in, symbol
 from lagrangia.energies import Energies, Term
 from lagrangia.evaluation import Evaluator, Value
 from lagrangia.flat import FlatModel
 from lagrangia.graph import ComponentGraph
 from lagrangia.kinematics import Kinematics
 from lagrangia.planar import Pose
-from lagrangia.scalars import scalars_in, symbol
 from lagrangia.tree import Call, FrameRef, Ref, Time
 from lagrangia.walk import nodes
 

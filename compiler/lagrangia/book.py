@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
+from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.document import Block, Display, Heading, Inline, Table, display, paragraph
 from lagrangia.energies import Term
 from lagrangia.equations import Constant, Equations
@@ -26,7 +27,6 @@ from lagrangia.layout import (
 )
 from lagrangia.notation import is_own, own_name
 from lagrangia.presentation import Presentation
-from lagrangia.sympy_algebra import Expr, exact_throughout
 from lagrangia.typeset import line, text
 
 WIDEST_MATRIX = 110

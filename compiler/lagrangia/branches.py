@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.orthogonal import independent_columns
+from lagrangia.algebra.orthogonal import independent_columns
 
 Matrix = NDArray[np.float64]
 _FLAT = 1e-7  # of second derivatives of normalised rows: positions are known to half the digits where constraints are singular

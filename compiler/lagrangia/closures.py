@@ -6,8 +6,8 @@ s = d . (R_a^T (r_b - r_a) - o)/|d|^2;  weld: r_b = r_a, phi_b = phi_a.
 
 from typing import Protocol
 
-from lagrangia.algebra import Scalar, value_of
-from lagrangia.casadi_algebra import CasadiAlgebra
+from lagrangia.algebra.duals import Scalar, value_of
+from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.edges import Closure, Step
 from lagrangia.evaluation import Evaluator, Leaves, Value
 from lagrangia.graph import ComponentGraph

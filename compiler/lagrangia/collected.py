@@ -17,11 +17,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.algebra.harmonics import Angle, Harmonics, Key, Powers, Sum, TooLarge, combined
+from lagrangia.algebra.scalars import Expression, apply_to_one, as_expression, symbols_in
 from lagrangia.energies import Term
 from lagrangia.evaluation import scalars_of
-from lagrangia.harmonics import Angle, Harmonics, Key, Powers, Sum, TooLarge, combined
 from lagrangia.kinematics import Kinematics
-from lagrangia.scalars import Expression, apply_to_one, as_expression, symbols_in
 
 MOST_COORDINATES = 6  # that act on each other
 _TOGETHER = 4  # so many sines take the time of one (runtime/sines.h)

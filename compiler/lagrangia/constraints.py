@@ -13,7 +13,8 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from lagrangia.algebra import Scalar, rate_of
+from lagrangia.algebra.duals import Scalar, rate_of
+from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.closures import gaps
 from lagrangia.edges import Closure
@@ -21,7 +22,6 @@ from lagrangia.evaluation import scalars_of
 from lagrangia.flat import Equation
 from lagrangia.kinematics import Dependent, Kinematics
 from lagrangia.parameters import default_parameters
-from lagrangia.scalars import symbols_in
 
 _NEGLIGIBLE = 1e-12
 

@@ -5,9 +5,9 @@ Differentiation writes the root's slope as 2x c/(2 sqrt(x^2 + y^2)); here it is 
 
 import casadi as ca
 
-from lagrangia.casadi_algebra import uses
-from lagrangia.numbering import Numbering, rebuilt
-from lagrangia.scalars import Expression, operate, symbols_in
+from lagrangia.algebra.numbering import Numbering, rebuilt
+from lagrangia.algebra.scalars import Expression, operate, symbols_in
+from lagrangia.algebra.with_casadi import uses
 
 
 def gradient_by_rates(D: ca.SX, rates: ca.SX) -> ca.SX:

@@ -13,16 +13,16 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from lagrangia.algebra import Dual, Scalar
+from lagrangia.algebra.duals import Dual, Scalar
+from lagrangia.algebra.orthogonal import Vector, independent_columns
+from lagrangia.algebra.scalars import symbols_in
 from lagrangia.assembly import begin
 from lagrangia.constraints import Constraints, Row
 from lagrangia.equilibrium import StaticEquations, ways_at
 from lagrangia.initial import InitialConditions, initial_function, start_function
 from lagrangia.kinematics import Kinematics
-from lagrangia.orthogonal import Vector, independent_columns
 from lagrangia.parameters import at_declared_values, default_parameters
 from lagrangia.positions import Positions
-from lagrangia.scalars import symbols_in
 
 _DEPENDENT = 1e-4  # of normalised rows: a double root is known to half the digits
 _MOST = 40  # coordinates of scenes that are looked at

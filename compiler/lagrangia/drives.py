@@ -7,7 +7,7 @@ their frames: else the drive and the load it carries would cancel in the reactio
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar
+from lagrangia.algebra.duals import Scalar
 from lagrangia.constraints import Constraints, Row
 from lagrangia.edges import Edge
 from lagrangia.evaluation import Evaluator, Value

@@ -17,7 +17,8 @@ from functools import cached_property
 
 import casadi as ca
 
-from lagrangia.algebra import Dual, Scalar, is_zero, minus, plus, rate_of, times, value_of
+from lagrangia.algebra.duals import Dual, Scalar, is_zero, minus, plus, rate_of, times, value_of
+from lagrangia.algebra.scalars import scalars_in
 from lagrangia.bodies import Bodies, Inertia
 from lagrangia.edges import Edge
 from lagrangia.energies import Energies
@@ -25,7 +26,6 @@ from lagrangia.evaluation import Evaluator, Value
 from lagrangia.forces import Forces, find_forces
 from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.planar import Pose
-from lagrangia.scalars import scalars_in
 
 Vector = list[Scalar]  # vx, vy, w or fx, fy, torque
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar
+from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.scalars import as_expression
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.evaluation import Value, scalars_of
 from lagrangia.flat import Energy, Work
 from lagrangia.kinematics import Kinematics
-from lagrangia.scalars import as_expression
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import Any
 
 import casadi as ca
 
+from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.book import Book
@@ -22,7 +23,6 @@ from lagrangia.linear_page import linear_form, values_of
 from lagrangia.pages import PRINTERS
 from lagrangia.parameters import all_parameters, scalars
 from lagrangia.pipeline import compile_energies, compile_file, deep_recursion
-from lagrangia.series import TooLarge
 from lagrangia.structure import structure_page
 from lagrangia.symbolic import SymbolicScene, build_symbolic
 from lagrangia.sympy_script import write_script

@@ -11,11 +11,11 @@ from functools import cached_property
 
 import sympy as sp
 
+from lagrangia.algebra.normal_form import Ring, TooLarge
+from lagrangia.algebra.with_sympy import Expr, exact, exact_throughout
 from lagrangia.energies import Energies, Load, Term
 from lagrangia.flat import FlatModel
-from lagrangia.series import Ring, TooLarge
 from lagrangia.symbolic import GRAVITY, SymbolicScene
-from lagrangia.sympy_algebra import Expr, exact, exact_throughout
 from lagrangia.walk import leaves
 
 

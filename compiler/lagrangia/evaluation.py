@@ -11,7 +11,7 @@ from itertools import pairwise
 from math import copysign
 from typing import Any, Protocol, TypeAlias
 
-from lagrangia.algebra import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
+from lagrangia.algebra.duals import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
 from lagrangia.algorithms import FlatFunction
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.events import are_alike, contact_of, kept_by, name_of_contact

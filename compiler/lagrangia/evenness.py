@@ -4,10 +4,10 @@ from functools import reduce
 
 import casadi as ca
 
+from lagrangia.algebra.scalars import symbols_in
 from lagrangia.kinematics import Kinematics
 from lagrangia.kkt import diagonal_of
 from lagrangia.parameters import default_parameters
-from lagrangia.scalars import symbols_in
 
 # Smallest pivot of the scaled mass matrix that still counts as mass, and the largest ratio of the masses that one constraint
 # ties together that J M^-1 J^T bears.

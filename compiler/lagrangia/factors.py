@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import casadi as ca
 
-from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, operate, symbol, symbols_in
+from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, operate, symbol, symbols_in
 
 _MOST_OPERATIONS = 6_000  # 25 us each, and saves 5 % of a chain: large scenes are better compiled sooner
 _MOVES = (ca.OP_INPUT, ca.OP_CONST)

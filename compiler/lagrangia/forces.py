@@ -11,14 +11,14 @@ from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar
-from lagrangia.casadi_algebra import CasadiAlgebra
+from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.scalars import as_expression, scalars_in, symbol
+from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.constraints import Row
 from lagrangia.directions import gradient_by_rates
 from lagrangia.energies import Energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of
 from lagrangia.kinematics import Kinematics, displacement
-from lagrangia.scalars import as_expression, scalars_in, symbol
 
 _PLACES = {"r": (0, 1), "x": (0,), "y": (1,), "phi": (2,)}
 _VELOCITIES = {"v": (0, 1), "w": (2,)}

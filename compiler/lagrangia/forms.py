@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import sympy as sp
 
+from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.book import (
     TRANSPOSED_J,
     Book,
@@ -27,7 +28,6 @@ from lagrangia.energies import Term
 from lagrangia.equations import load_force, split_potential
 from lagrangia.layout import Grid, Name, Node, Relation, Total, added, product, total
 from lagrangia.presentation import Presentation
-from lagrangia.sympy_algebra import Expr, exact_throughout
 
 
 def title(book: Book) -> str:

@@ -12,6 +12,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from lagrangia.algebra.orthogonal import Vector
 from lagrangia.assemblies import Alternatives, find_alternatives
 from lagrangia.assembly import Assembly, begin
 from lagrangia.base.diagnostics import Diagnostic, tell_miss
@@ -23,7 +24,6 @@ from lagrangia.equilibrium import ways_at
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
-from lagrangia.orthogonal import Vector
 from lagrangia.positions import Positions, shortest
 
 _RANK = 1e-7

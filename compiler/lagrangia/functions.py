@@ -10,8 +10,8 @@ from itertools import islice
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar
-from lagrangia.casadi_algebra import Mode
+from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.with_casadi import Mode
 from lagrangia.consequences import speaks_of_contact_forces
 from lagrangia.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.constraints import Constraints

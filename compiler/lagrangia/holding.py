@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
-from lagrangia.numbering import Numbering
-from lagrangia.scalars import Expression, apply, as_expression, operate, symbols_in
+from lagrangia.algebra.numbering import Numbering
+from lagrangia.algebra.scalars import Expression, apply, as_expression, operate, symbols_in
 
 RELATIONS = (ca.OP_LT, ca.OP_LE, ca.OP_FMIN, ca.OP_FMAX)
 _JUMPS = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN)

@@ -20,7 +20,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.algebra import Scalar, rate_of, value_of
+from lagrangia.algebra.duals import Scalar, rate_of, value_of
+from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.consequences import contact_forces_in
 from lagrangia.energies import Load
@@ -29,7 +30,6 @@ from lagrangia.events import COMPARED, are_alike, contact_of, kept_by, level_of,
 from lagrangia.flat import Reset, When, Work
 from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import usual_parameters
-from lagrangia.scalars import symbols_in
 from lagrangia.tree import Binary, Flat, Number, Unary
 
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...

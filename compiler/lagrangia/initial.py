@@ -12,8 +12,8 @@ from functools import cached_property
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar, value_of
-from lagrangia.algebra import rate_of as rate_of_dual
+from lagrangia.algebra.duals import Scalar, value_of
+from lagrangia.algebra.duals import rate_of as rate_of_dual
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.constraints import Constraints
 from lagrangia.evaluation import Value

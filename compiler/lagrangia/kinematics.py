@@ -12,9 +12,10 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra import Dual, GlidingAlgebra, Scalar, minus, plus, rate_of, times, value_of
+from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, minus, plus, rate_of, times, value_of
+from lagrangia.algebra.scalars import symbol
+from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import fail
-from lagrangia.casadi_algebra import CasadiAlgebra
 from lagrangia.closures import cut_coordinate
 from lagrangia.edges import Edge, Step
 from lagrangia.evaluation import Evaluator, Value, scalars_of
@@ -22,7 +23,6 @@ from lagrangia.flat import Variable
 from lagrangia.graph import ComponentGraph
 from lagrangia.lines import line_of
 from lagrangia.planar import Pose
-from lagrangia.scalars import symbol
 
 _JUST_AFTER = 1e-9  # of the time from start to stop
 Displacement = tuple[ca.SX, ...]  # a virtual one and its rate, or those of an excitation, with its second derivative

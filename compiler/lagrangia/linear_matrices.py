@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 import sympy as sp
 
+from lagrangia.algebra.with_sympy import Expr, exact, slope
 from lagrangia.base.diagnostics import fail
 from lagrangia.equations import Equations
 from lagrangia.linearization import pivots
 from lagrangia.rest_points import Begin, Point, Statics, point_given, point_of_rest, put
 from lagrangia.symbolic import Given, SymbolicScene
-from lagrangia.sympy_algebra import Expr, exact, slope
 
 Table = tuple[tuple[Expr, ...], ...]
 _NOTHING = 1e-12

@@ -9,7 +9,7 @@ from enum import IntEnum
 
 import casadi as ca
 
-from lagrangia.scalars import Expression, apply, apply_to_one, as_expression
+from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression
 
 
 class Degree(IntEnum):

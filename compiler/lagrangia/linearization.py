@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.algebra.orthogonal import independent_columns
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.result_files import Target, write_text
-from lagrangia.orthogonal import independent_columns
 
 Matrix = NDArray[np.float64]
 _RANK, _TIED = 1e-9, 1e-9

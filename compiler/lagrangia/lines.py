@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.algebra import Scalar
+from lagrangia.algebra.duals import Scalar
 
 _MOST_SYMBOLS = 40  # in larger vectors nothing is looked for
 _SAME = 1e-12  # relative difference of what is the same but for rounding

@@ -15,9 +15,9 @@ import sympy as sp
 from sympy.printing.precedence import precedence
 from sympy.printing.str import StrPrinter
 
+from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
 from lagrangia.book import Book
 from lagrangia.symbolic import SymbolicScene
-from lagrangia.sympy_algebra import Expr, exact_throughout, slope
 from lagrangia.sympy_script import identifiers
 
 _RESERVED = set("""algorithm and annotation block break class connect connector constant constrainedby der discrete each else

@@ -12,7 +12,8 @@ from functools import cached_property
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar, rate_of, value_of
+from lagrangia.algebra.duals import Scalar, rate_of, value_of
+from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.bodies import Bodies, Inertia, find_bodies
 from lagrangia.collected import MOST_COORDINATES, Collected, blocks_of, collect, split_weights
@@ -28,7 +29,6 @@ from lagrangia.impacts import Impacts
 from lagrangia.joints import all_reactions
 from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.partition import Partition
-from lagrangia.scalars import symbols_in
 from lagrangia.schur import FreeTree, prefers
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.

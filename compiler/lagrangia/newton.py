@@ -7,10 +7,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.algebra.orthogonal import Vector, nearest
 from lagrangia.initial import InitialConditions
 from lagrangia.kinematics import Kinematics
 from lagrangia.metric import Metric, Momenta, Way
-from lagrangia.orthogonal import Vector, nearest
 from lagrangia.parameters import default_parameters
 
 _SATISFIED, _DEPENDENT, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL = 1e-10, 1e-10, 1e-4, 0.5, 0.9

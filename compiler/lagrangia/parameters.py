@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.algebra import Scalar
+from lagrangia.algebra.duals import Scalar
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.evaluation import Evaluator, Value, elements
 from lagrangia.flat import FlatModel

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from lagrangia.algebra import Scalar
+from lagrangia.algebra.duals import Scalar
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,8 @@ from fractions import Fraction
 
 import sympy as sp
 
+from lagrangia.algebra.normal_form import Ring, Term
+from lagrangia.algebra.with_sympy import Expr
 from lagrangia.layout import (
     ONE,
     Apply,
@@ -30,8 +32,6 @@ from lagrangia.layout import (
     product,
     total,
 )
-from lagrangia.series import Ring, Term
-from lagrangia.sympy_algebra import Expr
 from lagrangia.typeset import line
 
 Powers = tuple[tuple[Expr, Fraction], ...]

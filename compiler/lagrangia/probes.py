@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
-from lagrangia.algebra import Dual, Scalar
+from lagrangia.algebra.duals import Dual, Scalar
 from lagrangia.base.diagnostics import fail
 from lagrangia.constraints import Constraints
 from lagrangia.evaluation import Value, scalars_of

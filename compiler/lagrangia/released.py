@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
-from lagrangia.algebra import Scalar
+from lagrangia.algebra.duals import Scalar
 from lagrangia.bodies import Bodies
 from lagrangia.constraints import Constraints, Row
 from lagrangia.energies import Energies, build_energies

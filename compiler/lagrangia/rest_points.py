@@ -14,10 +14,10 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from lagrangia.algebra.with_sympy import Expr, exact, slope
 from lagrangia.base.diagnostics import fail
 from lagrangia.equations import Equations
 from lagrangia.equilibrium import Rest, StaticEquations, find_rest, onto_constraints, starts
-from lagrangia.sympy_algebra import Expr, exact, slope
 
 Vector = NDArray[np.float64]
 _MOST_ANGLES, _MOST_STARTS = 5, 40

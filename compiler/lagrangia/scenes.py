@@ -6,6 +6,7 @@ from math import prod
 
 import casadi as ca
 
+from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints
@@ -25,7 +26,6 @@ from lagrangia.native.tapes import Tape
 from lagrangia.observables import observe
 from lagrangia.run.runtime import Solver
 from lagrangia.run.scene import Column, Parameter, Scene
-from lagrangia.scalars import symbols_in
 from lagrangia.switches import corners_remain
 
 

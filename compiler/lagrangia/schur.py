@@ -14,7 +14,7 @@ from functools import cached_property, reduce
 
 import casadi as ca
 
-from lagrangia.algebra import is_zero
+from lagrangia.algebra.duals import is_zero
 from lagrangia.elimination import ArticulatedBodies
 from lagrangia.forces import Forces
 from lagrangia.kkt import DOUBTFUL, SMALL, count_operations

@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from lagrangia.algebra.numbering import Numbering, rebuilt
+from lagrangia.algebra.scalars import Expression, as_expression
+from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.diagnostics import fail
-from lagrangia.casadi_algebra import CORNERS, uses
 from lagrangia.energies import Energies, Load, evaluate_energies
 from lagrangia.holding import Holding, Pair
-from lagrangia.numbering import Numbering, rebuilt
 from lagrangia.observables import observe
 from lagrangia.parameters import scalars
 from lagrangia.probes import Probe, ProbedKinematics, Triple, probe_kinematics
 from lagrangia.reactions import build_reactions
-from lagrangia.scalars import Expression, as_expression
 from lagrangia.switches import conditions_in, jumps_at_rest
 
 if TYPE_CHECKING:

@@ -16,11 +16,11 @@ from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
-from lagrangia.casadi_algebra import CORNERS, uses
+from lagrangia.algebra.numbering import Numbering, rebuilt
+from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
+from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.holding import RELATIONS, SIGNS, Holding, Pair, direction_in, ordered, pair_of, rest_asked
 from lagrangia.motion import Motion
-from lagrangia.numbering import Numbering, rebuilt
-from lagrangia.scalars import Expression, as_expression, symbol, symbols_in
 
 
 @dataclass(frozen=True)

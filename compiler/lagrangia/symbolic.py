@@ -13,10 +13,11 @@ from typing import Any, cast
 
 import sympy as sp
 
-from lagrangia.algebra import Dual, Scalar, rate_of, value_of
+from lagrangia.algebra.duals import Dual, Scalar, rate_of, value_of
+from lagrangia.algebra.with_casadi import CasadiAlgebra
+from lagrangia.algebra.with_sympy import TIME, Expr, SympyAlgebra, exact_throughout, slope
 from lagrangia.algorithms import FlatFunction
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.casadi_algebra import CasadiAlgebra
 from lagrangia.consequences import contact_forces_in
 from lagrangia.constraints import Constraints
 from lagrangia.edges import Edge, Step
@@ -27,7 +28,6 @@ from lagrangia.flat import Variable, When
 from lagrangia.kinematics import Dependent, Kinematics, Symbols
 from lagrangia.parameters import scalars
 from lagrangia.planar import Pose
-from lagrangia.sympy_algebra import TIME, Expr, SympyAlgebra, exact_throughout, slope
 from lagrangia.tree import Array, Flat, Number, Ref, Unary
 from lagrangia.walk import nodes
 

@@ -6,12 +6,12 @@ from itertools import count
 
 import sympy as sp
 
+from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.equations import Equations
 from lagrangia.layout import Name
 from lagrangia.notation import Wanted, name_all
 from lagrangia.presentation import Presentation, Symbols
 from lagrangia.symbolic import SymbolicScene
-from lagrangia.sympy_algebra import Expr, exact_throughout
 
 _RANKS = {"kg": 0, "kg.m2": 0, "N/m": 0, "N.s/m": 0, "N.m/rad": 0, "N.m.s/rad": 0, "N": 0, "N.m": 0, "m/s2": 1, "m": 2}
 

@@ -8,12 +8,12 @@ gear, whose axles one carrier holds. Else its force does work, or holds somethin
 import casadi as ca
 import numpy as np
 
+from lagrangia.algebra.orthogonal import Vector
 from lagrangia.assembly import begin
 from lagrangia.base.diagnostics import Report
 from lagrangia.constraints import Constraints, Row
 from lagrangia.initial import InitialConditions, initial_function, start_function
 from lagrangia.kinematics import Kinematics
-from lagrangia.orthogonal import Vector
 from lagrangia.parameters import at_declared_values
 from lagrangia.tree import Call
 from lagrangia.walk import reached

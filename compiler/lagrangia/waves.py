@@ -11,7 +11,7 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.scalars import apply, apply_to_one
+from lagrangia.algebra.scalars import apply, apply_to_one
 
 _LARGEST_DEGREE = 8
 DEPTH = 12  # of the comparison of two expressions

@@ -2,6 +2,7 @@
 
 import sympy as sp
 
+from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.book import (
     Book,
     constants_block,
@@ -19,7 +20,6 @@ from lagrangia.document import Block, Display, Document, Heading, display, parag
 from lagrangia.flat import Energy, Work
 from lagrangia.forms import component_sub, energy_blocks, force_blocks, force_name, matrix_blocks, opening, title
 from lagrangia.layout import Name, Node, Slope
-from lagrangia.sympy_algebra import Expr, exact_throughout
 from lagrangia.tree import FrameRef
 from lagrangia.walk import leaves
 

@@ -14,7 +14,7 @@ from itertools import combinations
 
 import sympy as sp
 
-from lagrangia.sympy_algebra import TIME, Expr, exact, slope
+from lagrangia.algebra.with_sympy import TIME, Expr, exact, slope
 
 Powers = tuple[tuple[int, Fraction], ...]  # of atoms, by their numbers
 Angle = tuple[tuple[int, Fraction], ...]  # sum of coefficient x atom

@@ -6,7 +6,7 @@ from itertools import islice
 
 import casadi as ca
 
-from lagrangia.scalars import Expression, as_expression, operate
+from lagrangia.algebra.scalars import Expression, as_expression, operate
 
 _COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
 _Key = tuple[float, ...]

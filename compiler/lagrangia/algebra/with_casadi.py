@@ -9,10 +9,10 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra import TINY, Scalar, is_zero, minus, nested_lines, slopes_of
-from lagrangia.numbering import Numbering
-from lagrangia.scalars import apply, apply_to_one, as_expression, symbols_in
-from lagrangia.scalars import symbol as make_symbol
+from lagrangia.algebra.duals import TINY, Scalar, is_zero, minus, nested_lines, slopes_of
+from lagrangia.algebra.numbering import Numbering
+from lagrangia.algebra.scalars import apply, apply_to_one, as_expression, symbols_in
+from lagrangia.algebra.scalars import symbol as make_symbol
 
 _NUMBERS = (float, int)
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from lagrangia.scalars import Expression, apply, apply_to_one, as_expression, symbols_in
+from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, symbols_in
 
 _MOST_PRODUCTS = 2_500  # of two terms, some 2 us each: a chain of six takes 1 500
 _ROUNDING = 1e-14

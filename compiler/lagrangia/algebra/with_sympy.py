@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from lagrangia.algebra import Scalar, nested_lines
+from lagrangia.algebra.duals import Scalar, nested_lines
 
 Expr = Any  # sp.Expr, whose type hints are not complete
 _STEPS = (sp.sign, sp.floor, sp.ceiling)
