@@ -15,9 +15,9 @@ from lagrangia.base.diagnostics import Source
 from lagrangia.base.folders import cache_folder, data_folder
 from lagrangia.base.store import find_kept, keep, key_of, prune
 from lagrangia.cli import main
+from lagrangia.language.plain_tree import read_trees, write_trees
+from lagrangia.language.syntax import parse
 from lagrangia.native.build import find_compiler
-from lagrangia.plain_tree import read_trees, write_trees
-from lagrangia.syntax import parse
 
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 SWING = 'model Swing "%s"\n  Revolute h(a = world, phi(start = 1)); Bar b(m = 1, L = 1, a = h.b);\nend Swing;\n'

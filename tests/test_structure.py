@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from lagrangia.language.tree import ClassDefinition, Declaration
 from lagrangia.pipeline import library
-from lagrangia.tree import ClassDefinition, Declaration
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "compiler" / "lagrangia"

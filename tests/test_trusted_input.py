@@ -100,7 +100,7 @@ def test_the_summary_names_what_ran(solver: str, capsys: pytest.CaptureFixture[s
                                          ("ozf", 0.27801385095378125),
                                          ("lbf/in", 4.4482216152605 / 0.0254), ("min", 60.0), ("mm", 1e-3)])
 def test_units_that_engineers_use(unit: str, value: float) -> None:
-    from lagrangia.units import parse_unit
+    from lagrangia.language.units import parse_unit
 
     assert parse_unit(unit).factor == pytest.approx(value, rel=1e-15)
 

@@ -15,25 +15,25 @@ from lagrangia.assembly import Assembly
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.branches import told
-from lagrangia.dimensions import unit_of
 from lagrangia.equilibrium import Rest, find_all, find_rest, onto_constraints
 from lagrangia.grips import Grip, balance, find_all_held, find_held, holds_at
 from lagrangia.initial import FIXED, FREE
 from lagrangia.joints import all_reactions, reaction_ports
+from lagrangia.language.dimensions import unit_of
+from lagrangia.language.observables import observe
+from lagrangia.language.tree import Ref
 from lagrangia.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of
 from lagrangia.mechanism import Mechanism, build_mechanism
 from lagrangia.modes import Modes, find_modes, modes_of_ways, stability_of_ways
 from lagrangia.newton import start_equations
-from lagrangia.observables import observe
 from lagrangia.probes import Probe, find_probes, usual_probes
 from lagrangia.response import Response, find_response
 from lagrangia.resting import Resting, forces_of_grip, told_grip
 from lagrangia.run.request import Values, check_parameters
 from lagrangia.small_motion import DIRECTIONS, SmallMotion, build_small_motion
-from lagrangia.tree import Ref
 
 if TYPE_CHECKING:
-    from lagrangia.flat import FlatModel
+    from lagrangia.language.flat import FlatModel
     from lagrangia.pipeline import Compilation
 
 Vector = NDArray[np.float64]

@@ -13,12 +13,12 @@ from lagrangia.algebra.duals import Scalar, minus
 from lagrangia.algebra.scalars import scalars_in, symbol
 from lagrangia.energies import Energies, Term
 from lagrangia.evaluation import Evaluator, Value
-from lagrangia.flat import FlatModel
 from lagrangia.graph import ComponentGraph
 from lagrangia.kinematics import Kinematics
+from lagrangia.language.flat import FlatModel
+from lagrangia.language.mentions import nodes
+from lagrangia.language.tree import Call, FrameRef, Ref, Time
 from lagrangia.planar import Pose
-from lagrangia.tree import Call, FrameRef, Ref, Time
-from lagrangia.walk import nodes
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.closures import gaps
 from lagrangia.edges import Closure
 from lagrangia.evaluation import scalars_of
-from lagrangia.flat import Equation
 from lagrangia.kinematics import Dependent, Kinematics
+from lagrangia.language.flat import Equation
 from lagrangia.parameters import default_parameters
 
 _NEGLIGIBLE = 1e-12

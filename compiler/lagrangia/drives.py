@@ -11,11 +11,11 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.constraints import Constraints, Row
 from lagrangia.edges import Edge
 from lagrangia.evaluation import Evaluator, Value
-from lagrangia.flat import Equation
 from lagrangia.kinematics import Kinematics
+from lagrangia.language.flat import Equation
+from lagrangia.language.mentions import leaves
+from lagrangia.language.tree import FrameRef, Ref
 from lagrangia.released import Released
-from lagrangia.tree import FrameRef, Ref
-from lagrangia.walk import leaves
 
 
 def force_beside_drives(kinematics: Kinematics, constraints: Constraints, released: Released, edge: Edge) -> ca.SX:

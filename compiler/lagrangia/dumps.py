@@ -4,8 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.pipeline import PHASES, Compilation
-from lagrangia.tree import (
+from lagrangia.language.tree import (
     Array,
     Binary,
     Boolean,
@@ -20,6 +19,7 @@ from lagrangia.tree import (
     Time,
     Unary,
 )
+from lagrangia.pipeline import PHASES, Compilation
 
 _LONGEST = 400
 

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass
 
 from lagrangia.base.diagnostics import Span
-from lagrangia.tree import Flat, Ref
-from lagrangia.walk import is_linear, nodes
+from lagrangia.language.mentions import is_linear, nodes
+from lagrangia.language.tree import Flat, Ref
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.evaluation import Value, scalars_of
-from lagrangia.flat import Energy, Work
 from lagrangia.kinematics import Kinematics
+from lagrangia.language.flat import Energy, Work
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from lagrangia.equations import constants_of_motion, derive, with_values
 from lagrangia.forms import FORMS
 from lagrangia.impulses import rates_jump
 from lagrangia.kinematics import Kinematics
+from lagrangia.language.values import read_value
 from lagrangia.linear_matrices import Begin, linearize
 from lagrangia.linear_page import linear_form, values_of
 from lagrangia.pages import PRINTERS
@@ -27,7 +28,6 @@ from lagrangia.structure import structure_page
 from lagrangia.symbolic import SymbolicScene, build_symbolic
 from lagrangia.sympy_script import write_script
 from lagrangia.textbook import name_symbols, presentation_of
-from lagrangia.values import read_value
 from lagrangia.worked import worked_form
 
 ALL_FORMS = (*FORMS, "linear", "worked")

@@ -14,9 +14,9 @@ import sympy as sp
 from lagrangia.algebra.normal_form import Ring, TooLarge
 from lagrangia.algebra.with_sympy import Expr, exact, exact_throughout
 from lagrangia.energies import Energies, Load, Term
-from lagrangia.flat import FlatModel
+from lagrangia.language.flat import FlatModel
+from lagrangia.language.mentions import leaves
 from lagrangia.symbolic import GRAVITY, SymbolicScene
-from lagrangia.walk import leaves
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,25 @@ from math import copysign
 from typing import Any, Protocol, TypeAlias
 
 from lagrangia.algebra.duals import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
-from lagrangia.algorithms import FlatFunction
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.events import are_alike, contact_of, kept_by, name_of_contact
-from lagrangia.flat import FlatModel
-from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpression, Local, Number, Ref, String, Time, Unary
+from lagrangia.language.algorithms import FlatFunction
+from lagrangia.language.events import are_alike, contact_of, kept_by, name_of_contact
+from lagrangia.language.flat import FlatModel
+from lagrangia.language.tree import (
+    Array,
+    Binary,
+    Boolean,
+    Call,
+    Flat,
+    FrameRef,
+    IfExpression,
+    Local,
+    Number,
+    Ref,
+    String,
+    Time,
+    Unary,
+)
 
 Value: TypeAlias = Any  # Scalar | tuple[Value, ...]
 _HIGHEST_LEVEL = 2

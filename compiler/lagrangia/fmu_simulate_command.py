@@ -16,9 +16,9 @@ from lagrangia.base.result_files import Target, cells, quoted
 from lagrangia.fmu_description import Description
 from lagrangia.fmu_process import SPOKEN, Inputs
 from lagrangia.fmu_run import FmuRun, open_fmu, settable, simulate_fmu
+from lagrangia.language.units import ONE, Unit, parse_unit
+from lagrangia.language.values import read_value
 from lagrangia.plot import draw
-from lagrangia.units import ONE, Unit, parse_unit
-from lagrangia.values import read_value
 
 # Options of `lag simulate` that only a model has a meaning for, and their usual values.
 _ONLY_MODELS = {"model": (None, "the FMU is one model"), "reactions": (False, "what it reports is in its description: --outputs"),

@@ -7,7 +7,7 @@ from xml.sax.saxutils import quoteattr
 
 from lagrangia.fmu_factors import CONSTANT, DEPENDENT
 from lagrangia.fmu_model import FmuModel, Variable
-from lagrangia.units import parse_unit
+from lagrangia.language.units import parse_unit
 
 LOG_CATEGORIES = {"logStatusError": "calls that failed", "logStatusDiscard": "values that could not be computed",
                   "logStatusWarning": "doubtful calls"}

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from lagrangia.base.diagnostics import Report, Span, fail
-from lagrangia.consequences import keep_consequences_out
 from lagrangia.edges import Closure, Edge, Step, choose_tree, close
-from lagrangia.flat import FlatModel, FrameEquation, Variable
-from lagrangia.tree import Call, Flat, FrameRef, Number, Ref, Time
-from lagrangia.walk import leaves
+from lagrangia.language.consequences import keep_consequences_out
+from lagrangia.language.flat import FlatModel, FrameEquation, Variable
+from lagrangia.language.mentions import leaves
+from lagrangia.language.tree import Call, Flat, FrameRef, Number, Ref, Time
 
 _MOST_NAMES, _ENDS = 12, 4  # of the components along a loop that are told
 

@@ -17,11 +17,11 @@ from lagrangia.algebra.duals import rate_of as rate_of_dual
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.constraints import Constraints
 from lagrangia.evaluation import Value
-from lagrangia.flat import Equation
 from lagrangia.graph import Coordinate, rate_of
 from lagrangia.kinematics import Kinematics
+from lagrangia.language.flat import Equation
+from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 from lagrangia.parameters import default_parameters
-from lagrangia.tree import Call, Flat, FrameRef, Ref
 
 _AGREES = 1e-9  # two values of one start, in m or rad
 

@@ -2,7 +2,7 @@
 
 from lagrangia.edges import Closure, Edge
 from lagrangia.graph import ComponentGraph
-from lagrangia.instances import held_port
+from lagrangia.language.instances import held_port
 
 
 def all_reactions(graph: ComponentGraph) -> list[str]:

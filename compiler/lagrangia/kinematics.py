@@ -19,8 +19,8 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.closures import cut_coordinate
 from lagrangia.edges import Edge, Step
 from lagrangia.evaluation import Evaluator, Value, scalars_of
-from lagrangia.flat import Variable
 from lagrangia.graph import ComponentGraph
+from lagrangia.language.flat import Variable
 from lagrangia.lines import line_of
 from lagrangia.planar import Pose
 

@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.flat import FlatModel
 from lagrangia.graph import ComponentGraph
 from lagrangia.joints import component_of
+from lagrangia.language.flat import FlatModel
 
 Vector = NDArray[np.float64]
 _THIN = 1e-9  # of the scene's size: what is shorter is a point

@@ -18,8 +18,8 @@ from lagrangia.graph import Coordinate
 from lagrangia.initial import InitialConditions
 from lagrangia.islands import MOST_COORDINATES, find_islands
 from lagrangia.kinematics import Kinematics
+from lagrangia.language.observables import observe
 from lagrangia.motion import Motion, build_motion, count_nodes, inertial_force
-from lagrangia.observables import observe
 from lagrangia.partition import is_too_large
 from lagrangia.places import is_linear, place_of_nonlinear_term, place_of_time, place_of_world
 from lagrangia.run.runtime import Solver

@@ -22,16 +22,16 @@ from lagrangia.base.store import find_kept, keep, key_of
 if TYPE_CHECKING:
     from lagrangia.constraints import Constraints
     from lagrangia.energies import Energies
-    from lagrangia.flat import FlatModel
     from lagrangia.functions import Functions
     from lagrangia.graph import ComponentGraph
     from lagrangia.hamilton import Hamilton
     from lagrangia.initial import InitialConditions
     from lagrangia.kinematics import Kinematics
+    from lagrangia.language.flat import FlatModel
+    from lagrangia.language.tree import Syntax
     from lagrangia.motion import Motion
     from lagrangia.partition import Partition
     from lagrangia.run.scene import Scene
-    from lagrangia.tree import Syntax
 
 PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")
 ALL_REACTIONS = "*.reaction"  # among outputs: the reactions of all joints
@@ -62,13 +62,13 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
                  is_as_written: bool = False) -> Compilation:
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
     from lagrangia.constraints import reduce_kinematics
-    from lagrangia.dimensions import check_dimensions
     from lagrangia.energies import build_energies
     from lagrangia.freedom import is_held_still
     from lagrangia.functions import build_functions
     from lagrangia.graph import build_graph
     from lagrangia.initial import loosen
     from lagrangia.kinematics import build_kinematics
+    from lagrangia.language.dimensions import check_dimensions
     from lagrangia.motion import build_motion
     from lagrangia.partition import find_partition
     from lagrangia.scenes import build_scene, divide
@@ -153,10 +153,10 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
                      ) -> "tuple[Kinematics, Constraints]":
     """What the equations for people begin with: text -> kinematics; parameters and energies were checked. Raises LagError."""
     from lagrangia.constraints import reduce_kinematics
-    from lagrangia.dimensions import check_dimensions
     from lagrangia.energies import build_energies
     from lagrangia.graph import build_graph
     from lagrangia.kinematics import build_kinematics
+    from lagrangia.language.dimensions import check_dimensions
     from lagrangia.parameters import default_parameters
 
     with deep_recursion():
@@ -173,8 +173,8 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
 
 def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> "tuple[Syntax, FlatModel]":
     """Text -> syntax -> flat model. Raises LagError."""
-    from lagrangia.classes import build_class_table
-    from lagrangia.flattening import flatten
+    from lagrangia.language.classes import build_class_table
+    from lagrangia.language.flattening import flatten
 
     with deep_recursion():
         syntax, imported = read_files(path)
@@ -186,12 +186,12 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
 @cache
 def library() -> "tuple[Syntax, ...]":
     """The syntax of the component library, read once in a process and parsed once with an installation."""
-    from lagrangia.plain_tree import read_trees, write_trees
+    from lagrangia.language.plain_tree import read_trees, write_trees
 
     key = key_of("library", sys.version)
     if (kept := find_kept("syntax", key)) is not None:
         return read_trees(kept)
-    from lagrangia.syntax import parse
+    from lagrangia.language.syntax import parse
 
     files = sorted((data_folder("models") / "library").glob("*.lag"))
     parsed = tuple(parse(Source(f"library/{file.name}", file.read_text(encoding="utf-8"))) for file in files)
@@ -201,7 +201,7 @@ def library() -> "tuple[Syntax, ...]":
 
 def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":
     """The file and all that it imports, each once. Raises LagError."""
-    from lagrangia.syntax import parse
+    from lagrangia.language.syntax import parse
 
     main = parse(read_source(path))
     found: dict[Path, Syntax] = {path.resolve(): main}

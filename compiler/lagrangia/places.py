@@ -8,10 +8,10 @@ from lagrangia.base.diagnostics import Span
 from lagrangia.energies import Energies
 from lagrangia.evaluation import scalars_of
 from lagrangia.kinematics import Kinematics
+from lagrangia.language.mentions import leaves
+from lagrangia.language.tree import Flat, Time
 from lagrangia.linearity import Degree, NotLinear, rewrite
 from lagrangia.motion import Motion
-from lagrangia.tree import Flat, Time
-from lagrangia.walk import leaves
 
 
 def place_of_world(kinematics: Kinematics) -> Span | None:

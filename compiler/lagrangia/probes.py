@@ -14,10 +14,10 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.constraints import Constraints
 from lagrangia.evaluation import Value, scalars_of
 from lagrangia.kinematics import Displacement, Kinematics, Symbols
-from lagrangia.observables import observe
+from lagrangia.language.mentions import nodes
+from lagrangia.language.observables import observe
+from lagrangia.language.tree import FrameRef, Ref, Time
 from lagrangia.parameters import scalars
-from lagrangia.tree import FrameRef, Ref, Time
-from lagrangia.walk import nodes
 
 Triple = tuple[ca.SX, ca.SX, ca.SX]
 _PORTS = ("force", "torque", "to")  # what a component of the library that excites is called by

@@ -14,14 +14,14 @@ from lagrangia.closures import meeting_place, slide_normal
 from lagrangia.constraints import Constraints
 from lagrangia.drives import force_beside_drives
 from lagrangia.edges import Closure, Edge
-from lagrangia.instances import REACTIONS
 from lagrangia.joints import component_of, cuts_of, joints_of
 from lagrangia.kinematics import Kinematics
+from lagrangia.language.instances import REACTIONS
+from lagrangia.language.mentions import nodes
+from lagrangia.language.tree import FrameRef
 from lagrangia.motion import Motion
 from lagrangia.planar import Pose
 from lagrangia.released import Released, forces_of_ties
-from lagrangia.tree import FrameRef
-from lagrangia.walk import nodes
 
 
 def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constraints, motion: Motion) -> tuple[ca.SX, ca.SX]:

@@ -10,20 +10,20 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints
-from lagrangia.dimensions import unit_of
 from lagrangia.double_roots import touching_notes
-from lagrangia.flat import FlatModel
-from lagrangia.folding import numbers_of
 from lagrangia.functions import Functions, build_island_functions
 from lagrangia.graph import rate_of
 from lagrangia.initial import InitialConditions
 from lagrangia.instructions import count_operations, tape_of
 from lagrangia.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, islands_pay
 from lagrangia.kinematics import Kinematics
+from lagrangia.language.dimensions import unit_of
+from lagrangia.language.flat import FlatModel
+from lagrangia.language.folding import numbers_of
+from lagrangia.language.observables import observe
 from lagrangia.motion import Motion
 from lagrangia.native.c_code import may_hide, usual_rhs, write_motion_series
 from lagrangia.native.tapes import Tape
-from lagrangia.observables import observe
 from lagrangia.run.runtime import Solver
 from lagrangia.run.scene import Column, Parameter, Scene
 from lagrangia.switches import corners_remain

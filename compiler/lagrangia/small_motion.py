@@ -19,7 +19,7 @@ from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.diagnostics import fail
 from lagrangia.energies import Energies, Load, evaluate_energies
 from lagrangia.holding import Holding, Pair
-from lagrangia.observables import observe
+from lagrangia.language.observables import observe
 from lagrangia.parameters import scalars
 from lagrangia.probes import Probe, ProbedKinematics, Triple, probe_kinematics
 from lagrangia.reactions import build_reactions

@@ -18,7 +18,9 @@ def tells_reactions(scene: Scene) -> bool:
 
 def reaction_table(scene: Scene, row: Sequence[float]) -> list[str]:
     """The reactions in one row of results, a line for each joint or tie, with their units."""
-    from lagrangia.instances import REACTIONS  # here: few scenes stand still, and others need not know the language's trees
+    from lagrangia.language.instances import (
+        REACTIONS,  # here: few scenes stand still, and others need not know the language's trees
+    )
 
     found: dict[str, list[float]] = {}
     for column, value in zip(columns(scene), row, strict=False):

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.language.units import parse_unit, spell
+from lagrangia.language.values import read_value
 from lagrangia.run.batch import Kind, Reduction
 from lagrangia.run.request import Experiment
 from lagrangia.run.scene import Scene
-from lagrangia.units import parse_unit, spell
-from lagrangia.values import read_value
 
 _PLAIN = {
     "min": Kind.MIN, "max": Kind.MAX, "range": Kind.RANGE, "mean": Kind.MEAN, "rms": Kind.RMS,

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.result_files import open_with_care
+from lagrangia.language.values import read_value
 from lagrangia.sweep_measures import cut_list, split_list
-from lagrangia.values import read_value
 
 if TYPE_CHECKING:
     import numpy as np

@@ -16,20 +16,20 @@ import sympy as sp
 from lagrangia.algebra.duals import Dual, Scalar, rate_of, value_of
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.algebra.with_sympy import TIME, Expr, SympyAlgebra, exact_throughout, slope
-from lagrangia.algorithms import FlatFunction
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.consequences import contact_forces_in
 from lagrangia.constraints import Constraints
 from lagrangia.edges import Edge, Step
 from lagrangia.energies import Energies, evaluate_energies
 from lagrangia.evaluation import Evaluator, Value, scalars_of
-from lagrangia.events import level_of, position_of
-from lagrangia.flat import Variable, When
 from lagrangia.kinematics import Dependent, Kinematics, Symbols
+from lagrangia.language.algorithms import FlatFunction
+from lagrangia.language.consequences import contact_forces_in
+from lagrangia.language.events import level_of, position_of
+from lagrangia.language.flat import Variable, When
+from lagrangia.language.mentions import nodes
+from lagrangia.language.tree import Array, Flat, Number, Ref, Unary
 from lagrangia.parameters import scalars
 from lagrangia.planar import Pose
-from lagrangia.tree import Array, Flat, Number, Ref, Unary
-from lagrangia.walk import nodes
 
 GRAVITY = "world.gravity"
 _LONGEST = 1500  # parts of the expression of one variable or function: some 10 s

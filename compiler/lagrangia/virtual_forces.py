@@ -14,9 +14,9 @@ from lagrangia.base.diagnostics import Report
 from lagrangia.constraints import Constraints, Row
 from lagrangia.initial import InitialConditions, initial_function, start_function
 from lagrangia.kinematics import Kinematics
+from lagrangia.language.mentions import reached
+from lagrangia.language.tree import Call
 from lagrangia.parameters import at_declared_values
-from lagrangia.tree import Call
-from lagrangia.walk import reached
 
 _NOTHING = 1e-8
 

@@ -17,11 +17,11 @@ from lagrangia.book import (
     time_derivative,
 )
 from lagrangia.document import Block, Display, Document, Heading, display, paragraph
-from lagrangia.flat import Energy, Work
 from lagrangia.forms import component_sub, energy_blocks, force_blocks, force_name, matrix_blocks, opening, title
+from lagrangia.language.flat import Energy, Work
+from lagrangia.language.mentions import leaves
+from lagrangia.language.tree import FrameRef
 from lagrangia.layout import Name, Node, Slope
-from lagrangia.tree import FrameRef
-from lagrangia.walk import leaves
 
 
 def worked_form(book: Book) -> Document:

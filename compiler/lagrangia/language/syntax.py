@@ -17,8 +17,8 @@ from lagrangia.base.diagnostics import Report, Source, Span, fail
 from lagrangia.base.folders import data_folder
 from lagrangia.base.spelling import plain_text
 from lagrangia.base.store import find_kept, keep, key_of
-from lagrangia.expectations import refuse, shortened
-from lagrangia.tree import (
+from lagrangia.language.expectations import refuse, shortened
+from lagrangia.language.tree import (
     Argument,
     Array,
     Assignment,

@@ -8,8 +8,8 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.flat import FlatModel, Reset, When
-from lagrangia.tree import Binary, Boolean, Call, Flat, FrameRef, Number, Ref, Unary
+from lagrangia.language.flat import FlatModel, Reset, When
+from lagrangia.language.tree import Binary, Boolean, Call, Flat, FrameRef, Number, Ref, Unary
 
 COMPARED = ("<", "<=", ">", ">=")
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.tree import Array, Binary, Boolean, Call, Flat, Number, String, Unary
+from lagrangia.language.tree import Array, Binary, Boolean, Call, Flat, Number, String, Unary
 
 _FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b, "^": math.pow,

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from lagrangia.base.diagnostics import Span, fail, suggest
-from lagrangia.instances import Instance, Scope
-from lagrangia.names import Names, read_unit
-from lagrangia.tree import (
+from lagrangia.language.instances import Instance, Scope
+from lagrangia.language.names import Names, read_unit
+from lagrangia.language.tree import (
     Assignment,
     Call,
     ClassDefinition,

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Number, Ref, Unary
+from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Number, Ref, Unary
 
 _VECTORS = frozenset({"r", "v", "reaction"})  # attributes of frames that have two components
 _OF_EACH = frozenset({"der", "virtual"})  # functions that give an array for an array

@@ -8,13 +8,27 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from lagrangia.algorithms import FlatFunction
 from lagrangia.base.diagnostics import LagError, Report, Span
-from lagrangia.flat import Equation, FlatModel, Variable, When
-from lagrangia.folding import fold
-from lagrangia.names import FRAME_FUNCTIONS
-from lagrangia.tree import Array, Binary, Boolean, Call, Flat, FrameRef, IfExpression, Local, Number, Ref, String, Time, Unary
-from lagrangia.units import ONE, Dimension, dimension, divide, multiply, parse_unit, power, spell
+from lagrangia.language.algorithms import FlatFunction
+from lagrangia.language.flat import Equation, FlatModel, Variable, When
+from lagrangia.language.folding import fold
+from lagrangia.language.names import FRAME_FUNCTIONS
+from lagrangia.language.tree import (
+    Array,
+    Binary,
+    Boolean,
+    Call,
+    Flat,
+    FrameRef,
+    IfExpression,
+    Local,
+    Number,
+    Ref,
+    String,
+    Time,
+    Unary,
+)
+from lagrangia.language.units import ONE, Dimension, dimension, divide, multiply, parse_unit, power, spell
 
 _METRE, _SECOND = dimension(m=1), dimension(s=1)
 _SPEED, _TURN_RATE = dimension(m=1, s=-1), dimension(s=-1)

@@ -9,9 +9,9 @@ from math import prod
 from typing import Any, Protocol, TypeAlias
 
 from lagrangia.base.diagnostics import Report, Span, fail, suggest
-from lagrangia.classes import ClassTable
-from lagrangia.meanings import explain
-from lagrangia.tree import Argument, ClassDefinition, Clause, Declaration, Expression, Extends
+from lagrangia.language.classes import ClassTable
+from lagrangia.language.suggestions import explain
+from lagrangia.language.tree import Argument, ClassDefinition, Clause, Declaration, Expression, Extends
 
 ATTRIBUTES = frozenset({"unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "quantity", "stateSelect"})
 REACTIONS = frozenset({"reaction", "reaction_torque"})  # on the held port of a component

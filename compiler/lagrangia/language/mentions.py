@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
-from lagrangia.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Ref, Time, Unary
+from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Ref, Time, Unary
 
 _CHILDREN: Mapping[type, Callable[[Any], tuple[Flat, ...]]] = {
     Unary: lambda node: (node.operand,),

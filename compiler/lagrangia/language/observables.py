@@ -3,9 +3,9 @@
 import re
 
 from lagrangia.base.diagnostics import Span, fail, suggest
-from lagrangia.flat import FlatModel
-from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS, held_port
-from lagrangia.tree import Call, Flat, FrameRef, Ref
+from lagrangia.language.flat import FlatModel
+from lagrangia.language.instances import FRAME_ATTRIBUTES, REACTIONS, held_port
+from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 
 _INDEXED = re.compile(r"(.*)\[([\d,]+)\]")
 

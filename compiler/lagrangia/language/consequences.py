@@ -5,10 +5,10 @@ but for forces and dissipation functions on those of contacts.
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from lagrangia.base.diagnostics import Report, Span
-from lagrangia.flat import Equation, FlatModel, FrameEquation
-from lagrangia.instances import REACTIONS
-from lagrangia.tree import Call, Flat, FrameRef
-from lagrangia.walk import nodes, reached
+from lagrangia.language.flat import Equation, FlatModel, FrameEquation
+from lagrangia.language.instances import REACTIONS
+from lagrangia.language.mentions import nodes, reached
+from lagrangia.language.tree import Call, Flat, FrameRef
 
 Stated = tuple[Iterable[Flat], str, Span]
 

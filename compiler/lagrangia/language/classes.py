@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from lagrangia.base.diagnostics import Report, Source, Span, fail, suggest
-from lagrangia.tree import Argument, ClassDefinition, Declaration, Extends, Syntax
+from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Extends, Syntax
 
 _FOREIGN = {"double": "Real", "float": "Real", "int": "Integer", "long": "Integer", "bool": "Boolean", "string": "String"}
 BUILTIN_TYPES = frozenset({"Real", "Integer", "Boolean", "String", "Frame"})

@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from lagrangia.algorithms import FlatFunction, flatten_function
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
-from lagrangia.classes import ClassTable
-from lagrangia.flat import (
+from lagrangia.language.algorithms import FlatFunction, flatten_function
+from lagrangia.language.classes import ClassTable
+from lagrangia.language.flat import (
     Energy,
     Equation,
     Experiment,
@@ -23,11 +23,12 @@ from lagrangia.flat import (
     Work,
     is_frame,
 )
-from lagrangia.folding import fold
-from lagrangia.idle import find_idle
-from lagrangia.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
-from lagrangia.names import Names, read_unit
-from lagrangia.tree import (
+from lagrangia.language.folding import fold
+from lagrangia.language.idle import find_idle
+from lagrangia.language.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
+from lagrangia.language.mentions import leaves
+from lagrangia.language.names import Names, read_unit
+from lagrangia.language.tree import (
     Array,
     Boolean,
     Call,
@@ -48,8 +49,7 @@ from lagrangia.tree import (
     WhenBlock,
     WorkTerm,
 )
-from lagrangia.unread import find_unread
-from lagrangia.walk import leaves
+from lagrangia.language.unread import find_unread
 
 _CODE = re.compile(r"L\d{4}")
 

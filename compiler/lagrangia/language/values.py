@@ -2,7 +2,7 @@
 
 import math
 
-from lagrangia.units import ONE, parse_unit, spell
+from lagrangia.language.units import ONE, parse_unit, spell
 
 
 def read_value(text: str, unit: str) -> float | list[float]:

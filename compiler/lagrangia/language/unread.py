@@ -10,11 +10,11 @@ from functools import cached_property
 from typing import Any
 
 from lagrangia.base.diagnostics import Report, Source, Span
-from lagrangia.classes import ClassTable
-from lagrangia.flat import FlatModel
-from lagrangia.instances import Bound, FrameSlot, Instance, Member, Slot
-from lagrangia.tree import Binary, Declaration, Expression, Flat, FrameRef, IfExpression, Ref, Reference, Time, Unary
-from lagrangia.walk import leaves
+from lagrangia.language.classes import ClassTable
+from lagrangia.language.flat import FlatModel
+from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Slot
+from lagrangia.language.mentions import leaves
+from lagrangia.language.tree import Binary, Declaration, Expression, Flat, FrameRef, IfExpression, Ref, Reference, Time, Unary
 
 
 @dataclass(frozen=True, eq=False)

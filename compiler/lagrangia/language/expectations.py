@@ -6,7 +6,7 @@ from typing import NoReturn
 from lark import Lark, Token
 
 from lagrangia.base.diagnostics import LagError, Report, Source, Span, suggest
-from lagrangia.recovery import Stop, find_stops
+from lagrangia.language.recovery import Stop, find_stops
 
 # Terminals that are patterns; the others are said as they are written.
 SPOKEN = {

@@ -3,12 +3,12 @@
 from collections.abc import Iterator
 
 from lagrangia.base.diagnostics import Report
-from lagrangia.classes import ClassTable
-from lagrangia.flat import FlatModel, Variable
-from lagrangia.instances import REACTIONS, Instance, Slot
-from lagrangia.tree import Call, Flat, FrameRef, Ref
-from lagrangia.unread import inside
-from lagrangia.walk import nodes, reached
+from lagrangia.language.classes import ClassTable
+from lagrangia.language.flat import FlatModel, Variable
+from lagrangia.language.instances import REACTIONS, Instance, Slot
+from lagrangia.language.mentions import nodes, reached
+from lagrangia.language.tree import Call, Flat, FrameRef, Ref
+from lagrangia.language.unread import inside
 
 _FORCES = ("N", "N.m")
 _ACTS = "give it to a component, as AppliedForce(force = ...) or ForcePair, or write in a section `energy`: work {name} on ...;"

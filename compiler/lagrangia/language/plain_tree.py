@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields
 from typing import Any
 
-from lagrangia import tree
 from lagrangia.base.diagnostics import Source, Span
-from lagrangia.tree import Syntax
+from lagrangia.language import tree
+from lagrangia.language.tree import Syntax
 
 _CLASSES = [Span, *sorted((c for c in vars(tree).values() if isinstance(c, type) and hasattr(c, "__dataclass_fields__")
                            and c.__module__ == tree.__name__), key=lambda c: c.__name__)]

@@ -7,12 +7,12 @@ from functools import reduce
 from typing import Any, NoReturn, cast
 
 from lagrangia.base.diagnostics import Diagnostic, Report, Span, TooMuchError, fail, nearest, suggest
-from lagrangia.classes import ClassTable
-from lagrangia.dealing import element, length
-from lagrangia.folding import fold, folded
-from lagrangia.instances import FRAME_ATTRIBUTES, REACTIONS, Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
-from lagrangia.meanings import explain
-from lagrangia.tree import (
+from lagrangia.language.classes import ClassTable
+from lagrangia.language.elements import element, length
+from lagrangia.language.folding import fold, folded
+from lagrangia.language.instances import FRAME_ATTRIBUTES, REACTIONS, Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
+from lagrangia.language.suggestions import explain
+from lagrangia.language.tree import (
     Array,
     Binary,
     Boolean,
@@ -32,7 +32,7 @@ from lagrangia.tree import (
     Unary,
     Whole,
 )
-from lagrangia.units import Unit, known_units, parse_unit
+from lagrangia.language.units import Unit, known_units, parse_unit
 
 # Number of arguments of each function of the kernel; None: any number, at least one.
 FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {

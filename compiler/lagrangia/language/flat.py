@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from math import prod
 from typing import Literal
 
-from lagrangia.algorithms import FlatFunction
 from lagrangia.base.diagnostics import Diagnostic, Span
-from lagrangia.folding import numbers_of
-from lagrangia.names import FRAME_FUNCTIONS
-from lagrangia.tree import Call, EnergyKind, Flat, FrameRef
+from lagrangia.language.algorithms import FlatFunction
+from lagrangia.language.folding import numbers_of
+from lagrangia.language.names import FRAME_FUNCTIONS
+from lagrangia.language.tree import Call, EnergyKind, Flat, FrameRef
 
 Kind = Literal["parameter", "input", "coordinate", "variable"]
 

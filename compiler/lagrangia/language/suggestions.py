@@ -4,8 +4,8 @@ import re
 from collections.abc import Collection, Mapping
 
 from lagrangia.base.diagnostics import nearest
-from lagrangia.classes import ClassTable
-from lagrangia.tree import ClassDefinition, Declaration
+from lagrangia.language.classes import ClassTable
+from lagrangia.language.tree import ClassDefinition, Declaration
 
 _MOST_LISTED = 12
 
