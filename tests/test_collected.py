@@ -12,8 +12,8 @@ from lagrangia.bodies import find_bodies
 from lagrangia.collected import split_weights
 from lagrangia.constraints import reduce_kinematics
 from lagrangia.energies import build_energies
-from lagrangia.graph import build_graph
-from lagrangia.kinematics import build_kinematics
+from lagrangia.frames.graph import build_graph
+from lagrangia.frames.kinematics import build_kinematics
 from lagrangia.motion import mass_matrix
 from lagrangia.pipeline import Compilation, compile_file, flatten_file
 from random_trees import random_tree

@@ -16,9 +16,9 @@ from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.branches import told
 from lagrangia.equilibrium import Rest, find_all, find_rest, onto_constraints
+from lagrangia.frames.joints import all_reactions, reaction_ports
 from lagrangia.grips import Grip, balance, find_all_held, find_held, holds_at
 from lagrangia.initial import FIXED, FREE
-from lagrangia.joints import all_reactions, reaction_ports
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref

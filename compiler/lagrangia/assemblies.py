@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector, independent_columns
 from lagrangia.assembly import Assembly
-from lagrangia.graph import Coordinate
+from lagrangia.frames.graph import Coordinate
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.initial import FIXED, FREE, InitialConditions
-from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import at_declared_values
 
 _STARTS, _ITERATIONS, _LONGEST = 16, 40, 1.0

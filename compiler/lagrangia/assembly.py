@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector, independent_columns
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.initial import FIXED, FREE, GUESS, LOOSE, InitialConditions
-from lagrangia.kinematics import Kinematics
 from lagrangia.metric import Way
 from lagrangia.newton import GOLDEN_RATIO, Equations, General, Newton, pattern, start_equations
 

@@ -12,13 +12,13 @@ import casadi as ca
 from lagrangia.algebra.duals import Scalar, minus
 from lagrangia.algebra.scalars import scalars_in, symbol
 from lagrangia.energies import Energies, Term
-from lagrangia.evaluation import Evaluator, Value
-from lagrangia.graph import ComponentGraph
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.evaluation import Evaluator, Value
+from lagrangia.frames.graph import ComponentGraph
+from lagrangia.frames.kinematics import Kinematics
+from lagrangia.frames.planar import Pose
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Call, FrameRef, Ref, Time
-from lagrangia.planar import Pose
 
 
 @dataclass(frozen=True)

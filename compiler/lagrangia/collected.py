@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from lagrangia.algebra.harmonics import Angle, Harmonics, Key, Powers, Sum, TooLarge, combined
 from lagrangia.algebra.scalars import Expression, apply_to_one, as_expression, symbols_in
 from lagrangia.energies import Term
-from lagrangia.evaluation import scalars_of
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.evaluation import scalars_of
+from lagrangia.frames.kinematics import Kinematics
 
 MOST_COORDINATES = 6  # that act on each other
 _TOGETHER = 4  # so many sines take the time of one (runtime/sines.h)

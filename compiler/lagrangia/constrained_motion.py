@@ -7,7 +7,7 @@ import casadi as ca
 
 from lagrangia.constraints import Constraints
 from lagrangia.evenness import find_evenness, is_even, relative_pivots
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.kkt import KKT, diagonal_of, factor
 from lagrangia.null_space import NullSpace
 from lagrangia.partition import Partition

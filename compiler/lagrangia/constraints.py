@@ -16,10 +16,10 @@ import numpy as np
 from lagrangia.algebra.duals import Scalar, rate_of
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
-from lagrangia.closures import gaps
-from lagrangia.edges import Closure
-from lagrangia.evaluation import scalars_of
-from lagrangia.kinematics import Dependent, Kinematics
+from lagrangia.frames.closures import gaps
+from lagrangia.frames.edges import Closure
+from lagrangia.frames.evaluation import scalars_of
+from lagrangia.frames.kinematics import Dependent, Kinematics
 from lagrangia.language.flat import Equation
 from lagrangia.parameters import default_parameters
 

@@ -19,8 +19,8 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.assembly import begin
 from lagrangia.constraints import Constraints, Row
 from lagrangia.equilibrium import StaticEquations, ways_at
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.initial import InitialConditions, initial_function, start_function
-from lagrangia.kinematics import Kinematics
 from lagrangia.parameters import at_declared_values, default_parameters
 from lagrangia.positions import Positions
 

@@ -9,9 +9,9 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.constraints import Constraints, Row
-from lagrangia.edges import Edge
-from lagrangia.evaluation import Evaluator, Value
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.edges import Edge
+from lagrangia.frames.evaluation import Evaluator, Value
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Equation
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import FrameRef, Ref

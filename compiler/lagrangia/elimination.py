@@ -20,12 +20,12 @@ import casadi as ca
 from lagrangia.algebra.duals import Dual, Scalar, is_zero, minus, plus, rate_of, times, value_of
 from lagrangia.algebra.scalars import scalars_in
 from lagrangia.bodies import Bodies, Inertia
-from lagrangia.edges import Edge
 from lagrangia.energies import Energies
-from lagrangia.evaluation import Evaluator, Value
 from lagrangia.forces import Forces, find_forces
-from lagrangia.kinematics import Kinematics, rotated
-from lagrangia.planar import Pose
+from lagrangia.frames.edges import Edge
+from lagrangia.frames.evaluation import Evaluator, Value
+from lagrangia.frames.kinematics import Kinematics, rotated
+from lagrangia.frames.planar import Pose
 
 Vector = list[Scalar]  # vx, vy, w or fx, fy, torque
 

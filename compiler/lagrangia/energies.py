@@ -8,8 +8,8 @@ import casadi as ca
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression
 from lagrangia.base.diagnostics import Report, Span
-from lagrangia.evaluation import Value, scalars_of
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.evaluation import Value, scalars_of
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Energy, Work
 
 

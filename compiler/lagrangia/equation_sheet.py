@@ -16,8 +16,8 @@ from lagrangia.book import Book
 from lagrangia.document import Document
 from lagrangia.equations import constants_of_motion, derive, with_values
 from lagrangia.forms import FORMS
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.impulses import rates_jump
-from lagrangia.kinematics import Kinematics
 from lagrangia.language.values import read_value
 from lagrangia.linear_matrices import Begin, linearize
 from lagrangia.linear_page import linear_form, values_of

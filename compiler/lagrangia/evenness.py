@@ -5,7 +5,7 @@ from functools import reduce
 import casadi as ca
 
 from lagrangia.algebra.scalars import symbols_in
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.kkt import diagonal_of
 from lagrangia.parameters import default_parameters
 

@@ -17,8 +17,8 @@ from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.constraints import Row
 from lagrangia.directions import gradient_by_rates
 from lagrangia.energies import Energies
-from lagrangia.evaluation import Evaluator, Value, scalars_of
-from lagrangia.kinematics import Kinematics, displacement
+from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
+from lagrangia.frames.kinematics import Kinematics, displacement
 
 _PLACES = {"r": (0, 1), "x": (0,), "y": (1,), "phi": (2,)}
 _VELOCITIES = {"v": (0, 1), "w": (2,)}

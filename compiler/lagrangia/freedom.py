@@ -21,8 +21,8 @@ from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints, Row
 from lagrangia.double_roots import static_constraints
 from lagrangia.equilibrium import ways_at
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.initial import InitialConditions
-from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
 from lagrangia.positions import Positions, shortest
 

@@ -15,11 +15,11 @@ from lagrangia.algebra.with_casadi import Mode
 from lagrangia.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.constraints import Constraints
 from lagrangia.factors import hoist
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.hamilton import Hamilton
 from lagrangia.impulses import find_kick
 from lagrangia.initial import InitialConditions, initial_function, start_function
 from lagrangia.jacobians import Jacobian, build_jacobian
-from lagrangia.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.observables import observe
 from lagrangia.linear_choice import linear_pays

@@ -12,7 +12,7 @@ import casadi as ca
 
 from lagrangia.constraints import Constraints, moved_in_time
 from lagrangia.energies import Energies
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.motion import Motion, solve_mass
 
 _MOST_COORDINATES = 300

@@ -24,8 +24,8 @@ from lagrangia.algebra.duals import Scalar, rate_of, value_of
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.energies import Load
-from lagrangia.evaluation import scalars_of
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.evaluation import scalars_of
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
 from lagrangia.language.events import COMPARED, are_alike, contact_of, kept_by, level_of, name_of_contact, parts_of, position_of
 from lagrangia.language.flat import Reset, When, Work

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from lagrangia.constraints import Constraints
 from lagrangia.energies import evaluate_energies
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.kkt import factor
 from lagrangia.motion import Motion, generalised_force, mass_matrix, solve_mass
 from lagrangia.parameters import usual_parameters

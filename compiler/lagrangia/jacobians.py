@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.motion import Motion, coupled_pairs
 
 # Written out, a Jacobian has some such many operations as the equations times the colours of its columns: above this, compiling

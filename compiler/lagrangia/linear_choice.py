@@ -10,7 +10,7 @@ the states.
 import casadi as ca
 import numpy as np
 
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.motion import Motion, mass_matrix
 from lagrangia.parameters import default_parameters
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.linearity import Degree, NotLinear, Rewritten, rewrite
 from lagrangia.loads import LoadStates
 from lagrangia.motion import Motion, mass_matrix

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.graph import ComponentGraph
-from lagrangia.joints import component_of
+from lagrangia.frames.graph import ComponentGraph
+from lagrangia.frames.joints import component_of
 from lagrangia.language.flat import FlatModel
 
 Vector = NDArray[np.float64]

@@ -22,12 +22,12 @@ from lagrangia.constraints import Constraints
 from lagrangia.directions import gradient_by_rates
 from lagrangia.elimination import ArticulatedBodies, articulate
 from lagrangia.energies import Energies
-from lagrangia.evaluation import scalars_of
 from lagrangia.evenness import is_even
 from lagrangia.forces import forces_of_loops
+from lagrangia.frames.evaluation import scalars_of
+from lagrangia.frames.joints import all_reactions
+from lagrangia.frames.kinematics import Kinematics, rotated
 from lagrangia.impacts import Impacts
-from lagrangia.joints import all_reactions
-from lagrangia.kinematics import Kinematics, rotated
 from lagrangia.partition import Partition
 from lagrangia.schur import FreeTree, prefers
 

@@ -13,11 +13,11 @@ from lagrangia.base.diagnostics import Span
 from lagrangia.constraints import Constraints, moved_in_time
 from lagrangia.dependence import changes
 from lagrangia.energies import Energies
-from lagrangia.evaluation import scalars_of
-from lagrangia.graph import Coordinate
+from lagrangia.frames.evaluation import scalars_of
+from lagrangia.frames.graph import Coordinate
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.initial import InitialConditions
 from lagrangia.islands import MOST_COORDINATES, find_islands
-from lagrangia.kinematics import Kinematics
 from lagrangia.language.observables import observe
 from lagrangia.motion import Motion, build_motion, count_nodes, inertial_force
 from lagrangia.partition import is_too_large

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector, nearest
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.initial import InitialConditions
-from lagrangia.kinematics import Kinematics
 from lagrangia.metric import Metric, Momenta, Way
 from lagrangia.parameters import default_parameters
 

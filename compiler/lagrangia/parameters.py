@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.evaluation import Evaluator, Value, elements
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.evaluation import Evaluator, Value, elements
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import FlatModel
 
 # What takes an energy or a dissipation function in place of a constant of this unit.

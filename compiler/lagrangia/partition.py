@@ -16,8 +16,8 @@ import numpy as np
 
 from lagrangia.assembly import begin
 from lagrangia.constraints import Constraints
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.initial import InitialConditions, initial_function, start_function
-from lagrangia.kinematics import Kinematics
 from lagrangia.positions import Positions, Vector
 
 _CLOSED = 1e-9  # of a position on the constraints, relative to the largest slope

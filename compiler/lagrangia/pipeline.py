@@ -22,11 +22,11 @@ from lagrangia.base.store import find_kept, keep, key_of
 if TYPE_CHECKING:
     from lagrangia.constraints import Constraints
     from lagrangia.energies import Energies
+    from lagrangia.frames.graph import ComponentGraph
+    from lagrangia.frames.kinematics import Kinematics
     from lagrangia.functions import Functions
-    from lagrangia.graph import ComponentGraph
     from lagrangia.hamilton import Hamilton
     from lagrangia.initial import InitialConditions
-    from lagrangia.kinematics import Kinematics
     from lagrangia.language.flat import FlatModel
     from lagrangia.language.tree import Syntax
     from lagrangia.motion import Motion
@@ -63,11 +63,11 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
     from lagrangia.constraints import reduce_kinematics
     from lagrangia.energies import build_energies
+    from lagrangia.frames.graph import build_graph
+    from lagrangia.frames.kinematics import build_kinematics
     from lagrangia.freedom import is_held_still
     from lagrangia.functions import build_functions
-    from lagrangia.graph import build_graph
     from lagrangia.initial import loosen
-    from lagrangia.kinematics import build_kinematics
     from lagrangia.language.dimensions import check_dimensions
     from lagrangia.motion import build_motion
     from lagrangia.partition import find_partition
@@ -140,7 +140,7 @@ def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motio
 
 def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, ...]:
     """Declared outputs, those asked for, and coordinates that are no longer among the coordinates, with their rates."""
-    from lagrangia.joints import all_reactions
+    from lagrangia.frames.joints import all_reactions
 
     declared = (v.name for v in graph.model.variables.values() if v.is_output)
     lost = (*(c.name for c in graph.dependent_coordinates), *graph.cut_coordinates)
@@ -154,8 +154,8 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
     """What the equations for people begin with: text -> kinematics; parameters and energies were checked. Raises LagError."""
     from lagrangia.constraints import reduce_kinematics
     from lagrangia.energies import build_energies
-    from lagrangia.graph import build_graph
-    from lagrangia.kinematics import build_kinematics
+    from lagrangia.frames.graph import build_graph
+    from lagrangia.frames.kinematics import build_kinematics
     from lagrangia.language.dimensions import check_dimensions
     from lagrangia.parameters import default_parameters
 

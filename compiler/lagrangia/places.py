@@ -6,8 +6,8 @@ import casadi as ca
 
 from lagrangia.base.diagnostics import Span
 from lagrangia.energies import Energies
-from lagrangia.evaluation import scalars_of
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.evaluation import scalars_of
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import Flat, Time
 from lagrangia.linearity import Degree, NotLinear, rewrite

@@ -12,8 +12,8 @@ import casadi as ca
 from lagrangia.algebra.duals import Dual, Scalar
 from lagrangia.base.diagnostics import fail
 from lagrangia.constraints import Constraints
-from lagrangia.evaluation import Value, scalars_of
-from lagrangia.kinematics import Displacement, Kinematics, Symbols
+from lagrangia.frames.evaluation import Value, scalars_of
+from lagrangia.frames.kinematics import Displacement, Kinematics, Symbols
 from lagrangia.language.mentions import nodes
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import FrameRef, Ref, Time

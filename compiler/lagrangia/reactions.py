@@ -10,17 +10,17 @@ import casadi as ca
 
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.bodies import Bodies
-from lagrangia.closures import meeting_place, slide_normal
 from lagrangia.constraints import Constraints
 from lagrangia.drives import force_beside_drives
-from lagrangia.edges import Closure, Edge
-from lagrangia.joints import component_of, cuts_of, joints_of
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.closures import meeting_place, slide_normal
+from lagrangia.frames.edges import Closure, Edge
+from lagrangia.frames.joints import component_of, cuts_of, joints_of
+from lagrangia.frames.kinematics import Kinematics
+from lagrangia.frames.planar import Pose
 from lagrangia.language.instances import REACTIONS
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import FrameRef
 from lagrangia.motion import Motion
-from lagrangia.planar import Pose
 from lagrangia.released import Released, forces_of_ties
 
 

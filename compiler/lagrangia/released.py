@@ -17,9 +17,9 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.bodies import Bodies
 from lagrangia.constraints import Constraints, Row
 from lagrangia.energies import Energies, build_energies
-from lagrangia.evaluation import scalars_of
-from lagrangia.joints import component_of
-from lagrangia.kinematics import Kinematics
+from lagrangia.frames.evaluation import scalars_of
+from lagrangia.frames.joints import component_of
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.motion import Motion, inertial_reaction
 
 

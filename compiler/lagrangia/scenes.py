@@ -11,12 +11,12 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints import Constraints
 from lagrangia.double_roots import touching_notes
+from lagrangia.frames.graph import rate_of
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.functions import Functions, build_island_functions
-from lagrangia.graph import rate_of
 from lagrangia.initial import InitialConditions
 from lagrangia.instructions import count_operations, tape_of
 from lagrangia.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, islands_pay
-from lagrangia.kinematics import Kinematics
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.folding import numbers_of

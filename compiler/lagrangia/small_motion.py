@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from lagrangia.constraints import Constraints
-    from lagrangia.kinematics import Kinematics
+    from lagrangia.frames.kinematics import Kinematics
     from lagrangia.motion import Motion
 
 DIRECTIONS = ("q", "v", "a", "lambda", "s", "ds", "dds")

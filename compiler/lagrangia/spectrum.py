@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.initial import InitialConditions
-from lagrangia.kinematics import Kinematics
 from lagrangia.motion import Motion
 from lagrangia.parameters import default_parameters
 

@@ -18,10 +18,11 @@ from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.algebra.with_sympy import TIME, Expr, SympyAlgebra, exact_throughout, slope
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.constraints import Constraints
-from lagrangia.edges import Edge, Step
 from lagrangia.energies import Energies, evaluate_energies
-from lagrangia.evaluation import Evaluator, Value, scalars_of
-from lagrangia.kinematics import Dependent, Kinematics, Symbols
+from lagrangia.frames.edges import Edge, Step
+from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
+from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols
+from lagrangia.frames.planar import Pose
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.consequences import contact_forces_in
 from lagrangia.language.events import level_of, position_of
@@ -29,7 +30,6 @@ from lagrangia.language.flat import Variable, When
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Array, Flat, Number, Ref, Unary
 from lagrangia.parameters import scalars
-from lagrangia.planar import Pose
 
 GRAVITY = "world.gravity"
 _LONGEST = 1500  # parts of the expression of one variable or function: some 10 s

@@ -12,8 +12,8 @@ from lagrangia.algebra.orthogonal import Vector
 from lagrangia.assembly import begin
 from lagrangia.base.diagnostics import Report
 from lagrangia.constraints import Constraints, Row
+from lagrangia.frames.kinematics import Kinematics
 from lagrangia.initial import InitialConditions, initial_function, start_function
-from lagrangia.kinematics import Kinematics
 from lagrangia.language.mentions import reached
 from lagrangia.language.tree import Call
 from lagrangia.parameters import at_declared_values

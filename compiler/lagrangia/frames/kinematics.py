@@ -16,13 +16,13 @@ from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, minus, plus, r
 from lagrangia.algebra.scalars import symbol
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import fail
-from lagrangia.closures import cut_coordinate
-from lagrangia.edges import Edge, Step
-from lagrangia.evaluation import Evaluator, Value, scalars_of
-from lagrangia.graph import ComponentGraph
+from lagrangia.frames.closures import cut_coordinate
+from lagrangia.frames.edges import Edge, Step
+from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
+from lagrangia.frames.graph import ComponentGraph
+from lagrangia.frames.planar import Pose
+from lagrangia.frames.vectors_on_a_line import line_of
 from lagrangia.language.flat import Variable
-from lagrangia.lines import line_of
-from lagrangia.planar import Pose
 
 _JUST_AFTER = 1e-9  # of the time from start to stop
 Displacement = tuple[ca.SX, ...]  # a virtual one and its rate, or those of an excitation, with its second derivative

@@ -1,7 +1,7 @@
 """What a component graph holds that can have a reaction: joints of the tree, joints that close loops, ties."""
 
-from lagrangia.edges import Closure, Edge
-from lagrangia.graph import ComponentGraph
+from lagrangia.frames.edges import Closure, Edge
+from lagrangia.frames.graph import ComponentGraph
 from lagrangia.language.instances import held_port
 
 

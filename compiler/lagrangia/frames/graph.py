@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from lagrangia.base.diagnostics import Report, Span, fail
-from lagrangia.edges import Closure, Edge, Step, choose_tree, close
+from lagrangia.frames.edges import Closure, Edge, Step, choose_tree, close
 from lagrangia.language.consequences import keep_consequences_out
 from lagrangia.language.flat import FlatModel, FrameEquation, Variable
 from lagrangia.language.mentions import leaves

@@ -8,10 +8,10 @@ from typing import Protocol
 
 from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.with_casadi import CasadiAlgebra
-from lagrangia.edges import Closure, Step
-from lagrangia.evaluation import Evaluator, Leaves, Value
-from lagrangia.graph import ComponentGraph
-from lagrangia.planar import Pose
+from lagrangia.frames.edges import Closure, Step
+from lagrangia.frames.evaluation import Evaluator, Leaves, Value
+from lagrangia.frames.graph import ComponentGraph
+from lagrangia.frames.planar import Pose
 
 
 class Frames(Leaves, Protocol):
