@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia import assembly
 from lagrangia.cli import main
+from lagrangia.constraints import assembly
 from lagrangia.pipeline import compile_file, read_files
 from random_linkages import random_linkage
 

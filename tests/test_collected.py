@@ -10,7 +10,7 @@ import lagrangia as lag
 from lagrangia.algebra.harmonics import Harmonics, TooLarge, added
 from lagrangia.bodies import find_bodies
 from lagrangia.collected import split_weights
-from lagrangia.constraints import reduce_kinematics
+from lagrangia.constraints.rows import reduce_kinematics
 from lagrangia.energies import build_energies
 from lagrangia.frames.graph import build_graph
 from lagrangia.frames.kinematics import build_kinematics

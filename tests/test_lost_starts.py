@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia import assembly, fmu
+from lagrangia import fmu
 from lagrangia.cli import main
+from lagrangia.constraints import assembly
 from lagrangia.fmu_model import build_fmu_model
 
 Write = Callable[[str], lag.Model]

@@ -11,21 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import value_of
-from lagrangia.assembly import Assembly
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import RunError, fail
-from lagrangia.branches import told
+from lagrangia.constraints.assembly import Assembly
+from lagrangia.constraints.initial import FIXED, FREE
+from lagrangia.constraints.newton import start_equations
+from lagrangia.constraints.singular_positions import told
 from lagrangia.equilibrium import Rest, find_all, find_rest, onto_constraints
 from lagrangia.frames.joints import all_reactions, reaction_ports
 from lagrangia.grips import Grip, balance, find_all_held, find_held, holds_at
-from lagrangia.initial import FIXED, FREE
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref
 from lagrangia.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of
 from lagrangia.mechanism import Mechanism, build_mechanism
 from lagrangia.modes import Modes, find_modes, modes_of_ways, stability_of_ways
-from lagrangia.newton import start_equations
 from lagrangia.probes import Probe, find_probes, usual_probes
 from lagrangia.response import Response, find_response
 from lagrangia.resting import Resting, forces_of_grip, told_grip

@@ -5,12 +5,12 @@ from functools import cached_property
 
 import casadi as ca
 
-from lagrangia.constraints import Constraints
+from lagrangia.constraints.partition import Partition
+from lagrangia.constraints.rows import Constraints
 from lagrangia.evenness import find_evenness, is_even, relative_pivots
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.kkt import KKT, diagonal_of, factor
 from lagrangia.null_space import NullSpace
-from lagrangia.partition import Partition
 from lagrangia.schur import FreeTree, SchurComplement, form
 
 System = KKT | SchurComplement

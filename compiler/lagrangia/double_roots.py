@@ -16,13 +16,13 @@ import numpy as np
 from lagrangia.algebra.duals import Dual, Scalar
 from lagrangia.algebra.orthogonal import Vector, independent_columns
 from lagrangia.algebra.scalars import symbols_in
-from lagrangia.assembly import begin
-from lagrangia.constraints import Constraints, Row
+from lagrangia.constraints.assembly import begin
+from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
+from lagrangia.constraints.parameters import at_declared_values, default_parameters
+from lagrangia.constraints.positions import Positions
+from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.equilibrium import StaticEquations, ways_at
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.initial import InitialConditions, initial_function, start_function
-from lagrangia.parameters import at_declared_values, default_parameters
-from lagrangia.positions import Positions
 
 _DEPENDENT = 1e-4  # of normalised rows: a double root is known to half the digits
 _MOST = 40  # coordinates of scenes that are looked at

@@ -8,7 +8,7 @@ their frames: else the drive and the load it carries would cancel in the reactio
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.constraints import Constraints, Row
+from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.kinematics import Kinematics

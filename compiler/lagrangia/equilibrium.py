@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.branches import Ways, find_ways
+from lagrangia.constraints.singular_positions import Ways, find_ways
 
 Vector = NDArray[np.float64]
 _MOST_STEPS, _MOST_DESCENTS, _MOST_RETURNS, _SHORTEST = 50, 300, 15, 1e-3

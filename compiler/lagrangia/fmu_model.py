@@ -171,7 +171,7 @@ def _refuse_infinite(model: Exportable) -> None:
     """What cannot start for a constant that is no number. Raises LagError L0605."""
     import casadi as ca
 
-    from lagrangia.parameters import scalars
+    from lagrangia.constraints.parameters import scalars
 
     kinematics = model.compilation.kinematics
     for variable in kinematics.graph.model.variables.values():

@@ -14,7 +14,7 @@ import casadi as ca
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression, scalars_in, symbol
 from lagrangia.algebra.with_casadi import CasadiAlgebra
-from lagrangia.constraints import Row
+from lagrangia.constraints.rows import Row
 from lagrangia.directions import gradient_by_rates
 from lagrangia.energies import Energies
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from lagrangia.constraints import Constraints, moved_in_time
+from lagrangia.constraints.rows import Constraints, moved_in_time
 from lagrangia.energies import Energies
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.motion import Motion, solve_mass

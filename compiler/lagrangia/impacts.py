@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from lagrangia.algebra.duals import Scalar, rate_of, value_of
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
+from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.energies import Load
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
@@ -30,7 +31,6 @@ from lagrangia.language.consequences import contact_forces_in
 from lagrangia.language.events import COMPARED, are_alike, contact_of, kept_by, level_of, name_of_contact, parts_of, position_of
 from lagrangia.language.flat import Reset, When, Work
 from lagrangia.language.tree import Binary, Flat, Number, Unary
-from lagrangia.parameters import usual_parameters
 
 KICK, CONTACT, ONE_WAY = range(3)  # LAG_KICK, ...
 _SAME = 1e-9  # relative difference of what is the same but for rounding

@@ -17,12 +17,12 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.constraints import Constraints
+from lagrangia.constraints.parameters import usual_parameters
+from lagrangia.constraints.rows import Constraints
 from lagrangia.energies import evaluate_energies
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.kkt import factor
 from lagrangia.motion import Motion, generalised_force, mass_matrix, solve_mass
-from lagrangia.parameters import usual_parameters
 
 _NOTHING = 1e-6  # of the size of its terms: an impulse that is rounding
 

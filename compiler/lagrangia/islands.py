@@ -10,8 +10,8 @@ from dataclasses import replace
 import casadi as ca
 
 from lagrangia.constrained_motion import ConstrainedMotion, ConstraintRows, FreeMotion, bring_down, constrain
+from lagrangia.constraints.initial import InitialConditions
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.initial import InitialConditions
 from lagrangia.motion import Motion, solve_dense
 from lagrangia.spectrum import find_spectrum
 

@@ -18,7 +18,8 @@ from lagrangia.base.diagnostics import Span, fail
 from lagrangia.bodies import Bodies, Inertia, find_bodies
 from lagrangia.collected import MOST_COORDINATES, Collected, blocks_of, collect, split_weights
 from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, bring_down, constrain, constraint_rows
-from lagrangia.constraints import Constraints
+from lagrangia.constraints.partition import Partition
+from lagrangia.constraints.rows import Constraints
 from lagrangia.directions import gradient_by_rates
 from lagrangia.elimination import ArticulatedBodies, articulate
 from lagrangia.energies import Energies
@@ -28,7 +29,6 @@ from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.joints import all_reactions
 from lagrangia.frames.kinematics import Kinematics, rotated
 from lagrangia.impacts import Impacts
-from lagrangia.partition import Partition
 from lagrangia.schur import FreeTree, prefers
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from lagrangia.partition import Group, Partition
+from lagrangia.constraints.partition import Group, Partition
 
 _DOUBTFUL = 1e-2  # sine of a transmission angle: other ways keep more digits below
 

@@ -20,17 +20,17 @@ from lagrangia.base.result_files import require_file
 from lagrangia.base.store import find_kept, keep, key_of
 
 if TYPE_CHECKING:
-    from lagrangia.constraints import Constraints
+    from lagrangia.constraints.initial import InitialConditions
+    from lagrangia.constraints.partition import Partition
+    from lagrangia.constraints.rows import Constraints
     from lagrangia.energies import Energies
     from lagrangia.frames.graph import ComponentGraph
     from lagrangia.frames.kinematics import Kinematics
     from lagrangia.functions import Functions
     from lagrangia.hamilton import Hamilton
-    from lagrangia.initial import InitialConditions
     from lagrangia.language.flat import FlatModel
     from lagrangia.language.tree import Syntax
     from lagrangia.motion import Motion
-    from lagrangia.partition import Partition
     from lagrangia.run.scene import Scene
 
 PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")
@@ -61,16 +61,16 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
                  outputs: tuple[str, ...] = (), for_any_mass: bool = False, is_general: bool = False,
                  is_as_written: bool = False) -> Compilation:
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
-    from lagrangia.constraints import reduce_kinematics
+    from lagrangia.constraints.initial import loosen
+    from lagrangia.constraints.partition import find_partition
+    from lagrangia.constraints.rows import reduce_kinematics
     from lagrangia.energies import build_energies
     from lagrangia.frames.graph import build_graph
     from lagrangia.frames.kinematics import build_kinematics
     from lagrangia.freedom import is_held_still
     from lagrangia.functions import build_functions
-    from lagrangia.initial import loosen
     from lagrangia.language.dimensions import check_dimensions
     from lagrangia.motion import build_motion
-    from lagrangia.partition import find_partition
     from lagrangia.scenes import build_scene, divide
 
     took: dict[str, float] = {}
@@ -102,9 +102,9 @@ def _start(kinematics: "Kinematics", constraints: "Constraints", is_as_written: 
            ) -> "tuple[Constraints, InitialConditions]":
     """The constraints, by their slopes where they only just hold unless `is_as_written`, and where it begins; raises LagError for
     equations whose force acts on what they do not hold, too."""
+    from lagrangia.constraints.initial import build_initial
+    from lagrangia.constraints.virtual_forces import refuse_forces_elsewhere
     from lagrangia.double_roots import lift_double_roots
-    from lagrangia.initial import build_initial
-    from lagrangia.virtual_forces import refuse_forces_elsewhere
 
     initial = build_initial(kinematics, constraints)
     refuse_forces_elsewhere(kinematics, constraints, initial)
@@ -152,12 +152,12 @@ def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, .
 def compile_energies(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None
                      ) -> "tuple[Kinematics, Constraints]":
     """What the equations for people begin with: text -> kinematics; parameters and energies were checked. Raises LagError."""
-    from lagrangia.constraints import reduce_kinematics
+    from lagrangia.constraints.parameters import default_parameters
+    from lagrangia.constraints.rows import reduce_kinematics
     from lagrangia.energies import build_energies
     from lagrangia.frames.graph import build_graph
     from lagrangia.frames.kinematics import build_kinematics
     from lagrangia.language.dimensions import check_dimensions
-    from lagrangia.parameters import default_parameters
 
     with deep_recursion():
         _, flat = flatten_file(path, model, structural)

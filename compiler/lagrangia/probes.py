@@ -11,13 +11,13 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Dual, Scalar
 from lagrangia.base.diagnostics import fail
-from lagrangia.constraints import Constraints
+from lagrangia.constraints.parameters import scalars
+from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.evaluation import Value, scalars_of
 from lagrangia.frames.kinematics import Displacement, Kinematics, Symbols
 from lagrangia.language.mentions import nodes
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import FrameRef, Ref, Time
-from lagrangia.parameters import scalars
 
 Triple = tuple[ca.SX, ca.SX, ca.SX]
 _PORTS = ("force", "torque", "to")  # what a component of the library that excites is called by

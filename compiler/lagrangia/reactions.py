@@ -10,7 +10,7 @@ import casadi as ca
 
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.bodies import Bodies
-from lagrangia.constraints import Constraints
+from lagrangia.constraints.rows import Constraints
 from lagrangia.drives import force_beside_drives
 from lagrangia.frames.closures import meeting_place, slide_normal
 from lagrangia.frames.edges import Closure, Edge

@@ -15,7 +15,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.bodies import Bodies
-from lagrangia.constraints import Constraints, Row
+from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.energies import Energies, build_energies
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.joints import component_of

@@ -9,12 +9,12 @@ import casadi as ca
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.constrained_motion import ConstrainedMotion
-from lagrangia.constraints import Constraints
+from lagrangia.constraints.initial import InitialConditions
+from lagrangia.constraints.rows import Constraints
 from lagrangia.double_roots import touching_notes
 from lagrangia.frames.graph import rate_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.functions import Functions, build_island_functions
-from lagrangia.initial import InitialConditions
 from lagrangia.instructions import count_operations, tape_of
 from lagrangia.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, islands_pay
 from lagrangia.language.dimensions import unit_of

@@ -17,10 +17,10 @@ from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression
 from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.diagnostics import fail
+from lagrangia.constraints.parameters import scalars
 from lagrangia.energies import Energies, Load, evaluate_energies
 from lagrangia.holding import Holding, Pair
 from lagrangia.language.observables import observe
-from lagrangia.parameters import scalars
 from lagrangia.probes import Probe, ProbedKinematics, Triple, probe_kinematics
 from lagrangia.reactions import build_reactions
 from lagrangia.switches import conditions_in, jumps_at_rest
@@ -28,7 +28,7 @@ from lagrangia.switches import conditions_in, jumps_at_rest
 if TYPE_CHECKING:
     import numpy as np
 
-    from lagrangia.constraints import Constraints
+    from lagrangia.constraints.rows import Constraints
     from lagrangia.frames.kinematics import Kinematics
     from lagrangia.motion import Motion
 

@@ -17,7 +17,8 @@ from lagrangia.algebra.duals import Dual, Scalar, rate_of, value_of
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.algebra.with_sympy import TIME, Expr, SympyAlgebra, exact_throughout, slope
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.constraints import Constraints
+from lagrangia.constraints.parameters import scalars
+from lagrangia.constraints.rows import Constraints
 from lagrangia.energies import Energies, evaluate_energies
 from lagrangia.frames.edges import Edge, Step
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
@@ -29,7 +30,6 @@ from lagrangia.language.events import level_of, position_of
 from lagrangia.language.flat import Variable, When
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Array, Flat, Number, Ref, Unary
-from lagrangia.parameters import scalars
 
 GRAVITY = "world.gravity"
 _LONGEST = 1500  # parts of the expression of one variable or function: some 10 s

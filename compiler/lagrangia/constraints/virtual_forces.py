@@ -9,14 +9,14 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.orthogonal import Vector
-from lagrangia.assembly import begin
 from lagrangia.base.diagnostics import Report
-from lagrangia.constraints import Constraints, Row
+from lagrangia.constraints.assembly import begin
+from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
+from lagrangia.constraints.parameters import at_declared_values
+from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.initial import InitialConditions, initial_function, start_function
 from lagrangia.language.mentions import reached
 from lagrangia.language.tree import Call
-from lagrangia.parameters import at_declared_values
 
 _NOTHING = 1e-8
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector, independent_columns
+from lagrangia.constraints.initial import FIXED, FREE, GUESS, LOOSE, InitialConditions
+from lagrangia.constraints.metric import Way
+from lagrangia.constraints.newton import GOLDEN_RATIO, Equations, General, Newton, pattern, start_equations
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.initial import FIXED, FREE, GUESS, LOOSE, InitialConditions
-from lagrangia.metric import Way
-from lagrangia.newton import GOLDEN_RATIO, Equations, General, Newton, pattern, start_equations
 
 _DEPENDENT, _LONGEST_STEP = 1e-10, 0.5
 _CLOSED, _MOST_CLOSINGS = 1e-11, 40

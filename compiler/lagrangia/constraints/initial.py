@@ -15,13 +15,13 @@ import casadi as ca
 from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.duals import rate_of as rate_of_dual
 from lagrangia.base.diagnostics import Report, Span
-from lagrangia.constraints import Constraints
+from lagrangia.constraints.parameters import default_parameters
+from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.evaluation import Value
 from lagrangia.frames.graph import Coordinate, rate_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Equation
 from lagrangia.language.tree import Call, Flat, FrameRef, Ref
-from lagrangia.parameters import default_parameters
 
 _AGREES = 1e-9  # two values of one start, in m or rad
 

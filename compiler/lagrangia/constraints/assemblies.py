@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector, independent_columns
-from lagrangia.assembly import Assembly
+from lagrangia.constraints.assembly import Assembly
+from lagrangia.constraints.initial import FIXED, FREE, InitialConditions
+from lagrangia.constraints.parameters import at_declared_values
 from lagrangia.frames.graph import Coordinate
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.initial import FIXED, FREE, InitialConditions
-from lagrangia.parameters import at_declared_values
 
 _STARTS, _ITERATIONS, _LONGEST = 16, 40, 1.0
 _LARGEST_BLOCK, _MOST_WORK, _FEWEST_BLOCKS, _MOST_BLOCKS = 8, 120, 2, 12

@@ -16,12 +16,12 @@ import numpy as np
 from lagrangia.algebra.duals import Scalar, rate_of
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
+from lagrangia.constraints.parameters import default_parameters
 from lagrangia.frames.closures import gaps
 from lagrangia.frames.edges import Closure
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics
 from lagrangia.language.flat import Equation
-from lagrangia.parameters import default_parameters
 
 _NEGLIGIBLE = 1e-12
 

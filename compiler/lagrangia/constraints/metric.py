@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector
-from lagrangia.initial import FREE
+from lagrangia.constraints.initial import FREE
 
 _EASE, _LEAST_PIVOT, _NO_MASS = 100.0, 1e-10, 1e-30
 Momenta = Callable[[Vector, Vector], Vector]  # q (n,), rates (n, k) -> M(q) rates (n, k)

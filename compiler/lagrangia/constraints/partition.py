@@ -14,11 +14,11 @@ from itertools import islice, takewhile
 import casadi as ca
 import numpy as np
 
-from lagrangia.assembly import begin
-from lagrangia.constraints import Constraints
+from lagrangia.constraints.assembly import begin
+from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
+from lagrangia.constraints.positions import Positions, Vector
+from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.initial import InitialConditions, initial_function, start_function
-from lagrangia.positions import Positions, Vector
 
 _CLOSED = 1e-9  # of a position on the constraints, relative to the largest slope
 _LEGS, _MOST_LEGS = 3, 1000  # ways in random directions; times the square of the number of coordinates

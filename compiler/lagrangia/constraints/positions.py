@@ -6,8 +6,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.constraints.parameters import at_declared_values
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.parameters import at_declared_values
 
 _DEPENDENT = 1e-9  # singular values below, relative to the largest, are of rows that repeat others
 _RETURNS = 60

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector, nearest
+from lagrangia.constraints.initial import InitialConditions
+from lagrangia.constraints.metric import Metric, Momenta, Way
+from lagrangia.constraints.parameters import default_parameters
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.initial import InitialConditions
-from lagrangia.metric import Metric, Momenta, Way
-from lagrangia.parameters import default_parameters
 
 _SATISFIED, _DEPENDENT, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL = 1e-10, 1e-10, 1e-4, 0.5, 0.9
 _CRITICAL, _PUSH, GOLDEN_RATIO = 1e-6, 1e-2, 0.6180339887498949
