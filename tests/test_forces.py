@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.elimination import articulate
-from lagrangia.motion import solve_dense
+from lagrangia.dynamics.elimination import articulate
+from lagrangia.dynamics.motion import solve_dense
 from rounding import needs_longer_numbers, noise
 
 Scene = Callable[[str], lag.Model]

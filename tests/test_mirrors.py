@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia import impacts, summary
+from lagrangia import summary
 from lagrangia.base.folders import data_folder
 from lagrangia.constraints import assembly, initial, metric, newton
+from lagrangia.dynamics import impacts
 from lagrangia.native.build import build
 from lagrangia.run import batch, runtime
 from lagrangia.run.library import start_runtime

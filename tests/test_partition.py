@@ -12,7 +12,7 @@ from lagrangia.constraints.assembly import begin
 from lagrangia.constraints.parameters import at_declared_values
 from lagrangia.constraints.partition import Partition, find_partition
 from lagrangia.constraints.positions import Positions
-from lagrangia.motion import build_motion
+from lagrangia.dynamics.motion import build_motion
 from lagrangia.pipeline import Compilation, compile_file
 from random_linkages import random_linkage
 from rounding import needs_longer_numbers, noise

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.bodies import find_bodies
-from lagrangia.elimination import articulate
-from lagrangia.motion import solve_dense
+from lagrangia.dynamics.bodies import find_bodies
+from lagrangia.dynamics.elimination import articulate
+from lagrangia.dynamics.motion import solve_dense
 from random_trees import FX, FY, TORQUE, Body, RandomTree, random_tree
 
 COUNTS = range(1, 9)

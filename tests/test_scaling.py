@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
-from lagrangia import LagError, jacobians
+from lagrangia import LagError
+from lagrangia.dynamics import jacobians
 from lagrangia.pipeline import compile_file
 
 CHAIN = Path(__file__).parent.parent / "models" / "examples" / "chain.lag"

@@ -17,7 +17,7 @@ from lagrangia.constraints.assembly import Assembly
 from lagrangia.constraints.initial import FIXED, FREE
 from lagrangia.constraints.newton import start_equations
 from lagrangia.constraints.singular_positions import told
-from lagrangia.equilibrium import Rest, find_all, find_rest, onto_constraints
+from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest, onto_constraints
 from lagrangia.frames.joints import all_reactions, reaction_ports
 from lagrangia.grips import Grip, balance, find_all_held, find_held, holds_at
 from lagrangia.language.dimensions import unit_of

@@ -14,9 +14,9 @@ import numpy as np
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.casadi_solvers import segments, switching_times
+from lagrangia.dynamics.switches import live
 from lagrangia.model import Model
 from lagrangia.run.request import USUAL, Experiment, Request, check_values, plan
-from lagrangia.switches import live
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -7,7 +7,7 @@ import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.document import Block, Display, Heading, Inline, Table, display, paragraph
-from lagrangia.energies import Term
+from lagrangia.dynamics.energies import Term
 from lagrangia.equations import Constant, Equations
 from lagrangia.layout import (
     Grid,

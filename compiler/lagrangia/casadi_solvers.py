@@ -17,12 +17,12 @@ import numpy as np
 
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.interruptions import noticed
+from lagrangia.dynamics.switches import has_dry_friction, live
 from lagrangia.pipeline import Compilation
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Statistics
 from lagrangia.run.simulate import Progress
 from lagrangia.run.solvers import AUTO
-from lagrangia.switches import has_dry_friction, live
 
 _INTEGRATORS = ("cvodes", "idas", "rk", "collocation")
 _MOST_STEPS = 10_000_000

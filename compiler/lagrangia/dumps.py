@@ -132,7 +132,7 @@ def _energies(compilation: Compilation) -> str:
 
 
 def _motion(compilation: Compilation) -> str:
-    from lagrangia.motion import mass_matrix
+    from lagrangia.dynamics.motion import mass_matrix
 
     motion = compilation.motion
     n = motion.q.numel()

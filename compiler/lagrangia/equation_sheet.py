@@ -15,10 +15,10 @@ from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.book import Book
 from lagrangia.constraints.parameters import all_parameters, scalars
 from lagrangia.document import Document
+from lagrangia.dynamics.impulses import rates_jump
 from lagrangia.equations import constants_of_motion, derive, with_values
 from lagrangia.forms import FORMS
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.impulses import rates_jump
 from lagrangia.language.values import read_value
 from lagrangia.linear_matrices import Begin, linearize
 from lagrangia.linear_page import linear_form, values_of

@@ -13,7 +13,7 @@ import sympy as sp
 
 from lagrangia.algebra.normal_form import Ring, TooLarge
 from lagrangia.algebra.with_sympy import Expr, exact, exact_throughout
-from lagrangia.energies import Energies, Load, Term
+from lagrangia.dynamics.energies import Energies, Load, Term
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.mentions import leaves
 from lagrangia.symbolic import GRAVITY, SymbolicScene

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.diagnostics import Diagnostic, fail, suggest
 from lagrangia.base.result_files import Target, keep_apart, write_text
 from lagrangia.base.spelling import python_text
+from lagrangia.dynamics.switches import has_corners
 from lagrangia.places import place_of_moving_support
 from lagrangia.small_motion import build_small_motion
-from lagrangia.switches import has_corners
 
 if TYPE_CHECKING:
     from lagrangia.model import Model
@@ -114,9 +114,9 @@ def inputs(model: "Model") -> dict[str, float]:
 
 
 def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
+    from lagrangia.dynamics.freedom import find_freedom
     from lagrangia.equation_sheet import Request, written_book
     from lagrangia.equations import without_rows
-    from lagrangia.freedom import find_freedom
     from lagrangia.modelica import write_modelica
 
     book = written_book(model.path, Request(names=names, is_forced=force), model.model, model.structural)

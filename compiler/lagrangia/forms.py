@@ -24,7 +24,7 @@ from lagrangia.book import (
     where,
 )
 from lagrangia.document import Block, Display, Document, Heading, display, paragraph
-from lagrangia.energies import Term
+from lagrangia.dynamics.energies import Term
 from lagrangia.equations import load_force, split_potential
 from lagrangia.layout import Grid, Name, Node, Relation, Total, added, product, total
 from lagrangia.presentation import Presentation

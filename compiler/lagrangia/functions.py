@@ -12,22 +12,22 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.with_casadi import Mode
-from lagrangia.constrained_motion import ConstrainedMotion, RegularMotion
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.parameters import all_parameters, at_start, parameters_of, scalars
 from lagrangia.constraints.rows import Constraints
+from lagrangia.dynamics.constrained_motion import ConstrainedMotion, RegularMotion
+from lagrangia.dynamics.hamilton import Hamilton
+from lagrangia.dynamics.impulses import find_kick
+from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
+from lagrangia.dynamics.motion import Motion, mass_matrix
+from lagrangia.dynamics.reactions import build_reactions
+from lagrangia.dynamics.switches import Switches, find_roots, find_switches
 from lagrangia.factors import hoist
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.hamilton import Hamilton
-from lagrangia.impulses import find_kick
-from lagrangia.jacobians import Jacobian, build_jacobian
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.observables import observe
 from lagrangia.linear_choice import linear_pays
 from lagrangia.linear_form import LinearForm, find_linear_form
-from lagrangia.motion import Motion, mass_matrix
-from lagrangia.reactions import build_reactions
-from lagrangia.switches import Switches, find_roots, find_switches
 
 # Functions of the state that only constraints ask for, and their results.
 _OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.nonnegative_least_squares import nonnegative
-from lagrangia.equilibrium import Rest, StaticEquations, find_rest, find_rest_near, onto_constraints, starts
+from lagrangia.dynamics.equilibrium import Rest, StaticEquations, find_rest, find_rest_near, onto_constraints, starts
 
 Vector = NDArray[np.float64]
 _TOUCHES = 1e-7  # in natural displacements

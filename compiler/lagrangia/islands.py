@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import casadi as ca
 
-from lagrangia.constrained_motion import ConstrainedMotion, ConstraintRows, FreeMotion, bring_down, constrain
 from lagrangia.constraints.initial import InitialConditions
+from lagrangia.dynamics.constrained_motion import ConstrainedMotion, ConstraintRows, FreeMotion, bring_down, constrain
+from lagrangia.dynamics.motion import Motion, solve_dense
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.motion import Motion, solve_dense
 from lagrangia.spectrum import find_spectrum
 
 MOST_COORDINATES, MOST_ISLANDS = 200, 8  # of scenes that are divided

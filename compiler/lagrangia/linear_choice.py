@@ -11,8 +11,8 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.constraints.parameters import default_parameters
+from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.motion import Motion, mass_matrix
 
 _RADIANS, _RADIANS_WITH_EVENTS = 130, 1500
 _SET_UP, _ROW = 3.2e-3, 7.4e-4  # microseconds, times the third power of the number of states, and the second

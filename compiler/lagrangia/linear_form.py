@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.linearity import Degree, NotLinear, Rewritten, rewrite
 from lagrangia.loads import LoadStates
-from lagrangia.motion import Motion, mass_matrix
 from lagrangia.waves import NotAWave
 
 # Beyond so many states only products with sparse matrices are formed, and of a mass matrix with more entries a row no factors.

@@ -88,7 +88,7 @@ class Model:
         A run does not need it, so that it is found when it is first asked for, and then kept with the scene.
         """
         if self.scene.notes["freedom"] is None:
-            from lagrangia.freedom import find_freedom, freedom_notes
+            from lagrangia.dynamics.freedom import find_freedom, freedom_notes
 
             c = self.compilation
             found = freedom_notes(find_freedom(c.kinematics, c.motion, c.constraints, c.initial, c.functions.table))

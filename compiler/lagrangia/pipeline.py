@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from lagrangia.constraints.initial import InitialConditions
     from lagrangia.constraints.partition import Partition
     from lagrangia.constraints.rows import Constraints
-    from lagrangia.energies import Energies
+    from lagrangia.dynamics.energies import Energies
+    from lagrangia.dynamics.hamilton import Hamilton
+    from lagrangia.dynamics.motion import Motion
     from lagrangia.frames.graph import ComponentGraph
     from lagrangia.frames.kinematics import Kinematics
     from lagrangia.functions import Functions
-    from lagrangia.hamilton import Hamilton
     from lagrangia.language.flat import FlatModel
     from lagrangia.language.tree import Syntax
-    from lagrangia.motion import Motion
     from lagrangia.run.scene import Scene
 
 PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")
@@ -64,13 +64,13 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.constraints.initial import loosen
     from lagrangia.constraints.partition import find_partition
     from lagrangia.constraints.rows import reduce_kinematics
-    from lagrangia.energies import build_energies
+    from lagrangia.dynamics.energies import build_energies
+    from lagrangia.dynamics.freedom import is_held_still
+    from lagrangia.dynamics.motion import build_motion
     from lagrangia.frames.graph import build_graph
     from lagrangia.frames.kinematics import build_kinematics
-    from lagrangia.freedom import is_held_still
     from lagrangia.functions import build_functions
     from lagrangia.language.dimensions import check_dimensions
-    from lagrangia.motion import build_motion
     from lagrangia.scenes import build_scene, divide
 
     took: dict[str, float] = {}
@@ -104,7 +104,7 @@ def _start(kinematics: "Kinematics", constraints: "Constraints", is_as_written: 
     equations whose force acts on what they do not hold, too."""
     from lagrangia.constraints.initial import build_initial
     from lagrangia.constraints.virtual_forces import refuse_forces_elsewhere
-    from lagrangia.double_roots import lift_double_roots
+    from lagrangia.dynamics.double_roots import lift_double_roots
 
     initial = build_initial(kinematics, constraints)
     refuse_forces_elsewhere(kinematics, constraints, initial)
@@ -115,7 +115,7 @@ def _start(kinematics: "Kinematics", constraints: "Constraints", is_as_written: 
 def _flow(kinematics: "Kinematics", constraints: "Constraints", energies: "Energies", run: "Motion"
           ) -> "tuple[str, str, Hamilton | None]":
     """Why the scene does not keep its energy, why it has no conservative steps, and the momenta of these where it needs them."""
-    from lagrangia.hamilton import build_hamilton, energy_flow, is_separable, no_momenta
+    from lagrangia.dynamics.hamilton import build_hamilton, energy_flow, is_separable, no_momenta
 
     flow = energy_flow(kinematics, constraints, energies, run)
     stuck = flow or no_momenta(constraints, run)
@@ -125,9 +125,9 @@ def _flow(kinematics: "Kinematics", constraints: "Constraints", energies: "Energ
 def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motion",
                   made_of: "tuple[Constraints, bool, Partition | None]") -> "tuple[Kinematics, Motion]":
     """The motion with what holds at contacts, and the kinematics that know these forces; the same where there are no events."""
-    from lagrangia.energies import build_energies
-    from lagrangia.impacts import find_impacts
-    from lagrangia.motion import build_motion
+    from lagrangia.dynamics.energies import build_energies
+    from lagrangia.dynamics.impacts import find_impacts
+    from lagrangia.dynamics.motion import build_motion
 
     impacts = find_impacts(kinematics)
     if not impacts.places:
@@ -154,7 +154,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
     """What the equations for people begin with: text -> kinematics; parameters and energies were checked. Raises LagError."""
     from lagrangia.constraints.parameters import default_parameters
     from lagrangia.constraints.rows import reduce_kinematics
-    from lagrangia.energies import build_energies
+    from lagrangia.dynamics.energies import build_energies
     from lagrangia.frames.graph import build_graph
     from lagrangia.frames.kinematics import build_kinematics
     from lagrangia.language.dimensions import check_dimensions

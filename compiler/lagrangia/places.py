@@ -5,13 +5,13 @@ from collections.abc import Iterable, Iterator
 import casadi as ca
 
 from lagrangia.base.diagnostics import Span
-from lagrangia.energies import Energies
+from lagrangia.dynamics.energies import Energies
+from lagrangia.dynamics.motion import Motion
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import Flat, Time
 from lagrangia.linearity import Degree, NotLinear, rewrite
-from lagrangia.motion import Motion
 
 
 def place_of_world(kinematics: Kinematics) -> Span | None:

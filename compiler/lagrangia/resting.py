@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.equilibrium import StaticEquations
+from lagrangia.dynamics.equilibrium import StaticEquations
 from lagrangia.grips import Grip, GripEquations, Look
 from lagrangia.linearization import TangentParts
 from lagrangia.small_motion import SmallMotion

@@ -8,10 +8,12 @@ import casadi as ca
 
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
-from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.rows import Constraints
-from lagrangia.double_roots import touching_notes
+from lagrangia.dynamics.constrained_motion import ConstrainedMotion
+from lagrangia.dynamics.double_roots import touching_notes
+from lagrangia.dynamics.motion import Motion
+from lagrangia.dynamics.switches import corners_remain
 from lagrangia.frames.graph import rate_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.functions import Functions, build_island_functions
@@ -21,12 +23,10 @@ from lagrangia.language.dimensions import unit_of
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
-from lagrangia.motion import Motion
 from lagrangia.native.c_code import may_hide, usual_rhs, write_motion_series
 from lagrangia.native.tapes import Tape
 from lagrangia.run.runtime import Solver
 from lagrangia.run.scene import Column, Parameter, Scene
-from lagrangia.switches import corners_remain
 
 
 def build_scene(

@@ -18,19 +18,19 @@ from lagrangia.algebra.scalars import Expression, as_expression
 from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.diagnostics import fail
 from lagrangia.constraints.parameters import scalars
-from lagrangia.energies import Energies, Load, evaluate_energies
-from lagrangia.holding import Holding, Pair
+from lagrangia.dynamics.energies import Energies, Load, evaluate_energies
+from lagrangia.dynamics.held_switches import Holding, Pair
+from lagrangia.dynamics.reactions import build_reactions
+from lagrangia.dynamics.switches import conditions_in, jumps_at_rest
 from lagrangia.language.observables import observe
 from lagrangia.probes import Probe, ProbedKinematics, Triple, probe_kinematics
-from lagrangia.reactions import build_reactions
-from lagrangia.switches import conditions_in, jumps_at_rest
 
 if TYPE_CHECKING:
     import numpy as np
 
     from lagrangia.constraints.rows import Constraints
+    from lagrangia.dynamics.motion import Motion
     from lagrangia.frames.kinematics import Kinematics
-    from lagrangia.motion import Motion
 
 DIRECTIONS = ("q", "v", "a", "lambda", "s", "ds", "dds")
 _NONE = ca.SX(0, 1)

@@ -8,8 +8,8 @@ import numpy as np
 
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.parameters import default_parameters
+from lagrangia.dynamics.motion import Motion
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.motion import Motion
 
 _STILL = 1e-6  # eigenvalues this much smaller than the largest are those of rigid-body motion
 _STIFF_SPAN = 1e3  # how much faster decay must be than the rest

@@ -7,7 +7,7 @@ import sympy as sp
 from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.document import Block, Display, Document, Heading, Inline, Table, display, paragraph
-from lagrangia.energies import Term
+from lagrangia.dynamics.energies import Term
 from lagrangia.layout import Grid, Name, Node, Relation, Words, added
 from lagrangia.notation import own_name
 from lagrangia.presentation import Presentation, Symbols

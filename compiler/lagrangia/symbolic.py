@@ -19,7 +19,7 @@ from lagrangia.algebra.with_sympy import TIME, Expr, SympyAlgebra, exact_through
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
-from lagrangia.energies import Energies, evaluate_energies
+from lagrangia.dynamics.energies import Energies, evaluate_energies
 from lagrangia.frames.edges import Edge, Step
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols

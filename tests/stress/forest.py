@@ -12,9 +12,9 @@ import casadi as ca
 import numpy as np
 
 import lagrangia as lag
-from lagrangia.bodies import find_bodies
-from lagrangia.elimination import articulate
-from lagrangia.motion import mass_matrix, solve_dense
+from lagrangia.dynamics.bodies import find_bodies
+from lagrangia.dynamics.elimination import articulate
+from lagrangia.dynamics.motion import mass_matrix, solve_dense
 from lagrangia.run.solvers import applicable
 from random_trees import random_tree
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.harmonics import Angle, Harmonics, Key, Powers, Sum, TooLarge, combined
 from lagrangia.algebra.scalars import Expression, apply_to_one, as_expression, symbols_in
-from lagrangia.energies import Term
+from lagrangia.dynamics.energies import Term
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 

@@ -15,21 +15,21 @@ import casadi as ca
 from lagrangia.algebra.duals import Scalar, rate_of, value_of
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.bodies import Bodies, Inertia, find_bodies
-from lagrangia.collected import MOST_COORDINATES, Collected, blocks_of, collect, split_weights
-from lagrangia.constrained_motion import ConstrainedMotion, FreeMotion, bring_down, constrain, constraint_rows
 from lagrangia.constraints.partition import Partition
 from lagrangia.constraints.rows import Constraints
-from lagrangia.directions import gradient_by_rates
-from lagrangia.elimination import ArticulatedBodies, articulate
-from lagrangia.energies import Energies
-from lagrangia.evenness import is_even
-from lagrangia.forces import forces_of_loops
+from lagrangia.dynamics.bodies import Bodies, Inertia, find_bodies
+from lagrangia.dynamics.collected_inertia import MOST_COORDINATES, Collected, blocks_of, collect, split_weights
+from lagrangia.dynamics.constrained_motion import ConstrainedMotion, FreeMotion, bring_down, constrain, constraint_rows
+from lagrangia.dynamics.dissipation import gradient_by_rates
+from lagrangia.dynamics.elimination import ArticulatedBodies, articulate
+from lagrangia.dynamics.energies import Energies
+from lagrangia.dynamics.forces import forces_of_loops
+from lagrangia.dynamics.impacts import Impacts
+from lagrangia.dynamics.regularity import is_even
+from lagrangia.dynamics.schur import FreeTree, prefers
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.joints import all_reactions
 from lagrangia.frames.kinematics import Kinematics, rotated
-from lagrangia.impacts import Impacts
-from lagrangia.schur import FreeTree, prefers
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24

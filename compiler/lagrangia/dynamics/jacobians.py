@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from lagrangia.dynamics.motion import Motion, coupled_pairs
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.motion import Motion, coupled_pairs
 
 # Written out, a Jacobian has some such many operations as the equations times the colours of its columns: above this, compiling
 # takes longer than runs save (a chain of 20 links: 0.7 s for 22 000).

@@ -7,11 +7,11 @@ import casadi as ca
 
 from lagrangia.constraints.partition import Partition
 from lagrangia.constraints.rows import Constraints
-from lagrangia.evenness import find_evenness, is_even, relative_pivots
+from lagrangia.dynamics.kkt import KKT, diagonal_of, factor
+from lagrangia.dynamics.null_space import NullSpace
+from lagrangia.dynamics.regularity import find_evenness, is_even, relative_pivots
+from lagrangia.dynamics.schur import FreeTree, SchurComplement, form
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.kkt import KKT, diagonal_of, factor
-from lagrangia.null_space import NullSpace
-from lagrangia.schur import FreeTree, SchurComplement, form
 
 System = KKT | SchurComplement
 

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.constraints.rows import Constraints
-from lagrangia.energies import evaluate_energies
+from lagrangia.dynamics.energies import evaluate_energies
+from lagrangia.dynamics.kkt import factor
+from lagrangia.dynamics.motion import Motion, generalised_force, mass_matrix, solve_mass
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.kkt import factor
-from lagrangia.motion import Motion, generalised_force, mass_matrix, solve_mass
 
 _NOTHING = 1e-6  # of the size of its terms: an impulse that is rounding
 

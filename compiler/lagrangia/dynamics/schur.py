@@ -15,9 +15,9 @@ from functools import cached_property, reduce
 import casadi as ca
 
 from lagrangia.algebra.duals import is_zero
-from lagrangia.elimination import ArticulatedBodies
-from lagrangia.forces import Forces
-from lagrangia.kkt import DOUBTFUL, SMALL, count_operations
+from lagrangia.dynamics.elimination import ArticulatedBodies
+from lagrangia.dynamics.forces import Forces
+from lagrangia.dynamics.kkt import DOUBTFUL, SMALL, count_operations
 
 # Operations along the tree, of a body and of a body for each constraint that moves all; and of an entry of M. Measured on ropes.
 _BODY, _PASS, _ENTRY = 75, 30, 16

@@ -24,7 +24,7 @@ from lagrangia.algebra.duals import Scalar, rate_of, value_of
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.constraints.parameters import usual_parameters
-from lagrangia.energies import Load
+from lagrangia.dynamics.energies import Load
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in

@@ -19,9 +19,9 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Dual, Scalar, is_zero, minus, plus, rate_of, times, value_of
 from lagrangia.algebra.scalars import scalars_in
-from lagrangia.bodies import Bodies, Inertia
-from lagrangia.energies import Energies
-from lagrangia.forces import Forces, find_forces
+from lagrangia.dynamics.bodies import Bodies, Inertia
+from lagrangia.dynamics.energies import Energies
+from lagrangia.dynamics.forces import Forces, find_forces
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.kinematics import Kinematics, rotated

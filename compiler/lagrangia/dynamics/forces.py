@@ -15,8 +15,8 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression, scalars_in, symbol
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.constraints.rows import Row
-from lagrangia.directions import gradient_by_rates
-from lagrangia.energies import Energies
+from lagrangia.dynamics.dissipation import gradient_by_rates
+from lagrangia.dynamics.energies import Energies
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Kinematics, displacement
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from lagrangia.constraints.rows import Constraints, moved_in_time
-from lagrangia.energies import Energies
+from lagrangia.dynamics.energies import Energies
+from lagrangia.dynamics.motion import Motion, solve_mass
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.motion import Motion, solve_mass
 
 _MOST_COORDINATES = 300
 

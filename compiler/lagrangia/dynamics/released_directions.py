@@ -14,13 +14,13 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.bodies import Bodies
 from lagrangia.constraints.rows import Constraints, Row
-from lagrangia.energies import Energies, build_energies
+from lagrangia.dynamics.bodies import Bodies
+from lagrangia.dynamics.energies import Energies, build_energies
+from lagrangia.dynamics.motion import Motion, inertial_reaction
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.joints import component_of
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.motion import Motion, inertial_reaction
 
 
 class Released:

@@ -19,8 +19,8 @@ import casadi as ca
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, uses
-from lagrangia.holding import RELATIONS, SIGNS, Holding, Pair, direction_in, ordered, pair_of, rest_asked
-from lagrangia.motion import Motion
+from lagrangia.dynamics.held_switches import RELATIONS, SIGNS, Holding, Pair, direction_in, ordered, pair_of, rest_asked
+from lagrangia.dynamics.motion import Motion
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from lagrangia.constraints.initial import InitialConditions, initial_function, s
 from lagrangia.constraints.parameters import at_declared_values, default_parameters
 from lagrangia.constraints.positions import Positions
 from lagrangia.constraints.rows import Constraints, Row
-from lagrangia.equilibrium import StaticEquations, ways_at
+from lagrangia.dynamics.equilibrium import StaticEquations, ways_at
 from lagrangia.frames.kinematics import Kinematics
 
 _DEPENDENT = 1e-4  # of normalised rows: a double root is known to half the digits

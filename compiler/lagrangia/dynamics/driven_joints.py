@@ -9,13 +9,13 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.constraints.rows import Constraints, Row
+from lagrangia.dynamics.released_directions import Released
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Equation
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import FrameRef, Ref
-from lagrangia.released import Released
 
 
 def force_beside_drives(kinematics: Kinematics, constraints: Constraints, released: Released, edge: Edge) -> ca.SX:

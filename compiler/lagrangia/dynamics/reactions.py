@@ -9,9 +9,11 @@ Only what is asked for is built.
 import casadi as ca
 
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.bodies import Bodies
 from lagrangia.constraints.rows import Constraints
-from lagrangia.drives import force_beside_drives
+from lagrangia.dynamics.bodies import Bodies
+from lagrangia.dynamics.driven_joints import force_beside_drives
+from lagrangia.dynamics.motion import Motion
+from lagrangia.dynamics.released_directions import Released, forces_of_ties
 from lagrangia.frames.closures import meeting_place, slide_normal
 from lagrangia.frames.edges import Closure, Edge
 from lagrangia.frames.joints import component_of, cuts_of, joints_of
@@ -20,8 +22,6 @@ from lagrangia.frames.planar import Pose
 from lagrangia.language.instances import REACTIONS
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import FrameRef
-from lagrangia.motion import Motion
-from lagrangia.released import Released, forces_of_ties
 
 
 def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constraints, motion: Motion) -> tuple[ca.SX, ca.SX]:

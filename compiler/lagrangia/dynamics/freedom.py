@@ -14,17 +14,17 @@ import numpy as np
 
 from lagrangia.algebra.orthogonal import Vector
 from lagrangia.base.diagnostics import Diagnostic, tell_miss
-from lagrangia.constrained_motion import ConstrainedMotion
 from lagrangia.constraints.assemblies import Alternatives, find_alternatives
 from lagrangia.constraints.assembly import Assembly, begin
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.positions import Positions, shortest
 from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.constraints.singular_positions import told
-from lagrangia.double_roots import static_constraints
-from lagrangia.equilibrium import ways_at
+from lagrangia.dynamics.constrained_motion import ConstrainedMotion
+from lagrangia.dynamics.double_roots import static_constraints
+from lagrangia.dynamics.equilibrium import ways_at
+from lagrangia.dynamics.motion import Motion
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.motion import Motion
 
 _RANK = 1e-7
 _THERE = 1e-13  # of a position that is taken to be on the constraints, relative to the scene's size

@@ -6,8 +6,8 @@ import casadi as ca
 
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.constraints.parameters import default_parameters
+from lagrangia.dynamics.kkt import diagonal_of
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.kkt import diagonal_of
 
 # Smallest pivot of the scaled mass matrix that still counts as mass, and the largest ratio of the masses that one constraint
 # ties together that J M^-1 J^T bears.

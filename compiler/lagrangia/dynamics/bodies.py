@@ -11,7 +11,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar, minus
 from lagrangia.algebra.scalars import scalars_in, symbol
-from lagrangia.energies import Energies, Term
+from lagrangia.dynamics.energies import Energies, Term
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.kinematics import Kinematics
