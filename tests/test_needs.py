@@ -9,7 +9,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.cli import main
-from lagrangia.needs import Need, find_needs
+from lagrangia.needs.table import Need, find_needs
 from lagrangia.pipeline import Compilation, compile_file
 from lagrangia.run.solvers import name_of
 

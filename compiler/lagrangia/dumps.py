@@ -146,7 +146,7 @@ def _motion(compilation: Compilation) -> str:
 
 
 def _needs(compilation: Compilation) -> str:
-    from lagrangia.needs import find_needs
+    from lagrangia.needs.table import find_needs
 
     c = compilation
     needs = find_needs(c.kinematics, c.constraints, c.energies, c.run, c.initial, c.scene)

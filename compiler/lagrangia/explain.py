@@ -12,7 +12,7 @@ from lagrangia.run.scene import Scene
 from lagrangia.run.solvers import CASADI, WAYS, name_of
 
 if TYPE_CHECKING:
-    from lagrangia.needs import Need
+    from lagrangia.needs.table import Need
 
 _WIDTH = 118
 NONE = "none"

@@ -10,7 +10,7 @@ def explain_command(options: Namespace) -> int:
     """The scene with the parameters given, as it would be run."""
     from lagrangia.casadi_solvers import casadi_refusal
     from lagrangia.explain import as_json, as_text, solver_of, without_compiler
-    from lagrangia.needs import find_needs
+    from lagrangia.needs.table import find_needs
 
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())

@@ -26,8 +26,8 @@ from lagrangia.factors import hoist
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.observables import observe
-from lagrangia.linear_choice import linear_pays
-from lagrangia.linear_form import LinearForm, find_linear_form
+from lagrangia.needs.linear_choice import linear_pays
+from lagrangia.needs.linear_form import LinearForm, find_linear_form
 
 # Functions of the state that only constraints ask for, and their results.
 _OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}

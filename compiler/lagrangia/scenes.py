@@ -18,13 +18,13 @@ from lagrangia.frames.graph import rate_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.functions import Functions, build_island_functions
 from lagrangia.instructions import count_operations, tape_of
-from lagrangia.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, islands_pay
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
 from lagrangia.native.c_code import may_hide, usual_rhs, write_motion_series
 from lagrangia.native.tapes import Tape
+from lagrangia.needs.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, islands_pay
 from lagrangia.run.runtime import Solver
 from lagrangia.run.scene import Column, Parameter, Scene
 

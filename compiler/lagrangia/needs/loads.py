@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from lagrangia.algebra.scalars import apply
-from lagrangia.waves import DEPTH, Sum, Waves
+from lagrangia.needs.waves import DEPTH, Sum, Waves
 
 _DEEPEST, _MOST_TERMS = 16, 8  # of conditions inside conditions; of what is 0 but under some
 

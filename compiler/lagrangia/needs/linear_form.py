@@ -9,9 +9,9 @@ import casadi as ca
 
 from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.linearity import Degree, NotLinear, Rewritten, rewrite
-from lagrangia.loads import LoadStates
-from lagrangia.waves import NotAWave
+from lagrangia.needs.linearity import Degree, NotLinear, Rewritten, rewrite
+from lagrangia.needs.loads import LoadStates
+from lagrangia.needs.waves import NotAWave
 
 # Beyond so many states only products with sparse matrices are formed, and of a mass matrix with more entries a row no factors.
 _MOST_DENSE, _DENSEST_ROW = 200, 24

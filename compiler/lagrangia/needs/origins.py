@@ -11,7 +11,7 @@ from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import Flat, Time
-from lagrangia.linearity import Degree, NotLinear, rewrite
+from lagrangia.needs.linearity import Degree, NotLinear, rewrite
 
 
 def place_of_world(kinematics: Kinematics) -> Span | None:

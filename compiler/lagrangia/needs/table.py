@@ -13,18 +13,18 @@ from lagrangia.base.diagnostics import Span
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.partition import is_too_large
 from lagrangia.constraints.rows import Constraints, moved_in_time
-from lagrangia.dependence import changes
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.motion import Motion, build_motion, count_nodes, inertial_force
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.graph import Coordinate
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.islands import MOST_COORDINATES, find_islands
 from lagrangia.language.observables import observe
-from lagrangia.places import is_linear, place_of_nonlinear_term, place_of_time, place_of_world
+from lagrangia.needs.dependence import changes
+from lagrangia.needs.islands import MOST_COORDINATES, find_islands
+from lagrangia.needs.origins import is_linear, place_of_nonlinear_term, place_of_time, place_of_world
+from lagrangia.needs.spectrum import Spectrum, find_spectrum
 from lagrangia.run.runtime import Solver
 from lagrangia.run.scene import Scene
-from lagrangia.spectrum import Spectrum, find_spectrum
 
 _MOST_COUNTED = 60  # coordinates: in larger scenes nothing is built a second time only to be counted
 _MOST_NAMES = 4

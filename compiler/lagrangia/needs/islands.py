@@ -13,7 +13,7 @@ from lagrangia.constraints.initial import InitialConditions
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, ConstraintRows, FreeMotion, bring_down, constrain
 from lagrangia.dynamics.motion import Motion, solve_dense
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.spectrum import find_spectrum
+from lagrangia.needs.spectrum import find_spectrum
 
 MOST_COORDINATES, MOST_ISLANDS = 200, 8  # of scenes that are divided
 _UNLIKE = 4.0  # ratio of the fastest rates from which steps of their own pay: each island has a cost of its own a row
