@@ -2,7 +2,7 @@
 
 import casadi as ca
 
-from lagrangia.instructions import tape_of
+from lagrangia.compile.instructions import tape_of
 from lagrangia.native.tapes import Tape
 from lagrangia.run.runtime import Model
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.numpy_module import statements
+from lagrangia.compile.numpy_module import statements
 
 needs_longer_numbers = pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="no numbers longer than double here")
 

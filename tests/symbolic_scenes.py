@@ -5,8 +5,8 @@ from pathlib import Path
 
 import sympy as sp
 
+from lagrangia.compile.pipeline import compile_energies
 from lagrangia.equations import Equations, derive
-from lagrangia.pipeline import compile_energies
 from lagrangia.symbolic import build_symbolic
 
 EXAMPLES = Path(__file__).parents[1] / "models" / "examples"

@@ -8,8 +8,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.cli import main
+from lagrangia.compile.pipeline import compile_file, read_files
 from lagrangia.constraints import assembly
-from lagrangia.pipeline import compile_file, read_files
 from random_linkages import random_linkage
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -15,7 +15,7 @@ from matplotlib.image import imread
 
 from lagrangia import __version__
 from lagrangia.cli import main
-from lagrangia.pipeline import PHASES
+from lagrangia.compile.pipeline import PHASES
 from reference import pendulum_angle
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"

@@ -8,6 +8,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.algebra.harmonics import Harmonics, TooLarge, added
+from lagrangia.compile.pipeline import Compilation, compile_file, flatten_file
 from lagrangia.constraints.rows import reduce_kinematics
 from lagrangia.dynamics.bodies import find_bodies
 from lagrangia.dynamics.collected_inertia import split_weights
@@ -15,7 +16,6 @@ from lagrangia.dynamics.energies import build_energies
 from lagrangia.dynamics.motion import mass_matrix
 from lagrangia.frames.graph import build_graph
 from lagrangia.frames.kinematics import build_kinematics
-from lagrangia.pipeline import Compilation, compile_file, flatten_file
 from random_trees import random_tree
 from reference import pendulum_angle
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.instructions import tape_of
+from lagrangia.compile.instructions import tape_of
 from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.request import check_values
 from reference import integrate

@@ -9,8 +9,8 @@ import pytest
 
 import lagrangia as lag
 from conftest import Compare
-from lagrangia.dumps import dump
-from lagrangia.pipeline import PHASES
+from lagrangia.compile.dumps import dump
+from lagrangia.compile.pipeline import PHASES
 
 HERE = Path(__file__).resolve().parent
 EXAMPLES = HERE.parent / "models" / "examples"

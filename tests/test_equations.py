@@ -29,7 +29,7 @@ def written(tmp_path: Path):
 
 def values(d: Derived, path: Path) -> dict[sp.Expr, float]:
     scene = d.equations.scene
-    from lagrangia.pipeline import compile_energies
+    from lagrangia.compile.pipeline import compile_energies
 
     numbers = parameter_values(compile_energies(path)[0], {})
     return {p.symbol: numbers[p.name] for p in scene.parameters}

@@ -13,9 +13,9 @@ import pytest
 from lagrangia.base.diagnostics import LagError, Source
 from lagrangia.base.folders import data_folder
 from lagrangia.cli import WRONG, main
+from lagrangia.compile.pipeline import flatten_file, read_files
 from lagrangia.language.expectations import SPOKEN
 from lagrangia.language.syntax import parse
-from lagrangia.pipeline import flatten_file, read_files
 
 FOLDER = Path(__file__).parent / "errors"
 MODELS = sorted(FOLDER.glob("*.lag"))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.factors import hoist
-from lagrangia.instructions import count_operations, tape_of
+from lagrangia.compile.hoisting import hoist
+from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.run.interpret import evaluate
 from lagrangia.run.request import check_values
 

@@ -13,8 +13,8 @@ import pytest
 
 import lagrangia as lag
 import test_cases
+from lagrangia.compile.pipeline import compile_file
 from lagrangia.native.build import build, find_compiler
-from lagrangia.pipeline import compile_file
 from lagrangia.run.engines import load_engine
 from lagrangia.run.library import Runtime
 from lagrangia.run.request import check_values

@@ -10,10 +10,10 @@ import sympy as sp
 
 import lagrangia as lag
 from lagrangia.cli import WRONG, main
+from lagrangia.compile.pipeline import compile_energies
 from lagrangia.equation_sheet import parameter_values, start_of
 from lagrangia.equations import derive
 from lagrangia.linear_matrices import Linear, linearize
-from lagrangia.pipeline import compile_energies
 from lagrangia.symbolic import build_symbolic
 from symbolic_scenes import EXAMPLES, Derived
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.compile.pipeline import Compilation, compile_file
 from lagrangia.dynamics import motion as motion_module
 from lagrangia.dynamics.motion import Motion, build_motion, count_nodes
 from lagrangia.native.build import find_compiler
-from lagrangia.pipeline import Compilation, compile_file
 from rounding import needs_longer_numbers, noise
 
 ROPE = """

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.compile.pipeline import compile_file
 from lagrangia.native.build import find_compiler
-from lagrangia.pipeline import compile_file
 from lagrangia.run.engines import load_engine
 from lagrangia.run.request import Request, check_values, plan
 from lagrangia.run.scene import Scene

@@ -9,8 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.cli import main
+from lagrangia.compile.pipeline import Compilation, compile_file
 from lagrangia.needs.table import Need, find_needs
-from lagrangia.pipeline import Compilation, compile_file
 from lagrangia.run.solvers import name_of
 
 ROOT = Path(__file__).parents[1]

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from lagrangia.compile.pipeline import Compilation, compile_file
 from lagrangia.constraints import partition as partition_module
 from lagrangia.constraints.assembly import begin
 from lagrangia.constraints.parameters import at_declared_values
 from lagrangia.constraints.partition import Partition, find_partition
 from lagrangia.constraints.positions import Positions
 from lagrangia.dynamics.motion import build_motion
-from lagrangia.pipeline import Compilation, compile_file
 from random_linkages import random_linkage
 from rounding import needs_longer_numbers, noise
 

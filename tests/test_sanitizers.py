@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from lagrangia import Model, load
-from lagrangia.dumps import dump
+from lagrangia.compile.dumps import dump
 from lagrangia.native import wide_code as widecode
 from lagrangia.native.build import find_compiler
 from sanitizers import needs_sanitizers, run_sanitized

@@ -8,8 +8,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia import LagError
+from lagrangia.compile.pipeline import compile_file
 from lagrangia.dynamics import jacobians
-from lagrangia.pipeline import compile_file
 
 CHAIN = Path(__file__).parent.parent / "models" / "examples" / "chain.lag"
 

@@ -9,7 +9,7 @@ import pytest
 from mpmath import mp, mpf
 
 from lagrangia.base.folders import data_folder
-from lagrangia.instructions import count_operations, tape_of
+from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.native.build import build, find_compiler
 from lagrangia.native.tapes import Op, Tape
 from lagrangia.run.interpret import evaluate

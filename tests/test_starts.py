@@ -9,8 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.cli import main
+from lagrangia.compile.pipeline import compile_file
 from lagrangia.constraints import assembly
-from lagrangia.pipeline import compile_file
 
 Write = Callable[[str], lag.Model]
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from lagrangia.compile.pipeline import library
 from lagrangia.language.tree import ClassDefinition, Declaration
-from lagrangia.pipeline import library
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "compiler" / "lagrangia"

@@ -9,8 +9,8 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.cli import main
+from lagrangia.compile.pipeline import compile_file
 from lagrangia.native.build import find_compiler
-from lagrangia.pipeline import compile_file
 
 Scene = Callable[[str], lag.Model]
 XS, YS = [-1.0, 0.2, 0.5, 2.0, 2.25], [3.0, -1.0, -2.0, 4.0, 4.0]

@@ -10,7 +10,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError, RunError
-from lagrangia.instructions import tape_of
+from lagrangia.compile.instructions import tape_of
 from lagrangia.native.build import build
 from lagrangia.native.c_code import write_c
 from lagrangia.run.library import Runtime

@@ -33,8 +33,8 @@ from lagrangia.run.request import Values, check_parameters
 from lagrangia.small_motion import DIRECTIONS, SmallMotion, build_small_motion
 
 if TYPE_CHECKING:
+    from lagrangia.compile.pipeline import Compilation
     from lagrangia.language.flat import FlatModel
-    from lagrangia.pipeline import Compilation
 
 Vector = NDArray[np.float64]
 Held = tuple[Rest, Grip | None]  # a position of rest, and what holds there beside constraints

@@ -68,7 +68,7 @@ def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:
     found = find_scene(options.file, options.model, {}, outputs)
     if found is not None:
         return set(found.structural)
-    from lagrangia.pipeline import flatten_file
+    from lagrangia.compile.pipeline import flatten_file
 
     return set(flatten_file(options.file, options.model)[1].structural)
 
@@ -77,7 +77,7 @@ def part_structural(options: Namespace, given: list[tuple[str, str]]) -> tuple[d
     """Those that are structural, by their values, and the others, as they were written."""
     if not given:
         return {}, {}
-    from lagrangia.pipeline import flatten_file
+    from lagrangia.compile.pipeline import flatten_file
 
     known = flatten_file(options.file, options.model)[1].structural
     return ({name: _structural_value(text) for name, text in given if name in known},

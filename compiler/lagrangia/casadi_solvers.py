@@ -17,8 +17,8 @@ import numpy as np
 
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.interruptions import noticed
+from lagrangia.compile.pipeline import Compilation
 from lagrangia.dynamics.switches import has_dry_friction, live
-from lagrangia.pipeline import Compilation
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Statistics
 from lagrangia.run.simulate import Progress

@@ -51,8 +51,8 @@ def _compiled(file: Path) -> tuple[Model | None, Mapping[str, Any], list[Diagnos
 
 def _of_others(file: Path) -> Iterator[Diagnostic]:
     """What is wrong with models before the last one: all but values that only who uses a model can give."""
+    from lagrangia.compile.pipeline import flatten_file, other_models
     from lagrangia.language.dimensions import check_dimensions
-    from lagrangia.pipeline import flatten_file, other_models
 
     try:
         others = other_models(file)

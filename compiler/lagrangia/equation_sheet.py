@@ -13,6 +13,7 @@ from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.book import Book
+from lagrangia.compile.pipeline import compile_energies, compile_file, deep_recursion
 from lagrangia.constraints.parameters import all_parameters, scalars
 from lagrangia.document import Document
 from lagrangia.dynamics.impulses import rates_jump
@@ -23,7 +24,6 @@ from lagrangia.language.values import read_value
 from lagrangia.linear_matrices import Begin, linearize
 from lagrangia.linear_page import linear_form, values_of
 from lagrangia.pages import PRINTERS
-from lagrangia.pipeline import compile_energies, compile_file, deep_recursion
 from lagrangia.structure import structure_page
 from lagrangia.symbolic import SymbolicScene, build_symbolic
 from lagrangia.sympy_script import write_script

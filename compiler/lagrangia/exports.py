@@ -163,7 +163,7 @@ def _following(model: "Model", mapping: Any) -> list[str]:
 
 def _parameters_text(mapping: Any) -> str:
     """`parameters` of the Python module: from a vector, or by name."""
-    from lagrangia.numpy_module import write_function
+    from lagrangia.compile.numpy_module import write_function
 
     return f'''def parameters(p=()):
     """All values in the order of PARAMETERS, FOLLOWING worked out. p: as the functions take it, or changes by name."""
@@ -179,7 +179,7 @@ def _parameters_text(mapping: Any) -> str:
 
 
 def _python(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
-    from lagrangia.numpy_module import write_function
+    from lagrangia.compile.numpy_module import write_function
 
     scene, first, functions = model.scene, starts(model), model.functions() | model.derivatives()
     mapping = functions.pop("parameters")

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from lagrangia.arguments import assignment, load_model, split_names, tell_warnings, values_with_units
 from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.compile.pipeline import ALL_REACTIONS
 from lagrangia.native.build import CompilerError
-from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.statics import tells_reactions
 
 if TYPE_CHECKING:

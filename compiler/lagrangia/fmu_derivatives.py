@@ -15,14 +15,14 @@ from itertools import accumulate, pairwise
 
 import casadi as ca
 
+from lagrangia.compile.functions import state_space
+from lagrangia.compile.instructions import tape_of
+from lagrangia.compile.pipeline import Compilation
 from lagrangia.constraints.parameters import all_parameters
 from lagrangia.dynamics.switches import find_switches
 from lagrangia.fmu_factors import DEPENDENT, factor_kinds
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.functions import state_space
-from lagrangia.instructions import tape_of
 from lagrangia.native.tapes import Tape
-from lagrangia.pipeline import Compilation
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import casadi
     import numpy as np
 
-    from lagrangia.pipeline import Compilation
+    from lagrangia.compile.pipeline import Compilation
 
 _CONSTANTS = ("real", "integer", "boolean", "string")
 GROUPS = ("time", "state", "slope", "output", "energy", "input", "parameter", "indicator", *_CONSTANTS)

@@ -4,8 +4,8 @@ import io
 from collections.abc import Mapping
 from xml.sax.saxutils import escape
 
+from lagrangia.compile.pipeline import Compilation
 from lagrangia.fmu_model import Exportable
-from lagrangia.pipeline import Compilation
 
 _PIXELS, _DPI = 128, 64
 _MOST_FRAMES = 400  # shown in a picture
@@ -39,7 +39,7 @@ def draw_icon(model: Exportable, start: tuple[float, ...]) -> bytes:
 
 def _places(model: Exportable, start: tuple[float, ...]) -> Mapping[str, tuple[float, float]]:
     """Positions of the first frames at the start, in m."""
-    from lagrangia.functions import observer
+    from lagrangia.compile.functions import observer
 
     compilation = model.compilation
     scene, graph = model.scene, compilation.kinematics.graph

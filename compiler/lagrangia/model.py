@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     import numpy as np
 
     from lagrangia.analysis import Equilibria, Study
+    from lagrangia.compile.pipeline import Compilation
     from lagrangia.linearization import Linearization
     from lagrangia.modes import Modes
-    from lagrangia.pipeline import Compilation
     from lagrangia.response import Response
     from lagrangia.sweep_plan import Job
     from lagrangia.sweep_table import Sweep
@@ -105,7 +105,7 @@ class Model:
     def compilation(self) -> "Compilation":
         """What each phase of the compiler made; compiled when first asked for."""
         if self._compilation is None:
-            from lagrangia.pipeline import compile_file
+            from lagrangia.compile.pipeline import compile_file
 
             self._compilation = compile_file(self.path, self.model, self.structural, self.outputs, *self.formulas)
         return self._compilation
@@ -322,7 +322,7 @@ class Model:
     def _observe(self, parameters: "np.ndarray", values: Any, name: str, rows: "np.ndarray") -> "np.ndarray":
         import numpy as np
 
-        from lagrangia.functions import depends_on_forces, observer
+        from lagrangia.compile.functions import depends_on_forces, observer
 
         compilation, is_held = self.compilation, self.scene.sizes["switches_need_acceleration"]
         if is_held and depends_on_forces(compilation.kinematics, compilation.motion, name):
@@ -423,7 +423,7 @@ class Model:
         parameter_values(changes)). Constrained scenes have Phi, J, bias and lambda too; see functions.people_functions.
         Raises LagError L0701, L0702 for names that are none.
         """
-        from lagrangia.functions import people_functions
+        from lagrangia.compile.functions import people_functions
 
         c, known = self.general.compilation, self._known_parameters(given)
         return people_functions(c.kinematics, c.motion, c.constraints, self.output_names, known)
@@ -431,7 +431,7 @@ class Model:
     def derivatives(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":
         """CasADi Functions that go with those of `functions`: jacobian_u and jacobian_p of t, q, v, u, p are d(dv/dt)/du and
         d(dv/dt)/dp, with what follows from p; parameters of p are the values of all parameters. Raises LagError L0701, L0702."""
-        from lagrangia.functions import people_derivatives
+        from lagrangia.compile.functions import people_derivatives
 
         c, known = self.general.compilation, self._known_parameters(given)
         return people_derivatives(c.kinematics, c.motion, known)

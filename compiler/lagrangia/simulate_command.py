@@ -22,8 +22,8 @@ from lagrangia.arguments import (
 )
 from lagrangia.base.diagnostics import LagError, RunError, fail
 from lagrangia.base.interruptions import INTERRUPTED, undisturbed
+from lagrangia.compile.pipeline import ALL_REACTIONS
 from lagrangia.model import NO_COMPILER, Model
-from lagrangia.pipeline import ALL_REACTIONS
 from lagrangia.run.request import Experiment, check_values, plan
 from lagrangia.run.simulate import Progress, loss
 from lagrangia.statics import tells_reactions
@@ -46,7 +46,7 @@ def simulate_command(options: Namespace) -> int:
     model = _without_repeated(options, model, given)
     scene = model.scene
     if options.dump is not None:
-        from lagrangia.dumps import dump
+        from lagrangia.compile.dumps import dump
 
         print(dump(model.compilation, options.dump))
         return 0

@@ -35,8 +35,8 @@ def best(call: Callable[[], object], seconds: float = 0.3) -> float:
 
 def ours(file: Path, n: int, clock: Clock) -> tuple[float, int, str, float]:
     """Seconds an evaluation, nodes, how it runs, seconds from text to scene."""
+    from lagrangia.compile.pipeline import compile_file
     from lagrangia.native.c_code import usual_rhs
-    from lagrangia.pipeline import compile_file
     from lagrangia.run.engines import load_engine
     from lagrangia.run.scene import Scene
 

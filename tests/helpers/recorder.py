@@ -25,7 +25,7 @@ import numpy as np
 
 import lagrangia as lag
 from lagrangia.cli import main as lag_command
-from lagrangia.pipeline import read_files
+from lagrangia.compile.pipeline import read_files
 
 ROOT = Path(__file__).resolve().parents[2]
 TOLERANCES = (1e-5, 1e-9)

@@ -20,6 +20,7 @@ from lagrangia.base.result_files import require_file
 from lagrangia.base.store import find_kept, keep, key_of
 
 if TYPE_CHECKING:
+    from lagrangia.compile.functions import Functions
     from lagrangia.constraints.initial import InitialConditions
     from lagrangia.constraints.partition import Partition
     from lagrangia.constraints.rows import Constraints
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from lagrangia.dynamics.motion import Motion
     from lagrangia.frames.graph import ComponentGraph
     from lagrangia.frames.kinematics import Kinematics
-    from lagrangia.functions import Functions
     from lagrangia.language.flat import FlatModel
     from lagrangia.language.tree import Syntax
     from lagrangia.run.scene import Scene
@@ -61,6 +61,8 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
                  outputs: tuple[str, ...] = (), for_any_mass: bool = False, is_general: bool = False,
                  is_as_written: bool = False) -> Compilation:
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
+    from lagrangia.compile.functions import build_functions
+    from lagrangia.compile.scenes import build_scene, divide
     from lagrangia.constraints.initial import loosen
     from lagrangia.constraints.partition import find_partition
     from lagrangia.constraints.rows import reduce_kinematics
@@ -69,9 +71,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.dynamics.motion import build_motion
     from lagrangia.frames.graph import build_graph
     from lagrangia.frames.kinematics import build_kinematics
-    from lagrangia.functions import build_functions
     from lagrangia.language.dimensions import check_dimensions
-    from lagrangia.scenes import build_scene, divide
 
     took: dict[str, float] = {}
     with deep_recursion(), _without_collections():

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
+from lagrangia.compile.pipeline import PHASES, Compilation
 from lagrangia.language.tree import (
     Array,
     Binary,
@@ -19,7 +20,6 @@ from lagrangia.language.tree import (
     Time,
     Unary,
 )
-from lagrangia.pipeline import PHASES, Compilation
 
 _LONGEST = 400
 

@@ -12,6 +12,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.with_casadi import Mode
+from lagrangia.compile.hoisting import hoist
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.parameters import all_parameters, at_start, parameters_of, scalars
 from lagrangia.constraints.rows import Constraints
@@ -22,7 +23,6 @@ from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
 from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.switches import Switches, find_roots, find_switches
-from lagrangia.factors import hoist
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.observables import observe

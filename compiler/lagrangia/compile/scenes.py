@@ -8,6 +8,8 @@ import casadi as ca
 
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
+from lagrangia.compile.functions import Functions, build_island_functions
+from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion
@@ -16,8 +18,6 @@ from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.switches import corners_remain
 from lagrangia.frames.graph import rate_of
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.functions import Functions, build_island_functions
-from lagrangia.instructions import count_operations, tape_of
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.folding import numbers_of
