@@ -9,7 +9,7 @@
 from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Interrupted, LagError, RunError
 from lagrangia.base.version import VERSION
 from lagrangia.model import Model, load
-from lagrangia.trajectory import EnergyAccount, Trajectory
+from lagrangia.view.trajectory import EnergyAccount, Trajectory
 
 __version__ = VERSION
 __all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Interrupted", "LagError", "Model", "RunError", "Trajectory", "load"]

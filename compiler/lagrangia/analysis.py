@@ -24,13 +24,13 @@ from lagrangia.language.dimensions import unit_of
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref
 from lagrangia.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of
-from lagrangia.mechanism import Mechanism, build_mechanism
 from lagrangia.modes import Modes, find_modes, modes_of_ways, stability_of_ways
 from lagrangia.probes import Probe, find_probes, usual_probes
 from lagrangia.response import Response, find_response
 from lagrangia.resting import Resting, forces_of_grip, told_grip
 from lagrangia.run.request import Values, check_parameters
 from lagrangia.small_motion import DIRECTIONS, SmallMotion, build_small_motion
+from lagrangia.view.mechanism import Mechanism, build_mechanism
 
 if TYPE_CHECKING:
     from lagrangia.compile.pipeline import Compilation

@@ -22,7 +22,7 @@ from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_with
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.result_files import write_text
 from lagrangia.model import Model
-from lagrangia.plot import require_format
+from lagrangia.view.curves import require_format
 
 
 def equilibrium_command(options: Namespace) -> int:

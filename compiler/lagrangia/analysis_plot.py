@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.mechanism import Mechanism
-from lagrangia.plot import require_format, save
+from lagrangia.view.curves import require_format, save
+from lagrangia.view.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
 _MOST_DRAWN = 12

@@ -13,8 +13,8 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import keep_apart, open_with_care, require_kind
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
-from lagrangia.plot import require_format
 from lagrangia.run.request import Request
+from lagrangia.view.curves import require_format
 
 _TABLES = (".csv", ".txt", ".dat")
 

@@ -21,7 +21,7 @@ def bench_command(options: Namespace) -> int:
     from lagrangia.bench_problem import build_problem
     from lagrangia.bench_reference import NoReference, find_reference
     from lagrangia.bench_table import as_text
-    from lagrangia.plot import require_format
+    from lagrangia.view.curves import require_format
 
     solvers = _choose(all_solvers(), options.solvers)
     tolerances = _tolerances(options.tolerances) or TOLERANCES

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lagrangia.bench import Point
 from lagrangia.bench_table import by_solver
-from lagrangia.plot import require_format, save
+from lagrangia.view.curves import require_format, save
 
 _MARKERS = "osD^v<>pP*Xhd"
 

@@ -9,7 +9,7 @@ from lagrangia.arguments import assignment, load_model, split_names, tell_warnin
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.compile.pipeline import ALL_REACTIONS
 from lagrangia.native.build import CompilerError
-from lagrangia.statics import tells_reactions
+from lagrangia.view.statics import tells_reactions
 
 if TYPE_CHECKING:
     from lagrangia.model import Model

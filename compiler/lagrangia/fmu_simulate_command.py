@@ -18,7 +18,7 @@ from lagrangia.fmu_process import SPOKEN, Inputs
 from lagrangia.fmu_run import FmuRun, open_fmu, settable, simulate_fmu
 from lagrangia.language.units import ONE, Unit, parse_unit
 from lagrangia.language.values import read_value
-from lagrangia.plot import draw
+from lagrangia.view.curves import draw
 
 # Options of `lag simulate` that only a model has a meaning for, and their usual values.
 _ONLY_MODELS = {"model": (None, "the FMU is one model"), "reactions": (False, "what it reports is in its description: --outputs"),

@@ -19,7 +19,7 @@ from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
-from lagrangia.trajectory import Trajectory, collect
+from lagrangia.view.trajectory import Trajectory, collect
 
 if TYPE_CHECKING:
     import casadi

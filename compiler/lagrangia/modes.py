@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.linearization import Linearization, no_mass
-from lagrangia.mechanism import Mechanism
+from lagrangia.view.mechanism import Mechanism
 
 Matrix = NDArray[np.float64]
 _ROUNDING = 1e-11  # of the largest omega^2: below, a mode is rigid-body motion

@@ -26,9 +26,9 @@ from lagrangia.compile.pipeline import ALL_REACTIONS
 from lagrangia.model import NO_COMPILER, Model
 from lagrangia.run.request import Experiment, check_values, plan
 from lagrangia.run.simulate import Progress, loss
-from lagrangia.statics import tells_reactions
 from lagrangia.summary import summarise, tell_assembly, tell_moved, tell_reactions
-from lagrangia.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names
+from lagrangia.view.statics import tells_reactions
+from lagrangia.view.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names
 
 _BAR_AFTER = 2.0  # seconds
 
@@ -159,7 +159,7 @@ class _writer:
 def _plot(options: Namespace, model: Model, progress: Progress, rows: list[Sequence[float]], values: Any) -> None:
     import numpy as np
 
-    from lagrangia.trajectory import Trajectory, collect
+    from lagrangia.view.trajectory import Trajectory, collect
 
     observer = model.observer(np.array(progress.parameters), values)
     trajectory = Trajectory(model.scene, collect(model.scene, rows), progress, observer)

@@ -13,7 +13,7 @@ from lagrangia.run.request import Experiment, Values
 from lagrangia.run.runtime import Solver, Statistics
 from lagrangia.run.simulate import Progress, shortcomings
 from lagrangia.run.solvers import AUTO, name_of
-from lagrangia.statics import is_static, reaction_table
+from lagrangia.view.statics import is_static, reaction_table
 
 _GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model.h
 _MOVED = 1e-3  # less is taken for the rounding of a start value

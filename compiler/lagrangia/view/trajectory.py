@@ -115,7 +115,7 @@ class Trajectory:
 
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Any:
         """A picture of the quantities over time (all coordinates by default); saved when a path is given. Returns the figure."""
-        from lagrangia.plot import draw
+        from lagrangia.view.curves import draw
 
         chosen = names or tuple(c.name for c in self.scene.coordinates)
         by_name = {column.name: column for column in self.columns}

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from lagrangia.run.scene import Scene
-from lagrangia.trajectory import columns
+from lagrangia.view.trajectory import columns
 
 
 def is_static(scene: Scene) -> bool:
