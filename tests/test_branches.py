@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.modes import Modes
+from lagrangia.study.modes import Modes
 
 G = 9.81
 Write = Callable[[str], lag.Model]

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 import lagrangia as lag
 from lagrangia.base.folders import data_folder
 from lagrangia.native.build import find_compiler
-from lagrangia.sweep_pieces import Pieces
+from lagrangia.study.sweep.pieces import Pieces
 from sanitizers import needs_sanitizers, run_sanitized
 from test_constraints import MASSLESS
 

@@ -113,7 +113,7 @@ def test_a_cluster_without_workers_is_told(cluster: Cluster, monkeypatch: pytest
     for worker in cluster.workers:
         worker.kill()
         worker.wait()
-    monkeypatch.setattr("lagrangia.sweep_dask._TIMEOUT", 3)
+    monkeypatch.setattr("lagrangia.study.sweep.dask_cluster._TIMEOUT", 3)
     time.sleep(0.5)
     with pytest.raises(lag.LagError, match="no workers"):
         lag.load(EXAMPLES / "pendulum.lag").simulate_many(stop=1.0, dask=cluster.address)

@@ -27,7 +27,7 @@ from lagrangia.view.curves import require_format
 
 def equilibrium_command(options: Namespace) -> int:
     """Exit code 1 where there is no equilibrium to be found."""
-    from lagrangia.analysis_text import equilibria_text
+    from lagrangia.study.text import equilibria_text
 
     if options.starts is not None:
         a_count_within("number of starts", options.starts, 1, MOST_STARTS)
@@ -52,7 +52,7 @@ def _plain(item: Any) -> dict[str, Any]:
 
 
 def linearize_command(options: Namespace) -> int:
-    from lagrangia.analysis_text import linearization_text
+    from lagrangia.study.text import linearization_text
 
     _require(options.output, ".json", ".mat", ".npz")
     model, values = _load(options)
@@ -65,7 +65,7 @@ def linearize_command(options: Namespace) -> int:
 
 
 def modes_command(options: Namespace) -> int:
-    from lagrangia.analysis_text import modes_text
+    from lagrangia.study.text import modes_text
 
     _require(options.output, ".json")
     if options.plot is not None:
@@ -82,7 +82,7 @@ def modes_command(options: Namespace) -> int:
 
 
 def response_command(options: Namespace) -> int:
-    from lagrangia.analysis_text import response_text
+    from lagrangia.study.text import response_text
 
     _require(options.output, ".csv")
     if options.plot is not None:

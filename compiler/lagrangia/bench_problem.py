@@ -13,10 +13,10 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.casadi_solvers import segments, switching_times
 from lagrangia.dynamics.switches import live
 from lagrangia.model import Model
 from lagrangia.run.request import USUAL, Experiment, Request, check_values, plan
+from lagrangia.study.casadi_solvers import segments, switching_times
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

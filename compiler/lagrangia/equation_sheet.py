@@ -126,8 +126,8 @@ def _page(book: Book, request: Request, begin: Callable[[], Begin]) -> Document:
 def start_of(kinematics: Kinematics, parameters: Mapping[str, float | list[float] | str], path: Path, model: str | None = None,
              structural: Mapping[str, Any] | None = None) -> Begin:
     """The assembled start, from which positions of rest are sought. Raises LagError L0606 where it does not assemble."""
-    from lagrangia.analysis import Study
     from lagrangia.run.request import check_values
+    from lagrangia.study.analysis import Study
 
     compilation = compile_file(path, model, structural)
     chosen = chosen_parameters(kinematics, parameters)

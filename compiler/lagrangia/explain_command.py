@@ -8,9 +8,9 @@ from lagrangia.run.request import check_values
 
 def explain_command(options: Namespace) -> int:
     """The scene with the parameters given, as it would be run."""
-    from lagrangia.casadi_solvers import casadi_refusal
-    from lagrangia.explain import as_json, as_text, solver_of, without_compiler
     from lagrangia.needs.table import find_needs
+    from lagrangia.study.casadi_solvers import casadi_refusal
+    from lagrangia.study.explain import as_json, as_text, solver_of, without_compiler
 
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())

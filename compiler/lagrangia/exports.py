@@ -12,7 +12,7 @@ from lagrangia.base.result_files import Target, keep_apart, write_text
 from lagrangia.base.spelling import python_text
 from lagrangia.dynamics.switches import has_corners
 from lagrangia.needs.origins import place_of_moving_support
-from lagrangia.small_motion import build_small_motion
+from lagrangia.study.small_motion import build_small_motion
 
 if TYPE_CHECKING:
     from lagrangia.model import Model

@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     import casadi
     import numpy as np
 
-    from lagrangia.analysis import Equilibria, Study
     from lagrangia.compile.pipeline import Compilation
-    from lagrangia.linearization import Linearization
-    from lagrangia.modes import Modes
-    from lagrangia.response import Response
-    from lagrangia.sweep_plan import Job
-    from lagrangia.sweep_table import Sweep
+    from lagrangia.study.analysis import Equilibria, Study
+    from lagrangia.study.linearization import Linearization
+    from lagrangia.study.modes import Modes
+    from lagrangia.study.response import Response
+    from lagrangia.study.sweep.plan import Job
+    from lagrangia.study.sweep.table import Sweep
 
 NO_COMPILER = ("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
                "(pip install ziglang brings a compiler)")
@@ -234,9 +234,9 @@ class Model:
         is looked at every `interval` (s) at least. A run that fails is told in `.failures`, and no error. With a `path` (.csv,
         .parquet) the table is written there, and a sweep that was killed goes on from `path`.part. Raises LagError, Interrupted.
         """
-        from lagrangia.sweep import require_place, run_into
-        from lagrangia.sweep_measures import quantities, read_measures, usual_measures
-        from lagrangia.sweep_plan import Design, build_job
+        from lagrangia.study.sweep.measures import quantities, read_measures, usual_measures
+        from lagrangia.study.sweep.plan import Design, build_job
+        from lagrangia.study.sweep.run import require_place, run_into
 
         if path is not None:
             require_place(path, [self.path, *([] if runs is None else [runs])])
@@ -275,7 +275,7 @@ class Model:
         engine = self.engine_for(experiment.solver)
         if engine is None:
             self.falls_back(experiment.solver)
-            from lagrangia.casadi_solvers import simulate_casadi
+            from lagrangia.study.casadi_solvers import simulate_casadi
 
             return simulate_casadi(self.compilation, experiment, values, watch)
         return simulate(self.scene, engine, experiment, values, watch)
@@ -382,7 +382,7 @@ class Model:
         return self._study(parameters, initial, inputs, time).response(*chosen, about, at, ends, count)
 
     def _study(self, parameters: Any, initial: Any, inputs: Any, time: float | None) -> "Study":
-        from lagrangia.analysis import Study
+        from lagrangia.study.analysis import Study
 
         return Study(self.compilation, check_values(self.scene, parameters, initial, inputs), time)
 

@@ -14,11 +14,11 @@ from lagrangia.model import Model
 from lagrangia.run.batch import Ending
 from lagrangia.run.request import plan
 from lagrangia.run.simulate import DOUBTFUL
-from lagrangia.sweep import require_place, run_job
-from lagrangia.sweep_journal import Journal, Ledger
-from lagrangia.sweep_measures import Measure, quantities, read_measures, usual_measures
-from lagrangia.sweep_plan import Design, Job, build_job
-from lagrangia.sweep_table import Sweep
+from lagrangia.study.sweep.journal import Journal, Ledger
+from lagrangia.study.sweep.measures import Measure, quantities, read_measures, usual_measures
+from lagrangia.study.sweep.plan import Design, Job, build_job
+from lagrangia.study.sweep.run import require_place, run_job
+from lagrangia.study.sweep.table import Sweep
 
 _BAR_AFTER = 2.0  # seconds
 _MOST_SHOWN = 12  # measures in the summary

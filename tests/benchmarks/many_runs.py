@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 import lagrangia as lag
-from lagrangia.sweep_table import Sweep
-from lagrangia.sweep_threads import cores
+from lagrangia.study.sweep.table import Sweep
+from lagrangia.study.sweep.threads import cores
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "models" / "examples"
 STOP, TOLERANCE = 5.0, 1e-6

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.dynamics.equilibrium import StaticEquations
-from lagrangia.grips import Grip, GripEquations, Look
-from lagrangia.linearization import TangentParts
-from lagrangia.small_motion import SmallMotion
+from lagrangia.study.contacts_at_rest import Grip, GripEquations, Look
+from lagrangia.study.linearization import TangentParts
+from lagrangia.study.small_motion import SmallMotion
 
 Vector = NDArray[np.float64]
 Call = Callable[[ca.Function, Vector, Vector], list[Vector]]  # of a function at q and all multipliers

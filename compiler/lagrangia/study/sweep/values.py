@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.result_files import open_with_care
 from lagrangia.language.values import read_value
-from lagrangia.sweep_measures import cut_list, split_list
+from lagrangia.study.sweep.measures import cut_list, split_list
 
 if TYPE_CHECKING:
     import numpy as np

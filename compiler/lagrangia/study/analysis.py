@@ -19,17 +19,17 @@ from lagrangia.constraints.newton import start_equations
 from lagrangia.constraints.singular_positions import told
 from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest, onto_constraints
 from lagrangia.frames.joints import all_reactions, reaction_ports
-from lagrangia.grips import Grip, balance, find_all_held, find_held, holds_at
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref
-from lagrangia.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of
-from lagrangia.modes import Modes, find_modes, modes_of_ways, stability_of_ways
-from lagrangia.probes import Probe, find_probes, usual_probes
-from lagrangia.response import Response, find_response
-from lagrangia.resting import Resting, forces_of_grip, told_grip
 from lagrangia.run.request import Values, check_parameters
-from lagrangia.small_motion import DIRECTIONS, SmallMotion, build_small_motion
+from lagrangia.study.contacts_at_rest import Grip, balance, find_all_held, find_held, holds_at
+from lagrangia.study.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of
+from lagrangia.study.modes import Modes, find_modes, modes_of_ways, stability_of_ways
+from lagrangia.study.probes import Probe, find_probes, usual_probes
+from lagrangia.study.response import Response, find_response
+from lagrangia.study.rest_equations import Resting, forces_of_grip, told_grip
+from lagrangia.study.small_motion import DIRECTIONS, SmallMotion, build_small_motion
 from lagrangia.view.mechanism import Mechanism, build_mechanism
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.linearization import Linearization, no_mass
+from lagrangia.study.linearization import Linearization, no_mass
 from lagrangia.view.mechanism import Mechanism
 
 Matrix = NDArray[np.float64]
@@ -130,7 +130,7 @@ class Modes:
 
     def plot(self, path: Any = None) -> Any:
         """Each shape as the deflected mechanism, or as bars where nothing has an extent; returns the matplotlib Figure."""
-        from lagrangia.analysis_plot import Shapes, draw_modes
+        from lagrangia.study.pictures import Shapes, draw_modes
 
         q = np.array([self.linearization.point[name] for name in self.coordinates])
         shapes = tuple((mode.title, np.array([mode.shape[name] for name in self.coordinates])) for mode in self.modes)

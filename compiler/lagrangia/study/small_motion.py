@@ -23,7 +23,7 @@ from lagrangia.dynamics.held_switches import Holding, Pair
 from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.switches import conditions_in, jumps_at_rest
 from lagrangia.language.observables import observe
-from lagrangia.probes import Probe, ProbedKinematics, Triple, probe_kinematics
+from lagrangia.study.probes import Probe, ProbedKinematics, Triple, probe_kinematics
 
 if TYPE_CHECKING:
     import numpy as np

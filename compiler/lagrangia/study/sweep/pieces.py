@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable, Sequence
 
-from lagrangia.sweep_journal import Ledger
+from lagrangia.study.sweep.journal import Ledger
 
 _GROWTH = 4
 _LONGEST = 100_000  # runs

@@ -15,7 +15,7 @@ from typing import IO, TYPE_CHECKING
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.run.batch import OUTCOME, Ending
-from lagrangia.sweep_plan import Job
+from lagrangia.study.sweep.plan import Job
 
 if TYPE_CHECKING:
     import numpy as np

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.base.result_files import Target
-from lagrangia.linearization import Linearization
+from lagrangia.study.linearization import Linearization
 
 Matrix = NDArray[np.float64]
 _USUAL_RANGE = (0.1, 100.0)  # Hz, of a scene that does not oscillate
@@ -77,7 +77,7 @@ class Response:
 
     def plot(self, path: Any = None) -> Any:
         """The Bode plot; returns the matplotlib Figure."""
-        from lagrangia.analysis_plot import Curves, draw_bode
+        from lagrangia.study.pictures import Curves, draw_bode
 
         labels = tuple(tuple(f"{y} [{self.unit(i, j)}]" for j in range(len(self.inputs))) for i, y in enumerate(self.outputs))
         return draw_bode(Curves(self.name, self.inputs, labels, self.frequencies, self.magnitude, self.phase), path)

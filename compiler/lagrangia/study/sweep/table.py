@@ -15,9 +15,9 @@ from lagrangia.run.batch import Ending
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import explain
-from lagrangia.sweep_journal import Ledger
-from lagrangia.sweep_measures import unit_of
-from lagrangia.sweep_plan import Job
+from lagrangia.study.sweep.journal import Ledger
+from lagrangia.study.sweep.measures import unit_of
+from lagrangia.study.sweep.plan import Job
 
 if TYPE_CHECKING:
     import numpy as np

@@ -12,11 +12,11 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.run.engines import Engine
 from lagrangia.run.solvers import name_of
-from lagrangia.sweep_journal import Journal, Ledger
-from lagrangia.sweep_pieces import Watch
-from lagrangia.sweep_plan import Job
-from lagrangia.sweep_table import Sweep, is_parquet, require_parquet
-from lagrangia.sweep_threads import cores, run_on_threads
+from lagrangia.study.sweep.journal import Journal, Ledger
+from lagrangia.study.sweep.pieces import Watch
+from lagrangia.study.sweep.plan import Job
+from lagrangia.study.sweep.table import Sweep, is_parquet, require_parquet
+from lagrangia.study.sweep.threads import cores, run_on_threads
 
 _TABLES = (".csv", ".txt", ".dat", ".parquet", ".pq")
 
@@ -36,7 +36,7 @@ def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None,
     if jobs is not None and a_count("number of jobs", jobs) < 1:
         fail("L0712", f"the number of jobs must be positive, not {jobs}")
     if dask is not None:
-        from lagrangia.sweep_dask import run_on_dask
+        from lagrangia.study.sweep.dask_cluster import run_on_dask
 
         begin = time.perf_counter()
         is_whole = run_on_dask(job, dask, ledger, watch)

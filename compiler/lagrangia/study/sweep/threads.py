@@ -8,9 +8,9 @@ import time
 
 from lagrangia.run.batch import Batch
 from lagrangia.run.engines import Engine
-from lagrangia.sweep_journal import Ledger
-from lagrangia.sweep_pieces import Pace, Pieces, Watch
-from lagrangia.sweep_plan import Job
+from lagrangia.study.sweep.journal import Ledger
+from lagrangia.study.sweep.pieces import Pace, Pieces, Watch
+from lagrangia.study.sweep.plan import Job
 
 _PIECE = 0.2  # s
 _PAUSE = 0.1  # s between two looks at the keyboard

@@ -16,8 +16,8 @@ from lagrangia.run.request import Request, check_values, plan
 from lagrangia.run.runtime import Settings, Solver
 from lagrangia.run.scene import Scene, to_json
 from lagrangia.run.solvers import AUTO, applicable, is_casadi, number_of
-from lagrangia.sweep_measures import Measure, reductions
-from lagrangia.sweep_values import (
+from lagrangia.study.sweep.measures import Measure, reductions
+from lagrangia.study.sweep.values import (
     MOST_RUNS,
     Distribution,
     Factor,

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from lagrangia.analysis import Equilibria, Equilibrium
-    from lagrangia.linearization import Linearization
-    from lagrangia.modes import Mode, Modes
-    from lagrangia.response import Response
+    from lagrangia.study.analysis import Equilibria, Equilibrium
+    from lagrangia.study.linearization import Linearization
+    from lagrangia.study.modes import Mode, Modes
+    from lagrangia.study.response import Response
 
 Matrix = NDArray[np.float64]
 _WIDEST = 130

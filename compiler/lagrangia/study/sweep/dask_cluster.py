@@ -20,9 +20,9 @@ from lagrangia.run.batch import OUTCOME, Batch, Reduction, Sweep
 from lagrangia.run.engines import Engine, load_engine
 from lagrangia.run.runtime import Settings, Solver
 from lagrangia.run.scene import from_json, to_json
-from lagrangia.sweep_journal import Ledger
-from lagrangia.sweep_pieces import Pace, Pieces, Watch
-from lagrangia.sweep_plan import Job
+from lagrangia.study.sweep.journal import Ledger
+from lagrangia.study.sweep.pieces import Pace, Pieces, Watch
+from lagrangia.study.sweep.plan import Job
 
 _PIECE = 1.0  # s: a task costs the scheduler about a millisecond
 _TIMEOUT = 15  # s, to reach the scheduler and the first worker
