@@ -279,7 +279,7 @@ def warm() -> None:
     """What every command would load is loaded once, before the forks."""
     import sympy  # noqa: F401
 
-    import lagrangia.equations  # noqa: F401
+    import lagrangia.paper.equations  # noqa: F401
     from lagrangia.cli import main
 
     with tempfile.TemporaryDirectory() as name, contextlib.redirect_stdout(io.StringIO()) as said, \

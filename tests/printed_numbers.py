@@ -9,9 +9,9 @@ from contextlib import contextmanager
 import pytest
 import sympy as sp
 
-from lagrangia import layout
-from lagrangia.layout import Name, Node
-from lagrangia.presentation import Presentation
+from lagrangia.paper import layout
+from lagrangia.paper.layout import Name, Node
+from lagrangia.paper.presentation import Presentation
 
 _METHODS = ("sum", "coefficient", "gentle", "momentum", "motion")
 _FUNCTIONS: Mapping[str, Callable[..., float]] = {

@@ -6,8 +6,8 @@ from pathlib import Path
 import sympy as sp
 
 from lagrangia.compile.pipeline import compile_energies
-from lagrangia.equations import Equations, derive
-from lagrangia.symbolic import build_symbolic
+from lagrangia.paper.equations import Equations, derive
+from lagrangia.paper.symbolic import build_symbolic
 
 EXAMPLES = Path(__file__).parents[1] / "models" / "examples"
 

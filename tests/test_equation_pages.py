@@ -16,10 +16,10 @@ import sympy as sp
 
 import lagrangia as lag
 from lagrangia.cli import WRONG, main
-from lagrangia.equation_sheet import ALL_FORMATS, ALL_FORMS
-from lagrangia.layout import Bracket, Name, Numeral, Product, Relation, Total, broken
-from lagrangia.notation import Wanted, name_all
-from lagrangia.typeset import line
+from lagrangia.paper.layout import Bracket, Name, Numeral, Product, Relation, Total, broken
+from lagrangia.paper.notation import Wanted, name_all
+from lagrangia.paper.sheet import ALL_FORMATS, ALL_FORMS
+from lagrangia.paper.typeset import line
 from printed_numbers import everything_laid_out
 from symbolic_scenes import EXAMPLES, derived
 
@@ -240,7 +240,7 @@ def test_linear_about_a_point(capsys) -> None:
 def test_force_writes_everything_and_ends(capsys, monkeypatch) -> None:
     said = equations(capsys, "chain", "-p", "n=6", "--force", "--form", "matrix")
     assert "M₆₆" in said and "too many" not in said
-    monkeypatch.setattr("lagrangia.equation_sheet.MOST_FORCED_PRODUCTS", 3000)
+    monkeypatch.setattr("lagrangia.paper.sheet.MOST_FORCED_PRODUCTS", 3000)
     assert "L0712" in refused(capsys, str(EXAMPLES / "chain.lag"), "-p", "n=6", "--force")
 
 

@@ -9,9 +9,9 @@ import sympy as sp
 from sympy import cos, sin
 
 import lagrangia as lag
-from lagrangia.equation_sheet import parameter_values
-from lagrangia.equations import constants_of_motion
-from lagrangia.linear_matrices import linearize
+from lagrangia.paper.equations import constants_of_motion
+from lagrangia.paper.linear_matrices import linearize
+from lagrangia.paper.sheet import parameter_values
 from random_trees import random_tree
 from symbolic_scenes import EXAMPLES, Derived, derived, vanishes
 

@@ -11,10 +11,10 @@ import sympy as sp
 import lagrangia as lag
 from lagrangia.cli import WRONG, main
 from lagrangia.compile.pipeline import compile_energies
-from lagrangia.equation_sheet import parameter_values, start_of
-from lagrangia.equations import derive
-from lagrangia.linear_matrices import Linear, linearize
-from lagrangia.symbolic import build_symbolic
+from lagrangia.paper.equations import derive
+from lagrangia.paper.linear_matrices import Linear, linearize
+from lagrangia.paper.sheet import parameter_values, start_of
+from lagrangia.paper.symbolic import build_symbolic
 from symbolic_scenes import EXAMPLES, Derived
 
 Small = Callable[[str], tuple[Derived, Linear]]

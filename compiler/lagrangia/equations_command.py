@@ -9,7 +9,7 @@ from lagrangia.base.result_files import write_text
 
 
 def equations_command(options: Namespace) -> int:
-    from lagrangia.equation_sheet import Request, write_equations
+    from lagrangia.paper.sheet import Request, write_equations
 
     keep_inputs(options, options.output)
     structural, parameters = part_structural(options, [assignment(text, "-p") for text in options.parameter])

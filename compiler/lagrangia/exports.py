@@ -95,7 +95,7 @@ def _remarks(model: "Model", target: str) -> list[str]:
 
 
 def _page(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
-    from lagrangia.equation_sheet import Request, write_equations
+    from lagrangia.paper.sheet import Request, write_equations
 
     form = "worked" if target == "latex" else "lagrange"
     return write_equations(model.path, Request(form, target, names, is_forced=force), model.model, model.structural)
@@ -115,9 +115,9 @@ def inputs(model: "Model") -> dict[str, float]:
 
 def _modelica(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
     from lagrangia.dynamics.freedom import find_freedom
-    from lagrangia.equation_sheet import Request, written_book
-    from lagrangia.equations import without_rows
-    from lagrangia.modelica import write_modelica
+    from lagrangia.paper.equations import without_rows
+    from lagrangia.paper.modelica import write_modelica
+    from lagrangia.paper.sheet import Request, written_book
 
     book = written_book(model.path, Request(names=names, is_forced=force), model.model, model.structural)
     c = model.compilation

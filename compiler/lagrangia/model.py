@@ -393,7 +393,7 @@ class Model:
         `names` maps names of the model to symbols of your own, {"tilt.phi": "theta"}; with `numbers` the values of the parameters
         are put in. Raises LagError for an unknown form, format or name.
         """
-        from lagrangia.equation_sheet import Request, write_equations
+        from lagrangia.paper.sheet import Request, write_equations
 
         request = Request(form, format, names or {}, dict(parameters or {}), numbers, force)
         return write_equations(self.path, request, self.model, self.structural)

@@ -13,7 +13,7 @@ import sympy as sp
 
 from lagrangia.algebra.normal_form import Ring, Term
 from lagrangia.algebra.with_sympy import Expr
-from lagrangia.layout import (
+from lagrangia.paper.layout import (
     ONE,
     Apply,
     Bracket,
@@ -32,7 +32,7 @@ from lagrangia.layout import (
     product,
     total,
 )
-from lagrangia.typeset import line
+from lagrangia.paper.typeset import line
 
 Powers = tuple[tuple[Expr, Fraction], ...]
 Waves = tuple[tuple[Expr, int], ...]

@@ -7,11 +7,11 @@ from itertools import count
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
-from lagrangia.equations import Equations
-from lagrangia.layout import Name
-from lagrangia.notation import Wanted, name_all
-from lagrangia.presentation import Presentation, Symbols
-from lagrangia.symbolic import SymbolicScene
+from lagrangia.paper.equations import Equations
+from lagrangia.paper.layout import Name
+from lagrangia.paper.notation import Wanted, name_all
+from lagrangia.paper.presentation import Presentation, Symbols
+from lagrangia.paper.symbolic import SymbolicScene
 
 _RANKS = {"kg": 0, "kg.m2": 0, "N/m": 0, "N.s/m": 0, "N.m/rad": 0, "N.m.s/rad": 0, "N": 0, "N.m": 0, "m/s2": 1, "m": 2}
 

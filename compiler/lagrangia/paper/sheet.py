@@ -12,23 +12,23 @@ import casadi as ca
 from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import fail, suggest
-from lagrangia.book import Book
 from lagrangia.compile.pipeline import compile_energies, compile_file, deep_recursion
 from lagrangia.constraints.parameters import all_parameters, scalars
-from lagrangia.document import Document
 from lagrangia.dynamics.impulses import rates_jump
-from lagrangia.equations import constants_of_motion, derive, with_values
-from lagrangia.forms import FORMS
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.values import read_value
-from lagrangia.linear_matrices import Begin, linearize
-from lagrangia.linear_page import linear_form, values_of
-from lagrangia.pages import PRINTERS
-from lagrangia.structure import structure_page
-from lagrangia.symbolic import SymbolicScene, build_symbolic
-from lagrangia.sympy_script import write_script
-from lagrangia.textbook import name_symbols, presentation_of
-from lagrangia.worked import worked_form
+from lagrangia.paper.book import Book
+from lagrangia.paper.derivation import worked_form
+from lagrangia.paper.document import Document
+from lagrangia.paper.equations import constants_of_motion, derive, with_values
+from lagrangia.paper.forms import FORMS
+from lagrangia.paper.linear_matrices import Begin, linearize
+from lagrangia.paper.linear_page import linear_form, values_of
+from lagrangia.paper.overview import structure_page
+from lagrangia.paper.pages import PRINTERS
+from lagrangia.paper.symbolic import SymbolicScene, build_symbolic
+from lagrangia.paper.sympy_script import write_script
+from lagrangia.paper.textbook import name_symbols, presentation_of
 
 ALL_FORMS = (*FORMS, "linear", "worked")
 ALL_FORMATS = (*PRINTERS, "sympy")

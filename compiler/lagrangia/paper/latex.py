@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from fractions import Fraction
 
-from lagrangia.layout import (
+from lagrangia.paper.layout import (
     LETTERS,
     Apply,
     Bracket,
@@ -23,7 +23,7 @@ from lagrangia.layout import (
     Total,
     Words,
 )
-from lagrangia.typeset import FUNCTIONS, decimal, is_loose, sign_text
+from lagrangia.paper.typeset import FUNCTIONS, decimal, is_loose, sign_text
 
 _LATEX_GREEK = {"ell": r"\ell", "phi": r"\varphi", "epsilon": r"\varepsilon", "omicron": "o"}
 _DOTS = {0: "%s", 1: r"\dot{%s}", 2: r"\ddot{%s}", 3: r"\dddot{%s}"}

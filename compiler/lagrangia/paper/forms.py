@@ -6,7 +6,8 @@ from dataclasses import replace
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
-from lagrangia.book import (
+from lagrangia.dynamics.energies import Term
+from lagrangia.paper.book import (
     TRANSPOSED_J,
     Book,
     bold,
@@ -23,11 +24,10 @@ from lagrangia.book import (
     time_derivative,
     where,
 )
-from lagrangia.document import Block, Display, Document, Heading, display, paragraph
-from lagrangia.dynamics.energies import Term
-from lagrangia.equations import load_force, split_potential
-from lagrangia.layout import Grid, Name, Node, Relation, Total, added, product, total
-from lagrangia.presentation import Presentation
+from lagrangia.paper.document import Block, Display, Document, Heading, display, paragraph
+from lagrangia.paper.equations import load_force, split_potential
+from lagrangia.paper.layout import Grid, Name, Node, Relation, Total, added, product, total
+from lagrangia.paper.presentation import Presentation
 
 
 def title(book: Book) -> str:

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
-from lagrangia.document import Block, Display, Heading, Inline, Table, display, paragraph
 from lagrangia.dynamics.energies import Term
-from lagrangia.equations import Constant, Equations
-from lagrangia.layout import (
+from lagrangia.paper.document import Block, Display, Heading, Inline, Table, display, paragraph
+from lagrangia.paper.equations import Constant, Equations
+from lagrangia.paper.layout import (
     Grid,
     Name,
     Node,
@@ -25,9 +25,9 @@ from lagrangia.layout import (
     product,
     total,
 )
-from lagrangia.notation import is_own, own_name
-from lagrangia.presentation import Presentation
-from lagrangia.typeset import line, text
+from lagrangia.paper.notation import is_own, own_name
+from lagrangia.paper.presentation import Presentation
+from lagrangia.paper.typeset import line, text
 
 WIDEST_MATRIX = 110
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import chain, count
 
 from lagrangia.base.diagnostics import fail, suggest
-from lagrangia.layout import LETTERS, Name
+from lagrangia.paper.layout import LETTERS, Name
 
 _ATTRIBUTES = {"force": ("F", ""), "torque": ("M", ""), "s_rel0": ("s", "0"), "phi_rel0": ("phi", "0"), "gravity": ("g", ""),
                "omega": ("omega", "")}

@@ -9,9 +9,9 @@ from sympy.printing.str import StrPrinter
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
 from lagrangia.base.spelling import python_text
-from lagrangia.book import Book
-from lagrangia.layout import Name
-from lagrangia.symbolic import Given
+from lagrangia.paper.book import Book
+from lagrangia.paper.layout import Name
+from lagrangia.paper.symbolic import Given
 
 _RESERVED = {*kwlist, "T", "V", "D", "M", "h", "f", "J", "Phi", "q", "v", "a", "t", "sp", "multipliers", "equations", "given",
              "formulas", "values"}

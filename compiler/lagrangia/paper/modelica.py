@@ -16,9 +16,9 @@ from sympy.printing.precedence import precedence
 from sympy.printing.str import StrPrinter
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
-from lagrangia.book import Book
-from lagrangia.symbolic import SymbolicScene
-from lagrangia.sympy_script import identifiers
+from lagrangia.paper.book import Book
+from lagrangia.paper.symbolic import SymbolicScene
+from lagrangia.paper.sympy_script import identifiers
 
 _RESERVED = set("""algorithm and annotation block break class connect connector constant constrainedby der discrete each else
     elseif elsewhen encapsulated end enumeration equation expandable extends external false final flow for function if import

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
-from lagrangia.layout import (
+from lagrangia.paper.layout import (
     LETTERS,
     Apply,
     Bracket,

@@ -16,10 +16,10 @@ import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact, slope
 from lagrangia.base.diagnostics import fail
-from lagrangia.equations import Equations
-from lagrangia.rest_points import Begin, Point, Statics, point_given, point_of_rest, put
+from lagrangia.paper.equations import Equations
+from lagrangia.paper.rest_points import Begin, Point, Statics, point_given, point_of_rest, put
+from lagrangia.paper.symbolic import Given, SymbolicScene
 from lagrangia.study.linearization import pivots
-from lagrangia.symbolic import Given, SymbolicScene
 
 Table = tuple[tuple[Expr, ...], ...]
 _NOTHING = 1e-12

@@ -16,7 +16,7 @@ from lagrangia.algebra.with_sympy import Expr, exact, exact_throughout
 from lagrangia.dynamics.energies import Energies, Load, Term
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.mentions import leaves
-from lagrangia.symbolic import GRAVITY, SymbolicScene
+from lagrangia.paper.symbolic import GRAVITY, SymbolicScene
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from lagrangia.layout import Node
+from lagrangia.paper.layout import Node
 
 Inline: TypeAlias = str | Node
 

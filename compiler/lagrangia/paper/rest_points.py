@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lagrangia.algebra.with_sympy import Expr, exact, slope
 from lagrangia.base.diagnostics import fail
 from lagrangia.dynamics.equilibrium import Rest, StaticEquations, find_rest, onto_constraints, starts
-from lagrangia.equations import Equations
+from lagrangia.paper.equations import Equations
 
 Vector = NDArray[np.float64]
 _MOST_ANGLES, _MOST_STARTS = 5, 40

@@ -6,13 +6,13 @@ import sympy as sp
 
 from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
-from lagrangia.document import Block, Display, Document, Heading, Inline, Table, display, paragraph
 from lagrangia.dynamics.energies import Term
-from lagrangia.layout import Grid, Name, Node, Relation, Words, added
-from lagrangia.notation import own_name
-from lagrangia.presentation import Presentation, Symbols
-from lagrangia.symbolic import SymbolicScene
-from lagrangia.textbook import parameter_ranks
+from lagrangia.paper.document import Block, Display, Document, Heading, Inline, Table, display, paragraph
+from lagrangia.paper.layout import Grid, Name, Node, Relation, Words, added
+from lagrangia.paper.notation import own_name
+from lagrangia.paper.presentation import Presentation, Symbols
+from lagrangia.paper.symbolic import SymbolicScene
+from lagrangia.paper.textbook import parameter_ranks
 
 _MOST_SHOWN = 40
 _MOST_LETTERS = 400

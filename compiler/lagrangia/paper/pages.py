@@ -3,11 +3,11 @@
 from collections.abc import Callable, Mapping
 from html import escape
 
-from lagrangia.document import Block, Display, Document, Heading, Inline, Paragraph, Table
-from lagrangia.latex import latex, latex_escape
-from lagrangia.layout import Cases, Grid, Node, Pieces, Relation, broken
-from lagrangia.mathml import mathml
-from lagrangia.typeset import line, text
+from lagrangia.paper.document import Block, Display, Document, Heading, Inline, Paragraph, Table
+from lagrangia.paper.latex import latex, latex_escape
+from lagrangia.paper.layout import Cases, Grid, Node, Pieces, Relation, broken
+from lagrangia.paper.mathml import mathml
+from lagrangia.paper.typeset import line, text
 
 WIDTH = 100
 

@@ -3,7 +3,7 @@
 from fractions import Fraction
 from html import escape
 
-from lagrangia.layout import (
+from lagrangia.paper.layout import (
     LETTERS,
     Apply,
     Bracket,
@@ -23,7 +23,7 @@ from lagrangia.layout import (
     Total,
     Words,
 )
-from lagrangia.typeset import FUNCTIONS, bold_letter, decimal, is_loose
+from lagrangia.paper.typeset import FUNCTIONS, bold_letter, decimal, is_loose
 
 
 def mathml(node: Node) -> str:

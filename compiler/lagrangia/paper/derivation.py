@@ -3,7 +3,10 @@
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
-from lagrangia.book import (
+from lagrangia.language.flat import Energy, Work
+from lagrangia.language.mentions import leaves
+from lagrangia.language.tree import FrameRef
+from lagrangia.paper.book import (
     Book,
     constants_block,
     constraints_block,
@@ -16,12 +19,9 @@ from lagrangia.book import (
     parameters_table,
     time_derivative,
 )
-from lagrangia.document import Block, Display, Document, Heading, display, paragraph
-from lagrangia.forms import component_sub, energy_blocks, force_blocks, force_name, matrix_blocks, opening, title
-from lagrangia.language.flat import Energy, Work
-from lagrangia.language.mentions import leaves
-from lagrangia.language.tree import FrameRef
-from lagrangia.layout import Name, Node, Slope
+from lagrangia.paper.document import Block, Display, Document, Heading, display, paragraph
+from lagrangia.paper.forms import component_sub, energy_blocks, force_blocks, force_name, matrix_blocks, opening, title
+from lagrangia.paper.layout import Name, Node, Slope
 
 
 def worked_form(book: Book) -> Document:

@@ -7,11 +7,11 @@ from dataclasses import replace
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
-from lagrangia.book import TRANSPOSED_J, Book, bold, column, equal, lengths, matrix
-from lagrangia.document import Block, Display, Document, Inline, paragraph
-from lagrangia.forms import page
-from lagrangia.layout import Name, Node, Relation, product, total
-from lagrangia.linear_matrices import Linear, Table
+from lagrangia.paper.book import TRANSPOSED_J, Book, bold, column, equal, lengths, matrix
+from lagrangia.paper.document import Block, Display, Document, Inline, paragraph
+from lagrangia.paper.forms import page
+from lagrangia.paper.layout import Name, Node, Relation, product, total
+from lagrangia.paper.linear_matrices import Linear, Table
 
 
 def linear_form(book: Book, linear: Linear) -> Document:
