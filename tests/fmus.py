@@ -11,8 +11,8 @@ import fmpy.fmi3
 import numpy as np
 
 import lagrangia as lag
-from lagrangia.fmu import Export, export_fmu
-from lagrangia.fmu_build import host_platform
+from lagrangia.fmu.build import host_platform
+from lagrangia.fmu.export import Export, export_fmu
 
 EXAMPLES = Path(__file__).parent.parent / "models" / "examples"
 _FOLDER = TemporaryDirectory(prefix="lagrangia-fmus-")

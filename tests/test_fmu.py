@@ -15,8 +15,8 @@ from fmpy.validation import validate_fmu
 import lagrangia as lag
 from fmus import EXAMPLES, KINDS, VERSIONS, fmu_of, model_of, simulated
 from lagrangia.cli import main
-from lagrangia.fmu_check import check_fmu
-from lagrangia.fmu_model import build_fmu_model
+from lagrangia.fmu.check import check_fmu
+from lagrangia.fmu.variables import build_fmu_model
 
 FILES = sorted(EXAMPLES.glob("*.lag"))
 # Far apart after a while, whatever the solver: the time up to which two runs are compared, in s.

@@ -19,9 +19,9 @@ from fmus import EXAMPLES, VERSIONS, fmu_of
 from lagrangia import Model
 from lagrangia.base.diagnostics import Diagnostic
 from lagrangia.cli import DONE, FAILED, WRONG, main
-from lagrangia.fmu_check import check_fmu, read_faults
-from lagrangia.fmu_process import Job, run_job
-from lagrangia.fmu_run import open_fmu, unpacked
+from lagrangia.fmu.check import check_fmu, read_faults
+from lagrangia.fmu.process import Job, run_job
+from lagrangia.fmu.run import open_fmu, unpacked
 
 PATH = EXAMPLES / "double_pendulum.lag"
 BUILD, TERMINALS = "sources/buildDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml"

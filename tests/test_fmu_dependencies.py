@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("fmpy")
 
 from fmus import VERSIONS, fmu_of, instance_of
-from lagrangia.fmu_factors import factor_kinds
+from lagrangia.fmu.factors import factor_kinds
 
 SCENE = """
 model Mixed

@@ -11,7 +11,7 @@ import pytest
 pytest.importorskip("fmpy")
 
 from fmus import EXAMPLES, fmu_of
-from lagrangia.fmu_build import standard_headers
+from lagrangia.fmu.build import standard_headers
 
 SEQUENCES, CALLS = int(os.environ.get("LAGRANGIA_FUZZ", "5000")), 12  # LAGRANGIA_FUZZ=100000 takes two minutes
 COMMON = """

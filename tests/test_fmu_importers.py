@@ -17,7 +17,7 @@ import fmpy
 import lagrangia as lag
 from broken_fmus import broken
 from fmus import EXAMPLES, VERSIONS, fmu_of, model_of, simulated, unpacked
-from lagrangia.fmu_check import check_fmu
+from lagrangia.fmu.check import check_fmu
 
 CASADI = ("chain", "suspended_bar", "quarter_car", "rolling_disc", "four_bar", "skate")
 LOOPS = ("four_bar", "slider_crank", "pantograph", "crank_press")

@@ -18,7 +18,7 @@ from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 from fmus import EXAMPLES, Instance, model_of
-from lagrangia.fmu_build import PLATFORMS, standard_headers
+from lagrangia.fmu.build import PLATFORMS, standard_headers
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(importlib.util.find_spec("ziglang") is None,
                                                    reason="needs ziglang, which compiles for all platforms")]
@@ -98,8 +98,8 @@ def test_binaries_of_all_platforms(version: str) -> None:
 @pytest.mark.parametrize("version", ["2", "3"])
 def test_binaries_of_all_platforms_have_no_fault(version: str) -> None:
     """Of their own processor, with libraries of the system alone, for an old glibc."""
-    from lagrangia.fmu_check import read_faults
-    from lagrangia.fmu_run import open_fmu
+    from lagrangia.fmu.check import read_faults
+    from lagrangia.fmu.run import open_fmu
 
     assert list(read_faults(open_fmu(archives()[version]))) == []
 

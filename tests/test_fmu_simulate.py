@@ -167,10 +167,10 @@ def test_kinds_belong_to_fmus(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_without_fmpy(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    import lagrangia.fmu_process
+    import lagrangia.fmu.process
 
     path = fmu_of(EXAMPLES / "pendulum.lag", "2")
-    monkeypatch.setattr(lagrangia.fmu_process, "find_spec", lambda name: None)
+    monkeypatch.setattr(lagrangia.fmu.process, "find_spec", lambda name: None)
     for command in ("simulate",), ("fmu", "check"):
         assert main([*command, str(path)]) == WRONG
         assert 'pip install "lagrangia[fmu]"' in capsys.readouterr().err

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia import fmu
 from lagrangia.cli import main
 from lagrangia.constraints import assembly
-from lagrangia.fmu_model import build_fmu_model
+from lagrangia.fmu import export as fmu
+from lagrangia.fmu.variables import build_fmu_model
 
 Write = Callable[[str], lag.Model]
 

@@ -5,9 +5,9 @@ from argparse import Namespace
 from pathlib import Path
 
 from lagrangia.base.diagnostics import LagError, render_all
-from lagrangia.fmu_check import Checked, check_fmu
-from lagrangia.fmu_process import SPOKEN
-from lagrangia.fmu_run import Opened
+from lagrangia.fmu.check import Checked, check_fmu
+from lagrangia.fmu.process import SPOKEN
+from lagrangia.fmu.run import Opened
 from lagrangia.model import Model
 
 

@@ -13,9 +13,9 @@ from lagrangia.arguments import asked, assignment, input_tables, prepare_target,
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, quoted
-from lagrangia.fmu_description import Description
-from lagrangia.fmu_process import SPOKEN, Inputs
-from lagrangia.fmu_run import FmuRun, open_fmu, settable, simulate_fmu
+from lagrangia.fmu.description import Description
+from lagrangia.fmu.process import SPOKEN, Inputs
+from lagrangia.fmu.run import FmuRun, open_fmu, settable, simulate_fmu
 from lagrangia.language.units import ONE, Unit, parse_unit
 from lagrangia.language.values import read_value
 from lagrangia.view.curves import draw

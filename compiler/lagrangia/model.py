@@ -409,7 +409,7 @@ class Model:
         `parameters` are other start values of the FMU's parameters, in SI units; `info` may give author, version, copyright and
         license. What takes long is told to `tell`. Raises LagError.
         """
-        from lagrangia.fmu import export_fmus
+        from lagrangia.fmu.export import export_fmus
 
         suited = self.general.suited(check_values(self.scene, parameters))
         return export_fmus(suited, None if path is None else Path(path), fmi, kind, platforms, sources, parameters, info, tell)

@@ -18,8 +18,8 @@ import fmpy.fmi2
 import fmpy.fmi3
 
 import lagrangia as lag
-from lagrangia.fmu import Export, export_fmu
-from lagrangia.fmu_build import host_platform
+from lagrangia.fmu.build import host_platform
+from lagrangia.fmu.export import Export, export_fmu
 from lagrangia.native.build import build
 from lagrangia.run.engines import load_engine
 from lagrangia.run.runtime import Settings

@@ -1,4 +1,4 @@
-"""The process in which an FMU runs: `python -m lagrangia.fmu_worker FOLDER`.
+"""The process in which an FMU runs: `python -m lagrangia.fmu.worker FOLDER`.
 
 FOLDER/job.json says what to do (fmu_process.py writes it). Rows of time and values go to FOLDER/rows as doubles while they are
 computed, so that they are kept whatever happens; FOLDER/columns.json names them, FOLDER/result.json tells how it ended.
@@ -13,9 +13,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from lagrangia.fmu_importer import AskedToEnd, FmuError, Importer, Table
-from lagrangia.fmu_integrate import Count, cosimulate, exchange
-from lagrangia.fmu_probe import probe_derivatives, probe_reset, probe_saved, probe_states
+from lagrangia.fmu.importer import AskedToEnd, FmuError, Importer, Table
+from lagrangia.fmu.integrate import Count, cosimulate, exchange
+from lagrangia.fmu.probe import probe_derivatives, probe_reset, probe_saved, probe_states
 
 
 def main(folder: Path) -> int:

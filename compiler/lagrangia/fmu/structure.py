@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator, Mapping
 
 from lagrangia.base.diagnostics import Diagnostic
-from lagrangia.fmu_description import Description, Quantity, Unknown
-from lagrangia.fmu_xmltree import Element
+from lagrangia.fmu.description import Description, Quantity, Unknown
+from lagrangia.fmu.xmltree import Element
 
 STRUCTURE = "L0734"
 _DERIVATIVE_NAME = re.compile(r"der\((.+)\)")

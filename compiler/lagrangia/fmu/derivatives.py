@@ -20,7 +20,7 @@ from lagrangia.compile.instructions import tape_of
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.constraints.parameters import all_parameters
 from lagrangia.dynamics.switches import find_switches
-from lagrangia.fmu_factors import DEPENDENT, factor_kinds
+from lagrangia.fmu.factors import DEPENDENT, factor_kinds
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.native.tapes import Tape
 

@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 
 from lagrangia.base.diagnostics import Diagnostic, Severity, fail
 from lagrangia.base.result_files import require_file
-from lagrangia.fmu_xmltree import Element, read_xml
+from lagrangia.fmu.xmltree import Element, read_xml
 
 DESCRIPTION = "modelDescription.xml"
 _LARGEST_TEXT = 256 << 20  # bytes

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from lagrangia.fmu_model import FmuModel
+from lagrangia.fmu.variables import FmuModel
 from lagrangia.native.c_code import INCLUDES, write_c, write_functions
 from lagrangia.native.tapes import Tape
 from lagrangia.run.runtime import Solver

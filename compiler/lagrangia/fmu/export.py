@@ -19,14 +19,14 @@ from lagrangia.base.folders import data_folder
 from lagrangia.base.result_files import Target, keep_apart
 from lagrangia.base.version import VERSION
 from lagrangia.compile.pipeline import read_files
-from lagrangia.fmu_build import DARWIN, PLATFORMS, Platform, build_binaries, read_platforms, universal
-from lagrangia.fmu_model import Exportable, FmuModel, build_fmu_model
-from lagrangia.fmu_page import license_text, write_page, write_terminals
-from lagrangia.fmu_pictures import draw_graph, draw_icon
-from lagrangia.fmu_source import scene_source, table_source
-from lagrangia.fmu_xml import About
-from lagrangia.fmu_xml2 import write_fmi2
-from lagrangia.fmu_xml3 import write_build_description, write_fmi3
+from lagrangia.fmu.build import DARWIN, PLATFORMS, Platform, build_binaries, read_platforms, universal
+from lagrangia.fmu.page import license_text, write_page, write_terminals
+from lagrangia.fmu.pictures import draw_graph, draw_icon
+from lagrangia.fmu.source import scene_source, table_source
+from lagrangia.fmu.variables import Exportable, FmuModel, build_fmu_model
+from lagrangia.fmu.xml import About
+from lagrangia.fmu.xml2 import write_fmi2
+from lagrangia.fmu.xml3 import write_build_description, write_fmi3
 
 VERSIONS = ("2", "3")
 KINDS = ("me", "cs")

@@ -5,14 +5,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from lagrangia.base.diagnostics import Diagnostic, LagError
-from lagrangia.fmu_archive import DESCRIPTION, archive_rules
-from lagrangia.fmu_compare import Load, compare, experiment_of
-from lagrangia.fmu_parts import part_rules
-from lagrangia.fmu_process import SPOKEN, Job, require_fmpy, run_job
-from lagrangia.fmu_rules import unit_rules, variable_rules
-from lagrangia.fmu_run import Opened, has_binary, open_fmu, unpacked
-from lagrangia.fmu_schemas import schema_rules
-from lagrangia.fmu_structure import structure_rules
+from lagrangia.fmu.archive import DESCRIPTION, archive_rules
+from lagrangia.fmu.compare import Load, compare, experiment_of
+from lagrangia.fmu.parts import part_rules
+from lagrangia.fmu.process import SPOKEN, Job, require_fmpy, run_job
+from lagrangia.fmu.rules import unit_rules, variable_rules
+from lagrangia.fmu.run import Opened, has_binary, open_fmu, unpacked
+from lagrangia.fmu.schemas import schema_rules
+from lagrangia.fmu.structure import structure_rules
 
 FMPY = "L0739"
 _LONGEST = 30  # seconds for a look at a running instance

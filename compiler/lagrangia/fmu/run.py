@@ -10,11 +10,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from lagrangia.base.diagnostics import fail, suggest
-from lagrangia.fmu_archive import DESCRIPTION, Archive, open_archive
-from lagrangia.fmu_build import PLATFORMS, host_platform
-from lagrangia.fmu_description import Description, Quantity, read_description
-from lagrangia.fmu_importer import is_recorded
-from lagrangia.fmu_process import SPOKEN, Inputs, Job, Outcome, require_fmpy, run_job
+from lagrangia.fmu.archive import DESCRIPTION, Archive, open_archive
+from lagrangia.fmu.build import PLATFORMS, host_platform
+from lagrangia.fmu.description import Description, Quantity, read_description
+from lagrangia.fmu.importer import is_recorded
+from lagrangia.fmu.process import SPOKEN, Inputs, Job, Outcome, require_fmpy, run_job
 from lagrangia.run.request import Request
 from lagrangia.run.scene import Column
 

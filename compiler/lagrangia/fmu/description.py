@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.fmu_xmltree import Element
+from lagrangia.fmu.xmltree import Element
 
 INTERFACES = {"ModelExchange": "me", "CoSimulation": "cs", "ScheduledExecution": "se"}
 _INITIAL = {

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from math import isclose
 from xml.sax.saxutils import quoteattr
 
-from lagrangia.fmu_factors import CONSTANT, DEPENDENT
-from lagrangia.fmu_model import FmuModel, Variable
+from lagrangia.fmu.factors import CONSTANT, DEPENDENT
+from lagrangia.fmu.variables import FmuModel, Variable
 from lagrangia.language.units import parse_unit
 
 LOG_CATEGORIES = {"logStatusError": "calls that failed", "logStatusDiscard": "values that could not be computed",

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from lagrangia.fmu_importer import DISCARD, FmuError, Importer, Table
+from lagrangia.fmu.importer import DISCARD, FmuError, Importer, Table
 
 _LONGEST = 1 / 50  # step of Model Exchange, of the time to simulate: events between two steps are overlooked
 _MOST_STEPS = 1_000_000  # between two rows

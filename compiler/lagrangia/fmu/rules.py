@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 
 from lagrangia.base.diagnostics import Diagnostic
-from lagrangia.fmu_description import Description, Quantity
-from lagrangia.fmu_xmltree import Element
+from lagrangia.fmu.description import Description, Quantity
+from lagrangia.fmu.xmltree import Element
 
 VARIABLES, UNITS = "L0732", "L0733"
 _WITHOUT_START = ("Clock",)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lagrangia.fmu_importer import Importer
+from lagrangia.fmu.importer import Importer
 
 _STEPS = (1e-7, 1e-5, 1e-3)  # of a state, for differences: some FMUs have rounding, others wide surroundings to be kept off
 _WRONG = 1e-2  # of the largest in a column: a derivative that is another one

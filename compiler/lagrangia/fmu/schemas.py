@@ -7,8 +7,8 @@ from importlib.util import find_spec
 from pathlib import Path, PurePosixPath
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Span
-from lagrangia.fmu_archive import Archive
-from lagrangia.fmu_xmltree import Element
+from lagrangia.fmu.archive import Archive
+from lagrangia.fmu.xmltree import Element
 
 SCHEMA = "L0728"
 _SCHEMAS = {"sources/buildDescription.xml": "fmi3BuildDescription.xsd",

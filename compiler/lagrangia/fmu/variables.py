@@ -111,7 +111,7 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     """Runs the scene over its experiment once, for nominal values. Raises LagError for parameters it does not have."""
     import numpy as np
 
-    from lagrangia.fmu_derivatives import build_derivatives
+    from lagrangia.fmu.derivatives import build_derivatives
     from lagrangia.run.request import check_values
 
     scene = model.scene

@@ -126,10 +126,10 @@ class _Tail(threading.Thread):
 
 def _wait(folder: Path, seconds: float | None) -> tuple[bytes, dict[str, Any]]:
     """The end of what was printed, and what the worker itself cannot tell of its end."""
-    home = str(Path(__file__).resolve().parent.parent)
+    home = str(Path(__file__).resolve().parents[2])
     paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths), "PYTHONIOENCODING": "utf-8", "OPENBLAS_NUM_THREADS": "1"}
-    command = [sys.executable, "-m", "lagrangia.fmu_worker", str(folder)]
+    command = [sys.executable, "-m", "lagrangia.fmu.worker", str(folder)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=folder, env=environment,
                                start_new_session=True)
     tail = _Tail(process.stdout)

@@ -2,8 +2,8 @@
 
 from html import escape
 
-from lagrangia.fmu_model import FmuModel, Variable
-from lagrangia.fmu_xml import About
+from lagrangia.fmu.variables import FmuModel, Variable
+from lagrangia.fmu.xml import About
 
 _GROUPS = (("parameter", "Parameters", "what the model is made of; those without a value follow from others"),
            ("input", "Inputs", "given from outside"), ("output", "Outputs", "reported"),

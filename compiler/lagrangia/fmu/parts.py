@@ -6,10 +6,10 @@ from fnmatch import fnmatch
 from pathlib import PurePosixPath
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, Severity
-from lagrangia.fmu_archive import Archive
-from lagrangia.fmu_binary import Library, read_library
-from lagrangia.fmu_description import INTERFACES, Description
-from lagrangia.fmu_xmltree import Element
+from lagrangia.fmu.archive import Archive
+from lagrangia.fmu.binary import Library, read_library
+from lagrangia.fmu.description import INTERFACES, Description
+from lagrangia.fmu.xmltree import Element
 
 FLAGS, SOURCES, BINARIES, TERMINALS = "L0735", "L0736", "L0737", "L0738"
 BUILD = "sources/buildDescription.xml"

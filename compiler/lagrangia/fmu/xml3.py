@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from lagrangia.fmu_model import FmuModel, Variable
-from lagrangia.fmu_xml import (
+from lagrangia.fmu.variables import FmuModel, Variable
+from lagrangia.fmu.xml import (
     LOG_CATEGORIES,
     About,
     dependencies,

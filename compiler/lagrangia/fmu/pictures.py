@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from xml.sax.saxutils import escape
 
 from lagrangia.compile.pipeline import Compilation
-from lagrangia.fmu_model import Exportable
+from lagrangia.fmu.variables import Exportable
 
 _PIXELS, _DPI = 128, 64
 _MOST_FRAMES = 400  # shown in a picture

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.base.diagnostics import LagError, RunError
-from lagrangia.fmu import EXTRA, SCENE
-from lagrangia.fmu_process import SPOKEN, Job, Outcome, run_job
-from lagrangia.fmu_run import Opened
+from lagrangia.fmu.export import EXTRA, SCENE
+from lagrangia.fmu.process import SPOKEN, Job, Outcome, run_job
+from lagrangia.fmu.run import Opened
 from lagrangia.run.scene import Scene
 
 if TYPE_CHECKING:
