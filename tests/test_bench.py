@@ -13,11 +13,11 @@ import yaml
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError
-from lagrangia.bench import Point, Skipped, all_solvers, measure
-from lagrangia.bench_peers import Solver, Unsuitable
-from lagrangia.bench_problem import Problem, build_problem
-from lagrangia.bench_reference import NoReference, find_reference
-from lagrangia.bench_table import as_json, as_text, duel, front, seconds_at
+from lagrangia.bench.measure import Point, Skipped, all_solvers, measure
+from lagrangia.bench.peers import Solver, Unsuitable
+from lagrangia.bench.problem import Problem, build_problem
+from lagrangia.bench.reference import NoReference, find_reference
+from lagrangia.bench.table import as_json, as_text, duel, front, seconds_at
 from lagrangia.cli import main
 from lagrangia.run.request import Request
 
@@ -105,7 +105,7 @@ def test_impulses_that_peers_would_not_know_are_refused(tmp_path: Path) -> None:
 
 
 def test_a_reference_that_takes_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lagrangia.bench_reference.find_spec", lambda _: None)  # no SciPy
+    monkeypatch.setattr("lagrangia.bench.reference.find_spec", lambda _: None)  # no SciPy
     problem = build_problem(lag.load(CASES / "stiff_spring_pendulum.lag"), Request(stop=1000.0))
     with pytest.raises(NoReference, match="too long"):
         find_reference(problem, seconds=0.3)
@@ -148,7 +148,7 @@ def test_every_solver_converges_to_the_reference(scene: str, left_out: tuple[str
 def test_expressions_of_heyoka_have_the_values_of_casadi() -> None:
     import heyoka
 
-    from lagrangia.bench_heyoka import translate
+    from lagrangia.bench.heyoka_peer import translate
 
     t, y = ca.SX.sym("t"), ca.SX.sym("y", 2)
     a, b = y[0], y[1]
@@ -165,7 +165,7 @@ def test_expressions_of_heyoka_have_the_values_of_casadi() -> None:
 
 @pytest.mark.skipif(not PEERS["heyoka"], reason="heyoka is not installed")
 def test_what_heyoka_lacks_is_said() -> None:
-    from lagrangia.bench_heyoka import translate
+    from lagrangia.bench.heyoka_peer import translate
 
     x = ca.SX.sym("x")
     with pytest.raises(Unsuitable, match="lacks the operation"):

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from lagrangia.bench import Point, measure
-from lagrangia.bench_peers import Solver
-from lagrangia.bench_reference import find_reference
+from lagrangia.bench.measure import Point, measure
+from lagrangia.bench.peers import Solver
+from lagrangia.bench.reference import find_reference
 
 FOLDER = Path(__file__).parent / "benchmarks"
 sys.path.insert(0, str(FOLDER))

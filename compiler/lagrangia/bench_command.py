@@ -17,10 +17,10 @@ _TABLES = (".csv", ".json")
 
 def bench_command(options: Namespace) -> int:
     """Measures, prints the table, writes what is asked for. Raises LagError, RunError."""
-    from lagrangia.bench import TOLERANCES, Point, Skipped, all_solvers, measure
-    from lagrangia.bench_problem import build_problem
-    from lagrangia.bench_reference import NoReference, find_reference
-    from lagrangia.bench_table import as_text
+    from lagrangia.bench.measure import TOLERANCES, Point, Skipped, all_solvers, measure
+    from lagrangia.bench.problem import build_problem
+    from lagrangia.bench.reference import NoReference, find_reference
+    from lagrangia.bench.table import as_text
     from lagrangia.view.curves import require_format
 
     solvers = _choose(all_solvers(), options.solvers)
@@ -97,13 +97,13 @@ def _clear_progress() -> None:
 
 
 def _write(options: Namespace, points: list[Any], ours: list[str], reference: Any, versions: dict[str, Any], name: str) -> None:
-    from lagrangia.bench_table import as_csv, as_json
+    from lagrangia.bench.table import as_csv, as_json
 
     if options.output is not None:
         path = Path(options.output)
         facts = {"scene": name, "reference": reference.how, "reference_error": reference.error, "versions": versions}
         write_text(path, as_csv(points) if path.suffix == ".csv" else as_json(points, facts))
     if options.plot is not None:
-        from lagrangia.bench_plot import draw_points
+        from lagrangia.bench.plot import draw_points
 
         draw_points(f"{name}: work against precision", points, ours, reference.error, options.plot)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import lagrangia as lag
-from lagrangia.bench_problem import Problem, build_problem
+from lagrangia.bench.problem import Problem, build_problem
 from lagrangia.run.request import Request
 
 ROOT = Path(__file__).resolve().parents[2]

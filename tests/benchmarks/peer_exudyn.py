@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from lagrangia.bench_peers import Prepared, Solver, Unsuitable
-from lagrangia.bench_problem import Problem
+from lagrangia.bench.peers import Prepared, Solver, Unsuitable
+from lagrangia.bench.problem import Problem
 
 Builder = Callable[[Any, Problem], None]
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from lagrangia.bench_peers import Prepared, Solver, Unsuitable
-from lagrangia.bench_problem import Problem
+from lagrangia.bench.peers import Prepared, Solver, Unsuitable
+from lagrangia.bench.problem import Problem
 
 _STEPS = 5.0  # a second, at tolerance 1
 _POINT = 'diaginertia="1e-14 1e-14 1e-14"'

@@ -5,8 +5,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from lagrangia.bench_peers import Prepared, Solver, Unsuitable
-from lagrangia.bench_problem import Problem
+from lagrangia.bench.peers import Prepared, Solver, Unsuitable
+from lagrangia.bench.problem import Problem
 
 _LARGEST = 3_000  # instructions: beyond, rumoca takes minutes to compile
 _TEXT = {

@@ -18,11 +18,11 @@ from math import inf
 from pathlib import Path
 
 from cases import SUITE, Case
-from lagrangia.bench import TOLERANCES, Point, all_solvers
-from lagrangia.bench_peers import Prepared, Solver, Unsuitable, prepare_ours
-from lagrangia.bench_problem import Problem
-from lagrangia.bench_reference import NoReference, Reference, find_reference
-from lagrangia.bench_table import ERRORS, as_csv, by_solver, duration, seconds_at
+from lagrangia.bench.measure import TOLERANCES, Point, all_solvers
+from lagrangia.bench.peers import Prepared, Solver, Unsuitable, prepare_ours
+from lagrangia.bench.problem import Problem
+from lagrangia.bench.reference import NoReference, Reference, find_reference
+from lagrangia.bench.table import ERRORS, as_csv, by_solver, duration, seconds_at
 from lagrangia.native.build import CompilerError
 from lagrangia.run.solvers import WAYS
 

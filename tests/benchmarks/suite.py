@@ -19,11 +19,11 @@ import peer_mujoco
 import peer_rumoca
 
 from cases import SUITE, Case
-from lagrangia.bench import TOLERANCES, Point, Skipped, all_solvers, measure
-from lagrangia.bench_peers import Solver
-from lagrangia.bench_plot import draw_points
-from lagrangia.bench_reference import NoReference, find_reference
-from lagrangia.bench_table import ERRORS, as_csv, as_text, duel, duration
+from lagrangia.bench.measure import TOLERANCES, Point, Skipped, all_solvers, measure
+from lagrangia.bench.peers import Solver
+from lagrangia.bench.plot import draw_points
+from lagrangia.bench.reference import NoReference, find_reference
+from lagrangia.bench.table import ERRORS, as_csv, as_text, duel, duration
 
 
 @dataclass(frozen=True)

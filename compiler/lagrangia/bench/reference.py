@@ -19,8 +19,8 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.with_casadi import CORNERS, uses
-from lagrangia.bench_peers import prepare_scipy
-from lagrangia.bench_problem import Piece, Problem
+from lagrangia.bench.peers import prepare_scipy
+from lagrangia.bench.problem import Piece, Problem
 from lagrangia.native.build import build
 
 if TYPE_CHECKING:

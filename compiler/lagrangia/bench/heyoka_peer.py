@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from lagrangia.bench_peers import Prepared, Unsuitable
-from lagrangia.bench_problem import Problem
+from lagrangia.bench.peers import Prepared, Unsuitable
+from lagrangia.bench.problem import Problem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

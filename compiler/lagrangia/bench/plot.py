@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from lagrangia.bench import Point
-from lagrangia.bench_table import by_solver
+from lagrangia.bench.measure import Point
+from lagrangia.bench.table import by_solver
 from lagrangia.view.curves import require_format, save
 
 _MARKERS = "osD^v<>pP*Xhd"

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from lagrangia.bench import Point
+from lagrangia.bench.measure import Point
 
 ERRORS = tuple(10.0**-k for k in range(3, 13))
 _LOST = 0.1

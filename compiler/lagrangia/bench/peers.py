@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from lagrangia.bench_problem import Piece, Problem
+from lagrangia.bench.problem import Piece, Problem
 from lagrangia.native.build import build, find_compiler
 from lagrangia.run.request import check_values
 from lagrangia.run.runtime import Run, Status

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from lagrangia.bench_heyoka import prepare_heyoka
-from lagrangia.bench_peers import (
+from lagrangia.bench.heyoka_peer import prepare_heyoka
+from lagrangia.bench.peers import (
     CASADI_METHODS,
     SCIPY_METHODS,
     Prepared,
@@ -21,8 +21,8 @@ from lagrangia.bench_peers import (
     prepare_ours,
     prepare_scipy,
 )
-from lagrangia.bench_problem import Problem
-from lagrangia.bench_reference import Reference
+from lagrangia.bench.problem import Problem
+from lagrangia.bench.reference import Reference
 from lagrangia.native.build import CompilerError
 from lagrangia.run.solvers import WAYS
 
