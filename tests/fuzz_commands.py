@@ -204,7 +204,7 @@ def _be_the_command(case: Case, folder: Path) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     code = 99
     try:
-        from lagrangia.cli import main
+        from lagrangia.command.cli import main
 
         code = main(case.command)
     except SystemExit as stop:
@@ -280,7 +280,7 @@ def warm() -> None:
     import sympy  # noqa: F401
 
     import lagrangia.paper.equations  # noqa: F401
-    from lagrangia.cli import main
+    from lagrangia.command.cli import main
 
     with tempfile.TemporaryDirectory() as name, contextlib.redirect_stdout(io.StringIO()) as said, \
             contextlib.redirect_stderr(said):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "models" / "examples"
 BAR = str(EXAMPLES / "suspended_bar.lag")

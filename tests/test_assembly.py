@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.compile.pipeline import compile_file, read_files
 from lagrangia.constraints import assembly
 from random_linkages import random_linkage

@@ -18,7 +18,7 @@ from lagrangia.bench.peers import Solver, Unsuitable
 from lagrangia.bench.problem import Problem, build_problem
 from lagrangia.bench.reference import NoReference, find_reference
 from lagrangia.bench.table import as_json, as_text, duel, front, seconds_at
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.run.request import Request
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -14,7 +14,7 @@ import pytest
 from matplotlib.image import imread
 
 from lagrangia import __version__
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.compile.pipeline import PHASES
 from reference import pendulum_angle
 

@@ -14,7 +14,7 @@ import lagrangia as lag
 from lagrangia.base.diagnostics import Source
 from lagrangia.base.folders import cache_folder, data_folder
 from lagrangia.base.store import find_kept, keep, key_of, prune
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.language.plain_tree import read_trees, write_trees
 from lagrangia.language.syntax import parse
 from lagrangia.native.build import find_compiler

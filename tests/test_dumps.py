@@ -36,7 +36,7 @@ def test_no_golden_file_is_left_over() -> None:
 
 def printed(scene: str, phase: str, seed: str, folder: Path) -> bytes:
     """The dump of a process of its own, with an empty cache."""
-    command = [sys.executable, "-m", "lagrangia.cli", "simulate", str(EXAMPLES / f"{scene}.lag"), "--dump", phase]
+    command = [sys.executable, "-m", "lagrangia.command.cli", "simulate", str(EXAMPLES / f"{scene}.lag"), "--dump", phase]
     environment = os.environ | {"PYTHONHASHSEED": seed, "LAGRANGIA_CACHE": str(folder / seed)}
     return subprocess.run(command, env=environment, capture_output=True, check=True).stdout
 

@@ -15,7 +15,7 @@ import pytest
 import sympy as sp
 
 import lagrangia as lag
-from lagrangia.cli import WRONG, main
+from lagrangia.command.cli import WRONG, main
 from lagrangia.paper.layout import Bracket, Name, Numeral, Product, Relation, Total, broken
 from lagrangia.paper.notation import Wanted, name_all
 from lagrangia.paper.sheet import ALL_FORMATS, ALL_FORMS
@@ -322,7 +322,7 @@ def test_a_file_for_the_page(tmp_path: Path, capsys) -> None:
 @pytest.mark.parametrize("name", ["suspended_bar", "disc_and_block", "cart_pole", "double_pendulum"])
 def test_small_scenes_are_quick_from_a_cold_start(name: str) -> None:
     """CPU seconds, start and imports included: below 2 s on a machine of its own, here with room for slow ones."""
-    program = ("import sys, time; from lagrangia.cli import main; code = main(sys.argv[1:]);"
+    program = ("import sys, time; from lagrangia.command.cli import main; code = main(sys.argv[1:]);"
                "print(time.process_time(), file=sys.stderr); sys.exit(code)")
     command = [sys.executable, "-c", program, "equations", str(EXAMPLES / f"{name}.lag")]
     run = subprocess.run(command, capture_output=True, text=True, check=True, env=os.environ | {"OMP_NUM_THREADS": "1"})

@@ -12,7 +12,7 @@ import pytest
 
 from lagrangia.base.diagnostics import LagError, Source
 from lagrangia.base.folders import data_folder
-from lagrangia.cli import WRONG, main
+from lagrangia.command.cli import WRONG, main
 from lagrangia.compile.pipeline import flatten_file, read_files
 from lagrangia.language.expectations import SPOKEN
 from lagrangia.language.syntax import parse

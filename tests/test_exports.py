@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.cli import WRONG, main
+from lagrangia.command.cli import WRONG, main
 from symbolic_scenes import EXAMPLES
 
 SCENES = ["suspended_bar", "double_pendulum", "cart_pole", "slider_crank", "four_bar", "spring_pendulum", "crank_press", "skate",

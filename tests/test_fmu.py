@@ -14,7 +14,7 @@ from fmpy.validation import validate_fmu
 
 import lagrangia as lag
 from fmus import EXAMPLES, KINDS, VERSIONS, fmu_of, model_of, simulated
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.fmu.check import check_fmu
 from lagrangia.fmu.variables import build_fmu_model
 

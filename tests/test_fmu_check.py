@@ -18,7 +18,7 @@ from broken_fmus import DESCRIPTION, broken, described, replaced
 from fmus import EXAMPLES, VERSIONS, fmu_of
 from lagrangia import Model
 from lagrangia.base.diagnostics import Diagnostic
-from lagrangia.cli import DONE, FAILED, WRONG, main
+from lagrangia.command.cli import DONE, FAILED, WRONG, main
 from lagrangia.fmu.check import check_fmu, read_faults
 from lagrangia.fmu.process import Job, run_job
 from lagrangia.fmu.run import open_fmu, unpacked

@@ -11,7 +11,7 @@ import pytest
 pytest.importorskip("fmpy")
 
 from fmus import EXAMPLES, VERSIONS, fmu_of, model_of
-from lagrangia.cli import DONE, FAILED, WRONG, main
+from lagrangia.command.cli import DONE, FAILED, WRONG, main
 
 Table = dict[str, np.ndarray]
 Simulate = Callable[..., Table]

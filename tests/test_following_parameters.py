@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from symbolic_scenes import EXAMPLES
 
 Write = Callable[[str], lag.Model]

@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 
-from lagrangia.cli import DONE, FAILED, INTERRUPTED, WRONG, main
+from lagrangia.command.cli import DONE, FAILED, INTERRUPTED, WRONG, main
 
 PENDULUM = """model Pendulum
   parameter Mass m = 1; parameter Length L = 1; parameter Integer n = 1;
@@ -71,7 +71,7 @@ def lag(capsys: pytest.CaptureFixture[str]) -> Run:
 
 def start(*arguments: str, **options: object) -> subprocess.Popen[str]:
     """The command as a process of its own."""
-    command = [sys.executable, "-m", "lagrangia.cli", *arguments]
+    command = [sys.executable, "-m", "lagrangia.command.cli", *arguments]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)  # type: ignore[call-overload]
 
 
@@ -438,7 +438,7 @@ def test_a_compiler_that_cannot_write_is_told() -> None:
 
 def test_standard_output_on_a_full_disk() -> None:
     with open("/dev/full", "w") as full:
-        command = [sys.executable, "-m", "lagrangia.cli", "simulate", "pendulum.lag", "-o", "-", "--quiet"]
+        command = [sys.executable, "-m", "lagrangia.command.cli", "simulate", "pendulum.lag", "-o", "-", "--quiet"]
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == FAILED
     assert done.stderr.strip() == "error: No space left on device"

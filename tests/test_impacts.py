@@ -9,7 +9,7 @@ import pytest
 import lagrangia as lag
 from fmus import simulated
 from lagrangia.base.diagnostics import RunError
-from lagrangia.exports import export
+from lagrangia.command.scene_export import export
 from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import lagrangia as lag
-from lagrangia.cli import WRONG, main
+from lagrangia.command.cli import WRONG, main
 from lagrangia.compile.pipeline import compile_energies
 from lagrangia.paper.equations import derive
 from lagrangia.paper.linear_matrices import Linear, linearize

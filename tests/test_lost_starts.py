@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.constraints import assembly
 from lagrangia.fmu import export as fmu
 from lagrangia.fmu.variables import build_fmu_model

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia import summary
 from lagrangia.base.folders import data_folder
+from lagrangia.command import summary
 from lagrangia.constraints import assembly, initial, metric, newton
 from lagrangia.dynamics import impacts
 from lagrangia.native.build import build

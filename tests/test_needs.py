@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.compile.pipeline import Compilation, compile_file
 from lagrangia.needs.table import Need, find_needs
 from lagrangia.run.solvers import name_of

@@ -6,7 +6,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.base.folders import data_folder
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.native import prebuilt
 from lagrangia.native.build import find_compiler
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import lagrangia
-from lagrangia.cli import WRONG, main
+from lagrangia.command.cli import WRONG, main
 
 DEPTH = 40
 

@@ -152,7 +152,7 @@ def test_energy_is_kept_over_switches(scene: Write) -> None:
 
 
 def test_the_summary_says_what_was_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from lagrangia.cli import main
+    from lagrangia.command.cli import main
 
     file = tmp_path / "flexible.lag"
     file.write_text(FLEXIBLE)

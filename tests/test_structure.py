@@ -296,7 +296,7 @@ def test_every_exception_is_needed() -> None:
 
 def test_a_cached_scene_runs_without_heavy_libraries(tmp_path: Path) -> None:
     """The second run starts at once, because it finds everything compiled."""
-    program = "import sys; from lagrangia.cli import main; assert main(sys.argv[1:]) == 0; print(*sys.modules, sep='\\n')"
+    program = "import sys; from lagrangia.command.cli import main; assert main(sys.argv[1:]) == 0; print(*sys.modules, sep='\\n')"
     command = [sys.executable, "-c", program, "simulate", str(ROOT / "models" / "examples" / "pendulum.lag"), "--quiet"]
     environment = os.environ | {"LAGRANGIA_CACHE": str(tmp_path / "cache")}
 

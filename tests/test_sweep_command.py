@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.native.build import find_compiler
 from test_hostile import EXPLOSION, PENDULUM, start
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.native.build import find_compiler
 
 pytest.importorskip("distributed")
@@ -80,7 +80,7 @@ def size(name: str) -> int:
 @pytest.mark.slow
 def test_a_worker_that_is_killed_costs_no_run(cluster: Cluster) -> None:
     """The same table as here, byte by byte; both workers have built the scene in caches of their own."""
-    command = [sys.executable, "-m", "lagrangia.cli", "sweep", *SWEEP, "--dask", cluster.address, "-o", "there.csv"]
+    command = [sys.executable, "-m", "lagrangia.command.cli", "sweep", *SWEEP, "--dask", cluster.address, "-o", "there.csv"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     begin = time.monotonic()
     while size("there.csv.part") < 20_000:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 from lagrangia.compile.pipeline import compile_file
 from lagrangia.native.build import find_compiler
 

@@ -2,6 +2,6 @@
 
 import sys
 
-from lagrangia.cli import main
+from lagrangia.command.cli import main
 
 sys.exit(main())

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 import lagrangia as lag
-from lagrangia.cli import main as lag_command
+from lagrangia.command.cli import main as lag_command
 from lagrangia.compile.pipeline import read_files
 
 ROOT = Path(__file__).resolve().parents[2]

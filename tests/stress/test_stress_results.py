@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import lagrangia as lag
-from lagrangia.cli import DONE, FAILED, WRONG, main
+from lagrangia.command.cli import DONE, FAILED, WRONG, main
 from lagrangia.native.build import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

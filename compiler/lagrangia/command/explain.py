@@ -2,7 +2,7 @@
 
 from argparse import Namespace
 
-from lagrangia.arguments import assignment, load_model, open_parameters
+from lagrangia.command.arguments import assignment, load_model, open_parameters
 from lagrangia.run.request import check_values
 
 

@@ -98,52 +98,52 @@ def _is_colored() -> bool:
 
 def _simulate(options: argparse.Namespace) -> int:
     if options.file.suffix.lower() == ".fmu":
-        from lagrangia.fmu_simulate_command import simulate_fmu_command
+        from lagrangia.command.fmu_simulate import simulate_fmu_command
 
         return simulate_fmu_command(options)
-    from lagrangia.simulate_command import simulate_command
+    from lagrangia.command.simulate import simulate_command
 
     return simulate_command(options)
 
 
 def _check_fmu(options: argparse.Namespace) -> int:
-    from lagrangia.fmu_check_command import check_fmu_command
+    from lagrangia.command.fmu_check import check_fmu_command
 
     return check_fmu_command(options)
 
 
 def _sweep(options: argparse.Namespace) -> int:
-    from lagrangia.sweep_command import sweep_command
+    from lagrangia.command.sweep import sweep_command
 
     return sweep_command(options)
 
 
 def _check(options: argparse.Namespace) -> int:
-    from lagrangia.check_command import check_command
+    from lagrangia.command.check import check_command
 
     return check_command(options)
 
 
 def _explain(options: argparse.Namespace) -> int:
-    from lagrangia.explain_command import explain_command
+    from lagrangia.command.explain import explain_command
 
     return explain_command(options)
 
 
 def _bench(options: argparse.Namespace) -> int:
-    from lagrangia.bench_command import bench_command
+    from lagrangia.command.bench import bench_command
 
     return bench_command(options)
 
 
 def _equations(options: argparse.Namespace) -> int:
-    from lagrangia.equations_command import equations_command
+    from lagrangia.command.equations import equations_command
 
     return equations_command(options)
 
 
 def _analysis(options: argparse.Namespace) -> int:
-    from lagrangia import analysis_commands
+    from lagrangia.command import analysis as analysis_commands
 
     commands = {"equilibrium": analysis_commands.equilibrium_command, "linearize": analysis_commands.linearize_command,
                 "modes": analysis_commands.modes_command, "response": analysis_commands.response_command}
@@ -151,13 +151,13 @@ def _analysis(options: argparse.Namespace) -> int:
 
 
 def _export(options: argparse.Namespace) -> int:
-    from lagrangia.export_command import export_command
+    from lagrangia.command.export import export_command
 
     return export_command(options)
 
 
 def _help(options: argparse.Namespace) -> int:
-    from lagrangia.topics import TOPICS, topic_text
+    from lagrangia.command.topics import TOPICS, topic_text
 
     if options.topic is None:
         print("Topics, each shown by `lag help TOPIC`:\n")

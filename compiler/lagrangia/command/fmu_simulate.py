@@ -9,10 +9,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from lagrangia.arguments import asked, assignment, input_tables, prepare_target, read_table, split_names
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, quoted
+from lagrangia.command.arguments import asked, assignment, input_tables, prepare_target, read_table, split_names
 from lagrangia.fmu.description import Description
 from lagrangia.fmu.process import SPOKEN, Inputs
 from lagrangia.fmu.run import FmuRun, open_fmu, settable, simulate_fmu

@@ -5,8 +5,8 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lagrangia.arguments import assignment, load_model, split_names, tell_warnings, values_with_units
 from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.command.arguments import assignment, load_model, split_names, tell_warnings, values_with_units
 from lagrangia.compile.pipeline import ALL_REACTIONS
 from lagrangia.native.build import CompilerError
 from lagrangia.view.statics import tells_reactions

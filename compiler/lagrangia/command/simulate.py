@@ -7,7 +7,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from lagrangia.arguments import (
+from lagrangia.base.diagnostics import LagError, RunError, fail
+from lagrangia.base.interruptions import INTERRUPTED, undisturbed
+from lagrangia.command.arguments import (
     asked,
     assignment,
     keep_foreign,
@@ -20,13 +22,11 @@ from lagrangia.arguments import (
     tell_warnings,
     values_with_units,
 )
-from lagrangia.base.diagnostics import LagError, RunError, fail
-from lagrangia.base.interruptions import INTERRUPTED, undisturbed
+from lagrangia.command.summary import summarise, tell_assembly, tell_moved, tell_reactions
 from lagrangia.compile.pipeline import ALL_REACTIONS
 from lagrangia.model import NO_COMPILER, Model
 from lagrangia.run.request import Experiment, check_values, plan
 from lagrangia.run.simulate import Progress, loss
-from lagrangia.summary import summarise, tell_assembly, tell_moved, tell_reactions
 from lagrangia.view.statics import tells_reactions
 from lagrangia.view.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from lagrangia.arguments import tell_warnings
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, render_all
+from lagrangia.command.arguments import tell_warnings
 from lagrangia.model import Model
 from lagrangia.run.interpret import evaluate
 from lagrangia.run.request import check_parameters, check_values

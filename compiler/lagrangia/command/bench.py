@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lagrangia.arguments import assignment, keep_inputs, load_model, number, open_parameters
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.base.result_files import write_text
+from lagrangia.command.arguments import assignment, keep_inputs, load_model, number, open_parameters
 from lagrangia.native.build import find_compiler
 from lagrangia.run.request import Request
 

@@ -6,10 +6,19 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.arguments import asked, assignment, input_tables, keep_foreign, load_model, read_inputs, tell_inputs, tell_warnings
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, is_device
+from lagrangia.command.arguments import (
+    asked,
+    assignment,
+    input_tables,
+    keep_foreign,
+    load_model,
+    read_inputs,
+    tell_inputs,
+    tell_warnings,
+)
 from lagrangia.model import Model
 from lagrangia.run.batch import Ending
 from lagrangia.run.request import plan

@@ -4,9 +4,9 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.arguments import assignment, part_structural, tell, tell_warnings
 from lagrangia.base.diagnostics import fail
-from lagrangia.exports import TARGETS
+from lagrangia.command.arguments import assignment, part_structural, tell, tell_warnings
+from lagrangia.command.scene_export import TARGETS
 
 _WRITTEN = ("modelica", "sympy", "latex")  # with names on paper
 _MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "outputs", "info"), ("fmu",)) | {"names": _WRITTEN}
@@ -22,10 +22,10 @@ def _refuse_idle(options: Namespace) -> None:
 def export_command(options: Namespace) -> int:
     _refuse_idle(options)
     if options.to == "fmu":
-        from lagrangia.fmu_command import export_fmu_command
+        from lagrangia.command.fmu_export import export_fmu_command
 
         return export_fmu_command(options)
-    from lagrangia.exports import export, export_warnings, exported_text
+    from lagrangia.command.scene_export import export, export_warnings, exported_text
     from lagrangia.model import Model
 
     structural, others = part_structural(options, [assignment(text, "-p") for text in options.parameter])

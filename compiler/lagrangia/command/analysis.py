@@ -6,7 +6,10 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.arguments import (
+from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span
+from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.result_files import write_text
+from lagrangia.command.arguments import (
     assignment,
     keep_inputs,
     load_model,
@@ -18,9 +21,6 @@ from lagrangia.arguments import (
     tell_warnings,
     values_with_units,
 )
-from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span
-from lagrangia.base.diagnostics import RunError, fail
-from lagrangia.base.result_files import write_text
 from lagrangia.model import Model
 from lagrangia.view.curves import require_format
 

@@ -3,9 +3,9 @@
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.arguments import assignment, keep_inputs, part_structural, split_names
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import write_text
+from lagrangia.command.arguments import assignment, keep_inputs, part_structural, split_names
 
 
 def equations_command(options: Namespace) -> int:
