@@ -12,11 +12,11 @@ import casadi as ca
 import numpy as np
 
 import lagrangia as lag
+from helpers.random_trees import random_tree
 from lagrangia.dynamics.bodies import find_bodies
 from lagrangia.dynamics.elimination import articulate
 from lagrangia.dynamics.motion import mass_matrix, solve_dense
 from lagrangia.run.solvers import applicable
-from random_trees import random_tree
 
 STOP, ROWS, TOLERANCE, TIGHT = 1.0, 9, 1e-8, 1e-11
 MOST_BODIES = 12

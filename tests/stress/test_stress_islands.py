@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import lagrangia as lag
+from helpers.random_loops import random_loops
 from lagrangia.native.build import find_compiler
 from lagrangia.run.runtime import Solver
-from random_loops import random_loops
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 

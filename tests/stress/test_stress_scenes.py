@@ -6,9 +6,9 @@ LAGRANGIA_SCENES=10000 asks for that many, as before a release; each wrong run i
 import os
 
 import pytest
-from verdicts import Verdict, look_at_all
 
 from lagrangia.native.build import find_compiler
+from stress.verdicts import Verdict, look_at_all
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 FEW, MANY = 24, int(os.environ.get("LAGRANGIA_SCENES", "48"))

@@ -5,9 +5,9 @@ import os
 
 import numpy as np
 import pytest
-from forest import look_at, look_at_all
 
 from lagrangia.native.build import find_compiler
+from stress.forest import look_at, look_at_all
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 FEW, MANY = 36, int(os.environ.get("LAGRANGIA_TREES", "120"))

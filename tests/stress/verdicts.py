@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 import lagrangia as lag
+from helpers.maximal import Motion, reference
+from helpers.random_scenes import RandomScene, random_scene
+from helpers.reference import Array
 from lagrangia.base.diagnostics import RunError
 from lagrangia.run.solvers import AUTO, applicable
-from maximal import Motion, reference
-from random_scenes import RandomScene, random_scene
-from reference import Array
 
 TIMES = (0.25, 0.5, 0.75, 1.0)
 TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12)

@@ -1,0 +1,266 @@
+"""FMUs with contacts and friction: events, indicators, derivatives while something is held; slopes of outputs."""
+
+import ctypes
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("fmpy")
+
+from helpers.fmus import Instance
+
+BALL = """model Ball
+  Prismatic y(a = world, along = {0, 1}, s(start = 1));
+  PointMass p(m = 1, center = y.b);
+  Stop floor(e = 0.7, gap = y.s);
+  input Force F(start = 0);
+  AppliedForce f(at = p.center, force = {0, F});
+  output Length h = y.s;
+  output Force twice = 2*F;
+  output Power P = F*y.v;
+end Ball;"""
+G = 9.81
+FALL = (2 / G) ** 0.5  # to the first impact of the ball
+SECOND = FALL * (1 + 2 * 0.7)
+
+
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("events") / "ball.lag"
+    path.write_text(BALL)
+    return path
+
+
+# ---------------------------------------------------------------- Co-Simulation
+
+
+@pytest.mark.parametrize("early", [True, False])
+def test_impacts_are_told_in_event_mode(ball: Path, early: bool) -> None:
+    one = Instance(ball, "3", "CoSimulation", eventModeUsed=True, earlyReturnAllowed=early).start(tolerance=1e-10)
+    one.update()
+    one.fmu.enterStepMode()
+    t, told = 0.0, []
+    for k in range(1, 15):
+        while t < 0.1 * k - 1e-9:
+            needed, _, is_early, reached = one.step(t, 0.1 * k - t)
+            assert is_early == (reached < 0.1 * k - 1e-9)
+            t = reached
+            if needed:
+                told.append(t)
+                one.fmu.enterEventMode()
+                before = one.get("y.v")[0]
+                one.update()
+                assert not early or one.get("y.v")[0] == pytest.approx(-0.7 * before, rel=1e-9)
+                one.fmu.enterStepMode()
+    right = [FALL, SECOND] if early else [0.1 * np.ceil(FALL / 0.1), 0.1 * np.ceil(SECOND / 0.1)]
+    assert told == pytest.approx(right, abs=1e-9)
+    speed = 0.7**2 * G * FALL - G * (1.4 - SECOND)
+    assert one.get("y.v")[0] == pytest.approx(speed, rel=1e-9)
+    one.free()
+
+
+def slope(one: Instance, name: str) -> float:
+    reference, order, given = (ctypes.c_uint * 1)(one.reference[name]), (ctypes.c_int * 1)(1), (ctypes.c_double * 1)()
+    if one.version == "2":
+        one.fmu.fmi2GetRealOutputDerivatives(one.fmu.component, reference, 1, order, given)
+    else:
+        one.fmu.fmi3GetOutputDerivatives(one.fmu.component, reference, 1, order, given, 1)
+    return given[0]
+
+
+def test_slopes_of_outputs_know_those_of_inputs(ball: Path) -> None:
+    """F = 1 + 3 t on 1 kg that falls: F, v and their product, before the step and after it; then F is held."""
+    one = Instance(ball, "2", "CoSimulation").start(tolerance=1e-10)
+    one.fmu.setRealInputDerivatives([one.reference["F"]], [1], [3.0])  # before the value as well as after it
+    one.set({"F": 1.0})
+    assert [slope(one, name) for name in ("twice", "P", "h")] == pytest.approx([6, 1 - G, 0], abs=1e-12)
+    one.step(0, 0.1)
+    v = 0.1 + 0.015 - G * 0.1
+    assert one.get("F", "P") == pytest.approx([1.3, 1.3 * v], rel=1e-12)
+    assert [slope(one, name) for name in ("twice", "P", "h")] == pytest.approx([6, 3 * v + 1.3 * (1.3 - G), v], rel=1e-12)
+    one.set({"F": 2.0})
+    assert [slope(one, name) for name in ("twice", "P")] == pytest.approx([0, 2 * (2 - G)], abs=1e-12)
+    one.step(0.1, 0.1)
+    assert slope(one, "twice") == 0
+    one.free()
+
+
+def test_slopes_of_outputs_in_fmi_3(ball: Path) -> None:
+    one = Instance(ball, "3", "CoSimulation").start({"F": 2.0}, tolerance=1e-10)
+    one.step(0, 0.1)
+    assert [slope(one, name) for name in ("h", "P")] == pytest.approx([(2 - G) * 0.1, 2 * (2 - G)], rel=1e-12)
+    one.free()
+
+
+def test_inputs_follow_a_ramp_in_intermediate_updates(tmp_path: Path) -> None:
+    """F = 6 t, set where the FMU's own steps end: what is set holds until the next one, so that v = sum F dt/2."""
+    from fmpy import fmi3
+
+    path = tmp_path / "cart.lag"
+    path.write_text("""model Cart
+      Block b(m = 2, base = world); input Force F(start = 0); AppliedForce f(at = b.center, force = {F, 0});
+      Revolute h(a = world, phi(start = 2)); Bar p(m = 1, L = 0.2, a = h.b);
+    end Cart;""")
+    one = Instance(path, "3", "CoSimulation")
+    one.fmu.fmi3FreeInstance(one.fmu.component)
+    seen = [0.0]
+
+    def update(environment: object, t: float, may_set: bool, may_get: bool, is_finished: bool, may_return: bool,
+               wants_return: object, early: object) -> None:
+        assert may_set and one.get("time") == [t]
+        with pytest.raises(Exception, match="status"):
+            one.set({"b.m": 3.0})
+        one.set({"F": 6 * t})
+        seen.append(t)
+
+    callback, log = fmi3.fmi3IntermediateUpdateCallback(update), fmi3.fmi3LogMessageCallback(lambda *rest: None)
+    token = (one.description.instantiationToken or one.description.guid).encode()
+    one.fmu.component = one.fmu.fmi3InstantiateCoSimulation(b"one", token, b"", False, False, False, False, None, 0, None, log,
+                                                            callback)
+    one.start(tolerance=1e-9)
+    for k in range(4):
+        one.step(0.5 * k, 0.5)
+    assert len(seen) > 20 and seen[-1] == 2
+    given = sum(6 * a * (b - a) for a, b in pairwise(seen))
+    assert one.get("b.v") == pytest.approx([given / 2], rel=1e-9) and given / 2 == pytest.approx(6, rel=0.1)
+    one.free()
+
+
+# ---------------------------------------------------------------- event indicators of Model Exchange
+
+TWO = """model Two "a body between a floor and a ceiling; another on a rough line, drawn by a spring"
+  Prismatic y(a = world, along = {0, 1}, s(start = 1)), x(a = world, along = {1, 0}, s(start = 0), v(start = 1));
+  PointMass p(m = 1, center = y.b), r(m = 1, center = x.b);
+  Stop floor(e = 0.5, gap = y.s), ceiling(e = 0.5, gap = 1.5[m] - y.s);
+  DryFriction rub(rate = x.v, F = 2);
+  Spring s(k = 3, stretch = x.s);
+end Two;"""
+
+
+def signs(one: Instance, x: list[float]) -> np.ndarray:
+    """Of the indicators at a state."""
+    count = one.description.numberOfEventIndicators if one.version == "2" else len(one.description.eventIndicators)
+    z = (ctypes.c_double * count)()
+    one.set_states(x)
+    one.fmu.getEventIndicators(z, count)
+    return np.array(z) > 0
+
+
+def crossing(one: Instance, state: int, low: float, high: float, speed: float) -> list[float]:
+    """Where indicators change sign between two values of one state."""
+    base = one.states()
+
+    def at(value: float) -> np.ndarray:
+        x = [*base[:2], speed, base[3]]
+        x[state] = value
+        return signs(one, x)
+
+    found, ends = [], (at(low), at(high))
+    for k in np.flatnonzero(ends[0] != ends[1]):
+        a, b = low, high
+        for _ in range(80):
+            middle = (a + b) / 2
+            a, b = (middle, b) if at(middle)[k] == ends[0][k] else (a, middle)
+        found.append(a)
+    one.set_states(base)
+    return found
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-9])
+def test_indicators_change_sign_where_contacts_are(tmp_path: Path, version: str, tolerance: float) -> None:
+    path = tmp_path / "two.lag"
+    path.write_text(TWO)
+    one = Instance(path, version, "ModelExchange").start(tolerance=tolerance)
+    assert crossing(one, 0, -0.1, 0.5, -1.0) == pytest.approx([0], abs=1e-11)
+    assert crossing(one, 0, 1.0, 1.7, 1.0) == pytest.approx([1.5], abs=1e-11)
+    assert crossing(one, 3, -0.5, 0.5, 0.0) == pytest.approx([0], abs=1e-11)
+    one.set_states([-1e-14, 0.0, -1.0, 1.0])
+    one.fmu.enterEventMode()
+    one.update()
+    one.fmu.enterContinuousTimeMode()
+    assert one.states()[2] == pytest.approx(0.5)
+    assert all(signs(one, [x, 0.0, 0.5, 1.0]).all() for x in (-1e-13, 0.0, 1e-13, 1e-3)), "it does not come again while it leaves"
+    one.set_states([0.2, 0.05, 0.2, 0.9])
+    one.fmu.completedIntegratorStep()
+    assert crossing(one, 0, -0.1, 0.5, -1.0) == pytest.approx([0], abs=1e-11)
+    one.free()
+
+
+# ---------------------------------------------------------------- derivatives while something is held
+
+FIVE_BAR = """  Revolute o1(a = world, phi(start = 2, fixed = true)), o2(a = shift(world, {1, 0}), phi(start = 1, fixed = true));
+  Revolute j(a = A.b), l(a = D.b), e(a = B.b, b = C.b); Bar B(m = 1.2, L = 1, a = j.b), C(m = 1.1, L = 1, a = l.b);
+  Bar A(m = 1, L = 0.7, a = o1.b), D(m = 0.8, L = 0.7, a = o2.b); parameter TorsionStiffness k = 5; input Torque F(start = 0);
+  TorsionSpring s(k = k, twist = o2.phi); AppliedTorque f(on = D.center, torque = F); annotation(experiment(StopTime = 0.01));
+"""
+TOP = 1.162652860682965  # where C.b is
+
+HELD = {
+    "one of two in a loop": FIVE_BAR + """TorsionDryFriction c(rate = o1.w, tau = 500);
+  output Acceleration N = der(der(C.center.x));""",
+    "a stop in a loop": FIVE_BAR + "Stop c(gap = (2 - o1.phi)*1[m]); output Force N = c.force;",
+    "a rough stop in a loop": FIVE_BAR + f"""RoughStop c(a = shift(world, {{0, {TOP}}}), b = C.b, mu = 3);
+  output Force N = c.force;""",
+    "a slider in a loop": """  Revolute o(a = world, phi(start = 0.7, fixed = true)), j(a = crank.b), e(a = rod.b);
+  Prismatic x(a = world, along = {1, 0}); Bar crank(m = 1, L = 0.5, a = o.b), rod(m = 2, L = 1.2, a = j.b);
+  PointMass p(m = 1, center = x.b); input Torque F(start = 0);
+  parameter TorsionStiffness k = 5; TorsionSpring s(k = k, twist = o.phi); AppliedTorque f(on = crank.center, torque = F);
+  DryFriction r(rate = x.v, F = 1000); output Force N = p.center.x*k/0.3[m2] + F/1[m];
+equation connect(e.b, x.b);""",
+    "stop": """  Block b(m = 2, base = world, along = {0, 1}, s(start = 0, fixed = true), v(start = 0, fixed = true));
+  parameter Stiffness k = 8000; input Force F(start = 0); Spring s(k = k, stretch = b.s + 0.01);
+  AppliedForce f(at = b.center, force = {0, F}); Stop floor(gap = b.s); output Force N = floor.force;""",
+    "friction": """  Block b(m = 2, base = world, along = {1, 0}); parameter Stiffness k = 100; input Force F(start = 0);
+  Spring s(k = k, stretch = b.s + 0.01); AppliedForce f(at = b.center, force = {F, 0}); DryFriction r(rate = b.v, F = 5);
+  output Acceleration N = der(b.v);""",
+    "clutch": """  Disc a(m = 1, r = 0.5, center = ha.b), b(m = 2, r = 0.5, center = hb.b); Revolute ha(a = world), hb(a = world);
+  parameter TorsionStiffness k = 20; input Torque F(start = 0); TorsionSpring s(k = k, twist = ha.phi + 0.01);
+  AppliedTorque f(on = hb.b, torque = F); TorsionDryFriction c(rate = ha.w - hb.w, tau = 50); output AngularVelocity N = hb.w;""",
+    "rough": """  Prismatic x(a = world, along = {1, 0}), y(a = x.b, along = {0, 1}); PointMass p(m = 1, center = y.b);
+  RoughStop f(a = world, b = y.b, mu = 0.8); parameter Stiffness k = 5; input Force F(start = 0);
+  Spring s(k = k, stretch = x.s + 0.1); AppliedForce g(at = p.center, force = {F, 2*F}); output Force N = f.force;""",
+    "stack": """  Prismatic p[2](each a = world, each along = {0, 1}); PointMass m[2](m = {1, 0.5}, center = p.b);
+  Stop floor(gap = p[1].s), on(gap = p[2].s - p[1].s); parameter Stiffness k = 30; input Force F(start = 0);
+  Spring s(k = k, stretch = p[2].s + 0.2); AppliedForce f(at = m[2].center, force = {0, F}); output Force N = floor.force;""",
+}
+
+
+@pytest.mark.parametrize("case", HELD)
+def test_derivatives_know_what_is_held(case: str, tmp_path: Path) -> None:
+    """Along states, an input and a parameter against differences of what the FMU gives; the adjoint ones against these."""
+    path = tmp_path / f"{case}.lag"
+    path.write_text(f"model Held {HELD[case]} end Held;")
+    one = Instance(path, "3", "ModelExchange").start(tolerance=1e-10)
+    rows = [u.variable.name for u in one.description.derivatives] + ["N"]
+    states = [u.variable.derivative.name for u in one.description.derivatives]
+    knowns = [*states, "F", "k"]
+    exact = np.array([one.forward(rows, [known], [1.0]) for known in knowns]).T
+    base, values = one.states(), dict(zip(["F", "k"], one.get("F", "k"), strict=True))
+
+    def at(known: str, change: float) -> np.ndarray:
+        if known in states:
+            one.set_states([x + change * (name == known) for name, x in zip(states, base, strict=True)])
+        else:
+            one.set({known: values[known] + change})
+        found = np.array(one.get(*rows))
+        one.set_states(base)
+        one.set(values)
+        return found
+
+    h = 1e-7
+    differences = np.array([(at(known, h) - at(known, -h)) / (2 * h) for known in knowns]).T
+    np.testing.assert_allclose(exact, differences, rtol=1e-6, atol=1e-6 * max(1.0, np.abs(exact).max()))
+    weights = np.random.default_rng(1).normal(size=len(rows))
+    np.testing.assert_allclose(one.adjoint(rows, knowns, list(weights)), weights @ exact, rtol=1e-10, atol=1e-9)
+    if "loop" in case:  # off the constraints slopes lead back to them
+        at_rest = {"a slider in a loop": ["der(o.w)", "der(x.v)"], "a rough stop in a loop": ["der(o1.w)", "der(o2.w)"]}
+        assert np.abs(one.get(*at_rest.get(case, ["der(o1.w)"]))).max() < 1e-9 and abs(one.get("N")[0]) > 1
+        one.free()
+        return
+    right = {"stop": ("der(b.v)", [0, 0, 0, 0]), "friction": ("der(b.v)", [0, 0, 0, 0]), "rough": ("der(x.v)", [0] * 6),
+             "stack": ("der(p[2].v)", [0] * 6), "clutch": ("der(ha.w)", [-20 / 0.375, 0, 0, 0, 1 / 0.375, -0.01 / 0.375])}[case]
+    np.testing.assert_allclose(exact[rows.index(right[0])], right[1], rtol=1e-9, atol=1e-9)
+    one.free()

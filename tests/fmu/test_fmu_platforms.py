@@ -1,0 +1,145 @@
+"""Binaries for all platforms: each is of its own kind; those of Windows and of aarch64 run where wine and qemu are installed."""
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+
+pytest.importorskip("fmpy")
+
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+
+from helpers.fmus import EXAMPLES, Instance, model_of
+from lagrangia.fmu.build import PLATFORMS, standard_headers
+
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(importlib.util.find_spec("ziglang") is None,
+                                                   reason="needs ziglang, which compiles for all platforms")]
+PATH = EXAMPLES / "double_pendulum.lag"
+_FOLDER = TemporaryDirectory(prefix="lagrangia-platforms-")
+# Loads the library as an importer does, makes 100 steps of Co-Simulation and prints where the arms are.
+DRIVER = """
+#include <stdio.h>
+#include <stdlib.h>
+#include "fmi2Functions.h"
+#ifdef _WIN32
+#include <windows.h>
+#define LOAD(path) ((void *)LoadLibraryA(path))
+#define FIND(library, name) ((void *)GetProcAddress((HMODULE)library, name))
+#else
+#include <dlfcn.h>
+#define LOAD(path) dlopen(path, RTLD_NOW)
+#define FIND(library, name) dlsym(library, name)
+#endif
+
+static void logger(fmi2ComponentEnvironment e, fmi2String n, fmi2Status s, fmi2String c, fmi2String m, ...)
+{ (void)e, (void)n, (void)c; printf("%d %s\\n", (int)s, m); }
+
+#define GET(name) name##TYPE *name##_ = (name##TYPE *)FIND(library, #name); if (!name##_) return 2;
+
+int main(int count, char **arguments)
+{
+    const fmi2CallbackFunctions callbacks = {logger, calloc, free, NULL, NULL};
+    const fmi2ValueReference references[] = {1, 2};
+    double x[2] = {0, 0};
+    void *library = count == 3 ? LOAD(arguments[1]) : NULL;
+    if (!library)
+        return 1;
+    GET(fmi2Instantiate) GET(fmi2SetupExperiment) GET(fmi2EnterInitializationMode) GET(fmi2ExitInitializationMode) GET(fmi2DoStep)
+    GET(fmi2GetReal) GET(fmi2Terminate) GET(fmi2FreeInstance)
+    fmi2Component c = fmi2Instantiate_("one", fmi2CoSimulation, arguments[2], NULL, &callbacks, 0, 0);
+    if (!c || fmi2SetupExperiment_(c, 1, 1e-8, 0, 0, 0) || fmi2EnterInitializationMode_(c) || fmi2ExitInitializationMode_(c))
+        return 3;
+    for (int k = 0; k < 100; ++k)
+        if (fmi2DoStep_(c, 0.01 * k, 0.01, 1))
+            return 4;
+    if (fmi2GetReal_(c, references, 2, x))
+        return 5;
+    printf("%.17g %.17g\\n", x[0], x[1]);
+    fmi2Terminate_(c);
+    fmi2FreeInstance_(c);
+    return 0;
+}
+"""
+
+
+@cache
+def archives() -> dict[str, Path]:
+    """By version, with the binaries of all platforms."""
+    return dict(zip("23", model_of(PATH).export_fmu(Path(_FOLDER.name) / "x.fmu", fmi="both", platforms="all"), strict=True))
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_binaries_of_all_platforms(version: str) -> None:
+    """Each is of its own kind; in FMI 2 the one of Darwin is of both processors."""
+    path = archives()[version]
+    assert validate_fmu(str(path)) == []
+    archive = zipfile.ZipFile(path)
+    kinds = {name.split("/")[1]: archive.read(name)[:20] for name in archive.namelist() if name.startswith("binaries/")}
+    assert len(kinds) == len(PLATFORMS)
+    for folder, head in kinds.items():
+        if folder == "darwin64":
+            assert head[:8] == bytes.fromhex("cafebabe00000002")
+        elif "darwin" in folder:
+            assert head[:4] == bytes.fromhex("cffaedfe")
+        elif "win" in folder:
+            assert head[:2] == b"MZ"
+        else:
+            assert head[:4] == b"\x7fELF" and head[18] == (0xB7 if "aarch64" in folder else 0x3E)
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_binaries_of_all_platforms_have_no_fault(version: str) -> None:
+    """Of their own processor, with libraries of the system alone, for an old glibc."""
+    from lagrangia.fmu.check import read_faults
+    from lagrangia.fmu.run import open_fmu
+
+    assert list(read_faults(open_fmu(archives()[version]))) == []
+
+
+def expected() -> list[float]:
+    instance = Instance(PATH, "2", "CoSimulation").start()
+    for k in range(100):
+        instance.step(0.01 * k, 0.01)
+    return instance.get("shoulder.phi", "elbow.phi")
+
+
+def driven(platform: str, runner: list[str], folder: Path, environment: dict[str, str]) -> list[float]:
+    """What the driver, compiled for the platform too, prints there."""
+    kind = PLATFORMS[platform]
+    with zipfile.ZipFile(archives()["2"]) as archive:
+        archive.extractall(folder)
+    (folder / "driver.c").write_text(DRIVER)
+    program = "driver.exe" if kind.suffix == ".dll" else "driver"
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", kind.target, "-O1", f"-I{standard_headers()}"]
+    libraries = [] if kind.suffix == ".dll" else ["-ldl"]
+    subprocess.run([*compiler, "-o", program, "driver.c", *libraries], cwd=folder, check=True, capture_output=True)
+    guid = read_model_description(str(archives()["2"])).guid
+    library = f"binaries/{kind.fmi2}/DoublePendulum{kind.suffix}"
+    done = subprocess.run([*runner, program, library, guid], cwd=folder, env=os.environ | environment, capture_output=True,
+                          text=True, check=False, timeout=300)
+    assert done.returncode == 0, (done.returncode, done.stdout, done.stderr)
+    return [float(x) for x in done.stdout.split()]
+
+
+def test_the_windows_binary_runs_under_wine(tmp_path: Path) -> None:
+    wine = next((found for name in ("wine64", "wine", "/usr/lib/wine/wine64") if (found := shutil.which(name))), None)
+    if wine is None:
+        pytest.skip("wine is not installed: apt-get install wine64")
+    environment = {"WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all"}
+    assert driven("x86_64-windows", [wine], tmp_path, environment) == pytest.approx(expected(), abs=1e-7)
+
+
+def test_the_aarch64_binary_runs_under_qemu(tmp_path: Path) -> None:
+    qemu = next((found for name in ("qemu-aarch64-static", "qemu-aarch64") if (found := shutil.which(name))), None)
+    system = Path("/usr/aarch64-linux-gnu")
+    if qemu is None or not (system / "lib" / "ld-linux-aarch64.so.1").exists():
+        pytest.skip("qemu, or a glibc for it, is not installed: apt-get install qemu-user-static libc6-arm64-cross")
+    assert driven("aarch64-linux", [qemu, "-L", str(system)], tmp_path, {}) == pytest.approx(expected(), abs=1e-7)
