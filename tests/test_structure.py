@@ -1,6 +1,7 @@
-"""The house rules of DESIGN.md that a machine can check: the order of the modules, sizes, what is imported when, descriptions."""
+"""The house rules of DESIGN.md that a machine can check: the rooms and their order, sizes, imports, descriptions."""
 
 import ast
+import graphlib
 import os
 import re
 import shutil
@@ -17,228 +18,38 @@ from lagrangia.language.tree import ClassDefinition, Declaration
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "compiler" / "lagrangia"
 
-# A module imports only modules that stand before it: down this list is down the pipeline, from text to the command line.
-ORDER = """
-    version
-    folders
-    store
-    diagnostics
-    interruptions
-    spelling
-    targets
-    given
-    units
-    values
-    tree
-    plain_tree
-    recovery
-    expectations
-    syntax
-    classes
-    meanings
-    instances
-    folding
-    dealing
-    names
-    algorithms
-    flat
-    walk
-    unread
-    idle
-    flattening
-    dimensions
-    observables
-    scalars
-    algebra
-    numbering
-    casadi_algebra
-    events
-    evaluation
-    edges
-    consequences
-    graph
-    joints
-    planar
-    lines
-    closures
-    kinematics
-    directions
-    energies
-    bodies
-    harmonics
-    collected
-    parameters
-    impacts
-    constraints
-    initial
-    orthogonal
-    branches
-    equilibrium
-    nonnegative
-    grips
-    metric
-    newton
-    assembly
-    virtual_forces
-    positions
-    double_roots
-    partition
-    forces
-    elimination
-    kkt
-    schur
-    evenness
-    null_space
-    constrained_motion
-    motion
-    holding
-    switches
-    jacobians
-    released
-    drives
-    reactions
-    linearity
-    waves
-    loads
-    linear_form
-    linear_choice
-    hamilton
-    spectrum
-    islands
-    factors
-    impulses
-    functions
-    assemblies
-    freedom
-    linearization
-    sympy_algebra
-    symbolic
-    series
-    equations
-    layout
-    typeset
-    latex
-    mathml
-    notation
-    document
-    presentation
-    textbook
-    structure
-    book
-    forms
-    worked
-    rest_points
-    linear_matrices
-    linear_page
-    pages
-    sympy_script
-    modelica
-    numpy_module
-    tapes
-    mirrors
-    runtime
-    interpret
-    scene
-    instructions
-    rolled
-    taylor
-    widecode
-    ccode
-    scenes
-    dependence
-    places
-    needs
-    prebuilt
+# A room imports only rooms above it here: down this list is down the pipeline. `model` is a module.
+ROOMS = """
+    base
     native
-    runtime_library
-    batch
-    cache
-    pipeline
-    dumps
-    solvers
-    engines
-    explain
-    request
-    simulate
-    casadi_solvers
-    fmu_xmltree
-    fmu_archive
-    fmu_description
-    fmu_rules
-    fmu_structure
-    fmu_binary
-    fmu_parts
-    fmu_schemas
-    sweep_measures
-    sweep_values
-    sweep_plan
-    sweep_journal
-    sweep_pieces
-    sweep_threads
-    sweep_dask
-    sweep_table
-    sweep
-    plot
-    trajectory
-    statics
-    fmu_factors
-    fmu_derivatives
-    fmu_model
-    fmu_source
-    fmu_xml
-    fmu_xml2
-    fmu_xml3
-    fmu_pictures
-    fmu_page
-    fmu_build
+    run
+    algebra
+    language
+    frames
+    constraints
+    dynamics
+    needs
+    compile
+    view
+    study
+    paper
     fmu
-    fmu_importer
-    fmu_integrate
-    fmu_probe
-    fmu_worker
-    fmu_process
-    fmu_run
-    probes
-    small_motion
-    resting
-    mechanism
-    analysis_plot
-    modes
-    response
-    analysis
-    analysis_text
-    equation_sheet
     model
-    bench_problem
-    bench_peers
-    bench_reference
-    bench_heyoka
     bench
-    bench_table
-    bench_plot
-    topics
-    arguments
-    summary
-    check_command
-    explain_command
-    simulate_command
-    sweep_command
-    bench_command
-    analysis_commands
-    exports
-    equations_command
-    fmu_command
-    fmu_compare
-    fmu_check
-    fmu_check_command
-    fmu_simulate_command
-    export_command
-    cli
-    __main__
-    __init__
+    command
 """.split()
-EXCEPTIONS: dict[tuple[str, str], str] = {}
 
+LOOSE = {"__init__", "__main__", "model"}
+RESERVED = {"grammar", "runtime", "models"}  # folders of data in a wheel
+# Where libraries that take time to load, or bind to one way of doing things, may be imported: rooms and modules.
+HEAVY_HOMES = {
+    "lark": {"language"},
+    "casadi": {"algebra", "frames", "constraints", "dynamics", "needs", "compile", "study", "fmu", "model", "bench",
+               "paper/sheet", "command/scene_export"},
+    "sympy": {"algebra/with_sympy", "algebra/normal_form", "paper"},
+    "matplotlib": {"view/curves", "study/pictures", "fmu/pictures", "bench/plot"},
+}
+LONGEST_WELCOME = 8  # lines of what a room says about itself
 TOP_LEVEL = {"pyproject.toml", "grammar", "compiler", "runtime", "models", "tests", "README.md", "LICENSE", "CHANGELOG.md"}
 HEAVY = {"casadi", "sympy", "matplotlib", "scipy", "pandas", "lark", "numpy"}
 LONGEST_FILE, LONGEST_FUNCTION = 500, 40
@@ -253,45 +64,99 @@ def tracked() -> list[Path]:
     return [Path(line) for line in listing.stdout.splitlines() if (ROOT / line).exists()]
 
 
-# ---------------------------------------------------------------- imports
+# ---------------------------------------------------------------- rooms
 
 
-def imported(module: Path) -> set[str]:
-    """The modules of the package that a module names in an import, wherever in it the import stands."""
+MODULES = {path.relative_to(PACKAGE).with_suffix("").as_posix(): path for path in sorted(PACKAGE.rglob("*.py"))}
+
+
+def room_of(module: str) -> str:
+    """The room of "room/name"; a module of the package's root stands for itself."""
+    return module.partition("/")[0]
+
+
+def imported(module: str) -> set[str]:
+    """What a module imports, wherever in it the import stands: "room/name" of the package, names of other libraries."""
     found: set[str] = set()
-    for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module == "lagrangia":
-            names = [f"lagrangia.{alias.name}" for alias in node.names]
+            found |= {resolved(alias.name) for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            names = [node.module or ""]
-        else:
-            continue
-        found |= {name.split(".")[1] for name in names if name.startswith("lagrangia.")}
-    return {name if (PACKAGE / f"{name}.py").exists() else "__init__" for name in found}
+            assert node.level == 0, f"{module}: imports say where things are from the top"
+            inside = [resolved(f"{node.module}.{alias.name}") for alias in node.names]
+            found |= {name if name in MODULES else resolved(node.module or "") for name in inside}
+    return found
 
 
-def test_every_module_has_its_place_in_the_order() -> None:
-    assert sorted(ORDER) == sorted(module.stem for module in PACKAGE.glob("*.py"))
+def resolved(dotted: str) -> str:
+    """The module of the package, or the library, that a dotted name begins with."""
+    first, *rest = dotted.split(".")
+    if first != "lagrangia":
+        return first
+    name = "/".join(rest) or "__init__"
+    return name if name in MODULES else f"{name}/__init__" if f"{name}/__init__" in MODULES else name
 
 
-@pytest.mark.parametrize("module", ORDER)
-def test_imports_point_up_the_pipeline(module: str) -> None:
-    allowed = {*ORDER[: ORDER.index(module)], *(target for source, target in EXCEPTIONS if source == module)}
-    assert imported(PACKAGE / f"{module}.py") <= allowed
+def test_every_file_is_in_a_room() -> None:
+    assert {path.stem for path in PACKAGE.glob("*.py")} == LOOSE
+    rooms = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
+    assert rooms == set(ROOMS) - {"model"}
+    assert not rooms & RESERVED
+    assert {room_of(module) for module in MODULES} == {*ROOMS, *LOOSE}
+
+
+@pytest.mark.parametrize("room", [room for room in ROOMS if room != "model"])
+def test_a_room_says_what_belongs_there(room: str) -> None:
+    """And holds nothing else that would hide where a thing lives."""
+    text = MODULES[f"{room}/__init__"].read_text(encoding="utf-8")
+    (words,) = ast.parse(text).body
+    said = ast.literal_eval(ast.unparse(words))
+    assert "Here belongs: " in said and "Not here: " in said
+    assert len(said.splitlines()) <= LONGEST_WELCOME
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_imports_point_to_rooms_before(room: str) -> None:
+    """An import inside a function counts as well: it is there to save time, not to hide a circle."""
+    allowed = {*ROOMS[: ROOMS.index(room) + 1]}
+    for module in (module for module in MODULES if room_of(module) == room):
+        assert {name for name in imported(module) & MODULES.keys() if room_of(name) not in allowed} == set(), module
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_no_circle_in_a_room(room: str) -> None:
+    own = {module for module in MODULES if room_of(module) == room}
+    graphlib.TopologicalSorter({module: imported(module) & own for module in sorted(own)}).prepare()
+
+
+@pytest.mark.parametrize("library", HEAVY_HOMES)
+def test_heavy_libraries_stay_in_their_rooms(library: str) -> None:
+    users = {module for module in MODULES if library in imported(module)}
+    homes = HEAVY_HOMES[library]
+    assert {user for user in users if user not in homes and room_of(user) not in homes} == set()
+    assert {home for home in homes if not any(home in (user, room_of(user)) for user in users)} == set(), "no longer used there"
 
 
 def test_no_private_name_crosses_modules() -> None:
-    for module in PACKAGE.glob("*.py"):
-        froms = (node for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom))
+    for module, path in MODULES.items():
+        froms = (node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom))
         private = [name.name for node in froms for name in node.names if re.match(r"_[a-z]", name.name)]
-        assert not private, module.stem
+        assert not private, module
 
 
-def test_every_exception_is_needed() -> None:
-    for source, target in EXCEPTIONS:
-        assert target in imported(PACKAGE / f"{source}.py")
+def public(tree: ast.AST, where: str = "") -> Iterator[tuple[str, ast.ClassDef | ast.FunctionDef]]:
+    """Classes, functions and methods whose names are not private, nor inside of what is."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
+            yield where + node.name, node
+            if isinstance(node, ast.ClassDef):
+                yield from public(node, f"{where}{node.name}.")
+
+
+def test_everything_public_says_what_it_is() -> None:
+    silent = [f"{module}: {name}" for module, path in MODULES.items()
+              for name, node in public(ast.parse(path.read_text(encoding="utf-8"))) if not ast.get_docstring(node)]
+    assert silent == []
 
 
 def test_a_cached_scene_runs_without_heavy_libraries(tmp_path: Path) -> None:
@@ -350,6 +215,7 @@ def test_no_function_is_long() -> None:
                for name, length in readers[path.suffix]((ROOT / path).read_text(encoding="utf-8"))}
     assert any(path.suffix == ".c" for path, _ in lengths)
     assert not {where: length for where, length in lengths.items() if length > LONGEST_FUNCTION}
+
 
 
 # ---------------------------------------------------------------- the library
