@@ -1,4 +1,4 @@
-"""The algebra in which kinematics and energies are evaluated, whatever its scalars: see casadi_algebra.py and sympy_algebra.py.
+"""The algebra in which kinematics and energies are evaluated, whatever its scalars: see with_casadi.py and with_sympy.py.
 
 A scalar is a Python float, a symbol of the algebra, or a Dual of such scalars. Python's operators work on all of them; what
 operators cannot say (functions, conditions) goes through the methods of an Algebra.

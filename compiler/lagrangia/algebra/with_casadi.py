@@ -130,7 +130,7 @@ class CasadiAlgebra:
         return apply(ca.OP_IF_ELSE_ZERO, condition, then) + apply(ca.OP_IF_ELSE_ZERO, opposite, otherwise)
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
-        """Of a condition and its mirror image, as v > 0 or v < 0, it is said whether both are equal: see switches.py."""
+        """Of a condition and its mirror image, as v > 0 or v < 0, it is said whether both are equal: see dynamics/switches.py."""
         if operator == "not":
             opposite = _relation(conditions[0], _OPPOSITES)
             return 1.0 - conditions[0] if opposite is None else opposite

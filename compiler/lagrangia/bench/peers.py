@@ -1,4 +1,4 @@
-"""The solvers a benchmark measures: ours, CasADi's and SciPy's. heyoka's is in bench_heyoka.py.
+"""The solvers a benchmark measures: ours, CasADi's and SciPy's. heyoka's is in heyoka_peer.py.
 
 A solver prepares a run at a tolerance: everything that is done once (compiling, setting options) happens there. `Prepared.run` is
 what is timed: the integration from the start to the last output time, and nothing else. `Prepared.read` makes positions of what

@@ -190,9 +190,9 @@ coordinates, `lag explain` tells. Where these are at a dead point, the linear sy
 and after steps as they drift, the positions, then the velocities are projected back, so that the residual stays at rounding
 level. Redundant constraints, massless links and singular positions are part of the game. `lag check` tells degrees of freedom,
 loops and what is redundant. --reactions reports the force and torque of every joint and tie, by Lagrange's equations of
-released directions (released.py). Where constraints are redundant, those told as repeated carry nothing. Masses given with -p
-that are far apart or zero in a loop are noticed; the run then takes formulas that bear them (half as long again, compiled
-once).
+released directions (released_directions.py). Where constraints are redundant, those told as repeated carry nothing. Masses given
+with -p that are far apart or zero in a loop are noticed; the run then takes formulas that bear them (half as long again,
+compiled once).
 A scene that cannot move is statics: its reactions are told without being asked for.
 
 Every run keeps the energy account: T + V + dissipated - work of sources - what it began with is zero, but for errors; the

@@ -52,7 +52,7 @@ def build_functions(
     kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, hamilton: Hamilton | None,
     outputs: tuple[str, ...],
 ) -> Functions:
-    """`outputs` are the names to report besides coordinates and rates; see observables.py. Raises LagError L0701."""
+    """`outputs` are the names to report besides coordinates and rates; see language/observables.py. Raises LagError L0701."""
     names, y = _outputs(kinematics, outputs)
     y = with_reactions(y, kinematics, motion, constraints)
     held, modes = motion.constrained, kinematics.algebra.modes

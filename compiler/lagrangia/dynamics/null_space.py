@@ -1,4 +1,4 @@
-"""The linear system of constrained motion in independent coordinates (partition.py):
+"""The linear system of constrained motion in independent coordinates (constraints/partition.py):
 
     x = N z + x_b,    N^T M N z = N^T (a - M x_b),    J N = 0,    J x_b = b
 

@@ -1,4 +1,4 @@
-"""Joint reactions, from Lagrange's equations of the released directions (released.py).
+"""Joint reactions, from Lagrange's equations of the released directions (released_directions.py).
 
 A joint of the tree is released by three virtual displacements of what lies behind it: they give the force and the torque that
 the joint exerts. Where a loop is cut, the multipliers are the reaction, and what acts on the cut coordinate adds to them. Rows

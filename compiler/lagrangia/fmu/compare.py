@@ -1,4 +1,4 @@
-"""An FMU beside the run of the model it was made from, when its source is inside (fmu.py puts it there)."""
+"""An FMU beside the run of the model it was made from, when its source is inside (export.py puts it there)."""
 
 import json
 import os

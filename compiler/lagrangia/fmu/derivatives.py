@@ -30,7 +30,7 @@ class Derivatives:
     """forward: a state t, q, v, u, d, p and directions of all these -> those of the slopes, y, R; adjoint: a state and weights of
     the slopes, y, R -> gradients by all of the state. Without switches nothing is along d, and there is no R.
 
-    `rows`: for each of dq/dt, dv/dt and y the columns, of t, q, v, u, p, that it depends on, and how (fmu_factors.py);
+    `rows`: for each of dq/dt, dv/dt and y the columns, of t, q, v, u, p, that it depends on, and how (factors.py);
     `parameter_rows`: for each parameter those that can be set, by their number among these, that it follows from, and how."""
 
     forward: Tape

@@ -1,5 +1,5 @@
 """One instance of any FMU, through FMPy, in the same words for both versions and both kinds. Lives in a process of its own
-(fmu_worker.py), since what is inside an FMU may crash."""
+(worker.py), since what is inside an FMU may crash."""
 
 import ctypes
 from collections.abc import Callable, Mapping, Sequence

@@ -123,7 +123,7 @@ def _source_rules(archive: Archive, description: Description) -> Iterator[Diagno
 
 def _build_rules(archive: Archive, build: Element, description: Description) -> Iterator[Diagnostic]:
     stated, wanted = build.get("fmiVersion") or "", description.root.get("fmiVersion") or ""
-    if description.version == "3" and stated != wanted:  # FMI 2 has taken the file over from FMI 3: fmu_schemas.py
+    if description.version == "3" and stated != wanted:  # FMI 2 has taken the file over from FMI 3: schemas.py
         yield build.fault(SOURCES, f"it is for FMI '{stated}', and {archive.path.name} is of '{wanted}'", "fmiVersion")
     known = {interface.get("modelIdentifier") for interface in description.interfaces.values()}
     for configuration in build.all("BuildConfiguration"):

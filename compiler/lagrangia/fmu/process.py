@@ -1,4 +1,4 @@
-"""Runs an FMU in a process of its own (fmu_worker.py): what crashes there is told here, with the rows that were computed.
+"""Runs an FMU in a process of its own (worker.py): what crashes there is told here, with the rows that were computed.
 
 What it prints is read and all but its end forgotten; processes that it starts end with it. Where a time is allowed, memory and
 the size of files have limits, too.

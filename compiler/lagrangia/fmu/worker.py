@@ -1,6 +1,6 @@
 """The process in which an FMU runs: `python -m lagrangia.fmu.worker FOLDER`.
 
-FOLDER/job.json says what to do (fmu_process.py writes it). Rows of time and values go to FOLDER/rows as doubles while they are
+FOLDER/job.json says what to do (process.py writes it). Rows of time and values go to FOLDER/rows as doubles while they are
 computed, so that they are kept whatever happens; FOLDER/columns.json names them, FOLDER/result.json tells how it ended.
 """
 

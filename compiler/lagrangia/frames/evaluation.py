@@ -268,7 +268,7 @@ class Evaluator:
         return self._results[key][1]
 
     def _measured(self, value: Value, span: Span | None) -> Value:
-        """The value, where an algebra does not mind how long it is; symbolic.py refuses some."""
+        """The value, where an algebra does not mind how long it is; paper/symbolic.py refuses some."""
         return value
 
 

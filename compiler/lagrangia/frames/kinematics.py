@@ -58,7 +58,7 @@ class Kinematics:
 
     graph: ComponentGraph
     symbols: Symbols
-    algebra: CasadiAlgebra  # symbolic.py puts SymPy's in its place
+    algebra: CasadiAlgebra  # paper/symbolic.py puts SymPy's in its place
     dependents: Mapping[str, Dependent] = field(default_factory=dict)
     released: Mapping[str, Displacement] = field(default_factory=dict)
     moved: Mapping[str, Displacement] = field(default_factory=dict)  # those of single frames, nothing behind them
@@ -123,7 +123,7 @@ class Kinematics:
         return {"r": (pose.x, pose.y), "phi": pose.phi, "x": pose.x, "y": pose.y}[attribute]
 
     def _reaction(self, name: str, attribute: str, level: int) -> Value:
-        """Symbols that stand for the force and torque of a joint on its port b, until reactions.py works them out."""
+        """Symbols that stand for the force and torque of a joint on its port b, until dynamics/reactions.py works them out."""
         if level > 0:
             fail("L0911", "the rate of a reaction is not known", self.graph.model.frames[name].span)
         if name not in self.reactions:

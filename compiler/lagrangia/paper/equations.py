@@ -2,7 +2,7 @@
 
     d/dt(dT/dv) - dT/dq + dV/dq + dD/dv + J^T lambda = f        M(q) dv/dt + h(q, v, t) + J^T lambda = f
 
-Every expression is brought to its normal form (series.py) as soon as it is made, so that the next step works on few terms.
+Every expression is brought to its normal form (normal_form.py) as soon as it is made, so that the next step works on few terms.
 """
 
 from collections.abc import Collection, Mapping
