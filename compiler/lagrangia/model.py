@@ -119,6 +119,7 @@ class Model:
 
     @property
     def name(self) -> str:
+        """The model's name."""
         return self.scene.name
 
     def simulate(
@@ -443,18 +444,22 @@ class Model:
 
     @cached_property
     def coordinate_names(self) -> tuple[str, ...]:
+        """In the order of q."""
         return tuple(column.name for column in self.scene.coordinates)
 
     @cached_property
     def input_names(self) -> tuple[str, ...]:
+        """In the order of u."""
         return tuple(item.name for item in self.scene.inputs)
 
     @cached_property
     def output_names(self) -> tuple[str, ...]:
+        """Outputs that are declared or asked for."""
         return tuple(column.name for column in self.scene.outputs)
 
     @cached_property
     def parameter_names(self) -> tuple[str, ...]:
+        """Scalar parameters in the order of p."""
         return tuple(parameter.name for parameter in self.scene.parameters)
 
     def parameter_values(self, parameters: Mapping[str, float] | None = None) -> "np.ndarray":

@@ -16,6 +16,8 @@ TINY = 1e-300
 
 
 class Algebra(Protocol):
+    """The functions of expressions, for one kind of scalars."""
+
     @property
     def tiny(self) -> float:
         """Added under the square root of a distance; see TINY."""
@@ -27,18 +29,23 @@ class Algebra(Protocol):
     def number(self, value: float) -> Scalar:
         """A number of the source as a scalar of the algebra."""
 
-    def call(self, function: str, *arguments: Scalar) -> Scalar: ...
+    def call(self, function: str, *arguments: Scalar) -> Scalar:
+        """A function of the language, by its name: "sin", "sqrt", "fmax", ..."""
     def note_length(self, x: Scalar) -> None:
         """|x| is a length: it hardly ever is 0, unlike what else has a corner there."""
 
-    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar: ...
-    def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar: ...
-    def logic(self, operator: str, *conditions: Scalar) -> Scalar: ...
+    def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        """1 where a < b, or another operator, holds; else 0."""
+    def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
+        """One of two values, by a condition."""
+    def logic(self, operator: str, *conditions: Scalar) -> Scalar:
+        """"and", "or" and "not" of conditions."""
     def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
         """Straight lines between points (xs, ys), held beyond their ends: the value at x and, when asked for, the slope."""
 
 
 def slopes_of(xs: Sequence[Scalar], ys: Sequence[Scalar]) -> list[Scalar]:
+    """The slope of each segment between points (xs, ys)."""
     return [(d - c) / (b - a) for a, b, c, d in zip(xs, xs[1:], ys, ys[1:], strict=False)]
 
 
@@ -104,18 +111,22 @@ class Dual:
 
 
 def is_zero(x: Scalar) -> bool:
+    """Whether it is the number 0; an expression never is."""
     return isinstance(x, _NUMBERS) and x == 0
 
 
 def plus(a: Scalar, b: Scalar) -> Scalar:
+    """a + b, without terms that are 0."""
     return b if is_zero(a) else a if is_zero(b) else a + b
 
 
 def minus(a: Scalar, b: Scalar) -> Scalar:
+    """a - b, without terms that are 0."""
     return a if is_zero(b) else -b if is_zero(a) else a - b
 
 
 def times(a: Scalar, b: Scalar) -> Scalar:
+    """a b, without factors that are 0 or 1."""
     if isinstance(a, _NUMBERS):
         return 0.0 if a == 0 else b if a == 1 else a * b
     if isinstance(b, _NUMBERS):
@@ -124,10 +135,12 @@ def times(a: Scalar, b: Scalar) -> Scalar:
 
 
 def value_of(x: Scalar) -> Scalar:
+    """A dual's value; other scalars are their own."""
     return x.value if isinstance(x, Dual) else x
 
 
 def rate_of(x: Scalar) -> Scalar:
+    """A dual's rate; 0 for other scalars, which do not move."""
     return x.rate if isinstance(x, Dual) else 0.0
 
 
@@ -139,19 +152,24 @@ class DualAlgebra:
 
     @property
     def tiny(self) -> float:
+        """As of the algebra beneath."""
         return self.base.tiny
 
     @property
     def most_points(self) -> float:
+        """As of the algebra beneath."""
         return self.base.most_points
 
     def number(self, value: float) -> Scalar:
+        """As of the algebra beneath: numbers do not move."""
         return self.base.number(value)
 
     def note_length(self, x: Scalar) -> None:
+        """As of the algebra beneath, of the value."""
         self.base.note_length(value_of(x))
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
+        """Of values, with the rate by the chain rule."""
         if not any(isinstance(a, Dual) for a in arguments):
             return self.base.call(function, *arguments)
         values, rates = [value_of(a) for a in arguments], [rate_of(a) for a in arguments]
@@ -166,9 +184,11 @@ class DualAlgebra:
         return Dual(value, total)
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        """Of values: between its jumps a condition does not move."""
         return self.base.compare(operator, value_of(a), value_of(b))
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
+        """The value and the rate of the one that is chosen."""
         if not isinstance(then, Dual) and not isinstance(otherwise, Dual):
             return self.base.choose(condition, then, otherwise)
         rates = rate_of(then), rate_of(otherwise)
@@ -176,9 +196,11 @@ class DualAlgebra:
         return Dual(self.base.choose(condition, value_of(then), value_of(otherwise)), rate)
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
+        """Of values."""
         return self.base.logic(operator, *(value_of(c) for c in conditions))
 
     def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
+        """The table's value, with its slope times the rate."""
         value, slope = self.base.lines(value_of(x), xs, ys)
         return Dual(value, times(slope(), rate_of(x)) if not is_zero(rate_of(x)) else 0.0), slope
 
@@ -191,6 +213,7 @@ class GlidingAlgebra(DualAlgebra):
     glide: Callable[[Scalar], Scalar]
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
+        """As of duals, with rates of floor, ceil and mod where they jump."""
         if function == "mod":
             a, b = arguments
             return a - b * self.call("floor", a / b)
@@ -198,14 +221,17 @@ class GlidingAlgebra(DualAlgebra):
         return self._gliding(value_of(found), rate_of(found)) if function in ("floor", "ceil") else found
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        """The condition, with the rate that its modes have."""
         return self._gliding(super().compare(operator, a, b), 0.0)
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
+        """As of duals, with the rate at which it goes over from one value to the other."""
         chosen = super().choose(value_of(condition), then, otherwise)
         more = times(rate_of(condition), minus(value_of(then), value_of(otherwise)))
         return chosen if is_zero(more) else Dual(value_of(chosen), plus(rate_of(chosen), more))
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
+        """By sums and products of conditions, whose rates follow."""
         if operator == "not":
             return 1.0 - conditions[0]
         a, b = conditions

@@ -86,6 +86,7 @@ class Harmonics:
     # ------------------------------------------------------------ rules; None where the result is a quantity of its own
 
     def product(self, a: Sum, b: Sum) -> Sum:
+        """a b by sums and differences of angles. Raises TooLarge."""
         a, b = self._drawn(a), self._drawn(b)
         self.left -= len(a) * len(b)
         if self.left < 0:
@@ -141,6 +142,7 @@ class Harmonics:
         return self.product(a, {(tuple((n, -k) for n, k in powers), (), False): 1 / x})
 
     def power(self, a: Sum, b: Sum) -> Sum | None:
+        """a^b for small whole b; None for others."""
         exponent = b.get(_ONE, 0.0) if set(b) <= {_ONE} else 0.5
         if exponent != int(exponent) or not 1 <= exponent <= _HIGHEST_POWER:
             return None
@@ -150,6 +152,7 @@ class Harmonics:
         return total
 
     def circular(self, a: Sum, is_sine: bool) -> Sum | None:
+        """sin a or cos a of a linear a; None for others."""
         if any(angle for _, angle, _ in a):
             return None
         turned = _oriented(tuple(sorted((powers, x) for (powers, _, _), x in a.items())), is_sine)
@@ -182,6 +185,7 @@ def added(a: Sum, b: Sum, factor: float = 1.0) -> Sum:
 
 
 def scaled(a: Sum, factor: float) -> Sum:
+    """a times a number."""
     return {key: factor * x for key, x in a.items()} if factor else {}
 
 

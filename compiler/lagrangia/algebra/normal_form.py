@@ -45,6 +45,7 @@ class Term:
     trigonometric: tuple[tuple[Expr, int], ...]  # sin(..) or cos(..) with exponents
 
     def expression(self) -> Expr:
+        """As SymPy writes it."""
         factors = [sp.Pow(atom, _rational(k)) for atom, k in self.powers] + [f**k for f, k in self.trigonometric]
         return sp.Mul(_rational(self.number), *factors)
 
@@ -87,9 +88,11 @@ class Ring:
         return self._tidied(_sum(self.product(series, self.series(dx)) for series, dx in slopes if series))
 
     def terms(self, expression: Expr) -> list[Term]:
+        """The terms of the normal form."""
         return self._written(self.series(expression))
 
     def is_zero(self, expression: Expr) -> bool:
+        """Whether nothing is left of it in the normal form."""
         return not self.series(expression)
 
     # ------------------------------------------------------------ expression -> series
@@ -227,6 +230,7 @@ class Ring:
     # ------------------------------------------------------------ products
 
     def product(self, a: Series, b: Series) -> Series:
+        """a b in normal form. Raises TooLarge."""
         self.products += len(a) * len(b)
         if self.products > self.most:
             raise TooLarge(max(len(a), len(b), len(a) * len(b)))

@@ -40,9 +40,11 @@ class Numbering:
         return made
 
     def of_symbol(self, symbol: ca.SX) -> int:
+        """That of a symbol."""
         return self._numbered((ca.OP_INPUT, symbol.__hash__()))
 
     def of_number(self, number: float) -> int:
+        """That of a constant."""
         return self._numbered((ca.OP_CONST, number))
 
     def of(self, op: int, operands: list[int]) -> int:

@@ -40,6 +40,7 @@ class Expression(ca.SX):  # type: ignore[misc]
 
 
 def symbol(name: str) -> Expression:
+    """A new symbol."""
     return as_expression(ca.SX.sym(name))
 
 
@@ -76,6 +77,7 @@ def apply(operation: int, a: Any, b: Any) -> Any:
 
 
 def apply_to_one(operation: int, x: ca.SX) -> Expression:
+    """An operation of CasADi on one argument."""
     made = _unary(operation, x)
     made.__class__ = Expression
     return made  # type: ignore[no-any-return]

@@ -77,6 +77,7 @@ class CasadiAlgebra:
 
     @property
     def mode_symbols(self) -> ca.SX:
+        """The symbols of all modes, (modes, 1)."""
         return ca.vertcat(*[mode.symbol for mode in self.modes])
 
     def with_modes(self, expressions: list[ca.SX]) -> list[ca.SX]:
@@ -87,13 +88,16 @@ class CasadiAlgebra:
         return found
 
     def number(self, value: float) -> Scalar:
+        """A plain number, which CasADi takes as it is."""
         return value
 
     def note_length(self, x: Scalar) -> None:
+        """Keeps what is a length on a line, whose sign is known."""
         if isinstance(x, ca.SX):
             self.index.lengths.setdefault(self._number(x), x)
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
+        """CasADi's function of that name; floor, ceil and signs become modes where time decides on them."""
         if function in ("floor", "ceil"):
             inner = arguments[0] if function == "floor" else -arguments[0]
             crossing = self._crossing(inner)
@@ -112,6 +116,7 @@ class CasadiAlgebra:
         return _SX_FUNCTIONS[function](*arguments)
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        """Of numbers 0 or 1; a mode where time decides, else CasADi's condition."""
         if isinstance(a, float | int) and isinstance(b, float | int):
             return float(_COMPARE[operator](a, b))
         if is_zero(b) or is_zero(a):
@@ -124,6 +129,7 @@ class CasadiAlgebra:
         return as_expression(_COMPARE[operator](a, b))
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
+        """The sum of both, each of which is 0 where the condition says so."""
         if isinstance(condition, float | int):
             return then if condition else otherwise
         opposite = apply_to_one(ca.OP_NOT, condition)
@@ -141,6 +147,7 @@ class CasadiAlgebra:
         return a * b if operator == "and" else a + b - a * b
 
     def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
+        """The table's value as a sum of kinks, and its slope."""
         if not isinstance(x, ca.SX):
             return nested_lines(self, x, xs, ys)
         columns = [[xs[0], *xs], [ys[0], *ys], [0.0, *slopes_of(xs, ys), 0.0]]

@@ -25,24 +25,31 @@ class SympyAlgebra:
     most_points = 100  # nobody reads so many cases, and they take seconds
 
     def number(self, value: float) -> Scalar:
+        """The exact number that was meant."""
         return exact(value)
 
     def note_length(self, x: Scalar) -> None:
+        """Nothing is noted: SymPy keeps corners as they are."""
         pass
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
+        """SymPy's function of that name."""
         return _FUNCTIONS[function](*(sp.sympify(a) for a in arguments))
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
+        """SymPy's relation."""
         return _COMPARE[operator](sp.sympify(a), sp.sympify(b))
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
+        """A Piecewise of both."""
         return sp.Piecewise((then, _truth(condition)), (otherwise, True))
 
     def logic(self, operator: str, *conditions: Scalar) -> Scalar:
+        """SymPy's operators of conditions."""
         return _LOGIC[operator](*(_truth(c) for c in conditions))
 
     def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
+        """The table as nested choices, and its slope."""
         return nested_lines(self, x, xs, ys)
 
 

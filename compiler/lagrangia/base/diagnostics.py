@@ -49,10 +49,12 @@ class Span:
     end: int
 
     def to(self, other: "Span") -> "Span":
+        """From the start of this one to the end of another one."""
         return Span(self.source, self.start, max(self.end, other.end))
 
     @property
     def text(self) -> str:
+        """What stands there."""
         return self.source.text[self.start : self.end]
 
     def __str__(self) -> str:
@@ -67,6 +69,8 @@ class Span:
 
 @dataclass(frozen=True)
 class Diagnostic:
+    """What is wrong, or doubtful, with a code, a place, a label at the place, and hints for what to do."""
+
     severity: Severity
     code: str
     message: str
@@ -129,9 +133,11 @@ class Report:
     _told: set[tuple[Any, ...]] = field(default_factory=set)
 
     def error(self, code: str, message: str, span: Span | None = None, *hints: str, label: str = "") -> None:
+        """Adds one."""
         self.add([Diagnostic("error", code, message, span, label, hints)])
 
     def warning(self, code: str, message: str, span: Span | None = None, *hints: str) -> None:
+        """Adds one."""
         self.add([Diagnostic("warning", code, message, span, "", hints)])
 
     def add(self, found: Iterable[Diagnostic]) -> None:
@@ -146,9 +152,11 @@ class Report:
 
     @property
     def errors(self) -> list[Diagnostic]:
+        """Those that are no warnings."""
         return [d for d in self.diagnostics if d.severity == "error"]
 
     def raise_errors(self) -> None:
+        """Raises LagError with all errors, if there are any."""
         if self.errors:
             raise LagError(self.errors)
 

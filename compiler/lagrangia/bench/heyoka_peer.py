@@ -19,6 +19,7 @@ _LARGEST_UNROLLED = 700  # instructions: twice as fast as compact mode, but LLVM
 
 
 def prepare_heyoka(problem: Problem, tolerance: float) -> Prepared:
+    """heyoka's adaptive Taylor integrator for a scene, compiled. Raises Unsuitable."""
     import heyoka
 
     integrators = []

@@ -42,6 +42,8 @@ def all_solvers() -> tuple[Solver, ...]:
 
 @dataclass(frozen=True)
 class Point:
+    """What one solver took, processor time in s, for which error, at a tolerance."""
+
     solver: str
     tolerance: float
     seconds: float
@@ -50,6 +52,8 @@ class Point:
 
 @dataclass(frozen=True)
 class Skipped:
+    """A solver that cannot run the scene, and why."""
+
     solver: str
     reason: str
 

@@ -40,6 +40,8 @@ class Unsuitable(Exception):
 
 @dataclass(frozen=True)
 class Prepared:
+    """A solver that has compiled all it can before its time is taken."""
+
     run: Callable[[Any], Any]  # of what `begin` made
     read: "Callable[[Any], NDArray[Any]]"  # (len(times), n) of what `run` returned
     begin: Callable[[], Any] = field(default=lambda: None)  # before each run, not timed
@@ -63,6 +65,7 @@ class Solver:
 
     @property
     def is_ours(self) -> bool:
+        """Whether it is one of this product's."""
         return self.package == "lagrangia"
 
 
@@ -70,6 +73,7 @@ class Solver:
 
 
 def prepare_ours(solver: str, problem: Problem, tolerance: float) -> Prepared:
+    """Our own run of the scene, with its rows. Raises Unsuitable."""
     scene, engine, times = problem.model.scene, problem.model.engine, array("d", problem.times)
     if solver in scene.refused:
         raise Unsuitable(scene.refused[solver])

@@ -41,6 +41,8 @@ class Piece:
 
 @dataclass(frozen=True)
 class Problem:
+    """A scene that all solvers are given, with output times, parameters and one state to begin from."""
+
     model: Model
     experiment: Experiment  # `at` holds the output times; the tolerance is each solver's own
     parameters: Mapping[str, float]
@@ -49,15 +51,18 @@ class Problem:
 
     @property
     def n(self) -> int:
+        """The number of coordinates."""
         return self.model.scene.n
 
     @property
     def times(self) -> tuple[float, ...]:
+        """Output times, s."""
         assert self.experiment.at is not None
         return self.experiment.at
 
     @property
     def is_constrained(self) -> bool:
+        """Whether multipliers are left."""
         return bool(self.model.scene.sizes["n_multipliers"])
 
     @cached_property

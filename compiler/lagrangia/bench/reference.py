@@ -53,6 +53,8 @@ class TooLong(NoReference):
 
 @dataclass(frozen=True)
 class Reference:
+    """Positions that solvers are measured by."""
+
     positions: "NDArray[Any]"  # (len(times), n)
     error: float  # its own, estimated, measured like the errors of solvers
     how: str

@@ -94,6 +94,7 @@ def duration(seconds: float) -> str:
 
 
 def as_csv(points: Sequence[Point]) -> str:
+    """A line for each solver and tolerance."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(["solver", "tolerance", "seconds", "error"])
@@ -102,6 +103,7 @@ def as_csv(points: Sequence[Point]) -> str:
 
 
 def as_json(points: Sequence[Point], facts: Mapping[str, Any]) -> str:
+    """All points, with facts about the machine and the scene; errors that are not finite are null."""
     rows = [{"solver": p.solver, "tolerance": p.tolerance, "seconds": p.seconds,
              "error": p.error if math.isfinite(p.error) else None} for p in points]
     return json.dumps({**facts, "points": rows}, indent=1) + "\n"

@@ -52,6 +52,7 @@ def _plain(item: Any) -> dict[str, Any]:
 
 
 def linearize_command(options: Namespace) -> int:
+    """`lag linearize`: the matrices of small motion as text, or in a file. Raises LagError, RunError."""
     from lagrangia.study.text import linearization_text
 
     _require(options.output, ".json", ".mat", ".npz")
@@ -65,6 +66,7 @@ def linearize_command(options: Namespace) -> int:
 
 
 def modes_command(options: Namespace) -> int:
+    """`lag modes`: frequencies, damping and shapes as text, in a file, as a picture. Raises LagError, RunError."""
     from lagrangia.study.text import modes_text
 
     _require(options.output, ".json")
@@ -82,6 +84,7 @@ def modes_command(options: Namespace) -> int:
 
 
 def response_command(options: Namespace) -> int:
+    """`lag response`: a frequency response as text, in a file, as a picture. Raises LagError, RunError."""
     from lagrangia.study.text import response_text
 
     _require(options.output, ".csv")

@@ -110,6 +110,7 @@ def assignment(text: str, option: str) -> tuple[str, str]:
 
 
 def number(text: str, option: str) -> float:
+    """A number after an option. Raises LagError L0706."""
     try:
         return float(text)
     except ValueError:

@@ -9,6 +9,7 @@ from lagrangia.command.arguments import assignment, keep_inputs, part_structural
 
 
 def equations_command(options: Namespace) -> int:
+    """`lag equations`: prints or writes the equations of motion. Raises LagError."""
     from lagrangia.paper.sheet import Request, write_equations
 
     keep_inputs(options, options.output)

@@ -20,6 +20,7 @@ def _refuse_idle(options: Namespace) -> None:
 
 
 def export_command(options: Namespace) -> int:
+    """`lag export`: writes a scene for another program. Raises LagError."""
     _refuse_idle(options)
     if options.to == "fmu":
         from lagrangia.command.fmu_export import export_fmu_command

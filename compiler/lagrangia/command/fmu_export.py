@@ -18,6 +18,7 @@ OPTIONS = ("fmi", "kind", "platforms", "sources")  # of export_fmu, under their 
 
 
 def export_fmu_command(options: Namespace) -> int:
+    """`lag export --to fmu`: writes the FMU of a scene. Raises LagError."""
     if options.output == "-":
         fail("L0704", "an FMU is no text: it cannot go to standard output", None, "give a file with -o")
     given = [assignment(text, "-p") for text in options.parameter]

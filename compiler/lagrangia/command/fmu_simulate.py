@@ -28,6 +28,7 @@ _ONLY_MODELS = {"model": (None, "the FMU is one model"), "reactions": (False, "w
 
 
 def simulate_fmu_command(options: Namespace) -> int:
+    """`lag simulate X.fmu`: runs an FMU and writes its rows; returns the exit code. Raises LagError."""
     for name, (usual, hint) in _ONLY_MODELS.items():
         if getattr(options, name) != usual:
             fail("L0706", f"not supported for an FMU: --{name.replace('_', '-')}", None, *filter(None, [hint]))

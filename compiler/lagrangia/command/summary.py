@@ -21,6 +21,7 @@ _ROUNDING = 1e-14  # m or rad
 
 
 def summarise(options: Namespace, model: Model, progress: Progress, target: str, compiled: float, loaded: float) -> None:
+    """Prints what a run was, and with --stats what it cost."""
     scene, experiment, statistics = model.scene, progress.experiment, progress.statistics
     out = sys.stdout if target != "-" else sys.stderr
 

@@ -43,12 +43,14 @@ class Metric:
         return np.asarray(np.linalg.solve(self.factor, (gradients[:, self.order] * self.unit).T).T)
 
     def to_step(self, z: Vector) -> Vector:
+        """The change of the coordinates, (n,), that z stands for."""
         dx = np.zeros(self.size)
         if self.order.size:
             dx[self.order] = np.linalg.solve(self.factor.T, z) * self.unit
         return dx
 
     def from_step(self, dx: Vector) -> Vector:
+        """The z of a change dx of the coordinates."""
         return np.asarray(self.factor.T @ (dx[self.order] / self.unit))
 
 

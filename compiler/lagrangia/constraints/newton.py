@@ -30,10 +30,12 @@ class Equations:
 
     @property
     def n(self) -> int:
+        """The number of coordinates."""
         return self.is_angle.size
 
     @property
     def momenta(self) -> Momenta | None:
+        """q, rates -> momenta, with the parameters put in; None without masses."""
         momentum, p = self.momentum, self.p
         return None if momentum is None else lambda q, rates: np.asarray(momentum(q, rates, p).full())
 
@@ -83,6 +85,7 @@ class Newton:
         self.weight = np.where(np.isfinite(weight), weight, 0.0)
 
     def solve(self, x: Vector, most_iterations: int, most_pushes: int) -> tuple[Vector, int]:
+        """Iterates from x; the place reached, and the number of the equation that misses most there, -1 when all hold."""
         pushes, size, worst = 0, np.inf, 0
         self.trusted = _LONGEST_STEP
         self.evaluate(x)
@@ -105,24 +108,29 @@ class Newton:
         return x, -1 if size <= _SATISFIED else worst
 
     def lean(self, guess: Vector, x: Vector) -> float:
+        """Prepares the step from x towards the guess along the equations; its largest part, in natural sizes."""
         self.trusted = _LONGEST_STEP
         return self._correct(self.wish(x, guess))
 
     def distance2(self, a: Vector, b: Vector) -> float:
+        """The square of the distance from a to b in the metric."""
         z = self.wish(a, b)
         return float(z @ z)
 
     def evaluate(self, x: Vector) -> None:
+        """Residuals and slopes at x, kept."""
         g, jacobian = self.equations(x)
         self.g, self.jacobian = g[: self.active], jacobian[: self.active]
 
     def scale_equations(self) -> None:
+        """Divides the slopes by the size of each equation, at this place or in general."""
         scaled = self.jacobian * self.scale
         length = np.maximum(np.linalg.norm(scaled, axis=1), self.general_length)
         self.length = np.where(length > 0, length, 1.0)
         self.scaled = scaled / self.length[:, None]
 
     def wish(self, a: Vector, b: Vector) -> Vector:
+        """From a to b, in the steps of both metrics."""
         return np.concatenate([metric.from_step(part) for metric, part in zip(self.metrics, self._parts(b - a), strict=True)])
 
     def _parts(self, x: Vector) -> tuple[Vector, Vector]:

@@ -19,6 +19,7 @@ _GENERAL = {**dict.fromkeys(("N/m", "N.m/rad"), "GeneralSpring(V = ...)"),
 
 
 def scalars(name: str, value: Value) -> list[tuple[str, Scalar]]:
+    """The entries of an array by name[k], counted from 1; a scalar by its name."""
     if not isinstance(value, tuple):
         return [(name, value)]
     return [pair for k, item in enumerate(value, 1) for pair in scalars(f"{name}[{k}]", item)]

@@ -41,6 +41,7 @@ class Row:
 
     @property
     def told(self) -> str:
+        """Where it comes from, in words."""
         return f"the loop {self.loop.around}" if self.loop else f"the equation '{self.span.text}' at {self.span}"
 
     def rate(self, kinematics: Kinematics) -> Scalar:
@@ -66,6 +67,7 @@ class Constraints:
 
     @property
     def all_rows(self) -> tuple[Row, ...]:
+        """Those that remain, those that repeat others, those that coordinates have taken up."""
         return (*self.rows, *self.repeated, *self.absorbed)
 
 

@@ -38,6 +38,7 @@ class FreeMotion:
 
     @cached_property
     def M(self) -> ca.SX:
+        """The mass matrix, (n, n): the slopes of the momentum by the rates."""
         return ca.jacobian(self.momentum, self.v)
 
 
@@ -75,6 +76,7 @@ class ConstrainedMotion:
 
 
 def constraint_rows(kinematics: Kinematics, constraints: Constraints) -> ConstraintRows:
+    """Phi, the rates of all rows, and what their second rates are without accelerations."""
     remaining = kinematics.without_accelerations()
     phi = ca.vertcat(*[row.value(kinematics, 0) for row in constraints.rows if row.is_holonomic])
     rate = ca.vertcat(*[row.rate(kinematics) for row in constraints.rows])

@@ -43,6 +43,7 @@ class Cluster:
 
     @property
     def is_ground(self) -> bool:
+        """Whether it is fixed to the world: no parent, and no direction to move in."""
         return self.parent is None and not self.directions
 
 

@@ -22,6 +22,7 @@ class Term:
 
     @property
     def component(self) -> str:
+        """The component that states it."""
         return self.statement.component
 
 
@@ -36,6 +37,8 @@ class Load:
 
 @dataclass(frozen=True)
 class Energies:
+    """All terms of a scene, by kind, and its loads."""
+
     kinetic: tuple[Term, ...]
     potential: tuple[Term, ...]
     dissipation: tuple[Term, ...]

@@ -18,6 +18,7 @@ Pair = tuple[int, int]  # the numbers of a and b, the smaller one first
 
 
 def ordered(a: int, b: int) -> Pair:
+    """The same two, the smaller one first."""
     return (a, b) if a < b else (b, a)
 
 

@@ -48,6 +48,7 @@ def rates_jump(kinematics: Kinematics, constraints: Constraints) -> bool:
 
 
 def find_kick(kinematics: Kinematics, motion: Motion) -> Kick:
+    """How rates jump where supports and prescribed coordinates jump in theirs."""
     modes, held = kinematics.algebra.mode_symbols, motion.constrained
     rows = held.rows.rate if held else ca.SX(0, 1)
     before = ca.vertcat(*[ca.SX.sym(f"before_{k}") for k in range(modes.numel())])

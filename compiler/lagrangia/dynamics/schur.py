@@ -122,6 +122,7 @@ class SchurComplement:
 
 
 def form(tree: FreeTree, J: ca.SX) -> SchurComplement:
+    """J M^-1 J^T by way of the tree of bodies, (m, m)."""
     reach = tree.reach(J)
     product = J @ reach
     above = ca.triu(product, False)

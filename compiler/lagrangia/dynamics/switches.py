@@ -49,6 +49,7 @@ class Switches:
 
     @property
     def rest_symbols(self) -> ca.SX:
+        """The symbols of what is said of rest, as a column."""
         return ca.vertcat(ca.SX(0, 1), *self.rests.values())
 
     @property
@@ -121,6 +122,7 @@ def jumps_at_rest(force: ca.SX, shares: ca.SX, v: ca.SX) -> list[bool]:
 
 
 def has_dry_friction(motion: Motion) -> bool:
+    """Whether a force jumps where a rate passes through zero."""
     switches = find_switches(motion)
     shares = ca.vertcat(ca.SX(0, 1), *(x for x in switches.places.values() if x.__hash__() in switches.shares))
     return any(jumps_at_rest(switches.hold([motion.h])[0], shares, motion.v))

@@ -23,11 +23,14 @@ _BROKEN = (zipfile.BadZipFile, NotImplementedError, RuntimeError, ValueError, EO
 
 @dataclass(frozen=True, eq=False)
 class Archive:
+    """An open FMU, read member by member."""
+
     path: Path
     opened: zipfile.ZipFile
 
     @cached_property
     def entries(self) -> list[zipfile.ZipInfo]:
+        """The directory of the archive."""
         return self.opened.infolist()
 
     @cached_property

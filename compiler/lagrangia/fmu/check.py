@@ -28,10 +28,12 @@ class Checked:
 
     @property
     def is_wrong(self) -> bool:
+        """Whether something written in it is."""
         return any(d.severity == "error" for d in self.faults)
 
     @property
     def has_failed(self) -> bool:
+        """Whether a run of it did."""
         return any(is_fault for _, is_fault in self.told)
 
 

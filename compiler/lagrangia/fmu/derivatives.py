@@ -42,6 +42,7 @@ class Derivatives:
 def build_derivatives(
     compilation: Compilation, outputs: tuple[str, ...], settable: Sequence[bool], stabilisation: float
 ) -> Derivatives:
+    """The derivatives of slopes, outputs and held rates by all that an importer can set; `stabilisation` in 1/s."""
     kinematics, (t, q, v, u, d, p), (slope, y, rates, shares) = _equations(compilation, outputs, stabilisation)
     given, mask, values = all_parameters(kinematics, p.numel())
     values = ca.densify(ca.substitute(values, mask, ca.DM([float(x) for x in settable]))) if p.numel() else ca.SX(0, 1)

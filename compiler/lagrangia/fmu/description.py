@@ -49,16 +49,19 @@ class Quantity:
 
     @property
     def is_float(self) -> bool:
+        """Whether it is a real number."""
         return self.kind in _FLOATS
 
     @property
     def start(self) -> str | None:
+        """Its start value as it is written; None without one."""
         if self.kind in ("String", "Binary") and (given := self.value.first("Start")) is not None:
             return given.get("value")
         return self.value.get("start")
 
     @property
     def has_dimensions(self) -> bool:
+        """Whether it is an array."""
         return self.element.first("Dimension") is not None
 
 
@@ -73,6 +76,8 @@ class Unknown:
 
 @dataclass(frozen=True, eq=False)
 class Description:
+    """What modelDescription.xml says, as elements with their places, of either version."""
+
     root: Element
     version: str  # "2", "3"
     quantities: tuple[Quantity, ...]
@@ -92,6 +97,7 @@ class Description:
 
     @cached_property
     def units(self) -> Mapping[str, Element]:
+        """The elements of units, by name."""
         return {unit.get("name") or "": unit for unit in self.root.all("UnitDefinitions", "Unit")}
 
     @cached_property

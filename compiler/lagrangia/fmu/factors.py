@@ -58,6 +58,7 @@ class Factors:
         return DEPENDENT if self.node.moving >> known & 1 else TUNABLE if self.node.tuned >> known & 1 else CONSTANT
 
     def kind_of_parameter(self, number: int) -> str:
+        """How a parameter, by its number, acts on the quantity."""
         return self.kind(self.n_moving + number)
 
 

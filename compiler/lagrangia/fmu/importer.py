@@ -42,9 +42,11 @@ class Importer:
     # ---------------------------------------------------------------- values
 
     def getter(self, kind: str) -> Callable[..., Any]:
+        """The function of the FMU that reads variables of a kind."""
         return self._function("get", kind)
 
     def setter(self, kind: str) -> Callable[..., Any]:
+        """The function of the FMU that writes variables of a kind."""
         return self._function("set", kind)
 
     def _function(self, what: str, kind: str) -> Callable[..., Any]:
@@ -80,9 +82,11 @@ class Importer:
         return read
 
     def get(self, names: Sequence[str]) -> list[float]:
+        """Values of variables, by name."""
         return self.reader(names)() if names else []
 
     def set(self, values: Mapping[str, Any]) -> None:
+        """Start values, as FMPy sets them."""
         from fmpy.simulation import apply_start_values
 
         apply_start_values(self.fmu, self.description, dict(values))
@@ -120,6 +124,7 @@ class Importer:
         raise FmuError(f"its event did not settle in {_MOST_UPDATES} iterations")
 
     def handle_event(self, set_inputs: Callable[[], None]) -> None:
+        """Enters event mode, sets inputs, settles, and leaves it again."""
         self.fmu.enterEventMode()
         set_inputs()
         self.settle()
@@ -153,21 +158,26 @@ class Importer:
         return t + h
 
     def reset(self) -> None:
+        """Back to what it was when it was made."""
         self.fmu.reset()
         self.next_event = None
 
     # ---------------------------------------------------------------- vectors of Model Exchange
 
     def states(self) -> list[float]:
+        """Continuous states."""
         return self._vector(self.fmu.getContinuousStates)
 
     def slopes(self) -> list[float]:
+        """Their derivatives."""
         return self._vector(self.fmu.getDerivatives if self.is_fmi2 else self.fmu.getContinuousStateDerivatives)
 
     def nominals(self) -> list[float]:
+        """Their nominal sizes."""
         return self._vector(self.fmu.getNominalsOfContinuousStates)
 
     def set_states(self, x: Sequence[float]) -> None:
+        """Puts continuous states in."""
         self.fmu.setContinuousStates((ctypes.c_double * len(x))(*x), len(x))
 
     def _vector(self, function: Callable[[Any, int], Any]) -> list[float]:
@@ -179,6 +189,7 @@ class Importer:
 
 
 def is_recorded(kind: str) -> bool:
+    """Whether variables of a kind can stand in rows of results."""
     return kind in _RECORDED
 
 
@@ -205,9 +216,11 @@ class Table:
                         for kind, places in groups.items()]
 
     def next_jump(self, t: float) -> float | None:
+        """The first time after t at which an input jumps; None after the last."""
         return next((jump for jump in self.jumps if jump > t), None)
 
     def next_corner(self, t: float) -> float | None:
+        """The first time after t at which an input may bend; None after the last."""
         return next((corner for corner in self.times if corner > t), None) if self.names else None
 
     def at(self, t: float, is_after: bool) -> tuple[list[float], list[float]]:
@@ -229,6 +242,7 @@ class Table:
             setter(references, [_as(kind, (first[k] + last[k]) / 2 if is_float else first[k]) for k in places])
 
     def apply(self, t: float, is_after: bool, with_slopes: bool = False) -> None:
+        """Sets all inputs as at t, on one side of a jump; with their slopes where the FMU takes them."""
         if not self.names:
             return
         values, slopes = self.at(t, is_after)

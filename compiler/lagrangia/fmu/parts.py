@@ -42,6 +42,7 @@ _LARGEST_BINARY = 1 << 30
 
 
 def part_rules(archive: Archive, description: Description) -> Iterator[Diagnostic]:
+    """Faults of what lies in the archive beside the description: flags, sources, binaries, terminals."""
     yield from _flag_rules(description)
     yield from _source_rules(archive, description)
     yield from _binary_rules(archive, description)

@@ -75,6 +75,7 @@ class Outcome:
 
     @property
     def width(self) -> int:
+        """Numbers a row: the time and the columns."""
         return 1 + len(self.columns)
 
     @property

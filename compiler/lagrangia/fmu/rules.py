@@ -14,6 +14,7 @@ _FAMILY = {"Enumeration": "Integer"}  # FMI 2: types that share their value refe
 
 
 def variable_rules(description: Description) -> Iterator[Diagnostic]:
+    """Faults of start values, ranges, units and the rest of what is said of each variable."""
     for quantity in description.quantities:
         yield from _start_rules(quantity)
         yield from _range_rules(quantity)

@@ -34,6 +34,7 @@ class Opened:
 
     @property
     def name(self) -> str:
+        """The model's, or the file's where it has none."""
         return self.description.root.get("modelName") or self.archive.path.stem
 
     @property
@@ -54,6 +55,7 @@ class Opened:
 
     @property
     def has_sources(self) -> bool:
+        """Whether C sources are in it."""
         return any(name.startswith("sources/") for name in self.archive.names)
 
     def column(self, name: str) -> Column:
@@ -84,9 +86,11 @@ class FmuRun:
 
     @property
     def rows(self) -> int:
+        """How many there are."""
         return len(self.outcome.rows) // self.outcome.width
 
     def lines(self) -> Iterator[list[float]]:
+        """Row by row: the time and the columns."""
         width = self.outcome.width
         for k in range(0, len(self.outcome.rows), width):
             yield self.outcome.rows[k : k + width].tolist()
@@ -150,6 +154,7 @@ def choose_kind(opened: Opened, wanted: str | None) -> str:
 
 
 def has_binary(opened: Opened) -> bool:
+    """Whether it has one for this machine."""
     host = host_platform()
     if host is None:
         return False

@@ -15,6 +15,7 @@ _ROWS = {"output": "outputs", "derivative": "derivatives", "initial": "initial u
 
 
 def structure_rules(description: Description) -> Iterator[Diagnostic]:
+    """Faults of derivatives, of the model structure and of what depends on what."""
     for quantity in description.quantities:
         if quantity.value.get("derivative") is not None:
             yield from _derivative_rules(quantity, description)

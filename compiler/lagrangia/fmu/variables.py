@@ -41,15 +41,20 @@ class Exportable(Protocol):
     scene: Scene
 
     @property
-    def compilation(self) -> "Compilation": ...
+    def compilation(self) -> "Compilation":
+        """The formulas."""
 
-    def functions(self) -> "dict[str, casadi.Function]": ...
+    def functions(self) -> "dict[str, casadi.Function]":
+        """CasADi functions, by name."""
 
-    def equations(self) -> str: ...
+    def equations(self) -> str:
+        """The equations of motion as text."""
 
-    def parameter_values(self, parameters: Mapping[str, float] | None = None) -> "np.ndarray": ...
+    def parameter_values(self, parameters: Mapping[str, float] | None = None) -> "np.ndarray":
+        """All parameters, (n_parameters,), with some changed."""
 
-    def simulate(self, *, parameters: Mapping[str, float] | None = None) -> Any: ...
+    def simulate(self, *, parameters: Mapping[str, float] | None = None) -> Any:
+        """A run, to know the state it starts from."""
 
 
 @dataclass(frozen=True)
@@ -101,9 +106,11 @@ class FmuModel:
         return {variable.name: k for k, variable in enumerate(self.variables, 1)}
 
     def of(self, *groups: str) -> tuple[Variable, ...]:
+        """The variables of some groups, in their order."""
         return tuple(variable for variable in self.variables if variable.group in groups)
 
     def named(self, name: str) -> Variable:
+        """The variable of that name. Raises KeyError."""
         return self.variables[self.index[name] - 1]
 
 

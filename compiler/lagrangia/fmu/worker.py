@@ -19,6 +19,7 @@ from lagrangia.fmu.probe import probe_derivatives, probe_reset, probe_saved, pro
 
 
 def main(folder: Path) -> int:
+    """Does the job in a folder and writes how it ended; returns the exit code."""
     job = json.loads((folder / "job.json").read_text(encoding="utf-8"))
     _limit(job["limits"])
     begin = time.perf_counter()

@@ -52,6 +52,7 @@ def _attribute(value: object) -> str:
 
 
 def experiment(model: FmuModel) -> dict[str, object]:
+    """Start, stop, tolerance and step of the default experiment, times in s."""
     scene = model.scene
     step = scene.interval if scene.interval else (scene.stop - scene.start) / 500
     return {"startTime": float(scene.start), "stopTime": float(scene.stop), "tolerance": float(scene.tolerance),
@@ -64,11 +65,13 @@ def unit_of(variable: Variable) -> str | None:
 
 
 def display_unit_of(variable: Variable) -> str | None:
+    """Its display unit, where it has one beside its unit."""
     has_one = unit_of(variable) and variable.display_unit not in ("", "1", variable.unit)
     return variable.display_unit if has_one else None
 
 
 def type_of(variable: Variable) -> str | None:
+    """The name of its type, where its unit has a quantity."""
     unit = unit_of(variable)
     return _QUANTITIES.get(unit) if unit else None
 
@@ -156,4 +159,5 @@ def dependencies(knowns: Mapping[str, str], numbers: Mapping[str, int]) -> dict[
 
 
 def too_many(lists: Iterable[Collection[str]]) -> bool:
+    """Whether lists of dependencies are longer than readers bear."""
     return sum(map(len, lists)) > _MOST_DEPENDENCIES

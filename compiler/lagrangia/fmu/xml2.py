@@ -21,6 +21,7 @@ from lagrangia.fmu.xml import (
 
 
 def write_fmi2(model: FmuModel, about: About) -> str:
+    """modelDescription.xml of FMI 2."""
     scene = model.scene
     root = {"fmiVersion": "2.0", "modelName": scene.name, "guid": about.token, "description": scene.description or None,
             **about.info, "generationTool": about.tool, "generationDateAndTime": about.date,

@@ -23,6 +23,7 @@ _HEAD = '<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
 def write_fmi3(model: FmuModel, about: About) -> str:
+    """modelDescription.xml of FMI 3."""
     scene = model.scene
     root = {"fmiVersion": "3.0", "modelName": scene.name, "instantiationToken": about.token,
             "description": scene.description or None, **about.info, "generationTool": about.tool,

@@ -33,9 +33,11 @@ class Element:
                     yield from child.all(*path[1:])
 
     def first(self, *path: str) -> "Element | None":
+        """The first element below, by a path of names; None where there is none."""
         return next(self.all(*path), None)
 
     def get(self, name: str) -> str | None:
+        """An attribute as it is written; None where it is not there."""
         return self.attributes.get(name)
 
     def span(self, attribute: str = "") -> Span:
@@ -49,6 +51,7 @@ class Element:
         return Span(self.source, self.start, min(end, self.start + 1 + len(self.tag)))
 
     def fault(self, code: str, message: str, attribute: str = "", *hints: str, severity: Severity = "error") -> Diagnostic:
+        """A diagnostic that points at the element, or at one of its attributes."""
         return Diagnostic(severity, code, message, self.span(attribute), "", hints)
 
 

@@ -24,6 +24,7 @@ class Step:
     is_inverse: bool = False
 
     def inverse(self) -> "Step":
+        """The way back."""
         return Step(self.kind, self.amount, not self.is_inverse)
 
 
@@ -40,9 +41,11 @@ class Edge:
 
     @property
     def is_rigid(self) -> bool:
+        """Whether its two frames keep their places to each other for ever."""
         return not self.coordinates and not self.moves_with_time
 
     def inverse(self) -> "Edge":
+        """The same edge, from the child to the parent."""
         steps = tuple(step.inverse() for step in reversed(self.steps))
         return Edge(self.child, self.parent, steps, self.coordinates, self.moves_with_time, self.span)
 

@@ -44,8 +44,10 @@ class Leaves(Protocol):
     def symbol(self, name: str, level: int) -> Value | None:
         """A coordinate, parameter or input; None for a variable with a binding."""
 
-    def time(self, level: int) -> Scalar: ...
-    def frame(self, name: str, attribute: str, level: int) -> Value: ...
+    def time(self, level: int) -> Scalar:
+        """The time, s."""
+    def frame(self, name: str, attribute: str, level: int) -> Value:
+        """An attribute of a frame: r, x, y, phi, v, w, a reaction."""
 
 
 class Evaluator:
@@ -67,6 +69,7 @@ class Evaluator:
         self._asked: Span | None = None  # the call outside functions that is evaluated
 
     def value(self, node: Flat, level: int = 0, local: Mapping[str, Value] | None = None) -> Value:
+        """The value of an expression at a level; `local` are the variables of a function. Raises LagError."""
         match node:
             case Number(number):
                 return self._number(number)
@@ -100,6 +103,7 @@ class Evaluator:
                 fail("L0302", "a text is no number", span)
 
     def variable(self, name: str, level: int, span: Span) -> Value:
+        """The value of a variable, by its binding where it has one. Raises LagError."""
         key = (name, level)
         if key not in self._known:
             value = self.leaves.symbol(name, level)

@@ -21,6 +21,8 @@ _MOST_NAMES, _ENDS = 12, 4  # of the components along a loop that are told
 
 @dataclass(frozen=True, slots=True)
 class Coordinate:
+    """A coordinate with what is declared of its start."""
+
     name: str
     unit: str
     display_unit: str
@@ -38,6 +40,7 @@ class Coordinate:
 
     @property
     def rate_name(self) -> str:
+        """As it is written in models and results."""
         return f"der({self.name})"
 
 
@@ -50,11 +53,14 @@ class Root:
 
     @property
     def is_ground(self) -> bool:
+        """Whether it is fixed to the world."""
         return not self.attributes
 
 
 @dataclass(frozen=True)
 class ComponentGraph:
+    """Frames as nodes, joints and other components as edges; spanning trees, and what closes loops."""
+
     model: FlatModel
     roots: tuple[Root, ...]
     edges: tuple[Edge, ...]  # of the spanning trees, parents first
@@ -66,6 +72,7 @@ class ComponentGraph:
     dependent_coordinates: tuple[Coordinate, ...] = ()  # given by linear constraints
 
     def summary(self) -> str:
+        """Counts, and a line for each root, edge and closure."""
         lines = [f"{len(self.model.frames)} frames, {len(self.edges)} edges, {len(self.roots)} trees"]
         for root in self.roots:
             lines.append(f"root {root.frame}" + ("" if root.is_ground else f" floats: {', '.join(root.attributes)}"))

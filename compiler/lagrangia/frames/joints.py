@@ -23,6 +23,7 @@ def reaction_ports(graph: ComponentGraph) -> dict[str, str]:
 
 
 def component_of(frame: str) -> str:
+    """The component that a port's full name belongs to."""
     return frame.rpartition(".")[0]
 
 

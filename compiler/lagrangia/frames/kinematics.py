@@ -76,6 +76,7 @@ class Kinematics:
     # ------------------------------------------------------------ leaves of expressions
 
     def symbol(self, name: str, level: int) -> Value | None:
+        """The value of a coordinate, parameter or input; None for a variable with a binding."""
         if name in self.symbols.positions or name in self.dependents:
             return self.coordinate(name, level)
         if name in self.graph.cut_coordinates:
@@ -84,6 +85,7 @@ class Kinematics:
         return self.symbols.compiled.get(name, self.symbols.values.get(name))
 
     def coordinate(self, name: str, level: int) -> Scalar:
+        """A coordinate with its rate, and its acceleration at level 2."""
         if name in self.dependents:
             given = self._dependent(self.dependents[name], level)
             return given + displacement(self.released[name], level) if name in self.released else given
@@ -108,10 +110,12 @@ class Kinematics:
         return found
 
     def time(self, level: int) -> Scalar:
+        """The time, s, with its rate tau."""
         t, tau = self.symbols.time, self.symbols.tau
         return (t, Dual(t, tau), Dual(Dual(t, tau), Dual(tau, 0.0)))[level]
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
+        """An attribute of a frame: r, x, y, phi, v, w, reaction, reaction_torque. Raises LagError."""
         if attribute in ("reaction", "reaction_torque"):
             return self._reaction(name, attribute, level)
         if attribute in ("v", "w"):
@@ -229,6 +233,7 @@ class Kinematics:
         return pose
 
     def step(self, step: Step, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
+        """The pose behind a step that begins at another one."""
         return self.along(step, (evaluator or self.evaluator).value(step.amount, level), pose, level)
 
     def along(self, step: Step, amount: Value, pose: Pose, level: int) -> Pose:
@@ -244,6 +249,7 @@ class Kinematics:
         return Pose(pose.x + ahead_x, pose.y + ahead_y, pose.phi, pose.cos, pose.sin)
 
     def turned(self, pose: Pose, angle: Scalar, level: int) -> Pose:
+        """A pose that has turned about its origin."""
         phi = pose.phi + angle
         algebra = self.evaluator.algebras[level]
         return Pose(pose.x, pose.y, phi, algebra.call("cos", phi), algebra.call("sin", phi))

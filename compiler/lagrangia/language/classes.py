@@ -30,6 +30,7 @@ class ClassTable:
         fail("L0201", f"there is no model or type '{name}'", span, hint or 'is a file to be imported? import "file.lag";')
 
     def function(self, name: str, span: Span) -> ClassDefinition | None:
+        """The function of that name which is seen from a place; None where there is none."""
         found = self.user.get(name) if span.source not in self.library_sources else None
         found = found or self.library.get(name)
         return found if found is not None and found.kind == "function" else None

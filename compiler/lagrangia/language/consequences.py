@@ -35,6 +35,7 @@ def contact_forces_in(model: FlatModel) -> list[Call[Flat]]:
 
 
 def speaks_of_contact_forces(model: FlatModel, expression: Flat) -> bool:
+    """Whether an expression, or what it refers to, has the force of a contact in it."""
     return any(map(_is_contact_force, reached([expression], _bindings(model))))
 
 

@@ -46,6 +46,7 @@ class Quantity:
     is_soft: bool = False
 
     def spell(self) -> str:
+        """Its unit for people."""
         return "any unit" if self.dimension is None else spell(self.dimension)
 
 

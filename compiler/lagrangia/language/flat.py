@@ -54,6 +54,8 @@ class Variable:
 
 @dataclass(frozen=True)
 class Frame:
+    """A frame with what its declaration says about its start."""
+
     name: str
     is_ground: bool
     starts: Mapping[str, Flat]  # of r, phi, v, w, x, y
@@ -73,6 +75,8 @@ class FrameEquation:
 
 @dataclass(frozen=True)
 class Equation:
+    """left = right, with its line and the component that states it."""
+
     left: Flat
     right: Flat
     span: Span
@@ -118,11 +122,14 @@ class When:
     span: Span
 
     def expressions(self) -> tuple[Flat, ...]:
+        """All that it reads."""
         return (self.condition, *(x for reset in self.resets for x in (reset.rate, reset.value)))
 
 
 @dataclass(frozen=True)
 class Experiment:
+    """Times in s and the tolerance that a model declares."""
+
     start: float = 0.0
     stop: float = 1.0
     tolerance: float = 1e-8
@@ -131,6 +138,8 @@ class Experiment:
 
 @dataclass(frozen=True)
 class FlatModel:
+    """A model without classes: variables, frames, edges, equations and energies by their full names."""
+
     name: str
     description: str
     variables: Mapping[str, Variable]
@@ -150,4 +159,5 @@ class FlatModel:
 
 
 def is_frame(node: Flat) -> bool:
+    """Whether an expression stands for a frame."""
     return (isinstance(node, FrameRef) and node.attribute == "") or (isinstance(node, Call) and node.function in FRAME_FUNCTIONS)

@@ -37,6 +37,7 @@ class Scope:
     iterators: Mapping[str, int] = field(default_factory=dict)
 
     def bind(self, name: str, value: int) -> "Scope":
+        """The same scope with a value for one more iterator."""
         return Scope(self.instance, {**self.iterators, name: value})
 
 
@@ -97,6 +98,8 @@ class FrameSlot:
 
 @dataclass(eq=False)
 class Instance:
+    """A class at its place in a model, with its members."""
+
     path: str
     definition: ClassDefinition
     span: Span
@@ -108,6 +111,7 @@ class Instance:
     protected: set[str] = field(default_factory=set)  # members that only the class itself, and what extends it, may name
 
     def child_path(self, name: str) -> str:
+        """The full name of a member."""
         return f"{self.path}.{name}" if self.path else name
 
 
@@ -117,8 +121,10 @@ Member: TypeAlias = Slot | FrameSlot | Instance | list[Any]
 class StructuralValues(Protocol):
     """Evaluates what must be known at compile time (names.py)."""
 
-    def integer(self, expression: Expression, scope: Scope, what: str) -> int: ...
-    def boolean(self, expression: Expression, scope: Scope, what: str) -> bool: ...
+    def integer(self, expression: Expression, scope: Scope, what: str) -> int:
+        """The integer that an expression must be. Raises LagError L0210."""
+    def boolean(self, expression: Expression, scope: Scope, what: str) -> bool:
+        """The truth value that an expression must be. Raises LagError L0210."""
 
 
 @dataclass
@@ -134,6 +140,7 @@ class Instantiation:
     def instantiate(
         self, definition: ClassDefinition, path: str, modification: Modification, span: Span, parent: Instance | None
     ) -> Instance:
+        """The instance of a class at a path, with all that is in it. Raises LagError."""
         instance = Instance(path, definition, span, parent=parent)
         if any(definition is outer for outer in self.stack):
             self.report.error("L0207", f"{definition.name} contains itself", span,

@@ -15,6 +15,7 @@ _CHILDREN: Mapping[type, Callable[[Any], tuple[Flat, ...]]] = {
 
 
 def children(node: Flat) -> tuple[Flat, ...]:
+    """The expressions that an expression is made of."""
     inside = _CHILDREN.get(node.__class__)
     return inside(node) if inside is not None else ()
 

@@ -82,12 +82,14 @@ class Names:
     # ------------------------------------------------------------ structural values
 
     def integer(self, expression: Expression, scope: Scope, what: str) -> int:
+        """The integer that an expression must be. Raises LagError L0210."""
         value = self._constant(expression, scope, what)
         if isinstance(value, bool) or not float(value).is_integer():
             fail("L0210", f"{what} must be an integer, not {value}", expression.span)
         return int(value)
 
     def boolean(self, expression: Expression, scope: Scope, what: str) -> bool:
+        """The truth value that an expression must be. Raises LagError L0210."""
         value = self._constant(expression, scope, what)
         if not isinstance(value, bool):
             fail("L0210", f"{what} must be true or false", expression.span)
@@ -173,6 +175,7 @@ class Names:
         return member
 
     def flatten(self, node: Expression, scope: Scope) -> Flat:
+        """An expression with full names, in SI units, its structural values put in. Raises LagError."""
         match node:
             case Number():
                 return _in_si(node)
@@ -274,6 +277,7 @@ class Names:
     # ------------------------------------------------------------ references
 
     def resolve(self, node: Reference, scope: Scope) -> Flat:
+        """What a name stands for where it is written. Raises LagError."""
         first = node.parts[0]
         if first.name in scope.iterators and len(node.parts) == 1 and not first.subscripts:
             return Number(float(scope.iterators[first.name]), None, node.span, True)

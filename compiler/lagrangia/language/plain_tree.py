@@ -19,6 +19,7 @@ _FIELDS = [tuple(field.name for field in fields(node)) for node in _CLASSES]
 
 
 def write_trees(files: Sequence[Syntax]) -> bytes:
+    """Files of syntax as bytes that marshal reads back."""
     sources = [file.source for file in files]
     places = {id(source): k for k, source in enumerate(sources)}
 

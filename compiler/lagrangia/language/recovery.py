@@ -42,15 +42,18 @@ class Stop:
 
     @property
     def word(self) -> str:
+        """The word at which the parser stopped."""
         return self.span.text
 
     @property
     def is_first_of_line(self) -> bool:
+        """Whether nothing stands before it in its line."""
         begin = self.source.text.rfind("\n", 0, self.span.start) + 1
         return bool(self.before) and (self.before[-1].end_pos or 0) <= begin
 
     @property
     def lacks_semicolon(self) -> bool:
+        """Whether the line before it wants a semicolon."""
         return "SEMICOLON" in self.accepted and self.is_first_of_line and self.word not in ("", *_CLOSERS)
 
     def last(self, count: int) -> tuple[str, ...]:

@@ -16,6 +16,8 @@ E = TypeVar("E", covariant=True)
 
 @dataclass(frozen=True, slots=True)
 class Number:
+    """A number, with its unit where one is written."""
+
     value: float
     unit: str | None
     span: Span
@@ -24,12 +26,16 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class String:
+    """A text in quotes."""
+
     value: str
     span: Span
 
 
 @dataclass(frozen=True, slots=True)
 class Boolean:
+    """true or false."""
+
     value: bool
     span: Span
 
@@ -45,6 +51,8 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Reference:
+    """A name of one or more parts, each with its indices."""
+
     parts: tuple[Part, ...]
     span: Span
 
@@ -54,6 +62,8 @@ class Reference:
 
 @dataclass(frozen=True, slots=True)
 class Unary(Generic[E]):
+    """An operator before what it acts on."""
+
     operator: str  # "-", "+", "not"
     operand: E
     span: Span
@@ -61,6 +71,8 @@ class Unary(Generic[E]):
 
 @dataclass(frozen=True, slots=True)
 class Binary(Generic[E]):
+    """An operator between two operands."""
+
     operator: str  # + - * / ^ == <> < <= > >= and or
     left: E
     right: E
@@ -79,6 +91,8 @@ class IfExpression(Generic[E]):
 
 @dataclass(frozen=True, slots=True)
 class Call(Generic[E]):
+    """A function of arguments, some of them by name."""
+
     function: str
     arguments: tuple[E, ...]
     named: tuple[tuple[str, E], ...]
@@ -87,12 +101,16 @@ class Call(Generic[E]):
 
 @dataclass(frozen=True, slots=True)
 class Array(Generic[E]):
+    """{a, b, ...}."""
+
     items: tuple[E, ...]
     span: Span
 
 
 @dataclass(frozen=True, slots=True)
 class Iterator:
+    """i in 1:n, of loops and sums."""
+
     name: str
     range: "Expression | None"
     span: Span
@@ -110,6 +128,8 @@ class Comprehension:
 
 @dataclass(frozen=True, slots=True)
 class Range:
+    """start : step : stop."""
+
     start: "Expression"
     step: "Expression | None"
     stop: "Expression"
@@ -162,6 +182,8 @@ class Local:
 
 @dataclass(frozen=True, slots=True)
 class Time:
+    """The variable `time`."""
+
     span: Span
 
 
@@ -188,6 +210,8 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
+    """A component or variable with its type, modifications, binding and description."""
+
     prefixes: frozenset[str]
     type_name: str
     type_span: Span
@@ -204,6 +228,8 @@ class Declaration:
 
 @dataclass(frozen=True, slots=True)
 class Extends:
+    """A class that another one takes over, modified."""
+
     type_name: str
     arguments: tuple[Argument, ...]
     span: Span
@@ -211,6 +237,8 @@ class Extends:
 
 @dataclass(frozen=True, slots=True)
 class Equality:
+    """left = right."""
+
     left: Expression
     right: Expression
     description: str
@@ -227,6 +255,8 @@ class CallEquation:
 
 @dataclass(frozen=True, slots=True)
 class EnergyTerm:
+    """A kinetic, potential or dissipated energy, or work, that a class states."""
+
     kind: EnergyKind
     value: Expression
     description: str
@@ -245,6 +275,8 @@ class WorkTerm:
 
 @dataclass(frozen=True, slots=True)
 class Assignment:
+    """target := value, in functions."""
+
     target: Expression
     value: Expression
     span: Span
@@ -252,6 +284,8 @@ class Assignment:
 
 @dataclass(frozen=True, slots=True)
 class ForBlock:
+    """Clauses for each value of the iterators."""
+
     iterators: tuple[Iterator, ...]
     body: tuple["Clause", ...]
     span: Span
@@ -269,6 +303,8 @@ class IfBlock:
 
 @dataclass(frozen=True, slots=True)
 class WhenBlock:
+    """Clauses at the moment at which a condition becomes true."""
+
     condition: Expression
     body: tuple["Clause", ...]
     span: Span
@@ -279,12 +315,16 @@ Clause: TypeAlias = Equality | CallEquation | EnergyTerm | WorkTerm | Assignment
 
 @dataclass(frozen=True, slots=True)
 class Section:
+    """Clauses under their keyword."""
+
     kind: str  # "equation", "initial", "energy", "algorithm"
     clauses: tuple[Clause, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class ClassDefinition:
+    """A class with its elements and sections."""
+
     kind: str  # "model", "function", "type", "record", "package"
     is_partial: bool
     name: str
@@ -298,6 +338,8 @@ class ClassDefinition:
 
 @dataclass(frozen=True, slots=True)
 class ImportFile:
+    """import "FILE"."""
+
     path: str
     span: Span
 

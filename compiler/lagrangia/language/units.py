@@ -24,6 +24,7 @@ class Unit:
 
 
 def dimension(**powers: int) -> Dimension:
+    """From powers of base units, by name."""
     return tuple(powers.get(base, 0) for base in _BASES)
 
 
@@ -106,18 +107,22 @@ def _prefixed(name: str) -> Unit:
 
 
 def known_units() -> list[str]:
+    """Names of units for hints."""
     return [*sorted(set(_UNITS) - {"1"}), "kg", "mm", "kN"]
 
 
 def multiply(a: Dimension, b: Dimension) -> Dimension:
+    """The dimension of a product."""
     return tuple(map(add, a, b))
 
 
 def divide(a: Dimension, b: Dimension) -> Dimension:
+    """The dimension of a quotient."""
     return tuple(map(sub, a, b))
 
 
 def power(a: Dimension, exponent: int | Fraction) -> Dimension:
+    """The dimension of a power."""
     found = [x * exponent for x in a]
     return tuple(x.numerator if x.denominator == 1 else x for x in found)
 

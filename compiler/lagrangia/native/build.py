@@ -54,6 +54,7 @@ class Compiler:
 
     @property
     def is_zig(self) -> bool:
+        """Whether it is zig, which compiles for other platforms too."""
         return any("zig" in word for word in self.command)
 
     def works(self) -> bool:

@@ -47,6 +47,7 @@ def kinds() -> tuple[str, ...]:
 
 
 def flags_of(kind: str) -> tuple[str, ...]:
+    """What the compiler is told for a kind of processor."""
     return _KINDS[kind][0]
 
 
@@ -77,6 +78,7 @@ def find(runtime: Path, folder: Path = _FOLDER) -> Path | None:
 
 
 def sources(runtime: Path) -> list[Path]:
+    """All C files of the run time but those of FMUs."""
     return sorted(file for file in runtime.rglob("*.c") if "fmi" not in file.relative_to(runtime).parts)
 
 

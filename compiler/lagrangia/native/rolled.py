@@ -47,6 +47,7 @@ class Constants:
     places: dict[int, int] = field(default_factory=dict)  # of each, the first
 
     def place(self, number: int) -> int:
+        """Where a number stands in the vector, at its end if it is new."""
         return self.row((number,))
 
     def row(self, numbers: Sequence[int]) -> int:
@@ -73,6 +74,7 @@ class Constants:
         return lines + [f"c[{k}] = {f'g{n}' if n in asked else texts[n]};" for k, n in enumerate(self.order)]
 
     def renamed(self, text: str) -> str:
+        """C text with its numbers read from the vector."""
         return _CONSTANT.sub(lambda match: f"c[{self.place(int(match[1]))}]", text)
 
 

@@ -41,6 +41,7 @@ class Waves:
     found: list[Wave] = field(default_factory=lambda: [Wave(None, None)])
 
     def place(self, exponent: ca.SX | None, angle: ca.SX | None) -> int:
+        """The number of a wave, a new one where it has not been found before."""
         for k, wave in enumerate(self.found):
             if _same(wave.exponent, exponent) and _same(wave.angle, angle):
                 return k
@@ -93,10 +94,12 @@ class Term:
 
     @property
     def is_constant(self) -> bool:
+        """Whether it is made of the constant wave alone."""
         return all(key == (0, 0) for key in self.sum)
 
 
 def constant(value: ca.SX) -> Term:
+    """A term without waves."""
     return Term(value, {} if value.is_zero() else {(0, 0): (value, _ZERO)})
 
 

@@ -46,9 +46,11 @@ class Book:
 
     @property
     def q(self) -> tuple[Name, ...]:
+        """The names of the coordinates, in their order."""
         return tuple(self.names[q] for q in self.equations.scene.q)
 
     def rate(self, k: int, marks: int = 1) -> Name:
+        """The k-th coordinate with so many dots."""
         return replace(self.q[k], marks=marks)
 
     def own(self, letter: str, sub: str = "") -> Name:
@@ -56,9 +58,11 @@ class Book:
         return own_name(letter, sub, self.names.values())
 
     def partial(self, top: str, bottom: Node, sub: str = "") -> Slope:
+        """d(top)/d(bottom), of an energy by its letter."""
         return Slope(self.own(top, sub), bottom)
 
     def sum(self, expression: Expr) -> Node:
+        """An expression, laid out as a sum of products."""
         return self.presentation.sum(expression)
 
     def gentle_sum(self, terms: Sequence[Term], whole: Expr) -> Node:
@@ -67,6 +71,7 @@ class Book:
         return stated if len(line(stated)) < len(line(collected)) else collected
 
     def gentle(self, expression: Expr) -> Node:
+        """An expression, laid out without being expanded."""
         return self.presentation.gentle(exact_throughout(expression))
 
 
@@ -79,10 +84,12 @@ TRANSPOSED_J = Power(bold("J"), Words("T"))
 
 
 def time_derivative(inner: Node) -> Node:
+    """d/dt of what stands behind it."""
     return product([Slope(None, Name("t"), True), inner])
 
 
 def equal(left: Node, right: Node) -> Relation:
+    """The relation left = right."""
     return Relation(left, right)
 
 
@@ -90,6 +97,7 @@ def equal(left: Node, right: Node) -> Relation:
 
 
 def coordinates_table(book: Book) -> list[Block]:
+    """Symbol, name, unit and meaning of each coordinate, with those that others give."""
     model = book.equations.scene.kinematics.graph.model
     rows: list[tuple[Inline, ...]] = []
     for name, q in zip(book.equations.scene.names, book.q, strict=True):
@@ -112,6 +120,7 @@ def _frame_words(name: str) -> str:
 
 
 def parameters_table(book: Book) -> list[Block]:
+    """Symbol, name, value and meaning of each parameter."""
     rows: list[tuple[Inline, ...]] = []
     for p in book.equations.scene.parameters:
         if p.symbol in book.names:
@@ -197,6 +206,7 @@ def generic(book: Book) -> Node:
 
 
 def multiplier_term(book: Book) -> list[tuple[int, Node]]:
+    """What constraints add to Lagrange's equations, by its sign; nothing without constraints."""
     rows = len(book.equations.rows)
     q = Name("q", "k", 0 if book.equations.scene.holonomic else 1)
     if not rows:
@@ -207,6 +217,7 @@ def multiplier_term(book: Book) -> list[tuple[int, Node]]:
 
 
 def constraints_block(book: Book) -> list[Block]:
+    """The constraints, each by a name and a formula."""
     e = book.equations
     if not e.rows:
         return []
@@ -225,6 +236,7 @@ def _joined(names: Sequence[Node]) -> list[Inline]:
 
 
 def constants_block(book: Book, level: int = 2) -> list[Block]:
+    """Energy and momenta that the motion keeps, under a heading of this level, or none of 0."""
     if not book.constants:
         return []
     blocks: list[Block] = [Heading("Constants of the motion", level)] if level else []
@@ -276,6 +288,7 @@ def matrix(name: Node, rows: Sequence[Sequence[Node]], entry: str) -> list[Node]
 
 
 def column(items: Sequence[Node]) -> Grid:
+    """Formulas below each other."""
     return Grid(tuple((item,) for item in items))
 
 

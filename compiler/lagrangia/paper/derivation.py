@@ -25,6 +25,7 @@ from lagrangia.paper.layout import Name, Node, Slope
 
 
 def worked_form(book: Book) -> Document:
+    """The derivation step by step: coordinates, positions, energies, equations."""
     e = book.equations
     blocks = [*opening(book), *_coordinates(book), *_parameters(book), *_positions(book), *energy_blocks(book)]
     roots = lengths(book)

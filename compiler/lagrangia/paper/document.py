@@ -11,6 +11,8 @@ Inline: TypeAlias = str | Node
 
 @dataclass(frozen=True)
 class Heading:
+    """A title of a part; level 1 is the page's largest."""
+
     text: str
     level: int = 1
 
@@ -31,6 +33,8 @@ class Display:
 
 @dataclass(frozen=True)
 class Table:
+    """Rows of cells under a head."""
+
     head: tuple[str, ...]
     rows: tuple[tuple[Inline, ...], ...]
 
@@ -40,11 +44,14 @@ Block: TypeAlias = Heading | Paragraph | Display | Table
 
 @dataclass(frozen=True)
 class Document:
+    """A title and what stands below it."""
+
     title: str
     blocks: tuple[Block, ...]
 
 
 def paragraph(*parts: Inline) -> Paragraph:
+    """Words and formulas, one after the other."""
     return Paragraph(tuple(parts))
 
 

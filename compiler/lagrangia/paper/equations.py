@@ -55,6 +55,7 @@ class Equations:
 
     @property
     def n(self) -> int:
+        """The number of coordinates."""
         return len(self.scene.q)
 
     @cached_property
@@ -109,6 +110,7 @@ def without_rows(e: Equations, places: Collection[int]) -> Equations:
 
 
 def sum_of(terms: tuple[Term, ...]) -> Expr:
+    """The sum of energy terms, with exact numbers."""
     return sp.Add(*(exact_throughout(term.value) for term in terms))
 
 
@@ -128,6 +130,7 @@ def generalised_force(scene: SymbolicScene, ring: Ring) -> tuple[Expr, ...]:
 
 
 def load_force(load: Load, q: Expr) -> Expr:
+    """The generalised force of a load on q: F . dr/dq."""
     pairs = zip(load.force, load.position, strict=True)
     return sp.Add(*(exact_throughout(force) * exact_throughout(r).diff(q) for force, r in pairs))
 

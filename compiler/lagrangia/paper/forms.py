@@ -31,15 +31,18 @@ from lagrangia.paper.presentation import Presentation
 
 
 def title(book: Book) -> str:
+    """The name of the model."""
     return book.equations.scene.kinematics.graph.model.name
 
 
 def opening(book: Book) -> list[Block]:
+    """The description of the model, as the first words of a page."""
     description = book.equations.scene.kinematics.graph.model.description
     return [paragraph(f"{description}.")] if description else []
 
 
 def page(book: Book, blocks: list[Block]) -> Document:
+    """A page of the model: what it is, its names, the blocks, its events."""
     return Document(title(book), (*opening(book), *names_block(book), *blocks, *events_block(book)))
 
 
@@ -47,6 +50,7 @@ def page(book: Book, blocks: list[Block]) -> Document:
 
 
 def energies_form(book: Book) -> Document:
+    """Energies, forces and constraints."""
     return page(book, [*energy_blocks(book), *force_blocks(book), *constraints_block(book), *where(book)])
 
 
@@ -90,6 +94,7 @@ def _energy(book: Book, base: str, terms: tuple[Term, ...], whole: Expr, sub: st
 
 
 def component_sub(component: str) -> str:
+    """A component's name as an index."""
     return component.replace(".", " ").replace("[", " ").replace("]", "")
 
 
@@ -109,6 +114,7 @@ def force_blocks(book: Book) -> list[Block]:
 
 
 def force_name(book: Book, k: int) -> Name:
+    """The name of the generalised force on the k-th coordinate."""
     q = book.q[k]
     return Name("f", " ".join(filter(None, (q.base, q.sub))))
 
@@ -117,11 +123,13 @@ def force_name(book: Book, k: int) -> Name:
 
 
 def equations_of(book: Book) -> list[Node]:
+    """Lagrange's equations, one for each coordinate."""
     e = book.equations
     return [book.presentation.equation(e.left[k] + e.reactions[k], e.f[k], k) for k in range(e.n)]
 
 
 def lagrange_form(book: Book) -> Document:
+    """Lagrange's equations, first in general and then written out."""
     return page(book, [paragraph("Lagrange's equations"), Display((generic(book),)), paragraph("give"),
                        Display(tuple(equations_of(book))), *constraints_block(book), *where(book), *constants_block(book)])
 
@@ -187,6 +195,7 @@ def matrix_blocks(book: Book) -> list[Block]:
 
 
 def matrix_form(book: Book) -> Document:
+    """The equations as matrices: M, h, J."""
     return page(book, [*matrix_blocks(book), *constraints_block(book), *where(book)])
 
 

@@ -30,6 +30,7 @@ _DOTS = {0: "%s", 1: r"\dot{%s}", 2: r"\ddot{%s}", 3: r"\dddot{%s}"}
 
 
 def latex(node: Node) -> str:
+    """A formula as LaTeX."""
     match node:
         case Name(base, sub, marks, argument, is_bold, prefix):
             word = rf"\boldsymbol{{{_latex_word(base)}}}" if base in LETTERS else rf"\mathbf{{{base}}}"
@@ -111,6 +112,7 @@ _ESCAPES = {"_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "$": r"\$", "{": r"\
 
 
 def latex_escape(words: str) -> str:
+    """Words with the signs that LaTeX reads as commands written out."""
     return "".join(_ESCAPES.get(c, c) for c in words)
 
 

@@ -46,6 +46,8 @@ class Numeral:
 
 @dataclass(frozen=True)
 class Product:
+    """Factors side by side."""
+
     items: tuple["Node", ...]
 
 
@@ -58,12 +60,16 @@ class Total:
 
 @dataclass(frozen=True)
 class Quotient:
+    """A fraction."""
+
     top: "Node"
     bottom: "Node"
 
 
 @dataclass(frozen=True)
 class Power:
+    """A base with an exponent."""
+
     base: "Node"
     exponent: "Node"
 
@@ -79,11 +85,15 @@ class Apply:
 
 @dataclass(frozen=True)
 class Root:
+    """A square root."""
+
     inside: "Node"
 
 
 @dataclass(frozen=True)
 class Bracket:
+    """What stands in parentheses."""
+
     inside: "Node"
 
 
@@ -206,6 +216,7 @@ def _pieces(node: Node, first: str) -> list[tuple[str, Node]]:
 
 
 def negative(node: Node) -> Node:
+    """With its sign turned; of a sum, each term's."""
     if node == ZERO:
         return node
     return total([(-sign, item) for sign, item in node.items]) if isinstance(node, Total) else Total(((-1, node),))

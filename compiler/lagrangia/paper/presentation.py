@@ -54,10 +54,12 @@ class Symbols:
     lengths: Mapping[Expr, Name] = field(default_factory=dict)  # names of square roots, by what stands under them
 
     def moves(self, expression: Expr) -> bool:
+        """Whether it changes during a motion."""
         return bool(expression.free_symbols & self.moving)
 
     @property
     def moving(self) -> set[Expr]:
+        """All symbols that change during a motion."""
         return {*self.coordinates, *self.rates, *self.accelerations, *self.multipliers, *self.given}
 
 
@@ -142,10 +144,12 @@ class Presentation:
 
     @staticmethod
     def over(top: Node, bottom: Node) -> Node:
+        """The quotient of two formulas."""
         return Quotient(top, bottom)
 
     @staticmethod
     def square(base: Node) -> Node:
+        """The square of a formula."""
         return Power(base, Numeral(Fraction(2)))
 
     def _accelerations(self, expression: Expr, own: int | None) -> Node:
@@ -343,6 +347,7 @@ class Presentation:
         return Power(Bracket(base) if loose else base, self.number(k))
 
     def wave(self, x: Expr, k: int = 1) -> Node:
+        """A sine or cosine, to a power."""
         return Apply(type(x).__name__, self.sum(x.args[0]), k)
 
     # ------------------------------------------------------------ anything

@@ -62,6 +62,7 @@ class Statics:
 
     @property
     def span(self) -> Any:
+        """Where the model stands."""
         return self.equations.scene.kinematics.graph.model.span
 
 
@@ -243,4 +244,5 @@ def point_given(s: Statics, given: Mapping[str, float], numbers: Mapping[Expr, f
 
 
 def put(x: Expr, values: Mapping[Expr, Expr]) -> Expr:
+    """An expression with values for some symbols."""
     return x.xreplace(dict(values)) if values else x

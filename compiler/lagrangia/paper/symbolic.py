@@ -283,6 +283,7 @@ class SymbolicKinematics(Kinematics):
     # ------------------------------------------------------------ given functions of time
 
     def symbol(self, name: str, level: int) -> Value | None:
+        """As of other kinematics; a variable in a load that follows from time alone is a given function."""
         if name in self.load_variables:
             binding = self.graph.model.variables[name].binding
             assert binding is not None

@@ -54,6 +54,7 @@ def name_symbols(scene: SymbolicScene, chosen: Mapping[str, str]) -> Mapping[Exp
 
 
 def presentation_of(e: Equations, names: Mapping[Expr, Name], most_products: int, digits: int = 0) -> Presentation:
+    """How expressions of a scene are shown, with these names; `digits` of numbers, 0 for the usual count."""
     scene = e.scene
     named = dict(names) | {x: multiplier_name(k, len(e.multipliers)) for k, x in enumerate(e.multipliers)}
     moving = {scene.t, *scene.inputs.values(), *(x for g in scene.given for x in g.moving if g.value.has(scene.t))}
@@ -79,4 +80,5 @@ def _lengths(e: Equations, taken: set[Name]) -> dict[Expr, Name]:
 
 
 def multiplier_name(k: int, count: int) -> Name:
+    """lambda, with an index where there are several."""
     return Name("lambda", str(k + 1) if count > 1 else "")

@@ -32,6 +32,7 @@ FUNCTIONS = {"sin", "cos", "tan", "arcsin", "arccos", "arctan", "sinh", "cosh", 
 
 
 def decimal(value: Fraction, digits: int) -> str:
+    """A number to so many digits."""
     try:
         return f"{float(value):.{digits}g}"
     except OverflowError:
@@ -47,6 +48,7 @@ class Box:
 
     @property
     def width(self) -> int:
+        """In columns of the terminal."""
         return len(self.lines[0])
 
     def __str__(self) -> str:
@@ -86,6 +88,7 @@ def _is_tall(node: Node) -> bool:
 
 
 def sign_text(sign: int, place: int) -> str:
+    """The sign before a term of a sum; of the first one only a minus."""
     return ("− " if sign < 0 else "") if place == 0 else (" − " if sign < 0 else " + ")
 
 

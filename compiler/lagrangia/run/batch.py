@@ -142,6 +142,7 @@ class Batch:
         self.close()
 
     def close(self) -> None:
+        """Frees what C holds."""
         self._library.lag_batch_free(self._batch)
         self._batch = None
         self._run.close()

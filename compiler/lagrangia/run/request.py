@@ -58,6 +58,7 @@ class Experiment:
     solver: str = AUTO
 
     def count(self) -> int:
+        """The number of rows."""
         if self.at is not None:
             return len(self.at)
         intervals = min((self.stop - self.start) / self.interval, 2.0 * _MOST_ROWS)

@@ -416,6 +416,7 @@ class Run:
         return self._run
 
     def close(self) -> None:
+        """Frees what C holds."""
         self._library.lag_run_free(self._run)
         self._run = None
 
@@ -425,6 +426,7 @@ class Run:
 
     @property
     def parameters(self) -> list[float]:
+        """Their values as C has them, with those that follow from others."""
         return list(self._library.lag_run_parameters(self._run)[: self._model.struct.n_parameters])
 
     def set_inputs(self, times: Any, values: Any) -> Status:
@@ -440,6 +442,7 @@ class Run:
         return Status(self._library.lag_run_start(self._run, _buffer(q), _buffer(v)))
 
     def set_stop(self, t_stop: float) -> None:
+        """Moves the end of the run, s."""
         self._library.lag_run_set_stop(self._run, t_stop)
 
     def advance(self, times: Any, seconds: float = 0.0) -> Rows:
@@ -469,10 +472,12 @@ class Run:
 
     @property
     def time(self) -> float:
+        """The time reached, s."""
         return float(self._library.lag_run_time(self._run))
 
     @property
     def statistics(self) -> Statistics:
+        """What the run has done so far."""
         struct = self._library.lag_run_statistics(self._run).contents
         values = {name: getattr(struct, name) for name, _ in _Statistics._fields_}
         flags = {name: bool(values[name]) for name in ("tolerance_raised", "energy_is_open")}
@@ -480,5 +485,6 @@ class Run:
 
     @property
     def failure(self) -> Failure:
+        """What went wrong, where and when; its status says whether anything did."""
         struct = self._library.lag_run_failure(self._run).contents
         return Failure(Status(struct.status), struct.index, bool(struct.rate), struct.time, struct.value)

@@ -39,6 +39,8 @@ class Column:
 
 @dataclass(frozen=True)
 class Scene:
+    """A compiled scene: names, units, tapes and all else that a run and its results need."""
+
     name: str
     description: str
     coordinates: tuple[Column, ...]
@@ -67,6 +69,7 @@ class Scene:
 
     @property
     def n(self) -> int:
+        """The number of coordinates."""
         return len(self.coordinates)
 
     @property
@@ -85,6 +88,7 @@ class Scene:
 
 
 def to_json(scene: Scene) -> str:
+    """As text that can be kept."""
     plain = {name: getattr(scene, name) for name in Scene.__dataclass_fields__ if name not in ("tapes", "evenness", "islands")}
     for name in ("coordinates", "rates", "outputs", "parameters", "inputs"):
         plain[name] = [vars(item) for item in plain[name]]

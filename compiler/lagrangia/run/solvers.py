@@ -34,6 +34,7 @@ WAYS: Mapping[str, Way] = {
 
 
 def is_casadi(name: str) -> bool:
+    """Whether it is one of CasADi's."""
     return name.partition(":")[0] == "casadi"
 
 
@@ -57,5 +58,6 @@ def number_of(name: str, scene: Scene) -> Solver:
 
 
 def name_of(number: Solver) -> str:
+    """The name of a solver by its number in C."""
     others = {Solver.TRANSITION: "linear", Solver.ORBIT: "swings told from one of them"}
     return next((name for name, way in WAYS.items() if way.number is number), others.get(number, AUTO))

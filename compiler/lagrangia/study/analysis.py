@@ -69,6 +69,7 @@ class Equilibrium:
 
     @property
     def is_stable(self) -> bool:
+        """Whether motion from nearby stays nearby, for all that the linearised motion can tell."""
         return self.stability in ("stable", "asymptotically stable", "fixed")
 
 
@@ -161,6 +162,7 @@ class Study:
 
     @property
     def reach(self) -> Vector:
+        """Natural sizes of the coordinates (n,): 1 rad, or the size of the scene in m."""
         return np.where(self.is_angle, 1.0, self.size)
 
     @property
@@ -171,12 +173,14 @@ class Study:
     # ------------------------------------------------------------ the equations in numbers
 
     def equations(self, probes: Sequence[Probe] = (), outputs: Sequence[str] = ()) -> SmallMotion:
+        """Small motion with excitations at these places and these outputs beside the coordinates."""
         impacts = self.c.run.impacts
         known = self.c.kinematics.knowing(impacts.contact_forces()) if impacts.pressing else self.c.kinematics
         return build_small_motion(known, self.c.constraints, self.c.run, probes, outputs)
 
     def call(self, function: ca.Function, q: Vector, lam: Vector, pace: float, v: Vector | None = None, a: Vector | None = None,
              time: float | None = None, seeds: tuple[Vector, ...] = ()) -> list[Vector]:
+        """Values of a function of the state at rest, or in the motion given, and its directions `seeds`."""
         still = np.zeros(self.scene.n)
         state = q, still if v is None else v, still if a is None else a, lam
         found = function.call([*state, self.time if time is None else time, pace, self.u, self.p, *seeds])
@@ -225,6 +229,7 @@ class Study:
         return bool(ca.depends_on(ca.vertcat(m.T, m.V, m.D), m.t))
 
     def resting(self, e: SmallMotion, pace: float) -> Resting:
+        """The equations at rest in numbers, time passing at `pace`."""
         m_h = sum(row.is_holonomic for row in self.c.constraints.rows)
 
         def slopes(names: Sequence[str], q: Vector, lam: Vector) -> dict[str, list[Vector]]:
@@ -250,6 +255,7 @@ class Study:
         return found
 
     def all_rests(self, e: SmallMotion, pace: float, most: int) -> tuple[Sequence[Held], bool]:
+        """Positions of rest from so many starts, and whether there is one from the start of the scene."""
         resting = self.resting(e, pace)
         if e.holds.contacts or e.holds.rubs:
             return find_all_held(resting.equations(), self.start[0], most)
@@ -419,6 +425,7 @@ class Study:
                  "linearise about the equilibrium found from there: --about equilibrium")
 
     def modes(self, about: str, mass_normalised: bool) -> Modes:
+        """Natural modes about "equilibrium" or "start"; where ways of moving meet, those of each."""
         if about == "equilibrium":
             e = self.equations()
             linears = self._linears(e, self.pace(e))

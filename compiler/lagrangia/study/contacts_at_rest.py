@@ -51,6 +51,7 @@ class Look:
                 and (is_passed or self.gaps[k] <= _TOUCHES * sizes[k])]
 
     def passed(self) -> list[int]:
+        """The contacts that are open, by more than what still touches."""
         sizes = np.maximum(np.linalg.norm(self.gap_rows, axis=1), 1e-300)
         return [int(k) for k in np.flatnonzero(self.is_open) if self.gaps[k] > _TOUCHES * sizes[k]]
 
@@ -98,6 +99,7 @@ class Balance:
 
     @property
     def is_rest(self) -> bool:
+        """Whether nothing is left that would move it."""
         return bool(np.abs(self.left).max(initial=0.0) <= _BALANCED * self.size)
 
 

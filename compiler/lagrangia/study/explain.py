@@ -47,6 +47,7 @@ def without_compiler(scene: Scene, casadi: str) -> Scene:
 
 
 def as_json(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
+    """The solver, what each solver could do, and all needs with their reasons."""
     solvers = {name: {"title": title, "can_run": name not in scene.refused, "reason": scene.refused.get(name, "")}
                for name, title in _titles(chosen).items()}
     return json.dumps({"model": scene.name, "solver": chosen, "tolerance": scene.tolerance, "solvers": solvers,
@@ -54,6 +55,7 @@ def as_json(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
 
 
 def as_text(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
+    """The solver and why, what the scene needs, and what it does without."""
     lines = [f"{scene.name}: solver {chosen}, tolerance {scene.tolerance:g}",
              *textwrap.wrap(_reason(scene, chosen), _WIDTH, initial_indent="  ", subsequent_indent="  "), ""]
     for title, wanted in (("needed", True), ("not needed", False)):

@@ -144,6 +144,7 @@ class Linearization:
         return np.asarray(found[np.lexsort((found.imag, np.round(np.abs(found), 12)))])
 
     def tables(self) -> dict[str, Matrix]:
+        """All matrices by the names that files give them."""
         found = {"M": self.M, "C": self.C, "K": self.K, "F": self.F[0], "load": self.load,
                  "A": self.A, "B": self.B, "C_output": self.output, "D": self.D, "drift": self.drift}
         return found | {f"F_{k}": x for k, x in enumerate(self.F) if k and x.any()}
@@ -236,6 +237,7 @@ def linearization(tangent: Tangent, given: Given) -> Linearization:
 
 
 def no_mass() -> RunError:
+    """The error of a motion that moves no mass."""
     return RunError("the mass matrix is singular at this point: a motion that the constraints allow moves no mass")
 
 

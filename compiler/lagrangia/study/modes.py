@@ -64,6 +64,7 @@ class DampedMode:
 
     @property
     def damped_omega(self) -> float:
+        """rad/s, of the oscillation as one sees it."""
         return self.eigenvalue.imag
 
     @property
@@ -120,6 +121,7 @@ class Modes:
         return np.array([[mode.shape[name] for mode in self.modes] for name in self.coordinates])
 
     def to_dict(self) -> dict[str, Any]:
+        """All of it as plain data, for files."""
         undamped = [{"frequency": m.frequency, "omega": m.omega, "growth": m.growth, "kind": m.kind, "shape": dict(m.shape),
                      **_of_way(m.way)} for m in self.modes]
         damped = [{"real": m.eigenvalue.real, "imag": m.eigenvalue.imag, "frequency": m.frequency, "omega": m.omega,

@@ -43,6 +43,7 @@ class ProbedKinematics(Kinematics):
     moved_coordinates: Mapping[str, Triple] = field(default_factory=dict)
 
     def symbol(self, name: str, level: int) -> Value | None:
+        """As of the scene, moved where a probe moves it."""
         found = super().symbol(name, level)
         if name not in self.moved_values:
             return found
@@ -53,14 +54,17 @@ class ProbedKinematics(Kinematics):
         return _added(found, self.moved_values[name], level)
 
     def coordinate(self, name: str, level: int) -> Scalar:
+        """As of the scene, moved where a probe moves it."""
         found = super().coordinate(name, level)
         return _displaced(*self.moved_coordinates[name], level) + found if name in self.moved_coordinates else found
 
     def without_accelerations(self) -> Kinematics:
+        """The same with accelerations of 0."""
         at_rest = dict.fromkeys(self.symbols.accelerations, 0.0)
         return _with_symbols(self, replace(self.symbols, accelerations=at_rest))
 
     def displaced(self, released: Mapping[str, Displacement], moved: Mapping[str, Displacement] | None = None) -> Kinematics:
+        """The same with further virtual displacements."""
         return ProbedKinematics(self.graph, self.symbols, self.algebra, self.dependents, {**self.released, **released},
                                 {**self.moved, **(moved or {})}, moved_values=self.moved_values,
                                 moved_coordinates=self.moved_coordinates)

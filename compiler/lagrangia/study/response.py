@@ -38,6 +38,7 @@ class Response:
 
     @property
     def magnitude(self) -> Matrix:
+        """(frequencies, outputs, inputs)."""
         return np.abs(self.values)
 
     @property

@@ -32,9 +32,11 @@ class Resting:
     is_angle: NDArray[np.bool_]
 
     def equations(self) -> GripEquations:
+        """Those of contacts and friction, for grips."""
         return GripEquations(self.look, self.statics, self.e.multipliers, self.reach)
 
     def statics(self, pressing: tuple[int, ...] = (), sticking: tuple[int, ...] = ()) -> StaticEquations:
+        """Those of positions of rest where these contacts press and these frictions stick."""
         e, own, p = self.e, self.m_h, len(pressing)
 
         def static(q: Vector) -> tuple[Vector, Vector, float]:
@@ -65,6 +67,7 @@ class Resting:
         return self.e.multipliers(shares=np.where(np.abs(slips) > 1e-12, slips > 0, 0.5))
 
     def look(self, q: Vector) -> Look:
+        """All that acts at q, in natural sizes."""
         e, r, c = self.e, self.reach, self.e.holds.forces.numel()
         free = self.multipliers(q)
         R = self.call(e.static, q, free)[0].ravel()

@@ -74,10 +74,12 @@ class SmallMotion:
 
     @cached_property
     def static(self) -> ca.Function:
+        """-> R, Phi, the rates of the rows, V."""
         return self._parts.function("static", [self._parts.R, self._parts.phi, self._parts.rate, self._parts.V])
 
     @property
     def holds(self) -> Holds:
+        """What may press or stick at rest."""
         return self._parts.holds
 
     @property
@@ -105,24 +107,29 @@ class SmallMotion:
 
     @cached_property
     def touching(self) -> ca.Function:
+        """-> gaps and guards of contacts, slips of friction."""
         h = self.holds
         return self._parts.function("touching", [h.gaps, h.guards, h.slips])
 
     @cached_property
     def unsteady(self) -> ca.Function:
+        """-> R without loads, Phi, the rates of the rows."""
         return self._parts.function("unsteady", [self._parts.unloaded, self._parts.phi, self._parts.rate])
 
     @cached_property
     def observed(self) -> ca.Function:
+        """-> outputs."""
         return self._parts.function("observed", [self._y])
 
     @cached_property
     def slopes(self) -> ca.Function:
+        """-> derivatives of R, Phi, the rates, the gaps and the slips, along a direction."""
         h = self.holds
         return self._parts.derivatives("slopes", [self._parts.R, self._parts.phi, self._parts.rate, h.gaps, h.slips])
 
     @cached_property
     def observed_slopes(self) -> ca.Function:
+        """-> derivatives of the outputs, along a direction."""
         return self._parts.derivatives("observed_slopes", [self._y])
 
     def directions(self, *names: str) -> dict[str, "np.ndarray"]:

@@ -21,6 +21,7 @@ _DEGREE = 180 / np.pi
 
 
 def equilibria_text(found: "Equilibria") -> str:
+    """Each position of rest with its verdict, coordinates, energy and reactions."""
     if not found.found:
         return f"{found.name}: no equilibrium was found"
     count = len(found.found)
@@ -80,6 +81,7 @@ def _reactions(values: Mapping[str, float], ports: Mapping[str, str], residual: 
 
 
 def linearization_text(linear: "Linearization") -> str:
+    """The matrices of small motion with the names of rows and columns, and the eigenvalues."""
     about = "equilibrium" if linear.is_equilibrium else "point, which is no equilibrium:"
     point = ", ".join(f"{name} = {_shown(x)}" for name, x in list(linear.point.items())[:8])
     more = ", ..." if len(linear.point) > 8 else ""
@@ -125,6 +127,7 @@ def _matrix(table: Matrix, rows: Sequence[str], columns: Sequence[str]) -> list[
 
 
 def modes_text(modes: "Modes") -> str:
+    """Frequencies, eigenvalues with damping, and shapes."""
     point = ", ".join(f"{name} = {_shown(x)}" for name, x in list(modes.linearization.point.items())[:6])
     more = ", ..." if len(modes.coordinates) > 6 else ""
     lines = [f"{modes.name}: modes about {point}{more}", ""]
@@ -175,6 +178,7 @@ def _damped(modes: "Modes", way: str) -> Iterator[str]:
 
 
 def response_text(response: "Response") -> str:
+    """Peaks and ends of each curve, by magnitude and phase."""
     f = response.frequencies
     lines = [f"{response.name}: frequency response, {f.size} frequencies from {f[0]:.4g} to {f[-1]:.4g} Hz"]
     phase = response.phase

@@ -35,6 +35,7 @@ class EnergyAccount:
 
     @property
     def total(self) -> "np.ndarray":
+        """T + V, J."""
         total: np.ndarray = self.kinetic + self.potential
         return total
 
@@ -56,14 +57,17 @@ class Trajectory:
 
     @property
     def time(self) -> "np.ndarray":
+        """(rows,), s."""
         return self.rows[:, 0]
 
     @property
     def columns(self) -> tuple[Column, ...]:
+        """Name, unit and meaning of each column."""
         return columns(self.scene)
 
     @property
     def statistics(self) -> Any:
+        """What the run has done: steps, evaluations, events, the method at the end."""
         return self.progress.statistics
 
     @property
@@ -73,6 +77,7 @@ class Trajectory:
 
     @property
     def names(self) -> list[str]:
+        """Of the columns, the first is the time."""
         return [column.name for column in self.columns]
 
     def __getitem__(self, name: str) -> "np.ndarray":
@@ -90,6 +95,7 @@ class Trajectory:
 
     @property
     def energy(self) -> EnergyAccount:
+        """The energies of each row, and what is left over in their account."""
         T, V, H, dissipated, work = self.rows[:, -ENERGIES:].T
         moved = T + V - H  # what supports that move with time have put in beside the balance of H
         kept = H + dissipated - work
@@ -138,6 +144,7 @@ class CsvWriter(Target):
         self.put(csv_names(scene) + "\n")
 
     def write(self, values: Sequence[float]) -> None:
+        """Rows, as one flat sequence of numbers."""
         self.put("\n".join(csv_lines(values, self.shown, self.empty)) + "\n")
 
 
@@ -150,11 +157,13 @@ class EmptyCells:
         self.first: dict[str, float] = {}
 
     def note(self, column: int, t: float) -> None:
+        """A cell without a finite value."""
         name = self.names[column]
         self.rows[name] = self.rows.get(name, 0) + 1
         self.first.setdefault(name, t)
 
     def describe(self) -> list[str]:
+        """A sentence for each column that has some."""
         return [f"'{name}' has no finite value in {count} row{'s' if count != 1 else ''}, first at t = {self.first[name]:.6g}: "
                 "these cells are empty" for name, count in self.rows.items()]
 

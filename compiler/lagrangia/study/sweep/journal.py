@@ -37,6 +37,7 @@ class Ledger:
         self.entered = 0
 
     def enter(self, first: int, results: "np.ndarray", outcomes: "np.ndarray") -> None:
+        """Results and outcomes of the runs from `first` on."""
         last = first + len(outcomes)
         self.entered += int((self.outcomes["kind"][first:last] == Ending.NOT_RUN).sum())
         self.results[first:last] = results
@@ -119,6 +120,7 @@ class Journal(Ledger):
         self.stream.seek(place)
 
     def enter(self, first: int, results: "np.ndarray", outcomes: "np.ndarray") -> None:
+        """The same, and appends them to the file with their check sum. Raises OSError."""
         if not len(outcomes):
             return
         body = results.astype("<f8").tobytes() + outcomes.tobytes()

@@ -40,5 +40,6 @@ class Pace:
         self.seconds, self.count = seconds, 1
 
     def learn(self, runs: int, seconds: float) -> None:
+        """How many runs to take next, from what so many took."""
         fitting = runs * self.seconds / max(seconds, 1e-6)
         self.count = max(1, min(int(fitting), self.count * _GROWTH, _LONGEST))

@@ -60,6 +60,7 @@ class Job:
 
     @property
     def runs(self) -> int:
+        """How many there are."""
         return self.variations.runs
 
     def parameter_sets(self) -> "Iterator[tuple[list[np.ndarray | float], list[float]]]":

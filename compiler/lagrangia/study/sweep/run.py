@@ -24,7 +24,8 @@ _TABLES = (".csv", ".txt", ".dat", ".parquet", ".pq")
 class Loaded(Protocol):
     """A model, of which only the native code is wanted, and only where it is used."""
 
-    def engine_for(self, solver: str) -> Engine | None: ...
+    def engine_for(self, solver: str) -> Engine | None:
+        """The engine that a solver wants; None without a C compiler."""
 
 
 def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None, dask: str | None = None,

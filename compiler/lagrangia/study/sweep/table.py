@@ -41,10 +41,12 @@ class Sweep:
 
     @property
     def runs(self) -> int:
+        """How many there are."""
         return self.job.runs
 
     @property
     def names(self) -> list[str]:
+        """What is varied, then what is measured."""
         return [*self.job.variations.names, *(measure.text for measure in self.job.measures)]
 
     def __getitem__(self, name: str) -> "np.ndarray":
@@ -76,6 +78,7 @@ class Sweep:
         return {int(k): self.message(int(k)) for k in (~self.ok).nonzero()[0]}
 
     def message(self, run: int) -> str:
+        """Why a run failed; empty when it did not."""
         return explain_outcome(self.job.scene, self.ledger.outcomes[run])
 
     def common_failures(self, most: int = 5) -> list[tuple[str, int]]:
@@ -101,6 +104,7 @@ class Sweep:
                 target.put(text)
 
     def lines(self) -> Iterator[str]:
+        """The table as lines of a CSV file."""
         yield ",".join(quoted(name) for name in ("run", *self.names, "failure")) + "\n"
         for rows in self._rows():
             yield "".join(f"{cells(numbers)},{quoted(failure or '')}\n" for *numbers, failure in rows)
@@ -143,6 +147,7 @@ class Sweep:
 
 
 def is_parquet(path: str | os.PathLike[str]) -> bool:
+    """Whether a file's name asks for Parquet."""
     return Path(path).suffix.lower() in (".parquet", ".pq")
 
 

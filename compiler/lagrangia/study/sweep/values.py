@@ -43,14 +43,17 @@ class Variations:
 
     @property
     def names(self) -> tuple[str, ...]:
+        """What is varied, by name."""
         return tuple(name for factor in self.factors for name in factor.names)
 
     @property
     def places(self) -> tuple[int, ...]:
+        """Where each stands among parameters and start values."""
         return tuple(place for factor in self.factors for place in factor.places)
 
     @property
     def runs(self) -> int:
+        """The number of combinations."""
         return math.prod(len(factor.values) for factor in self.factors)
 
     def values(self, first: int, last: int) -> "np.ndarray":
