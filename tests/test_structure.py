@@ -14,6 +14,7 @@ import pytest
 
 from lagrangia.compile.pipeline import library
 from lagrangia.language.tree import ClassDefinition, Declaration
+from lagrangia.native.prebuilt import sources
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "compiler" / "lagrangia"
@@ -234,3 +235,71 @@ def test_every_quantity_type_has_a_unit() -> None:
     for definition in (d for file in library() for d in file.classes if d.kind == "type"):
         (base,) = definition.elements
         assert any(argument.name == "unit" for argument in base.arguments), definition.name
+
+
+# ---------------------------------------------------------------- the run time: folders of C
+
+# A folder includes, and calls, only folders that stand before it.
+C_ROOMS = """
+    base
+    numbers
+    model
+    start
+    state
+    events
+    steps
+    methods
+    choice
+    run
+    fmi
+""".split()
+C_EXCEPTIONS = {"state/state.h"}  # a run holds a struct of each room, so that it can be kept and copied as a whole
+C_DECLARED_LEFT = {"lag_parts"}  # what a library may lack: declared in choice, filled in run
+RUNTIME = ROOT / "runtime"
+
+
+def test_every_c_file_has_a_folder_and_a_name_of_its_own() -> None:
+    """FMUs carry all sources side by side."""
+    files = [path for path in tracked() if path.parts[0] == "runtime"]
+    assert {path.parts[1] for path in files} == set(C_ROOMS)
+    assert all(len(path.parts) == 3 for path in files)
+    assert len({path.name for path in files}) == len(files)
+
+
+def test_c_includes_point_one_way() -> None:
+    wrong = []
+    for path in sorted(RUNTIME.rglob("*.[ch]")):
+        own = path.relative_to(RUNTIME).as_posix()
+        for included in re.findall(r'^#include "(.+)"', path.read_text(encoding="utf-8"), re.MULTILINE):
+            room, _, name = included.rpartition("/")
+            if name.startswith("fmi") and not room:
+                continue  # the standard's own
+            assert (RUNTIME / included).exists(), f"{own}: {included}"
+            if C_ROOMS.index(room) > C_ROOMS.index(path.parent.name) and own not in C_EXCEPTIONS:
+                wrong.append(f"{own} -> {included}")
+    assert wrong == []
+
+
+def c_calls(files: list[Path], folder: Path) -> list[tuple[str, str, str]]:
+    """(file, function, file that has it) of all calls between these sources, and of all tables that they share."""
+    if shutil.which("nm") is None or shutil.which("gcc") is None:
+        pytest.skip("needs gcc and nm")
+    subprocess.run(["gcc", "-std=c99", "-O0", "-c", f"-I{RUNTIME}", *map(str, files)], cwd=folder, check=True)
+    home: dict[str, str] = {}
+    used: list[tuple[str, str]] = []
+    for source in files:
+        listing = subprocess.run(["nm", f"{source.stem}.o"], cwd=folder, capture_output=True, text=True, check=True)
+        for *_, kind, name in map(str.split, listing.stdout.splitlines()):
+            if kind == "U":
+                used.append((source.stem, name))
+            elif kind.isupper():
+                home[name] = source.stem
+    return [(file, name, home[name]) for file, name in used if name in home]
+
+
+def test_c_calls_point_one_way(tmp_path: Path) -> None:
+    files = sources(RUNTIME)
+    room = {file.stem: C_ROOMS.index(file.parent.name) for file in files}
+    calls = [call for call in c_calls(files, tmp_path) if call[1] not in C_DECLARED_LEFT]
+    assert len(calls) > 300
+    assert [f"{file}.c -> {name}" for file, name, home in calls if room[home] > room[file]] == []

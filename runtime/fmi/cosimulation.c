@@ -5,11 +5,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "instance.h"
+#include "fmi/instance.h"
 
-#include "schedule.h"
-#include "state.h"
-#include "step.h"
+#include "model/schedule.h"
+#include "state/state.h"
+#include "steps/step.h"
 
 static const double LONGEST_STEP = 1e6, CLOSE = 1e-6; /* s; of a step */
 enum { MOST_STEPS = 10000000 };

@@ -13,15 +13,15 @@
 #include <math.h>
 #include <string.h>
 
-#include "instance.h"
+#include "fmi/instance.h"
 
-#include "accelerations.h"
-#include "conditions.h"
-#include "contacts.h"
-#include "function.h"
-#include "schedule.h"
-#include "segment.h"
-#include "state.h"
+#include "events/accelerations.h"
+#include "events/conditions.h"
+#include "events/contacts.h"
+#include "model/function.h"
+#include "model/schedule.h"
+#include "steps/segment.h"
+#include "state/state.h"
 
 static const double FARTHEST = 1e-7; /* correction of a position, of its nominal value, that is left to the stabilisation */
 static const double AFTER_EVENTS = 10; /* errors of an importer's first steps, in its tolerances */

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "instance.h"
+#include "fmi/instance.h"
 
 typedef struct {
     LagInstance *core;

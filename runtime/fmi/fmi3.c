@@ -1,5 +1,5 @@
 /* FMI 3.0: the functions of the standard that mean something here, in terms of instance.h; the others are in fmi3_unused.c. */
-#include "fmi3_instance.h"
+#include "fmi/fmi3_instance.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "fmi3Functions.h"
 
-#include "instance.h"
+#include "fmi/instance.h"
 
 typedef struct {
     LagInstance *core;

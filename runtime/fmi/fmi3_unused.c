@@ -1,5 +1,5 @@
 /* FMI 3.0: the functions of the standard that this model has no use for. They answer with an error. */
-#include "fmi3_instance.h"
+#include "fmi/fmi3_instance.h"
 
 static fmi3Status refuse(fmi3Instance instance, size_t count, const char *name)
 {

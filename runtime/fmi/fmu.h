@@ -5,7 +5,7 @@
 #ifndef LAG_FMU_H
 #define LAG_FMU_H
 
-#include "model.h"
+#include "model/model.h"
 
 enum {
     LAG_GROUP_TIME,

@@ -1,5 +1,5 @@
 /* Birth, life and death of an instance; which calls are allowed when; what is told about errors. */
-#include "instance.h"
+#include "fmi/instance.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "arena.h"
-#include "state.h"
+#include "base/arena.h"
+#include "state/state.h"
 
 enum {
     ANY_MODE = LAG_MODE_INSTANTIATED | LAG_MODE_CONFIGURATION | LAG_MODE_INITIALIZATION | LAG_MODE_EVENT | LAG_MODE_CONTINUOUS

@@ -6,9 +6,9 @@
 #ifndef LAG_INSTANCE_H
 #define LAG_INSTANCE_H
 
-#include "dense_lu.h"
-#include "fmu.h"
-#include "run.h"
+#include "numbers/dense_lu.h"
+#include "fmi/fmu.h"
+#include "run/run.h"
 
 /* The numbers of fmi2Status and fmi3Status. */
 typedef enum { LAG_ANSWER_OK, LAG_ANSWER_WARNING, LAG_ANSWER_DISCARD, LAG_ANSWER_ERROR, LAG_ANSWER_FATAL } LagAnswer;

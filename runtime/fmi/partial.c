@@ -5,11 +5,11 @@
  * along a direction is that along (dx, ds); and the gradient of a combination w is that of w and m R, with m = -(dR/ds)^-T dw/ds. */
 #include <string.h>
 
-#include "instance.h"
+#include "fmi/instance.h"
 
-#include "evaluate.h"
-#include "function.h"
-#include "state.h"
+#include "state/evaluate.h"
+#include "model/function.h"
+#include "state/state.h"
 
 /* Directions of the knowns, then of the unknowns. */
 typedef struct {

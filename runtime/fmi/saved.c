@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "instance.h"
+#include "fmi/instance.h"
 
-#include "snapshot.h"
+#include "run/snapshot.h"
 
 typedef struct {
     uint64_t sum, token; /* hashes: of the bytes after this one, and of the model's token */

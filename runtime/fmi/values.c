@@ -2,12 +2,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "instance.h"
+#include "fmi/instance.h"
 
-#include "evaluate.h"
-#include "function.h"
-#include "segment.h"
-#include "state.h"
+#include "state/evaluate.h"
+#include "model/function.h"
+#include "steps/segment.h"
+#include "state/state.h"
 
 /* Parameters; between events, too: some importers do so. */
 static const int ANY_TIME = LAG_MODE_INSTANTIATED | LAG_MODE_CONFIGURATION | LAG_MODE_INITIALIZATION | LAG_MODE_EVENT

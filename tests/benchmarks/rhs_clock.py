@@ -12,7 +12,7 @@ from lagrangia.run.scene import Scene
 CLOCK = """
 #define _POSIX_C_SOURCE 199309L
 #include <time.h>
-#include "tape.h"
+#include "model/tape.h"
 
 LAG_API double clock_calls(const LagFunction *f, void (*tape)(const LagTape *, const double *const *, double *const *, double *),
                            const double *const *in, double *const *out, double *w, int calls);

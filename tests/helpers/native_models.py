@@ -37,7 +37,7 @@ HEADS = {
 def compiled(n: int, *, kinds: list[int] | None = None, event_kind: str = "0", numbers: str = "", **functions: str) -> Model:
     """A model from the bodies of its C functions; names of inputs and outputs as in HEADS."""
     bodies = {"start": "", **functions}
-    text = '#include <math.h>\n#include "model.h"\n'
+    text = '#include <math.h>\n#include "model/model.h"\n'
     text += "".join(FUNCTION.format(name=name, body=HEADS[name] + body) for name, body in bodies.items())
     kind = ", ".join(map(str, kinds or [1] * n)) or "0"
     text += f"static const int kind[] = {{{kind}}}, fixed[{2 * n + 1}], event_kind[] = {{{event_kind}}};\n"

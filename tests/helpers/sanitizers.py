@@ -11,6 +11,7 @@ import pytest
 
 from lagrangia.base.folders import data_folder
 from lagrangia.native.build import find_compiler
+from lagrangia.native.prebuilt import sources
 
 needs_sanitizers = pytest.mark.skipif(sys.platform == "win32", reason="needs the sanitizers of gcc or clang")
 _OPTIONS = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
@@ -34,7 +35,7 @@ def _runtime_objects(command: Sequence[str]) -> list[Path]:
     kept = base / "sanitized"
     if not kept.exists():
         made = Path(tempfile.mkdtemp(dir=base))
-        _compile(command, made, ["-c", *map(str, sorted(data_folder("runtime").glob("*.c")))])
+        _compile(command, made, ["-c", *map(str, sources(data_folder("runtime")))])
         try:
             made.rename(kept)
         except OSError:  # another process was faster

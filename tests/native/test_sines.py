@@ -1,4 +1,4 @@
-"""Sines four at a time (runtime/sines.h): their last digit, in every build, and their order in tapes."""
+"""Sines four at a time (runtime/numbers/sines.h): their last digit, in every build, and their order in tapes."""
 
 import ctypes as c
 import math
@@ -14,7 +14,7 @@ from lagrangia.native.build import build, find_compiler
 from lagrangia.native.tapes import Op, Tape
 from lagrangia.run.interpret import evaluate
 
-SOURCE = """#include "sines.h"
+SOURCE = """#include "numbers/sines.h"
 __attribute__((visibility("default"))) void of_all(const double *x, double *s, double *c, int n)
 {
     for (int i = 0; i < n; i += 4)

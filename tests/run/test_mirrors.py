@@ -24,7 +24,7 @@ from lagrangia.run.mirrors import check_mirrors
 FOLDER = data_folder("runtime")
 MIRRORS = runtime.MIRRORS | batch.MIRRORS
 PREFIXES = {"LagStatus": "LAG_", "LagOp": "LAG_OP_"}  # of the numbers; those of enumerations without a name begin with it
-HEADERS = "\n".join(f'#include "{name}.h"' for name in ("batch", "metric", "run", "tape"))
+HEADERS = "\n".join(f'#include "{name}.h"' for name in ("model/tape", "run/batch", "run/run", "start/metric"))
 
 
 def members(mirror: Any) -> dict[str, int]:
@@ -68,7 +68,8 @@ def test_every_number_has_the_value_it_has_in_c(name: str) -> None:
     assert isinstance(mirror, type) and issubclass(mirror, IntEnum)
     kinds = [kind for kind in mirror if kind >= 0]
     assert numbers([f"{PREFIXES.get(name, name + '_')}{kind.name}" for kind in kinds]) == [int(kind) for kind in kinds]
-    header = {"LagStatus": "status", "LagOp": "tape", "LAG_SOLVER": "settings", "LAG_REDUCE": "reduce", "LAG_RUN": "batch"}[name]
+    header = {"LagStatus": "base/status", "LagOp": "model/tape", "LAG_SOLVER": "state/settings", "LAG_REDUCE": "run/reduce",
+              "LAG_RUN": "run/batch"}[name]
     text = re.sub(r"/\*.*?\*/", "", (FOLDER / f"{header}.h").read_text(), flags=re.S)
     (block,) = (body for body in re.findall(r"enum \{(.*?)\}", text, re.S) if kinds[0].name in body)
     counts = name in ("LAG_SOLVER", "LagOp")  # whose last number is how many there are
@@ -97,9 +98,9 @@ def test_small_numbers_are_those_of_c() -> None:
 @pytest.mark.parametrize(
     ("file", "change", "said"),
     [
-        ("settings.h", ("    double max_step;", "    double max_step, more;"), "LagSettings has 64 bytes in it, and 56 here"),
-        ("status.h", ("    LAG_PAUSED,", "    LAG_PAUSED, LAG_MORE,"), "LagStatus has 17 numbers in it, and 16 here"),
-        ("batch.h", ("    int32_t padding;", "    int32_t padding, more[2];"), "LagOutcome has 64 bytes in it, and 56 here"),
+        ("state/settings.h", ("double max_step;", "double max_step, more;"), "LagSettings has 64 bytes in it, and 56 here"),
+        ("base/status.h", ("    LAG_PAUSED,", "    LAG_PAUSED, LAG_MORE,"), "LagStatus has 17 numbers in it, and 16 here"),
+        ("run/batch.h", ("    int32_t padding;", "    int32_t padding, more[2];"), "LagOutcome has 64 bytes in it, and 56 here"),
     ],
 )
 def test_a_library_of_another_version_is_refused(tmp_path: Path, file: str, change: tuple[str, str], said: str) -> None:
@@ -108,9 +109,9 @@ def test_a_library_of_another_version_is_refused(tmp_path: Path, file: str, chan
     text = (other / file).read_text()
     assert text.count(change[0]) == 1
     (other / file).write_text(text.replace(*change))
-    mirrors = batch.MIRRORS if file == "batch.h" else runtime.MIRRORS
+    mirrors = batch.MIRRORS if file == "run/batch.h" else runtime.MIRRORS
     with pytest.raises(lag.LagError, match="L0722") as refused:
-        check_mirrors(c.CDLL(str(build("other", [other / "layout.c"], include=[other]))), mirrors)
+        check_mirrors(c.CDLL(str(build("other", [other / "run" / "layout.c"], include=[other]))), mirrors)
     assert said in str(refused.value)
     assert "install lagrangia anew" in str(refused.value)
 
@@ -131,7 +132,7 @@ def test_the_library_in_use_tells_all_that_is_mirrored() -> None:
 
 def constants_of(file: str) -> dict[str, float | tuple[float, ...]]:
     """What is constant in a C source, by names in capitals."""
-    text = re.sub(r"/\*.*?\*/", "", (FOLDER / file).read_text(), flags=re.S)
+    text = re.sub(r"/\*.*?\*/", "", (FOLDER / "start" / file).read_text(), flags=re.S)
     found: dict[str, float | tuple[float, ...]] = {}
     for line in re.findall(r"^(?:static const \w+|enum) ?\{?(.*?);", text, re.S | re.M):
         found |= {name: float(value) for name, value in re.findall(r"\b([A-Z_]{3,})\s*=\s*([-\d.e]+)", line)}

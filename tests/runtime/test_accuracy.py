@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
 def tableau() -> dict[str, list[list[float]]]:
     """The arrays of dop853_tableau.h, with zeros filled in."""
-    text = (FOLDER / "dop853_tableau.h").read_text()
+    text = (FOLDER / "methods" / "dop853_tableau.h").read_text()
     found = {}
     for name, body in re.findall(r"lag_dop853_(\w+)(?:\[\w+\])? =\s*(.*?);", text, re.S):
         rows = re.findall(r"\{\d+, \{([\d, ]+)\},\s*\{([^}]+)\}\}", body)
@@ -301,7 +301,7 @@ double unit(int kind, double q, double other) /* of q, beside a coordinate `othe
 
 
 def test_units_of_error() -> None:
-    unit = ctypes.CDLL(str(build("unit", (FOLDER / "scale.c").read_text() + UNIT, include=[FOLDER]))).unit
+    unit = ctypes.CDLL(str(build("unit", (FOLDER / "state" / "scale.c").read_text() + UNIT, include=[FOLDER]))).unit
     unit.restype, unit.argtypes = ctypes.c_double, (ctypes.c_int, ctypes.c_double, ctypes.c_double)
     assert unit(1, 1e-30, 0) == pytest.approx(1e-6 * unit(1, 1e-24, 0)) == pytest.approx(5e-38)
     assert unit(0, 1e6, 0) == unit(0, 10, 0) == pytest.approx(math.pi * unit(0, 1, 0))

@@ -19,7 +19,7 @@ CALM = {"shoulder.phi": 0.5, "elbow.phi": 0.3}
 
 def tableaux() -> list[dict[str, np.ndarray]]:
     """The rows of gauss_tableau.h as arrays."""
-    text = (data_folder("runtime") / "gauss_tableau.h").read_text()
+    text = (data_folder("runtime") / "methods" / "gauss_tableau.h").read_text()
     body = text[text.index("LAG_GAUSS[] = {") :]
     numbers = [float(x) for x in re.findall(r"-?\d+\.?\d*(?:e-?\d+)?", body.split("=", 1)[1])]
     found = []

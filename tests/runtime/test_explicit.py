@@ -18,7 +18,8 @@ EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 
 def rows_of(name: str, size: int = 7, method: str = "tsit5") -> np.ndarray:
     """An array of rows of a method's tableau, with zeros filled in."""
-    body = re.search(rf"lag_{method}_{name}(?:\[[\w +]+\])? =\s*(.*?);", (FOLDER / f"{method}_tableau.h").read_text(), re.S)
+    text = (FOLDER / "methods" / f"{method}_tableau.h").read_text()
+    body = re.search(rf"lag_{method}_{name}(?:\[[\w +]+\])? =\s*(.*?);", text, re.S)
     assert body
     found = re.findall(r"\{\d+, \{([\d, ]+)\},\s*\{([^}]+)\}\}", body[1])
     rows = np.zeros((len(found), size))
@@ -40,7 +41,7 @@ def conditions(w: np.ndarray, A: np.ndarray, x: float, order: int) -> list[float
 
 def test_tableau_satisfies_order_conditions() -> None:
     A, error, d = rows_of("stage"), rows_of("error")[0], rows_of("dense")[0]
-    nodes = re.search(r"lag_tsit5_node\[[\w +]+\] = \{([^}]+)\}", (FOLDER / "tsit5_tableau.h").read_text())
+    nodes = re.search(r"lag_tsit5_node\[[\w +]+\] = \{([^}]+)\}", (FOLDER / "methods" / "tsit5_tableau.h").read_text())
     assert nodes and np.allclose(A.sum(axis=1), [float(c) for c in nodes[1].split(",")], atol=1e-14)
     b = A[6]
     assert conditions(b, A, 1, 5) == pytest.approx([0] * 17, abs=3e-14)
@@ -64,7 +65,7 @@ def bushes(w: np.ndarray, A: np.ndarray, c: np.ndarray, order: int) -> list[floa
 def test_the_coefficients_of_order_nine() -> None:
     """Its 486 conditions are Verner's; these are those of long stems and bushes."""
     A, error = rows_of("stage", 17, "verner9"), rows_of("error", 17, "verner9")[0]
-    nodes = re.search(r"lag_verner9_node\[[\w +]+\] = \{([^}]+)\}", (FOLDER / "verner9_tableau.h").read_text())
+    nodes = re.search(r"lag_verner9_node\[[\w +]+\] = \{([^}]+)\}", (FOLDER / "methods" / "verner9_tableau.h").read_text())
     c, b = np.append(A[:16].sum(axis=1), 0), A[16].copy()
     assert nodes and np.allclose([*c[:16], 1], [float(x) for x in nodes[1].split(",")], atol=1e-14)
     A[16] = 0

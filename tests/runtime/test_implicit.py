@@ -41,7 +41,7 @@ def march(model: lag.Model, times: list[float], q: dict[str, float] | None = Non
 
 
 def tableau(stages: int) -> dict[str, np.ndarray]:
-    text = (FOLDER / "radau_tableau.h").read_text()
+    text = (FOLDER / "methods" / "radau_tableau.h").read_text()
     found = re.findall(rf"lag_radau{stages}_(\w+)\[\] = \{{(.*?)\}};", text, re.S)
     return {name: np.array([float(x) for x in body.split(",")]) for name, body in found}
 
@@ -92,12 +92,12 @@ def test_coefficients_of_error_and_inside(s: int) -> None:
 
 ELIMINATION = """
 #include <stdlib.h>
-#include "dense_lu.c"
+#include "numbers/dense_lu.c"
 #define length sparse_length
 #define scale_rows sparse_scale_rows
 #define subtract sparse_subtract
 #define eliminate sparse_eliminate
-#include "sparse_lu.c"
+#include "numbers/sparse_lu.c"
 __attribute__((visibility("default"))) void solve_sparse(int size, int lower, int upper, const int *start, const int *row,
     const int *order, double *re, double *im, int times, double *x, double *y)
 {

@@ -239,7 +239,7 @@ end Tied;""")
 
 
 DRIVER = """
-#include "run.h"
+#include "run/run.h"
 #include <stdlib.h>
 extern const LagModel whole, part0, part1, part2;
 int main(void)

@@ -370,7 +370,7 @@ end F;""")
 # ---------------------------------------------------------------- hygiene
 
 DRIVER = """
-#include "run.h"
+#include "run/run.h"
 #include <stdlib.h>
 extern const LagModel lag_model;
 int main(void)

@@ -38,7 +38,8 @@ end Folding;"""
 
 
 def tables(name: str) -> np.ndarray:
-    body = re.search(rf"lag_pirk_{name}(?:\[[\w +]+\])+ = \{{(.*?)\}};", (FOLDER / "pirk_tableau.h").read_text(), re.S)
+    text = (FOLDER / "methods" / "pirk_tableau.h").read_text()
+    body = re.search(rf"lag_pirk_{name}(?:\[[\w +]+\])+ = \{{(.*?)\}};", text, re.S)
     assert body
     numbers = np.array([float(x) for x in re.findall(r"-?\d+\.\d+(?:e-?\d+)?", body[1])])
     return numbers.reshape(-1, 8) if len(numbers) == 64 else numbers

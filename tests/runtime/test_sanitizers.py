@@ -17,7 +17,7 @@ pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 
 DRIVER = """
-#include "run.h"
+#include "run/run.h"
 #include <math.h>
 #include <stdlib.h>
 static int rhs(const double *const *in, double *const *out, double *work)
@@ -100,7 +100,7 @@ def test_sanitizers_find_nothing(tmp_path: Path, elimination: str) -> None:
 
 
 SCENE_DRIVER = """
-#include "run.h"
+#include "run/run.h"
 #include <stdlib.h>
 extern const LagModel lag_model;
 int main(void)

@@ -391,7 +391,7 @@ def test_initial_equations_that_cannot_hold(scene: Scene) -> None:
 
 # The oscillator in C: two batches of one model, runs that fail, that have no time, that are out of their limits.
 DRIVER = """
-#include "batch.h"
+#include "run/batch.h"
 #include <math.h>
 static int parameters(const double *const *in, double *const *out, double *work)
 { (void)work; out[0][0] = in[1][0] != 0 ? in[0][0] : 1; return 0; }

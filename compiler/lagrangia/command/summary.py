@@ -15,7 +15,7 @@ from lagrangia.run.simulate import Progress, shortcomings
 from lagrangia.run.solvers import AUTO, name_of
 from lagrangia.view.statics import is_static, reaction_table
 
-_GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model.h
+_GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model/model.h
 _MOVED = 1e-3  # less is taken for the rounding of a start value
 _ROUNDING = 1e-14  # m or rad
 

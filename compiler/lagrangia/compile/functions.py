@@ -1,6 +1,6 @@
 """Motion -> CasADi Functions with named inputs and outputs.
 
-For the run time, in the order that runtime/model.h states, with everything that depends on parameters alone computed once
+For the run time, in the order that runtime/model/model.h states, with everything that depends on parameters alone computed once
 (`hoist`: p -> c); for people the same equations as functions of t, q, v, u, p.
 """
 
@@ -35,7 +35,7 @@ _OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "nearest": ["dq
 
 @dataclass(frozen=True)
 class Functions:
-    """The functions of runtime/model.h by name, and what the run time needs to know about them."""
+    """The functions of runtime/model/model.h by name, and what the run time needs to know about them."""
 
     table: Mapping[str, ca.Function]
     outputs: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""CasADi Function -> tape: instructions (op, out, a, b) on one work vector, as runtime/tape.h states.
+"""CasADi Function -> tape: instructions (op, out, a, b) on one work vector, as runtime/model/tape.h states.
 
 What is the same is computed once, and sines and cosines stand together, which computes four at a time.
 """
@@ -11,7 +11,7 @@ import casadi as ca
 
 from lagrangia.native.tapes import SINES, Op, Tape
 
-# An operation has the same name in CasADi and in runtime/tape.h.
+# An operation has the same name in CasADi and in runtime/model/tape.h.
 _INPUT, _OUTPUT, _CONST = _MOVES = int(Op.INPUT), int(Op.OUTPUT), int(Op.CONST)  # members of an enumeration are slow keys
 _OPS: Mapping[int, int] = {getattr(ca, f"OP_{op.name}"): int(op) for op in Op if op not in _MOVES}
 _COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
@@ -66,7 +66,7 @@ def _values(function: ca.Function) -> tuple[list[_Instruction], "array[float]"]:
 def _with_sines_together(instructions: list[_Instruction]) -> list[_Instruction]:
     """The same in another order: what the sines and cosines of the first level need, then these, and so on; at last the rest.
 
-    Those of a level need none of each other's results: unless they are few, they are computed together; see runtime/tape.h.
+    Those of a level need none of each other's results: unless they are few, they are computed together; see runtime/model/tape.h.
     """
     order, place = list[int](), [-1] * len(instructions)
 

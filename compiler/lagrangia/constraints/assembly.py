@@ -1,6 +1,7 @@
 """Start values in numbers: g(q, v) = 0, as near to the guesses as can be, without a C compiler.
 
-The same algorithm as runtime/assemble.c, constant for constant, which states what it does and why. A test holds the two together.
+The same algorithm as runtime/start/assemble.c, constant for constant, which states what it does and why. A test holds the two
+together.
 """
 
 from collections.abc import Mapping

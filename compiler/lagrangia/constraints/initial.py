@@ -26,7 +26,7 @@ from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 _AGREES = 1e-9  # two values of one start, in m or rad
 
 
-GUESS, FIXED, FREE, LOOSE = range(4)  # LAG_START_... of runtime/model.h
+GUESS, FIXED, FREE, LOOSE = range(4)  # LAG_START_... of runtime/model/model.h
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Distances of start values: the same algorithm as runtime/metric.c, constant for constant, which states what it does and why."""
+"""Distances of start values: as in runtime/start/metric.c, constant for constant, which states what it does and why."""
 
 from collections.abc import Callable
 from enum import Enum
@@ -14,7 +14,7 @@ Momenta = Callable[[Vector, Vector], Vector]  # q (n,), rates (n, k) -> M(q) rat
 
 
 class Way(Enum):
-    """How values are measured: LAG_METRIC_... of runtime/metric.h."""
+    """How values are measured: LAG_METRIC_... of runtime/start/metric.h."""
 
     MASS = 0
     UNITS = 1
@@ -22,7 +22,7 @@ class Way(Enum):
 
 
 class Metric:
-    """Distances |z| of values, dx = B z, B = D L'^-1 with D M D = L L': see runtime/metric.c."""
+    """Distances |z| of values, dx = B z, B = D L'^-1 with D M D = L L': see runtime/start/metric.c."""
 
     def __init__(self, momenta: Momenta | None, q: Vector, fixed: NDArray[np.int_], unit: Vector, way: Way) -> None:
         moving = np.flatnonzero(unit > 0)

@@ -1,4 +1,4 @@
-"""Equations of start values solved from guesses: the same algorithm as runtime/newton.c, which states what it does and why."""
+"""Equations of start values solved from guesses: the algorithm of runtime/start/newton.c, which states what it does and why."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -24,7 +24,7 @@ from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 
 MOST_COORDINATES = 6  # that act on each other
-_TOGETHER = 4  # so many sines take the time of one (runtime/sines.h)
+_TOGETHER = 4  # so many sines take the time of one (runtime/numbers/sines.h)
 
 
 @dataclass(frozen=True)

@@ -186,14 +186,18 @@ def identifier_of(name: str) -> str:
 
 
 def _sources(described: FmuModel, version: str, token: str) -> dict[str, str]:
-    """All C files of an FMU, side by side in one folder. The run time's, the scene, and the table of the FMU."""
-    runtime = data_folder("runtime")
+    """All C files of an FMU, side by side in one folder: the run time's, the scene, and the table of the FMU."""
     others = {name for key, names in _VERSION_FILES.items() if key != version for name in names}
-    files = [*sorted(runtime.glob("*.[ch]")), *sorted((runtime / "fmi").glob("*.[ch]"))]
-    found = {file.name: file.read_text(encoding="utf-8") for file in files if file.name not in others | set(_UNUSED)}
+    files = [file for file in data_folder("runtime").rglob("*.[ch]") if file.name not in others | set(_UNUSED)]
+    found = {file.name: file.read_text(encoding="utf-8") for file in files}
     found["scene.c"] = scene_source(described)
     found["scene_fmu.c"] = table_source(described, token)
-    return dict(sorted(found.items()))
+    return {name: _side_by_side(text) for name, text in sorted(found.items())}
+
+
+def _side_by_side(text: str) -> str:
+    """C with all headers in the same folder: file names are unique."""
+    return re.sub(r'^#include "\w+/(\w+\.h)"$', r'#include "\1"', text, flags=re.MULTILINE)
 
 
 def _date() -> str:

@@ -50,7 +50,7 @@ def table_source(model: FmuModel, token: str) -> str:
         "reals": [float(x or 0.0) for x in constants["real"]], "integers": [float(x or 0) for x in constants["integer"]],
         "booleans": [float(bool(x)) for x in constants["boolean"]],
     }
-    lines = ["/* Generated, do not edit. */", *INCLUDES, '#include "fmu.h"', "",
+    lines = ["/* Generated, do not edit. */", *INCLUDES, '#include "fmi/fmu.h"', "",
              "LAG_API extern const LagModel lag_model;", "", *functions]
     lines += [f"static const double {name}[] = {{{', '.join(map(_number, values)) or '0'}}};" for name, values in vectors.items()]
     lines += [_flags("state_settable", model.state_settable), _flags("parameter_settable", model.settable)]

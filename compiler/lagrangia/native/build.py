@@ -323,7 +323,7 @@ def _place(name: str, sources: str | Sequence[Path], objects: Sequence[Path], in
 
 def _base(include: Sequence[Path], options: Sequence[str], compiler: Compiler) -> bytes:
     """What a result depends on beside its sources."""
-    headers = [header.read_bytes() for folder in include for header in sorted(folder.glob("*.h"))]
+    headers = [header.read_bytes() for folder in include for header in sorted(folder.rglob("*.h"))]
     return _hashed([repr((tuple(options), compiler.identity, get_platform())).encode(), *headers]).encode()
 
 

@@ -1,4 +1,4 @@
-"""Tapes -> C99: one function each, and the table `lag_model` that runtime/model.h describes.
+"""Tapes -> C99: one function each, and the table `lag_model` that runtime/model/model.h describes.
 
 A long function is cut into pieces that share the work vector: compilers take time that grows faster than a function's length.
 """
@@ -11,7 +11,7 @@ from lagrangia.native.tapes import EXPONENTIALS, SINES, Op, Tape
 from lagrangia.native.wide_code import write_wide
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
-INCLUDES = ("#include <math.h>", '#include "sines.h"', '#include "tape.h"')  # of what write_functions writes
+INCLUDES = ("#include <math.h>", '#include "numbers/sines.h"', '#include "model/tape.h"')  # of what write_functions writes
 _MOVES = (Op.INPUT, Op.OUTPUT, Op.CONST, Op.ASSIGN)
 _QUICK, _SINE, _SLOWEST = 2, 15, 50  # _SINE: together with others
 _SLOW = dict.fromkeys((Op.DIV, Op.INV, Op.SQRT), 12) | dict.fromkeys(
@@ -41,7 +41,8 @@ def write_c(
 ) -> str:
     """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once."""
     data = {*_DATA, *interpreted}
-    lines = [f"/* {_comment(name)}: generated, do not edit. */", *INCLUDES, '#include "jets.h"', '#include "wide.h"']
+    lines = [f"/* {_comment(name)}: generated, do not edit. */", *INCLUDES]
+    lines += ['#include "numbers/jets.h"', '#include "numbers/wide.h"']
     wide = write_wide(usual_rhs(tapes), "regular" in tapes, _expression, _number) if "rhs" not in data else []
     functions, initializers = write_functions(tapes, data, () if wide else (_usual(tapes),))
     lines += ["", *functions]

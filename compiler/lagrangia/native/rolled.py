@@ -13,7 +13,7 @@ from itertools import islice
 _JET = re.compile(r"J\((\d+)\)\[[0k]\]")
 _CONSTANT = re.compile(r"c\[(\d+)\]")
 _LANES = re.compile(r"\b[jcy]\d+\b")  # what has a number for each coordinate
-_WIDTH = 4  # most numbers that LagLanes of runtime/lanes.h hold
+_WIDTH = 4  # most numbers that LagLanes of runtime/numbers/lanes.h hold
 _SHORTEST, _MOST_STATEMENTS = 8, 16  # coordinates in a loop; statements of one acceleration
 
 

@@ -2,7 +2,7 @@
 
 Every quantity that changes in time is a jet: its coefficients w_0, w_1, ... in powers of the time since the step began. Each
 operation has a recurrence for the next coefficient (A. Jorba, M. Zou, Exp. Math. 14 (2005); E. Hairer et al., Solving Ordinary
-Differential Equations I, I.8), in runtime/jets.h. What is constant in a step is computed as a plain number.
+Differential Equations I, I.8), in runtime/numbers/jets.h. What is constant in a step is computed as a plain number.
 """
 
 import re
@@ -13,7 +13,7 @@ from lagrangia.native.rolled import Constants, find_loops, needed, write_loop
 from lagrangia.native.tapes import EXPONENTIALS, Op, Tape
 
 _MOST_POWER = 8  # integer powers up to this one are products
-_ORDERS = 18  # LAG_JET_ORDER of runtime/jets.h
+_ORDERS = 18  # LAG_JET_ORDER of runtime/numbers/jets.h
 _LONG = 8  # coordinates from which on loops over all of them pay
 _FEW, _UNROLLED = 20, 12  # products up to which each order has a function of its own; the orders that have one otherwise
 # Statements in one order, and what a product adds over all orders; more than so many take longer to compile than they save.

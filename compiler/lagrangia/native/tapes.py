@@ -1,4 +1,4 @@
-"""Functions as instructions, as runtime/tape.h runs them.
+"""Functions as instructions, as runtime/model/tape.h runs them.
 
 Only the standard library is used: what was compiled before is read without CasADi.
 """

@@ -1,5 +1,5 @@
-"""The accelerations of eight states at once, as C (runtime/wide.h): operations of the tape, each on as many states as a register
-holds.
+"""The accelerations of eight states at once, as C (runtime/numbers/wide.h): operations of the tape, each on as many states as a
+register holds.
 
 The digits are those of one state after another.
 """

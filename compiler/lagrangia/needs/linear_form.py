@@ -1,6 +1,6 @@
 """Motion -> M a = F (q, v, w), dw/dt = G w: a linear scene with its loads as further states, for the matrix exponential.
 
-The powers of the energy account are x' Q x with x = (q, v, w). runtime/linear_system.h states how the numbers lie.
+The powers of the energy account are x' Q x with x = (q, v, w). runtime/methods/linear_system.h states how the numbers lie.
 """
 
 from dataclasses import dataclass

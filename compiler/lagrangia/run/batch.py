@@ -1,4 +1,4 @@
-"""Many runs of one model in C, seen from Python: runtime/batch.h and reduce.h field by field.
+"""Many runs of one model in C, seen from Python: runtime/run/batch.h and reduce.h field by field.
 
 While a batch advances the interpreter is free (ctypes lets go of its lock), so that one thread a core is enough.
 """

@@ -2,7 +2,7 @@
 
 A library and this package come from the same installation, and are not supposed to differ; where they do, every number that
 crosses between them would be wrong without a word. So the library tells how large its structures and enumerations are
-(runtime/layout.h); that every single member lies where it is looked for, a test says (tests/test_mirrors.py).
+(runtime/run/layout.h); that every single member lies where it is looked for, a test says (tests/test_mirrors.py).
 """
 
 import ctypes as c

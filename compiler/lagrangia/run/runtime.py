@@ -257,7 +257,7 @@ class _Failure(c.Structure):
     _fields_ = (("status", c.c_int32), ("index", c.c_int32), ("rate", c.c_int32), ("time", c.c_double), ("value", c.c_double))
 
 
-# By their names in runtime/layout.c.
+# By their names in runtime/run/layout.c.
 MIRRORS: Mapping[str, Mirrored] = {
     "LagTape": _Tape, "LagFunction": _Function, "LagModel": _Model, "LagSettings": _Settings, "LagStatistics": _Statistics,
     "LagFailure": _Failure, "LagStatus": Status, "LAG_SOLVER": Solver, "LagOp": Op,

@@ -1,0 +1,137 @@
+#include "choice/methods.h"
+
+#include <string.h>
+
+#include "model/function.h"
+#include "steps/orbit.h"
+
+/* What may go on in steps between which rows are looked at. */
+static int32_t stepwise(const LagSettings *settings, const LagModel *model)
+{
+    if (lag_taylor_pays(model, settings->tolerance))
+        return LAG_SOLVER_TAYLOR;
+    if (lag_adams_pays(model))
+        return LAG_SOLVER_ADAMS;
+    return lag_erk5_pays(model, settings->tolerance) ? LAG_SOLVER_ERK5 : LAG_SOLVER_ERK;
+}
+
+/* But for transition matrices. */
+static int32_t usual(const LagSettings *settings, const LagModel *model)
+{
+    const int32_t asked = settings->solver != LAG_SOLVER_AUTO ? settings->solver : model->solver;
+    const int32_t possible = stepwise(settings, model);
+    if (asked != LAG_SOLVER_AUTO && asked != LAG_SOLVER_STEPWISE)
+        return asked;
+    if (asked == LAG_SOLVER_STEPWISE || possible == LAG_SOLVER_TAYLOR)
+        return possible;
+    if (lag_methods_alternate(model, LAG_SOLVER_PIRK) && lag_pirk_pays(model, settings->tolerance))
+        return LAG_SOLVER_PIRK;
+    const int is_erk9 = lag_methods_alternate(model, LAG_SOLVER_ERK9) && lag_erk9_pays(model, settings->tolerance);
+    return is_erk9 && possible != LAG_SOLVER_ADAMS ? LAG_SOLVER_ERK9 : possible;
+}
+
+int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
+{
+    return lag_transition_fits(model, settings) ? LAG_SOLVER_TRANSITION : usual(settings, model);
+}
+
+int32_t lag_methods_way(int32_t solver) { return solver == LAG_SOLVER_TRANSITION ? LAG_SOLVER_LINEAR : solver; }
+
+int lag_methods_permit(const LagModel *model, int32_t solver)
+{
+    switch (solver) {
+    case LAG_SOLVER_ERK:
+    case LAG_SOLVER_ADAMS:
+    case LAG_SOLVER_ERK5:
+    case LAG_SOLVER_PIRK:
+    case LAG_SOLVER_ERK9: return 1;
+    case LAG_SOLVER_LINEAR: return lag_parts.linear && model->linear_pattern;
+    case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
+    case LAG_SOLVER_ISLANDS: return lag_parts.islands && model->n_islands > 1;
+    case LAG_SOLVER_CONSERVATIVE: return lag_parts.explicit_conservative && (model->is_separable || lag_present(&model->velocity));
+    case LAG_SOLVER_TAYLOR: return model->n_jets > 0;
+    case LAG_SOLVER_TRANSITION: return lag_transition_possible(model);
+    default: return 0;
+    }
+}
+
+static int is_explicit(int32_t solver) { return solver == LAG_SOLVER_ERK || solver == LAG_SOLVER_ERK5; }
+
+int lag_methods_turn(const LagSettings *settings)
+{
+    return settings->solver == LAG_SOLVER_AUTO || settings->solver == LAG_SOLVER_STEPWISE;
+}
+
+int lag_methods_alternate(const LagModel *model, int32_t solver)
+{
+    const int is_long = solver == LAG_SOLVER_TAYLOR || solver == LAG_SOLVER_ERK9 || solver == LAG_SOLVER_PIRK;
+    const int is_one = is_explicit(solver) || is_long || solver == LAG_SOLVER_ADAMS || solver == LAG_SOLVER_IMPLICIT;
+    return is_one && lag_methods_permit(model, LAG_SOLVER_IMPLICIT);
+}
+
+static LagStepper conservative(LagMethods *methods)
+{
+    if (methods->is_separable)
+        return (LagStepper){lag_parts.explicit_conservative, &methods->nystrom};
+    return (LagStepper){lag_parts.implicit_conservative, &methods->gauss};
+}
+
+/* What a number stands for; where it stands for none of them, an explicit method serves. */
+static void fill(LagMethods *methods)
+{
+    const LagStepper explicit_one = {&lag_dop853, &methods->dop853};
+    const LagStepper all[LAG_SOLVERS] = {
+        [LAG_SOLVER_AUTO] = explicit_one,
+        [LAG_SOLVER_STEPWISE] = explicit_one,
+        [LAG_SOLVER_ERK] = explicit_one,
+        [LAG_SOLVER_LINEAR] = {lag_parts.linear, &methods->linear},
+        [LAG_SOLVER_IMPLICIT] = {&lag_radau, &methods->radau},
+        [LAG_SOLVER_ISLANDS] = {lag_parts.islands, &methods->islands},
+        [LAG_SOLVER_CONSERVATIVE] = conservative(methods),
+        [LAG_SOLVER_TAYLOR] = {&lag_taylor, &methods->taylor},
+        [LAG_SOLVER_ERK5] = {&lag_tsit5, &methods->tsit5},
+        [LAG_SOLVER_ADAMS] = {&lag_adams, &methods->adams},
+        [LAG_SOLVER_TRANSITION] = {&lag_transition, &methods->transition},
+        [LAG_SOLVER_ORBIT] = {&lag_orbit, NULL},
+        [LAG_SOLVER_ERK9] = {&lag_verner9, &methods->verner9},
+        [LAG_SOLVER_PIRK] = {&lag_pirk, &methods->pirk},
+    };
+    memcpy(methods->steppers, all, sizeof all);
+}
+
+/* The one that is there for what others cannot take. */
+static int32_t explicit_of(const LagSettings *settings, const LagModel *model, int32_t solver)
+{
+    const int is_low = solver == LAG_SOLVER_ERK9 && lag_erk5_pays(model, settings->tolerance);
+    return is_explicit(solver) ? solver : is_low ? LAG_SOLVER_ERK5 : LAG_SOLVER_ERK;
+}
+
+void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,
+                        LagArena *arena)
+{
+    const int32_t solver = methods->next = usual(settings, model);
+    if (lag_methods_first(settings, model) == LAG_SOLVER_TRANSITION)
+        lag_transition.layout(&methods->transition, motion, arena);
+    methods->is_separable = model->is_separable;
+    fill(methods);
+    if (!lag_methods_permit(model, solver))
+        return;
+    methods->explicit_solver = explicit_of(settings, model, solver);
+    methods->rows_solver = stepwise(settings, model);
+    const int may_turn = lag_methods_turn(settings) && lag_methods_alternate(model, solver);
+    const int leaves = methods->steppers[solver].table->leaves_trouble || solver == LAG_SOLVER_CONSERVATIVE;
+    const int needs_other = leaves || lag_methods_alternate(model, solver) || model->n_switches > 0;
+    methods->may_find_poles = may_turn && solver == LAG_SOLVER_TAYLOR && settings->solver != LAG_SOLVER_STEPWISE
+        && lag_pirk_outruns_series(model, settings->tolerance);
+    const int32_t asked[] = {solver, needs_other ? methods->explicit_solver : solver, may_turn ? LAG_SOLVER_IMPLICIT : solver,
+                             may_turn && solver == LAG_SOLVER_PIRK ? methods->rows_solver : solver,
+                             methods->may_find_poles ? LAG_SOLVER_PIRK : solver};
+    for (size_t i = 0; i < sizeof asked / sizeof *asked; ++i) {
+        int is_new = 1;
+        for (size_t j = 0; j < i; ++j)
+            is_new = is_new && asked[j] != asked[i];
+        const LagStepper stepper = methods->steppers[asked[i]];
+        if (is_new)
+            stepper.table->layout(stepper.self, motion, arena);
+    }
+}

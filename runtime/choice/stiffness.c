@@ -1,0 +1,304 @@
+/* The spectral radius by the power method on differences of accelerations, an iteration now and then: B.P. Sommeijer,
+ * L.F. Shampine, J.G. Verwer, RKC: an explicit solver for parabolic PDEs, J. Comput. Appl. Math. 88 (1998). Apart for positions
+ * and rates, whose units differ: |lambda|^2 <= rate |lambda| + square.
+ */
+#include "choice/stiffness.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "numbers/extremes.h"
+#include "state/state.h"
+
+/* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
+ * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1; sweeps of iterated collocation come nearer up to some 5), the
+ * share of it where stability does not rule by far; relative length of differences; how much faster the other method must be. */
+static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_PIRK = 2.5, RULES_SERIES = 0.95, FAR = 1 / 3.5;
+static const double DIFFERENCE = 1e-6, FASTER = 1.2;
+/* Steps times spectral radius from which on what has long died out, being damped, can be all that limits steps of Runge-Kutta
+ * methods: tolerances near rounding are missed well before stability is. The share of a change of rates that is against them, and
+ * the damping beside the frequency, of which that is said. */
+static const double RULES_DAMPED = 0.5, LEAST_REACHED = 0.5, AGAINST = 0.8, CREEPING = 1;
+/* Steps times spectral radius of iterated collocation from which on limits by sweeps are those of stability; the share of steps that
+ * are limited so. */
+static const double SWEPT = 1, MOSTLY = 0.7;
+/* Steps to a row: fewer ask for dense output, or for one that costs less. */
+static const double STEPS_A_ROW = 1.5, STEPS_A_ROW_OF_LOOPS = 0.4, STEPS_A_ROW_OF_PIRK = 0.03;
+/* Steps times spectral radius below which series are limited by poles of the motion, not by vibration: there iterated collocation
+ * costs less, unless there are more rows to a step of series than this, as those of series cost nothing. */
+static const double POLES = 0.6, MOST_ROWS = 1.6;
+enum { MOST_LOOKS = 6 }; /* of rows into steps, of late */
+/* The first look costs 2 FIRST_ITERATIONS + 1 evaluations: 3 % of those before it. */
+enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, FIRST_LOOK_PIRK = 12, STEPS_OF_ADAMS = 8, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256,
+       SUSPICIOUS_INTERVAL = 9, LOOK_FOR_POLES = 4 };
+/* A trial of implicit steps costs as much as 75 steps by series of a small scene. */
+enum { SUSPICIONS = 8, SUSPICIONS_OF_OTHERS = 3, SUSPICIONS_SERIES = 24 };
+/* After an event, steps are short at first. */
+enum { TRIAL = 16, TRIAL_AFTER_EVENT = 64, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, STAGES = 12, STAGES5 = 6 };
+
+void lag_stiffness_layout(LagStiffness *s, int n, int size, LagArena *arena)
+{
+    s->place_way = lag_take(arena, (size_t)n);
+    s->rate_way = lag_take(arena, (size_t)n);
+    s->point = lag_take(arena, 2 * (size_t)n);
+    s->slope = lag_take(arena, (size_t)size);
+    s->base = lag_take(arena, (size_t)n);
+}
+
+/* -------- the spectral radius */
+
+/* Length by which positions (or rates, from index n on) may be moved along `way`. */
+static double reach(const LagRun *run, const double *way, int first)
+{
+    double length = INFINITY;
+    for (int i = 0; i < run->model->n; ++i) {
+        const double size = run->scale.floor[first + i];
+        if (way[i] != 0 && size > 0)
+            length = lag_min(size / fabs(way[i]), length);
+    }
+    return isfinite(length) ? DIFFERENCE * length : 0;
+}
+
+/* One iteration: `way` becomes the change of the accelerations along it, `against` the cosine between it and what it was, turned
+ * round. The factor by which it grew, or `before`. */
+static double iterate(LagRun *run, double *way, int first, double before)
+{
+    LagStiffness *s = &run->stiffness;
+    const int n = run->model->n;
+    const double length = reach(run, way, first);
+    double old = 0, new = 0, along = 0;
+    s->against = 0;
+    if (length == 0)
+        return before;
+    memcpy(s->point, run->motion.y, 2 * (size_t)n * sizeof *way);
+    for (int i = 0; i < n; ++i)
+        s->point[first + i] += length * way[i];
+    if (!lag_motion_slope(&run->motion, run->motion.t, s->point, s->point + n, s->slope))
+        return before;
+    for (int i = 0; i < n; ++i) {
+        const double change = (s->slope[n + i] - s->base[i]) / length;
+        old += way[i] * way[i];
+        new += change * change;
+        along += way[i] * change;
+        s->point[i] = change;
+    }
+    if (!(new > 0) || !isfinite(new))
+        return 0;
+    for (int i = 0; i < n; ++i)
+        way[i] = s->point[i] / sqrt(new);
+    s->against = -along / sqrt(old * new);
+    return sqrt(new / old);
+}
+
+static double radius(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const int n = run->model->n, count = s->square < 0 ? FIRST_ITERATIONS : 1;
+    if (!lag_motion_slope(&run->motion, run->motion.t, run->motion.y, run->motion.y + n, s->slope))
+        return 0;
+    memcpy(s->base, s->slope + n, (size_t)n * sizeof *s->base);
+    for (int i = 0; i < n && s->square < 0; ++i)
+        s->place_way[i] = s->rate_way[i] = 1 + 0.3 * (i % 3);
+    for (int i = 0; i < count; ++i) {
+        s->square = iterate(run, s->place_way, 0, lag_max(s->square, 0));
+        s->rate = iterate(run, s->rate_way, n, s->rate);
+    }
+    const int dies_out = s->against > AGAINST && s->rate * s->rate > CREEPING * CREEPING * lag_max(s->square, 0);
+    s->damped = dies_out ? s->damped + 1 : 0;
+    return (s->rate + sqrt(s->rate * s->rate + 4 * s->square)) / 2;
+}
+
+/* -------- work */
+
+/* Whether series take turns with implicit steps: they leave what slides to others. */
+static int is_series(const LagRun *run) { return run->stiffness.explicit_solver == LAG_SOLVER_TAYLOR && run->sliding.count == 0; }
+
+static int is_adams(const LagRun *run) { return run->methods.solver == LAG_SOLVER_ADAMS; }
+
+static int is_pirk(const LagRun *run) { return run->methods.solver == LAG_SOLVER_PIRK; }
+
+/* Steps of the method in use that stand for one of the others. */
+static int steps_for_one(const LagRun *run) { return is_adams(run) ? STEPS_OF_ADAMS : 1; }
+
+static int is_low(const LagRun *run) { return run->methods.explicit_solver == LAG_SOLVER_ERK5; }
+
+/* Series of order p are stable to about 1.35 + 0.37 p. */
+static double rules(const LagRun *run)
+{
+    if (is_series(run))
+        return RULES_SERIES * (1.35 + 0.37 * run->methods.taylor.order);
+    return is_adams(run) ? RULES_ADAMS : is_pirk(run) ? RULES_PIRK : is_low(run) ? RULES5 : RULES;
+}
+
+static int most_suspicions(const LagRun *run)
+{
+    return is_series(run) ? SUSPICIONS_SERIES : is_adams(run) || is_pirk(run) ? SUSPICIONS_OF_OTHERS : SUSPICIONS;
+}
+
+static double explicit_step_work(const LagRun *run)
+{
+    return (is_low(run) ? STAGES5 : STAGES) * (run->model->rhs_cost + 30.0 * run->model->n);
+}
+
+/* Operations so far, from what was counted. */
+static double work(const LagRun *run)
+{
+    const LagModel *model = run->model;
+    const LagStatistics *statistics = &run->statistics;
+    const double size = model->n + model->n_multipliers, fill = model->n_lower + model->n_upper;
+    const double solve = model->n_lower > 0 ? 8 * fill : 4 * size * size;
+    const double factor = model->n_lower > 0 ? 8 * fill * fill / size : 2 * size * size * size;
+    return (double)run->motion.evaluations * (model->rhs_cost + 30.0 * model->n)
+        + (double)run->methods.radau.evaluations * (solve + 30.0 * model->n)
+        + (double)statistics->jacobians * model->jacobian_cost * 2 + (double)statistics->factorisations * (factor + 20 * size);
+}
+
+/* -------- decisions */
+
+static int first_look(const LagRun *run)
+{
+    return is_pirk(run) ? FIRST_LOOK_PIRK : steps_for_one(run) * (is_low(run) ? FIRST_LOOK5 : FIRST_LOOK);
+}
+
+void lag_stiffness_begin(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    s->steps = s->suspicions = 0;
+    s->t = run->motion.t;
+    s->work = work(run);
+    s->events = run->statistics.events;
+    run->methods.pirk.limited = 0;
+    s->interval = s->look = first_look(run);
+}
+
+void lag_stiffness_reset(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const int solver = run->methods.solver, is_runge_kutta = solver == run->methods.explicit_solver;
+    const int is_other = solver == LAG_SOLVER_ERK9 || solver == LAG_SOLVER_TAYLOR || is_adams(run) || is_pirk(run);
+    const int is_explicit = is_runge_kutta || is_other;
+    s->is_watching = lag_methods_turn(&run->settings) && is_explicit && lag_methods_alternate(run->model, solver);
+    s->next = LAG_SOLVER_AUTO;
+    s->explicit_solver = is_explicit ? solver : run->methods.explicit_solver;
+    s->passes = 0;
+    s->relief = LAG_PASSES;
+    s->leads = 0;
+    s->relieved = -LAG_RECOVERED * LAG_PASSES;
+    s->square = -1;
+    s->rate = 0;
+    s->damped = 0;
+    s->reached = rules(run);
+    s->wait = s->looks = 0;
+    s->penalty = FIRST_WAIT;
+    lag_stiffness_begin(run);
+}
+
+/* Sweeps that hardly come nearer cost more than Adams' methods, where these serve, or Runge-Kutta methods, which are stable for longer
+ * steps than Adams': they say whether implicit ones pay. */
+static int leave(LagRun *run)
+{
+    const int is_next = is_pirk(run) && run->methods.rows_solver == LAG_SOLVER_ADAMS;
+    run->stiffness.suspicions = 0;
+    return run->stiffness.explicit_solver = is_next ? LAG_SOLVER_ADAMS : run->methods.explicit_solver;
+}
+
+/* Series begin what iterated collocation goes on with if poles of the motion limit their steps, and rows are known to be few. */
+static void watch_poles(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const double h = (run->motion.t - s->t) / s->steps;
+    if (run->row_spacing * MOST_ROWS > h && h * radius(run) < POLES)
+        s->next = s->explicit_solver = LAG_SOLVER_PIRK;
+}
+
+static int is_runge_kutta(const LagRun *run)
+{
+    const int32_t solver = run->methods.solver;
+    return solver == run->methods.explicit_solver || solver == LAG_SOLVER_ERK9;
+}
+
+/* Whether what changes most is a rate that dies out without swinging; forces of inertia look like it for a while. */
+static int is_damped(const LagStiffness *s) { return s->damped > 1; }
+
+static int is_ruled(const LagRun *run, double ruled)
+{
+    const int is_dead = is_runge_kutta(run) && is_damped(&run->stiffness);
+    const int is_swept = is_pirk(run) && run->methods.pirk.limited > MOSTLY * run->stiffness.steps;
+    return ruled > rules(run) || (is_swept && ruled > SWEPT) || (is_dead && ruled > RULES_DAMPED);
+}
+
+static void watch_explicit(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    if (run->methods.may_find_poles && run->methods.solver == LAG_SOLVER_TAYLOR && s->steps == LOOK_FOR_POLES)
+        watch_poles(run);
+    if (s->steps < s->look || s->steps < s->wait)
+        return;
+    const double h = (run->motion.t - s->t) / s->steps, ruled = h * radius(run);
+    const int is_by_steps = run->methods.solver == LAG_SOLVER_TAYLOR || is_pirk(run); /* evaluations are not what they cost */
+    const double spent = is_by_steps ? s->steps * explicit_step_work(run) : work(run) - s->work;
+    s->pace = (run->motion.t - s->t) / spent;
+    s->reached = is_damped(s) ? lag_min(s->reached, lag_max(ruled, LEAST_REACHED)) : s->reached;
+    s->suspicions = is_ruled(run, ruled) ? s->suspicions + 1 : 0;
+    const int suspicious = steps_for_one(run) * SUSPICIOUS_INTERVAL, most = steps_for_one(run) * MOST_INTERVAL;
+    s->interval = s->suspicions > 0 ? suspicious : ruled > FAR * rules(run) ? first_look(run) : 2 * s->interval;
+    s->interval = s->interval < most ? s->interval : most;
+    if (s->suspicions >= most_suspicions(run))
+        s->next = is_adams(run) || is_pirk(run) ? leave(run) : LAG_SOLVER_IMPLICIT;
+    const int look = s->interval, suspicions = s->suspicions;
+    s->wait = 0;
+    lag_stiffness_begin(run); /* the next stretch */
+    s->interval = s->look = look;
+    s->suspicions = suspicions;
+}
+
+static void watch_implicit(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    if (s->steps < (run->statistics.events > s->events ? TRIAL_AFTER_EVENT : TRIAL))
+        return;
+    const double pace = (run->motion.t - s->t) / (work(run) - s->work), largest = radius(run);
+    const double longest = is_damped(s) ? s->reached : rules(run);
+    const double possible = largest > 0 ? longest / largest / explicit_step_work(run) : INFINITY;
+    if (pace < s->pace || pace * FASTER < possible) {
+        s->next = s->explicit_solver;
+        s->wait = s->penalty;
+        s->penalty = s->penalty < MOST_WAIT ? 2 * s->penalty : s->penalty;
+    } else {
+        s->penalty = FIRST_WAIT; /* it has paid: what comes next is judged anew */
+    }
+    s->pace = 0;
+    lag_stiffness_begin(run);
+}
+
+static double fewest_steps_a_row(const LagRun *run)
+{
+    return is_pirk(run) ? STEPS_A_ROW_OF_PIRK : run->model->n_multipliers > 0 ? STEPS_A_ROW_OF_LOOPS : STEPS_A_ROW;
+}
+
+/* Many rows ask for dense output; that of closed loops costs projections of its own. */
+static void watch_rows(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const double spacing = run->row_spacing;
+    s->looks = run->motion.t == run->wanted ? s->looks + LAG_LOOK : s->looks - (s->looks > 0);
+    if (spacing > 0 || is_pirk(run) ? spacing < fewest_steps_a_row(run) * run->step : s->looks > MOST_LOOKS)
+        s->next = s->explicit_solver = is_pirk(run) ? run->methods.rows_solver : run->methods.explicit_solver;
+}
+
+void lag_stiffness_watch(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const int slides = run->sliding.count > 0;
+    if (s->passes > 0 && !slides && --s->passes == 0)
+        s->next = s->passed;
+    ++s->steps;
+    if (!s->is_watching || (s->passes > 0 && !slides))
+        return;
+    if (run->methods.solver == LAG_SOLVER_IMPLICIT)
+        watch_implicit(run);
+    else
+        watch_explicit(run);
+    if (run->methods.table->dreads_rows)
+        watch_rows(run);
+}

@@ -1,0 +1,157 @@
+#include "events/accelerations.h"
+
+#include <string.h>
+
+#include "model/function.h"
+#include "state/project.h"
+#include "events/rest.h"
+#include "numbers/wide.h"
+#include "model/wide_tape.h"
+
+enum { DOUBTFUL_FOR = 100 }; /* evaluations */
+
+/* Where careful, the slope at a state is the slope at its projection: on the constraints they are the same, so the order is
+ * kept, and near a singular position the errors of the inner stages are not magnified. The rates, which are the slope of q,
+ * are corrected in place. */
+static const double *bring_back(LagRun *run, double t, const double *q, double *v)
+{
+    const size_t n = (size_t)run->model->n;
+    memcpy(run->careful_state, q, n * sizeof *q);
+    memcpy(run->careful_state + n, v, n * sizeof *q);
+    lag_project_inside(run, t, run->careful_state);
+    memcpy(v, run->careful_state + n, n * sizeof *q);
+    return run->careful_state;
+}
+
+static void set_switches(LagRun *run, double t, const double *q, const double *v)
+{
+    if (run->switches.is_live)
+        lag_switches_set(run, t, q, v);
+}
+
+static int evaluate(LagRun *run, const LagFunction *function, const double *const *in, double *const *out)
+{
+    if (lag_call(function, in, out, run->work) != 0)
+        return 0;
+    return lag_all_finite(out[0], run->model->n) && lag_all_finite(out[1], run->model->n_power);
+}
+
+/* With the multipliers. */
+static int whole(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
+{
+    const double *in[] = {&t, q, v, run->u, run->d, run->c};
+    double *out[] = {a, power, run->multipliers};
+    lag_inputs_at(&run->inputs, t, run->u);
+    set_switches(run, t, q, v);
+    return evaluate(run, &run->model->rhs, in, out);
+}
+
+/* Where the cheap way failed it is left alone for a while: constraints that repeat each other do so for good. */
+static int accelerations(LagRun *run, double t, const double *q, const double *v, double *a, double *power)
+{
+    const LagModel *model = run->model;
+    const double *in[] = {&t, q, v, run->u, run->d, run->c};
+    double doubt = 0, *out[] = {a, power, &doubt};
+    if (lag_present(&model->regular)) {
+        lag_inputs_at(&run->inputs, t, run->u);
+        set_switches(run, t, q, v);
+        if (run->doubtful == 0 && evaluate(run, &model->regular, in, out) && doubt == 0)
+            return 1;
+        run->doubtful = run->doubtful == 0 ? DOUBTFUL_FOR : run->doubtful - 1;
+    }
+    return whole(run, t, q, v, a, power);
+}
+
+typedef int (*Way)(LagRun *run, double t, const double *q, const double *v, double *a, double *power);
+
+/* With the shares of what slides. */
+static int sliding(LagRun *run, Way way, double t, const double *q, const double *v, double *a, double *power)
+{
+    for (int tries = 0; way(run, t, q, v, a, power); ++tries) {
+        const LagShares shares = run->sliding.count > 0 ? lag_sliding_correct(run, tries, t, q, v, a) : LAG_SHARES_KEPT;
+        if (shares == LAG_SHARES_KEPT && run->sliding.count > 0)
+            lag_rest_calm(run, v, a);
+        if (shares != LAG_SHARES_CHANGED)
+            return shares == LAG_SHARES_KEPT;
+        ++run->motion.evaluations;
+    }
+    return 0;
+}
+
+int lag_accelerations(void *context, double t, const double *q, double *v, double *a, double *power)
+{
+    LagRun *run = context;
+    return sliding(run, accelerations, t, run->careful ? bring_back(run, t, q, v) : q, v, a, power);
+}
+
+/* Powers lie behind accelerations. */
+int lag_accelerations_abreast(LagRun *run, const double *t, const double *q, const double *v, const double *u, double *const *out,
+                              double *work)
+{
+    const LagModel *model = run->model;
+    const LagTape *tape = lag_usual_rhs(model)->tape;
+    const double *in[] = {t, q, v, u, run->d, run->c};
+    const int is_possible = model->wide || tape, is_checked = model->wide || lag_present(&model->regular);
+    if (!is_possible || run->careful || run->switches.is_live || run->sliding.count > 0 || run->doubtful > 0)
+        return 0;
+    if (model->wide)
+        model->wide(in, out);
+    else
+        lag_wide_tape_run(tape, in, out, work);
+    double each[LAG_ABREAST] = {0};
+    LagWide sum = LAG_WIDE_OF(0);
+    for (int i = 0; i < (is_checked ? LAG_ABREAST : 0); i += LAG_WIDE)
+        sum += lag_wide_read(out[2] + i);
+    for (int i = 0; i < LAG_ABREAST * (model->n + model->n_power); i += LAG_WIDE)
+        sum += 0 * lag_wide_read(out[0] + i);
+    lag_wide_write(each, sum);
+    return lag_wide_total(each) == 0;
+}
+
+/* Accelerations and multipliers are evaluated anew: the latest may be those of another state, or no multipliers. */
+int lag_jacobian(LagRun *run, double t, const double *y, LagImplicitMatrix *matrix)
+{
+    const double *q = y, *v = y + run->model->n;
+    const double *in[] = {&t, q, v, run->acceleration, run->multipliers, run->u, run->d, run->c};
+    sliding(run, whole, t, q, v, run->acceleration, run->power);
+    ++run->motion.evaluations;
+    ++run->statistics.jacobians;
+    lag_implicit_matrix_evaluate(matrix, run->model, in, run->work);
+    return lag_all_finite(matrix->part[0], matrix->entries) && lag_all_finite(matrix->part[1], matrix->entries)
+        && lag_all_finite(matrix->part[2], matrix->entries);
+}
+
+void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
+{
+    const LagModel *model = run->model;
+    const double *q = y, *v = y + model->n;
+    const double *in[] = {&t, q, v, run->acceleration, run->multipliers, run->u, run->d, run->c};
+    const int is_live = run->switches.is_live;
+    if (model->n_outputs == 0)
+        return;
+    lag_inputs_at(&run->inputs, t, run->u);
+    if (is_live)
+        lag_switches_settle(run, t, y);
+    if (model->outputs_need_acceleration || run->sliding.count > 0) {
+        sliding(run, whole, t, q, v, run->acceleration, run->power);
+        ++run->motion.evaluations;
+    }
+    lag_call(&model->outputs, in, &outputs, run->work);
+    if (is_live)
+        lag_switches_set_free(run, t, y);
+}
+
+int lag_kick(LagRun *run, double t, double *y)
+{
+    const LagModel *model = run->model;
+    const double *in[] = {&t, y, y + model->n, run->u, run->d, run->c, run->d_before};
+    double *dv = run->acceleration;
+    if (!lag_present(&model->kick) || memcmp(run->d, run->d_before, (size_t)model->n_modes * sizeof *run->d) == 0)
+        return 0;
+    lag_inputs_at(&run->inputs, t, run->u);
+    if (lag_call(&model->kick, in, &dv, run->work) != 0 || !lag_all_finite(dv, model->n))
+        return 0;
+    for (int i = 0; i < model->n; ++i)
+        y[model->n + i] += dv[i];
+    return 1;
+}

@@ -1,0 +1,106 @@
+#include "events/conditions.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "state/evaluate.h"
+#include "numbers/extremes.h"
+
+static const double SOME_TIME = 1e-3; /* where no step tells of one */
+enum { ROUNDINGS = 256 };
+
+static void look_at(LagRun *run, double t, const double *y, double *g, double *rate)
+{
+    const int n = run->model->n;
+    double *slope = run->switches.slope;
+    const int is_held = run->sliding.count == 0 || lag_motion_slope(&run->motion, t, y, y + n, slope);
+    lag_conditions_by(run, t, y, y + n, slope + n, g, rate);
+    lag_sliding_margins(run, is_held, g);
+}
+
+/* Of contact k: the event comes where its gap has closed and all else holds; while something rests, it is over where all else fails. */
+static void set_contact(LagRun *run, int k, double *g, double *rate)
+{
+    const LagModel *model = run->model;
+    const int i = lag_when(model, k), gap = lag_gap(model, k);
+    if (run->switches.slides[lag_contact(model, k)]) {
+        g[i] = -g[i];
+        rate[i] = -rate[i];
+    } else if (g[gap] < g[i]) {
+        g[i] = g[gap];
+        rate[i] = rate[gap];
+    }
+}
+
+/* Conditions that are not asked for, which none but events have where switches are live. */
+static void set_far(LagRun *run, double *g, double *rate)
+{
+    LagSwitches *s = &run->switches;
+    const LagModel *model = run->model;
+    const int first = lag_when(model, 0);
+    for (int i = 0; i < model->n_switches; ++i) {
+        if (lag_is_event(model, i)) {
+            if (run->impacts.has_contact[i - first])
+                set_contact(run, i - first, g, rate);
+        } else if (i < first ? s->is_live : !s->slides[i]) {
+            g[i] = s->held[i] > 0 ? 1 : -1;
+            rate[i] = 0;
+        }
+    }
+}
+
+void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate)
+{
+    look_at(run, t, y, g, rate);
+    if (run->model->n_whens > 0)
+        set_far(run, g, rate);
+}
+
+void lag_conditions_of_events(LagRun *run, double *g, double *rate)
+{
+    const LagMotion *m = &run->motion;
+    if (run->model->switches_need_acceleration)
+        lag_motion_slope(&run->motion, m->t, m->y, m->y + m->n, run->switches.slope);
+    lag_conditions_by(run, m->t, m->y, m->y + m->n, run->switches.slope + m->n, g, rate);
+}
+
+void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g, double *rate)
+{
+    const double step = run->motion.t > run->motion.t_old ? run->motion.t - run->motion.t_old : run->step;
+    if (run->model->switches_need_acceleration && run->sliding.count == 0)
+        lag_motion_slope(&run->motion, t, y, y + run->model->n, run->switches.slope);
+    lag_conditions(run, t, y, g, rate);
+    if (run->sliding.count > 0)
+        lag_sliding_margin_rates(run, t, y, run->switches.slope, step > 0 ? step : SOME_TIME, rate);
+}
+
+void lag_conditions_disturb(const LagRun *run, const double *y, double share, int pattern, double *state)
+{
+    for (int i = 0; i < 2 * run->model->n; ++i) {
+        const double sign = pattern == 0 || (i >> (pattern - 1)) % 2 == 0 ? 1 : -1;
+        state[i] = y[i] + sign * share * lag_scale_unit(&run->scale, i, y, y);
+    }
+}
+
+void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
+{
+    LagSwitches *s = &run->switches;
+    const double share = ROUNDINGS * DBL_EPSILON / run->scale.tolerance;
+    memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
+    look_at(run, t, y, s->g_begin, s->rate_begin); /* which the next step begins with anew */
+    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
+        lag_conditions_disturb(run, y, share, pattern, s->state);
+        look_at(run, t, s->state, s->g_inside, s->rate_inside);
+        for (int i = 0; i < run->model->n_switches; ++i)
+            s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g_begin[i]), s->unknown[i]);
+    }
+    for (int k = 0; k < run->model->n_whens; ++k) { /* the events of contacts are those of their gaps, too */
+        double *unknown = &s->unknown[lag_when(run->model, k)];
+        *unknown = lag_max(s->unknown[lag_gap(run->model, k)], *unknown);
+    }
+}
+
+double lag_conditions_error(const LagRun *run, double unknown)
+{
+    return unknown * run->scale.tolerance / (ROUNDINGS * DBL_EPSILON);
+}

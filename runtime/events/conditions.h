@@ -1,0 +1,33 @@
+/* What the conditions of switches are at a state: g, positive where a switch is 1. Of those that slide, how far their shares are from
+ * their ends stands in its place. */
+#ifndef LAG_CONDITIONS_H
+#define LAG_CONDITIONS_H
+
+#include "state/state.h"
+
+/* The last 3 n_whens conditions are those of events (of contacts all but the gap); the gaps of contacts, positive where they are
+ * passed; and the rates of these, which slide where something rests. What is not asked for is said to be far from everything: gaps,
+ * and what does not rest. While something rests it is asked whether all but the gap still holds. */
+
+/* g and its rates (n_switches) at a state (q, v); without accelerations, rates that depend on them are none. */
+void lag_conditions(LagRun *run, double t, const double *y, double *g, double *rate);
+void lag_conditions_with_rates(LagRun *run, double t, const double *y, double *g, double *rate);
+
+/* The same at the present state, and nothing is said to be far. */
+void lag_conditions_of_events(LagRun *run, double *g, double *rate);
+
+/* A state (q, v) with an error of `share` tolerances in each component, up or down by one of some patterns of signs: any two near each
+ * other have the same sign in one, and not in another (what an impact has stopped is a difference of equal numbers). */
+enum { LAG_PATTERNS = 4 };
+void lag_conditions_disturb(const LagRun *run, const double *y, double share, int pattern, double *state);
+
+/* Into switches.unknown: how much rounding of a state, as it adds up in steps, changes switches.g, its conditions. */
+void lag_conditions_find_unknown(LagRun *run, double t, const double *y);
+
+/* What counts as an error of g of one tolerance, by what is unknown of it. */
+double lag_conditions_error(const LagRun *run, double unknown);
+
+/* How far condition i is from changing; negative: it has. */
+static inline double lag_depth(const LagSwitches *s, int i, const double *g) { return s->slides[i] || s->held[i] > 0 ? g[i] : -g[i]; }
+
+#endif

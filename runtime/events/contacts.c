@@ -1,0 +1,222 @@
+/* A contact is closed where its gap is 0, but for what cannot be told, and what else its condition asks for holds. What leaves it so slowly
+ * that a bounce cannot be told from none rests there: the rate of its gap slides (sliding.h), held by a force that only pushes. So does a
+ * rate that may go one way, where it is at its end.
+ */
+#include "events/contacts.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "events/conditions.h"
+#include "state/evaluate.h"
+#include "numbers/extremes.h"
+#include "events/impulses.h"
+#include "events/rubs.h"
+#include "model/schedule.h"
+#include "state/state.h"
+
+static const double MOMENT = 1e-3; /* s */
+/* Of the time that a bounce takes at the accelerations after the impact: no first step is longer. */
+static const double BOUNCE = 1.25;
+static const double SLACK = 1.0 / 1024; /* of one tolerance: what stands where nothing presses comes no sooner */
+/* A bounce shorter than so many times what tells times apart is none. */
+static const double SHORT = 256, LOW = 1.0 / 64; /* of what is unknown of positions, which is that of many steps */
+
+/* Whether event k is a contact: no rate that may go one way. */
+static int is_place(const LagRun *run, int k) { return run->impacts.has_contact[k] == LAG_CONTACT; }
+
+double lag_contacts_margin(const LagRun *run, int i)
+{
+    return run->impacts.coarse > 0 ? run->impacts.coarse * run->sliding.error[i] : LOW * run->switches.unknown[i];
+}
+
+/* Too slow, back too soon, or not higher than rounding. */
+int lag_contacts_stay(const LagRun *run, int k, double speed, double returns)
+{
+    return speed <= run->sliding.error[lag_contact(run->model, k)] || 2 * speed <= SHORT * lag_time_resolution(run->motion.t) * returns
+        || speed * speed <= 2 * returns * lag_contacts_margin(run, lag_gap(run->model, k));
+}
+
+double lag_contacts_lateness(const LagRun *run, int k)
+{
+    const LagSwitches *s = &run->switches;
+    const int gap = lag_gap(run->model, k);
+    const double g = s->g[gap], speed = s->g[lag_contact(run->model, k)], gained = 2 * s->rate[lag_contact(run->model, k)] * g;
+    if (!(g > LOW * s->unknown[gap] && gained > 0))
+        return 1;
+    return gained < speed * speed ? sqrt(1 - gained / (speed * speed)) : 0;
+}
+
+int lag_contacts_are_closed(const LagRun *run, int k, const double *g, double near)
+{
+    const LagSwitches *s = &run->switches;
+    const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), slides = s->slides[lag_contact(run->model, k)];
+    const int is_late = !is_place(run, k) || g[i] > run->sliding.error[i]; /* else it may be passed, where all else comes true */
+    const double far = is_late ? INFINITY : lag_max(near, run->sliding.error[gap]);
+    const int touches = slides || (g[gap] >= -near && g[gap] <= far), is_inside = s->held[i] > 0 || s->turned[i] == LAG_TO_1;
+    return touches && !is_inside && g[i] >= 0;
+}
+
+/* How much one tolerance of positions changes conditions and gaps, and one of rates what rests, for a pattern of signs. Rates may
+ * jump with positions (|x|): these are left as they are for them. */
+static void note_errors(LagRun *run, int pattern)
+{
+    LagSwitches *s = &run->switches;
+    const LagModel *model = run->model;
+    const LagMotion *m = &run->motion;
+    double *state = run->impacts.state, *slope = s->slope + m->n;
+    lag_conditions_disturb(run, m->y, 1, pattern, state);
+    lag_conditions_by(run, m->t, state, m->y + m->n, slope, s->g_inside, s->rate_inside);
+    lag_conditions_by(run, m->t, m->y, state + m->n, slope, s->rate_begin, s->rate_inside);
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int places[] = {lag_when(model, k), lag_gap(model, k), lag_contact(model, k)};
+        for (int j = 0; j < 3; ++j) {
+            const int by_rates = j == 2 || (j == 1 && run->impacts.has_contact[k] == LAG_ONE_WAY);
+            const double moved = by_rates ? s->rate_begin[places[j]] : s->g_inside[places[j]];
+            double *error = &run->sliding.error[places[j]];
+            *error = lag_max(fabs(moved - s->g_begin[places[j]]), *error);
+        }
+    }
+}
+
+/* At the start nothing may have a size yet: accelerations tell of one by what they do in a moment. */
+void lag_contacts_find_errors(LagRun *run)
+{
+    const LagModel *model = run->model;
+    const int first = lag_when(model, 0);
+    LagSwitches *s = &run->switches;
+    double *error = run->sliding.error;
+    if (model->n_whens == 0 || !model->switches_need_acceleration)
+        return;
+    memset(error + first, 0, (size_t)(model->n_switches - first) * sizeof *error);
+    lag_conditions_of_events(run, s->g_begin, s->rate);
+    for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern)
+        note_errors(run, pattern);
+    for (int k = 0; k < model->n_whens && !run->started; ++k) {
+        const int i = lag_when(model, k), gap = lag_gap(model, k), rests = lag_contact(model, k);
+        const double speed = run->scale.tolerance * MOMENT * fabs(s->rate[rests]);
+        error[i] = lag_max(speed * MOMENT, error[i]);
+        error[gap] = lag_max(is_place(run, k) ? speed * MOMENT : speed, error[gap]);
+        error[rests] = lag_max(speed, error[rests]);
+    }
+}
+
+int lag_contacts_is_inside(const LagRun *run, int i, double g)
+{
+    const int k = i - lag_when(run->model, 0), is_event = lag_is_event(run->model, i);
+    if (!is_event || !run->impacts.has_contact[k])
+        return g > 0;
+    return g > run->sliding.error[lag_gap(run->model, k)] && (!run->started || run->switches.held[i] > 0);
+}
+
+int lag_contacts_find_passed(const LagRun *run)
+{
+    for (int k = 0; k < run->model->n_whens; ++k)
+        if (is_place(run, k) && run->switches.held[lag_when(run->model, k)] > 0)
+            return 1 + k;
+    return 0;
+}
+
+/* Whether the position of contact k has drifted while it slid, or it was found late. */
+static int has_drifted(const LagRun *run, int k)
+{
+    const LagSwitches *s = &run->switches;
+    const int i = lag_when(run->model, k), gap = lag_gap(run->model, k), rests = s->slides[lag_contact(run->model, k)];
+    const double g = rests || (s->turned[i] == LAG_TO_0 && s->g[gap] > 0) ? s->g[gap] : 0;
+    return fabs(g) > LOW * s->unknown[gap] && s->g[i] >= 0;
+}
+
+/* Where a contact has drifted, all that are closed are gathered, which it must not be pushed through: their resets into s->which.
+ * Returns how many there are. */
+static int find_drifted(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    int count = 0, some = 0;
+    for (int j = 0, last = -1; j < model->n_resets; ++j) {
+        const int k = lag_event_of(model, j);
+        if (k == last || lag_is_contact(model, j) != LAG_CONTACT)
+            continue;
+        last = k;
+        some |= has_drifted(run, k);
+        if (has_drifted(run, k) || lag_contacts_are_closed(run, k, run->switches.g, run->sliding.error[lag_gap(model, k)]))
+            s->which[count++] = j;
+    }
+    return some ? count : 0;
+}
+
+void lag_contacts_put_back(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    LagMotion *m = &run->motion;
+    const int n = m->n, count = find_drifted(run);
+    if (count == 0)
+        return;
+    lag_rubs_let_go(run);
+    lag_impulses_find_ways(run, count);
+    lag_switches_recall(run);
+    lag_impulses_look_at_rest(run);
+    s->lu.size = count;
+    for (int i = 0; i < count; ++i)
+        s->impulse[i] = -run->switches.g_inside[lag_gap(run->model, lag_event_of(run->model, s->which[i]))];
+    for (int j = 0; j < count; ++j) {
+        lag_impulses_look_along(run, j);
+        for (int i = 0; i < count; ++i)
+            s->lu.re[i + count * j] = lag_impulses_closing(run, i);
+    }
+    lag_dense_lu_factor(&s->lu);
+    lag_dense_lu_solve(&s->lu, s->impulse, NULL);
+    for (int k = 0; k < count; ++k)
+        for (int i = 0; i < n; ++i)
+            m->y[i] += s->way[i + k * n] * s->impulse[k];
+}
+
+int lag_contacts_find_rest(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const LagModel *model = run->model;
+    int found = 0;
+    if (model->n_whens > 0)
+        lag_conditions_of_events(run, s->g_inside, s->rate_inside);
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int gap = lag_gap(model, k), rests = lag_contact(model, k), has_left = s->turned[rests] == LAG_TO_0;
+        const double slow = lag_max(lag_sliding_held(run, rests), run->sliding.error[rests]);
+        const double leaves = -s->g_inside[rests], returns = s->rate_inside[rests];
+        const int touches = run->impacts.has_contact[k] && lag_contacts_are_closed(run, k, s->g_inside, run->sliding.error[gap]);
+        const int bounces = leaves > 0 && is_place(run, k) && lag_contacts_stay(run, k, leaves, returns);
+        const int stands = touches && (fabs(leaves) <= slow || bounces);
+        run->impacts.slack[k] = stands ? lag_max(s->unknown[gap], SLACK * run->sliding.error[gap]) : 0;
+        if (stands && !has_left) {
+            s->turned[rests] = LAG_CHANGES;
+            found = 1;
+        } else
+            s->held[rests] = *lag_share(run, rests) = 0;
+    }
+    return found;
+}
+
+/* When a gap of `depth` is closed that grows at the speed `leaves` and is drawn back by the acceleration `returns`. */
+static double closes_in(double depth, double leaves, double returns)
+{
+    const double square = leaves * leaves + 2 * returns * depth;
+    if (square < 0 || (returns <= 0 && leaves >= 0))
+        return INFINITY;
+    return leaves > 0 ? (leaves + sqrt(square)) / returns : 2 * depth / (sqrt(square) - leaves);
+}
+
+void lag_contacts_foresee(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const LagModel *model = run->model;
+    double *seen = &run->impacts.seen;
+    *seen = INFINITY;
+    if (model->n_whens > 0)
+        lag_conditions_of_events(run, s->g_inside, s->rate_inside);
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int gap = lag_gap(model, k), rests = lag_contact(model, k);
+        const double leaves = -s->g_inside[rests], depth = -s->g_inside[gap], near = run->sliding.error[gap];
+        const int is_closed = lag_contacts_are_closed(run, k, s->g_inside, near);
+        if (is_place(run, k) && !s->slides[rests] && (depth > near || (is_closed && leaves > 0)))
+            *seen = lag_min(run->motion.t + BOUNCE * closes_in(is_closed ? 0 : depth, leaves, s->rate_inside[rests]), *seen);
+    }
+}

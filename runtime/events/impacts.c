@@ -1,0 +1,263 @@
+/* One impact brings about the next (Newton's cradle), until nothing approaches (E.J. Routh, Dynamics of a system of rigid bodies, I
+ * (1905), ch. VIII). Those at once are struck together. Other events come when a reset makes their conditions true, too.
+ */
+#include "events/impacts.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "events/conditions.h"
+#include "events/contacts.h"
+#include "state/evaluate.h"
+#include "numbers/extremes.h"
+#include "events/impulses.h"
+#include "events/rubs.h"
+#include "model/schedule.h"
+#include "state/state.h"
+
+/* Events that bring each other about so many times, or come again without time passing, do not end. */
+enum { MOST_ROUNDS = 100000, MOST_AT_ONCE = 100000 };
+
+/* Of impulses, or of what holds. */
+static int largest_problem(const LagModel *model)
+{
+    const int impulses = model->n_resets + model->n_rubs, held = lag_sliding_most(model);
+    return impulses > held ? impulses : held;
+}
+
+void lag_impacts_layout(LagImpacts *s, const LagModel *model, int size, LagArena *arena)
+{
+    const size_t resets = (size_t)model->n_resets, rubs = (size_t)model->n_rubs, whole = resets > 0 ? (size_t)size : 0;
+    s->fires = lag_take_ints(arena, (size_t)model->n_whens);
+    s->is_plastic = lag_take_ints(arena, (size_t)model->n_whens);
+    s->has_contact = lag_take_ints(arena, (size_t)model->n_whens);
+    s->is_on = lag_take_ints(arena, (size_t)model->n_whens);
+    s->before = lag_take(arena, (size_t)model->n_whens);
+    s->slack = lag_take(arena, (size_t)model->n_whens);
+    s->which = lag_take_ints(arena, resets);
+    s->rate = lag_take(arena, resets);
+    s->wanted = lag_take(arena, resets);
+    s->rate_after = lag_take(arena, resets);
+    s->way = lag_take(arena, (resets + rubs) * (size_t)model->n);
+    s->place = lag_take_ints(arena, rubs);
+    s->slip = lag_take(arena, rubs);
+    s->sense = lag_take(arena, resets);
+    lag_complementarity_layout(&s->problem, largest_problem(model), arena);
+    s->impulse = lag_take(arena, resets);
+    s->after = lag_take(arena, resets > 0 ? (size_t)model->n : 0);
+    s->state = lag_take(arena, whole);
+    s->slope = lag_take(arena, whole);
+    s->slope_without = lag_take(arena, whole);
+    lag_dense_lu_layout(&s->lu, model->n_resets, 0, arena);
+}
+
+void lag_impacts_reset(LagRun *run)
+{
+    for (int j = 0; j < run->model->n_resets; ++j)
+        run->impacts.has_contact[lag_event_of(run->model, j)] = 0;
+    for (int j = 0; j < run->model->n_resets; ++j)
+        run->impacts.has_contact[lag_event_of(run->model, j)] |= lag_is_contact(run->model, j);
+    run->impacts.coarse = 0;
+    run->impacts.at_once = 0;
+    run->impacts.seen = INFINITY;
+}
+
+/* Of event k by the latest conditions inside: positive where it is true. */
+static double truth(const LagRun *run, int k)
+{
+    const double *g = run->switches.g_inside;
+    const double all = g[lag_when(run->model, k)];
+    return run->impacts.has_contact[k] ? fmin(all, g[lag_gap(run->model, k)]) : all;
+}
+
+static void look_at_events(LagRun *run, double t, const double *y)
+{
+    LagSwitches *s = &run->switches;
+    lag_conditions_by(run, t, y, y + run->model->n, s->slope + run->model->n, s->g_inside, s->rate_inside);
+}
+
+void lag_impacts_await_jump(LagRun *run, double t, const double *y)
+{
+    if (run->model->n_whens == 0)
+        return;
+    look_at_events(run, t, y);
+    for (int k = 0; k < run->model->n_whens; ++k)
+        run->impacts.before[k] = truth(run, k);
+}
+
+void lag_impacts_note_jump(LagRun *run, double t, const double *y)
+{
+    if (run->model->n_whens == 0)
+        return;
+    look_at_events(run, t, y);
+    for (int k = 0; k < run->model->n_whens; ++k) {
+        const int i = lag_when(run->model, k);
+        if (run->impacts.before[k] <= 0 && truth(run, k) > 0 && run->switches.held[i] == 0)
+            run->switches.turned[i] = LAG_JUMPS;
+    }
+}
+
+/* Whether contact k came where all else came true while it was passed already: its resets are those of any event. */
+static int is_passed(const LagRun *run, int k) { return run->switches.turned[lag_when(run->model, k)] == LAG_TO_1; }
+
+/* What rates become. */
+static void read_wanted(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    lag_impulses_look(run, run->motion.y + model->n, s->rate, s->wanted);
+    for (int j = 0; j < model->n_resets; ++j) {
+        const int k = lag_event_of(model, j);
+        if (!lag_is_contact(model, j) || !s->fires[k] || is_passed(run, k))
+            continue;
+        s->is_plastic[k] |= s->wanted[j] == 0 || s->has_contact[k] == LAG_ONE_WAY;
+        if (s->has_contact[k] == LAG_ONE_WAY)
+            continue;
+        s->wanted[j] *= lag_contacts_lateness(run, k);
+        const double speed = fabs(run->switches.g[lag_contact(model, k)] * s->wanted[j] / s->rate[j]);
+        if (lag_contacts_stay(run, k, speed, run->switches.rate[lag_contact(model, k)]))
+            s->wanted[j] = 0;
+    }
+}
+
+/* Whether a condition is true; where it is neither, whether it is about to be. */
+static int is_true(const LagSwitches *s, int i) { return fabs(s->g[i]) > s->unknown[i] ? s->g[i] > 0 : s->rate[i] > 0; }
+
+static int touches(const LagRun *run, int k)
+{
+    const LagSwitches *s = &run->switches;
+    const int gap = lag_gap(run->model, k);
+    return lag_contacts_are_closed(run, k, s->g, lag_max(s->unknown[gap], lag_contacts_margin(run, gap)));
+}
+
+/* Whether what is reset by event k is stopped, whichever way it goes: what is turned back is so where it approaches. */
+static int stops(LagRun *run, int k)
+{
+    LagImpacts *s = &run->impacts;
+    lag_impulses_look(run, run->motion.y + run->model->n, s->rate, s->wanted);
+    for (int j = 0; j < run->model->n_resets; ++j)
+        if (lag_event_of(run->model, j) == k && s->wanted[j] != 0)
+            return 0;
+    return 1;
+}
+
+/* Contact k is struck where it approaches, or is stopped though it is passed. What an impact has stopped stays together in those that it brings about, unless
+ * these part it. Returns whether there is anything new in that. */
+static int find_contact(LagRun *run, int k, int comes)
+{
+    LagImpacts *s = &run->impacts;
+    const double speed = run->switches.g[lag_contact(run->model, k)], error = run->sliding.error[lag_contact(run->model, k)];
+    const int is_asked = comes && (s->has_contact[k] == LAG_ONE_WAY || (is_passed(run, k) && stops(run, k)));
+    const int may = comes || touches(run, k), approaches = is_asked || (may && speed > (comes ? 0 : error));
+    s->fires[k] = approaches || (may && s->is_plastic[k] && speed > -error);
+    return approaches;
+}
+
+/* Events whose conditions have come true (contacts that are passed already, where the rest of the condition comes true, are so from
+ * then on: a place where both come true is closed), and contacts that are closed and approach. Returns whether there are some. */
+static int find_events(LagRun *run, int is_first)
+{
+    LagImpacts *s = &run->impacts;
+    LagSwitches *switches = &run->switches;
+    const LagModel *model = run->model;
+    int found = 0;
+    lag_conditions_of_events(run, switches->g, switches->rate);
+    for (int k = 0; k < model->n_whens; ++k) {
+        const int i = lag_when(model, k), turned = switches->turned[i], may_come = is_first && switches->held[i] == 0;
+        const int comes = may_come && (turned == LAG_CHANGES || turned == LAG_JUMPS);
+        if (s->has_contact[k]) {
+            const double passed = switches->g[lag_gap(model, k)], near = run->sliding.error[lag_gap(model, k)];
+            if (comes)
+                switches->turned[i] = passed > near && (turned == LAG_JUMPS || switches->g[i] < passed) ? LAG_TO_1 : LAG_TO_0;
+            found |= find_contact(run, k, comes);
+        } else {
+            const int stands = fabs(switches->g[i]) <= switches->unknown[i] && switches->rate[i] == 0; /* it stays what it is */
+            const int is_now = comes || (stands && !is_first ? s->is_on[k] : is_true(switches, i));
+            s->fires[k] = is_first ? comes : is_now && !s->is_on[k];
+            s->is_on[k] = is_first && !comes ? switches->held[i] > 0 : is_now;
+            found |= s->fires[k];
+        }
+    }
+    return found;
+}
+
+/* Where closed contacts still approach, slower than can be told, all that move so slowly stop together. Returns 0 where nothing stops
+ * them. */
+static int calm(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const LagSwitches *switches = &run->switches;
+    int some = 0;
+    for (int k = 0; k < run->model->n_whens; ++k) {
+        const int rests = lag_contact(run->model, k), closed = s->has_contact[k] && touches(run, k);
+        s->fires[k] = closed && fabs(switches->g[rests]) <= run->sliding.error[rests];
+        some |= s->fires[k] && switches->g[rests] > 0;
+    }
+    if (!some)
+        return 1;
+    read_wanted(run);
+    return lag_impulses_reset(run, 0);
+}
+
+/* What conditions of events that are no contacts have become. */
+static void note_events(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    for (int k = 0; k < run->model->n_whens; ++k) {
+        const int i = lag_when(run->model, k), is_on = run->impacts.is_on[k];
+        if (!run->impacts.has_contact[k] && (s->turned[i] || is_on != (s->held[i] > 0)))
+            s->turned[i] = is_on ? LAG_TO_1 : LAG_TO_0;
+    }
+}
+
+LagStatus lag_impacts_strike(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const int sliding = run->sliding.count;
+    int rounds = 0, is_found = 1;
+    if (run->model->n_whens == 0)
+        return LAG_OK;
+    run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
+    lag_contacts_find_errors(run);
+    memset(s->is_plastic, 0, (size_t)run->model->n_whens * sizeof *s->is_plastic);
+    int fire = find_events(run, 1);
+    if (fire)
+        lag_sliding_note_impact(run, run->switches.g);
+    for (; fire && is_found && rounds < MOST_ROUNDS; ++rounds) {
+        read_wanted(run);
+        is_found = lag_impulses_reset(run, 0);
+        if ((rounds & (rounds + 1)) == 0) /* now and then: what was at rest has a speed now */
+            lag_contacts_find_errors(run);
+        fire = find_events(run, 0);
+    }
+    if (rounds > 0) {
+        is_found = is_found && calm(run);
+        note_events(run);
+        run->switches.resolved = 0; /* conditions are as quick as the motion is now */
+        run->switches.unlooked = 0;
+    }
+    lag_contacts_put_back(run);
+    run->sliding.count = sliding;
+    const int stands = run->motion.t - run->motion.t_old <= lag_time_resolution(run->motion.t);
+    s->at_once = stands ? s->at_once + 1 : 0;
+    if (!is_found)
+        return lag_fail(run, LAG_NO_IMPULSE, -1, 0, 0);
+    return rounds < MOST_ROUNDS && s->at_once < MOST_AT_ONCE ? LAG_OK : lag_fail(run, LAG_EVENTS_GO_ON, -1, 0, 0);
+}
+
+int lag_impacts_press(LagRun *run)
+{
+    LagImpacts *s = &run->impacts;
+    const LagModel *model = run->model;
+    for (int k = 0; k < model->n_whens; ++k)
+        s->fires[k] = s->has_contact[k] && run->switches.turned[lag_contact(model, k)] == LAG_CHANGES;
+    if (!lag_rubs_act(run))
+        return 0;
+    run->sliding.count = 0; /* accelerations as the shares say */
+    lag_conditions_of_events(run, run->switches.g, run->switches.rate);
+    lag_sliding_note_impact(run, run->switches.g);
+    lag_impulses_look(run, run->motion.y + model->n, s->rate, s->wanted);
+    for (int j = 0; j < model->n_resets; ++j)
+        s->wanted[j] = lag_is_contact(model, j) ? 0 : s->rate[j];
+    return lag_impulses_reset(run, 1);
+}

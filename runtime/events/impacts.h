@@ -1,0 +1,64 @@
+/* Impacts: where a condition of an event has come true, rates are reset by impulses. */
+#ifndef LAG_IMPACTS_H
+#define LAG_IMPACTS_H
+
+#include "numbers/complementarity.h"
+#include "model/model.h"
+#include "state/settings.h"
+
+typedef struct {
+    int *fires;      /* n_whens: those whose rates are reset now */
+    int *has_contact; /* n_whens: LAG_CONTACT, LAG_ONE_WAY where one of its resets is such a one; 0: none */
+    int *is_plastic; /* n_whens: of contacts, whether they have stopped what approached at this moment */
+    int *is_on;      /* n_whens: of those that are no contacts, whether their conditions are true */
+    int *which;      /* n_resets: the resets of these */
+    double *rate, *wanted, *rate_after; /* n_resets */
+    double *way;     /* (n_resets + n_rubs) x n: change of the rates by an impulse of 1, of resets and then of what rubs */
+    int *place;      /* n_rubs: among the ways; -1: it does not act */
+    double *slip;    /* n_rubs: where nothing moves but supports */
+    double *sense;   /* n_resets: in which contacts push, 1 or -1 */
+    LagComplementarity problem;
+    double *impulse; /* n_resets */
+    double *after;   /* n: rates after them */
+    double *state, *slope, *slope_without; /* size */
+    LagDenseLu lu;   /* changes of what is reset by impulses of 1 */
+    double coarse;   /* by how much more than one tolerance states may be off, where another integrator finds the events; 0: ours */
+    double *before;  /* n_whens: their conditions before a time at which they may jump; positive: true */
+    double *slack;   /* n_whens: how far what rests may pass, which others hold, without being an event */
+    double seen;     /* the time up to which the next step may go, so that a short bounce is seen in it */
+    int at_once;     /* events in a row between which no time passed */
+} LagImpacts;
+
+void lag_impacts_layout(LagImpacts *impacts, const LagModel *model, int size, LagArena *arena);
+
+/* A run starts. */
+void lag_impacts_reset(LagRun *run);
+
+/* At the present state: resets the rates of events that switches.turned tells of, and of contacts that these bring about. Returns
+ * LAG_OK, or a failure where such events do not end. */
+LagStatus lag_impacts_strike(LagRun *run);
+
+/* At the present state: contacts in switches.turned that no forces hold, since friction presses them further, take the impulse that stops
+ * their slip (an impact without a collision). Returns 0 where there is none. */
+int lag_impacts_press(LagRun *run);
+
+/* At a state and a time: before modes, inputs and rates jump; and afterwards, where the conditions that have come true by that are
+ * told of in switches.turned. */
+void lag_impacts_await_jump(LagRun *run, double t, const double *y);
+void lag_impacts_note_jump(LagRun *run, double t, const double *y);
+
+/* The places among the switches of event k: of its condition; of the gap of a contact, or the rate that may go one way; and of what
+ * rests there: the rate of the gap, or once more that rate. Whether switch i is the first of them. */
+static inline int lag_when(const LagModel *model, int k) { return model->n_switches - 3 * model->n_whens + k; }
+static inline int lag_gap(const LagModel *model, int k) { return model->n_switches - 2 * model->n_whens + k; }
+static inline int lag_contact(const LagModel *model, int k) { return model->n_switches - model->n_whens + k; }
+static inline int lag_is_event(const LagModel *model, int i) { return i >= lag_when(model, 0) && i < lag_gap(model, 0); }
+
+/* The event of a reset, and LAG_CONTACT, LAG_ONE_WAY, or 0. */
+static inline int lag_event_of(const LagModel *model, int reset) { return model->reset_places[2 * reset]; }
+static inline int lag_is_contact(const LagModel *model, int reset) { return model->reset_places[2 * reset + 1]; }
+
+/* How far the condition i of an event may be beyond its place at least, before it comes. */
+static inline double lag_slack(const LagModel *model, const LagImpacts *s, int i) { return s->slack[i - lag_when(model, 0)]; }
+
+#endif

@@ -1,0 +1,493 @@
+/* Which slide. Rates of g are linear in the shares s of the jumps, as accelerations are in forces:  dg/dt = r + W s.  Each that slides
+ * has dg/dt = 0 with 0 < s < 1; the others leave g = 0 to the side that they are on: dg/dt <= 0 with s = 0, dg/dt >= 0 with s = 1. Which
+ * do what is found by principal pivoting: first all that are wrong at once, then one at a time, the least first (K.G. Murty, Note on a
+ * Bard-type scheme for solving the complementarity problem, Opsearch 11 (1974)). Where two hold the same velocity each takes the same
+ * share. Friction that presses with the force of a contact is a product of two shares: W is found anew at those that were chosen, until
+ * rates are what it says.
+ */
+#include "events/sliding.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "events/cones.h"
+#include "numbers/extremes.h"
+#include "events/jams.h"
+#include "events/jumps.h"
+#include "events/rubs.h"
+#include "state/state.h"
+
+enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
+enum { BLOCKS = 8, MOST_SINGLE = 3, MOST_TURNS = 20, LOOKS = 16 };
+/* What of dg/dt is rounding, by its terms: in the choice, and while they slide. */
+static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON;
+static const double NEARLY = 1e-9; /* of the terms of dg/dt */
+static const double MOMENT = 1e-3; /* of a step; of a second where no step tells of one */
+static const double FAINT = 1e-6;  /* of the jump a moment later, or of the largest so far */
+static const double TIE = 1e-9; /* of the own jump */
+static const double ASTRAY = 1000; /* a share: nothing presses at a stage of a step */
+static const double LARGE = 16; /* times the force of the usual size: forces hold each other, and it is theirs */
+
+/* Contacts first: where friction and a contact hold the same rate, friction is what may not know its share. What nothing presses is none. */
+static int gather(LagRun *run, const int *candidates)
+{
+    LagSliding *s = &run->sliding;
+    int count = 0;
+    for (int contacts = 1; contacts >= 0; --contacts)
+        for (int i = 0; i < run->model->n_switches && count < s->most; ++i)
+            if (candidates[i] == 1 && lag_may_have_all(run, i) == !contacts && !lag_rubs_nowhere(run->model, i, candidates))
+                s->which[count++] = i;
+    return count;
+}
+
+/* Those that nothing is known of: whether they act on their own g. */
+static void begin_states(LagSliding *s, int count, int is_first)
+{
+    for (int k = 0; k < count; ++k)
+        if (is_first || s->state[k] == GIVEN || s->jump[k + k * count] >= 0)
+            s->state[k] = s->jump[k + k * count] < 0 ? SLIDES : GIVEN;
+}
+
+/* dg/dt of candidate k by those that do not slide alone, or by all. */
+static double rate_of(const LagSliding *s, int count, int k, int by_all)
+{
+    double rate = s->middle[k];
+    for (int j = 0; j < count; ++j)
+        if (by_all || s->state[j] != SLIDES)
+            rate += s->jump[k + j * count] * (s->share[j] - s->base[j]);
+    return rate;
+}
+
+/* The size of its terms, which tells what of it is rounding. */
+static double size_of(const LagSliding *s, int count, int k)
+{
+    double size = fabs(s->middle[k]);
+    for (int j = 0; j < count; ++j)
+        size += fabs(s->jump[k + j * count] * s->unit[j]);
+    return size;
+}
+
+/* Shares of those that slide. */
+static void solve(LagSliding *s, int count)
+{
+    int free = 0;
+    for (int k = 0; k < count; ++k)
+        free += s->state[k] == SLIDES;
+    s->lu.size = free;
+    for (int k = 0, row = 0; k < count; ++k) {
+        if (s->state[k] != SLIDES)
+            continue;
+        s->change[row] = -rate_of(s, count, k, 0);
+        for (int j = 0, column = 0; j < count; ++j)
+            if (s->state[j] == SLIDES)
+                s->lu.re[row + free * column++] = s->jump[k + j * count];
+        ++row;
+    }
+    lag_dense_lu_factor(&s->lu);
+    lag_dense_lu_solve(&s->lu, s->change, NULL);
+    for (int k = 0, row = 0; k < count; ++k)
+        if (s->state[k] == SLIDES)
+            s->share[k] = s->base[k] + s->change[row++];
+}
+
+/* The state that candidate k should have instead of its own; the same where it is right. */
+static int better(const LagSliding *s, int count, int k)
+{
+    const double rate = rate_of(s, count, k, 1), rounding = ROUNDING * size_of(s, count, k);
+    switch (s->state[k]) {
+    case LOW: return rate > rounding ? SLIDES : LOW;
+    case HIGH: return rate < -rounding ? SLIDES : HIGH;
+    case SLIDES:
+        if (fabs(rate) > rounding) /* others hold what it would: its own velocity is to be another one */
+            return rate < 0 ? LOW : s->limit[k] < INFINITY ? HIGH : SLIDES;
+        return s->share[k] < s->least[k] ? LOW : s->share[k] > s->limit[k] ? HIGH : SLIDES;
+    default: return GIVEN;
+    }
+}
+
+/* Finds the states and shares; returns whether they are right. */
+static int pivot(LagSliding *s, int count)
+{
+    const int most = BLOCKS + MOST_SINGLE * count;
+    int changes = 1;
+    for (int turn = 0; changes > 0 && turn < most; ++turn) {
+        solve(s, count);
+        changes = 0;
+        for (int k = 0; k < count; ++k) {
+            s->next[k] = turn < BLOCKS || changes == 0 ? better(s, count, k) : s->state[k];
+            changes += s->next[k] != s->state[k];
+        }
+        for (int k = 0; k < count; ++k) {
+            s->state[k] = s->next[k];
+            if (s->state[k] == LOW || s->state[k] == HIGH)
+                s->share[k] = s->state[k] == HIGH;
+        }
+    }
+    return changes == 0;
+}
+
+/* What does not act on its own g is at the end where that goes; where it goes nowhere, where it is. */
+static void let_go(LagRun *run, int count)
+{
+    LagSliding *s = &run->sliding;
+    for (int k = 0; k < count; ++k) {
+        const double rate = rate_of(s, count, k, 1), g = s->g[s->which[k]];
+        const int goes = fabs(rate) > ROUNDING * size_of(s, count, k);
+        if (s->state[k] == GIVEN)
+            s->share[k] = s->limit[k] == INFINITY ? 0 : goes ? rate > 0 : g != 0 ? g > 0 : run->switches.held[s->which[k]];
+    }
+}
+
+/* Shares into d. */
+static void set_shares(const LagRun *run, int count)
+{
+    const LagSliding *s = &run->sliding;
+    for (int k = 0; k < count; ++k)
+        *lag_share(run, s->which[k]) = lag_max(lag_min(0, s->least[k]), lag_min(s->limit[k], s->share[k]));
+}
+
+/* Whether rates at the shares in d are what jumps make them out to be: they are not where friction presses with the force of a contact,
+ * which is a product of two shares. */
+static int is_linear(LagRun *run, double t, const double *y, int count)
+{
+    const LagSliding *s = &run->sliding;
+    lag_sliding_rates(run, t, y);
+    for (int k = 0; k < count; ++k)
+        if (fabs(s->rate[s->which[k]] - rate_of(s, count, k, 1)) > NEARLY * size_of(s, count, k))
+            return 0;
+    return 1;
+}
+
+/* States and shares of `count` candidates; returns whether they are right. */
+static int choose(LagRun *run, double t, const double *y, int count)
+{
+    LagSliding *s = &run->sliding;
+    for (int turn = 1;; ++turn) { /* Newton's iterations, where shares are multiplied: what rubs has no jump before contacts press */
+        const int may_end = turn > 1 || run->model->n_rubs == 0;
+        begin_states(s, count, turn == 1);
+        const int is_right = pivot(s, count);
+        if (may_end)
+            let_go(run, count);
+        set_shares(run, count);
+        if (!is_right || turn == MOST_TURNS)
+            return 0;
+        if (may_end && is_linear(run, t, y, count)) {
+            if (turn > 1) {
+                lag_jumps_find(run, t, y, count, LAG_PRESENT);
+                lag_sliding_rates(run, t, y);
+            }
+            return 1;
+        }
+        lag_jumps_find(run, t, y, count, LAG_ELSEWHERE); /* forces on the way may be large without measure */
+    }
+}
+
+/* Whether a contact closes that nothing could hold: its friction would press it further. */
+static int presses(const LagSliding *s, int count)
+{
+    for (int k = 0; k < count; ++k) {
+        const double rounding = ROUNDING * size_of(s, count, k);
+        const int is_jam = s->state[k] == GIVEN && s->jump[k + k * count] * s->unit[k] > rounding;
+        if (is_jam && s->limit[k] == INFINITY && rate_of(s, count, k, 1) > rounding)
+            return 1;
+    }
+    return 0;
+}
+
+/* The same where each depends on the others. */
+static int choose_together(LagRun *run, double t, const double *y, int count)
+{
+    LagSliding *s = &run->sliding;
+    static const int states[] = {SLIDES, LOW, HIGH};
+    if (!lag_jams_solve(run, t, y, count))
+        return 0;
+    for (int k = 0; k < count; ++k) {
+        s->state[k] = lag_jams_may_act(run, k) ? states[run->impacts.problem.state[k]] : s->limit[k] == INFINITY ? LOW : GIVEN;
+        if (s->state[k] == SLIDES && s->limit[k] == INFINITY)
+            s->unit[k] = lag_max(s->share[k], s->unit[k]);
+    }
+    set_shares(run, count);
+    lag_jumps_find(run, t, y, count, LAG_PRESENT);
+    s->lu.dependent = run->impacts.problem.lu.dependent;
+    solve(s, count);
+    let_go(run, count);
+    set_shares(run, count);
+    return is_linear(run, t, y, count);
+}
+
+static int choose_any(LagRun *run, double t, const double *y, int count)
+{
+    return (choose(run, t, y, count) && !presses(&run->sliding, count)) || choose_together(run, t, y, count);
+}
+
+/* -------- what holds more than it rubs */
+
+/* The place among `count` candidates of the switch of rest k; -1: it is none. */
+static int place_of(const LagRun *run, int count, int k)
+{
+    for (int j = 0; j < count; ++j)
+        if (run->sliding.which[j] == run->model->rests[k])
+            return j;
+    return -1;
+}
+
+/* Whether candidate k stays at 0: it slides, or what slides holds it. */
+static int is_held(const LagSliding *s, int count, int k)
+{
+    int is_acted_on = 0;
+    for (int j = 0; j < count; ++j)
+        is_acted_on |= s->state[j] == SLIDES && s->jump[k + j * count] != 0;
+    return s->state[k] == SLIDES || (is_acted_on && fabs(rate_of(s, count, k, 1)) <= ROUNDING * size_of(s, count, k));
+}
+
+/* Whether there is enough of what holds candidate j, where that is in the plane. */
+static int may_hold(const LagRun *run, int j) { return run->sliding.is_lenient || !lag_cones_break(run, run->sliding.which[j]); }
+
+/* All candidates may hold. */
+static void begin_rests(LagRun *run, int count)
+{
+    for (int k = 0; k < run->model->n_rests; ++k)
+        *lag_rest(run, k) = place_of(run, count, k) >= 0;
+}
+
+/* Which of them hold: those that do not have less force, which may set others in motion, or else hold after all. */
+static int choose_rests(LagRun *run, double t, const double *y, int count, int is_right)
+{
+    const LagSliding *s = &run->sliding;
+    int changes = run->model->n_rests > 0;
+    for (int turn = 0; changes && is_right; ++turn) {
+        changes = 0;
+        for (int k = 0; k < run->model->n_rests; ++k) {
+            const int j = place_of(run, count, k), may_act = j >= 0 && s->state[j] == GIVEN && s->jump[j + j * count] == 0;
+            const int holds = j >= 0 && (may_act || (is_held(s, count, j) && may_hold(run, j)));
+            if (*lag_rest(run, k) == holds || (holds && turn > count)) /* in the end what has let go stays so */
+                continue;
+            *lag_rest(run, k) = holds;
+            changes = 1;
+        }
+        if (changes) {
+            lag_jumps_find(run, t, y, count, LAG_PRESENT);
+            is_right = choose_any(run, t, y, count);
+        }
+    }
+    return is_right;
+}
+
+/* Those that nothing holds move. */
+static void end_rests(LagRun *run, int count)
+{
+    for (int k = 0; k < run->model->n_rests; ++k) {
+        const int j = place_of(run, count, k);
+        *lag_rest(run, k) *= j >= 0 && is_held(&run->sliding, count, j);
+    }
+}
+
+/* What the switches hold, and those that slide to the front of `which`. Returns how many do. */
+static int hold(LagRun *run, int count)
+{
+    LagSliding *s = &run->sliding;
+    int sliding = 0;
+    end_rests(run, count);
+    for (int k = 0; k < count; ++k) {
+        const int i = s->which[k];
+        run->switches.held[i] = *lag_share(run, i);
+        run->switches.slides[i] = s->state[k] == SLIDES;
+        run->switches.is_idle[i] = s->state[k] == GIVEN && s->jump[k + k * count] == 0 && lag_rubs_alone(run->model, i);
+        if (s->state[k] == SLIDES && s->limit[k] == INFINITY && s->share[k] > LARGE * s->unit[k])
+            s->unit[k] = s->share[k];
+    }
+    for (int k = 0; k < count; ++k)
+        s->noise[k] = NOISE * size_of(s, count, k);
+    for (int k = 0; k < count; ++k)
+        if (s->state[k] == SLIDES) {
+            s->noise[sliding] = s->noise[k];
+            s->unit[sliding] = s->unit[k];
+            s->which[sliding++] = s->which[k];
+        }
+    return sliding;
+}
+
+/* -------- what holds with no force yet */
+
+/* What the present state does not tell: what friction that has no force, or a contact at which nothing presses, does where it need not
+ * do anything; and whether friction that has all its force, which is just enough, holds. */
+enum { TOLD, NOTHING_ACTS, JUST_HOLDS };
+
+/* That of candidate k; `size`: of the change of its rate by a share. */
+static int find_openness(const LagSliding *s, int count, int k, int is_jump, double size)
+{
+    const double jump = is_jump ? fabs(s->jump[k + k * count]) : 0, rate = fabs(s->rate[s->which[k]]);
+    const int is_at_end = s->state[k] == HIGH || (is_jump && s->state[k] == LOW), slides = s->state[k] == SLIDES;
+    if (is_at_end)
+        return rate <= TIE * jump ? JUST_HOLDS : TOLD;
+    return (is_jump || !slides) && jump + rate <= FAINT * size ? NOTHING_ACTS : TOLD;
+}
+
+/* Whether there may be such, where nothing was known of it before, or where it has been much more: into `open`. */
+static int find_open(LagRun *run, int count)
+{
+    LagSliding *s = &run->sliding;
+    const int touches = !lag_may_have_all(run, s->which[0]); /* contacts come first */
+    int some = 0;
+    for (int k = 0; k < count; ++k) {
+        const int i = s->which[k], is_jump = lag_may_have_all(run, i), may_press = touches || !lag_rubs_alone(run->model, i);
+        const double size = is_jump && s->is_new[k] ? INFINITY : s->most_jump[i];
+        s->open[k] = may_press ? find_openness(s, count, k, is_jump, size) : TOLD;
+        some |= s->open[k] != TOLD;
+    }
+    return some;
+}
+
+/* The state a moment later, into state_before. Returns the moment. */
+static double look_ahead(LagRun *run, double t, const double *y)
+{
+    LagSliding *s = &run->sliding;
+    const int n = run->model->n;
+    const double step = run->step > 0 ? MOMENT * run->step : MOMENT * MOMENT;
+    const double moment = lag_min(step, MOMENT * (run->segment_end - t));
+    lag_sliding_rates(run, t, y);
+    for (int i = 0; i < n; ++i) {
+        const double a = run->switches.slope[n + i];
+        s->state_before[i] = y[i] + moment * (y[n + i] + moment * a / 2);
+        s->state_before[n + i] = y[n + i] + moment * a;
+    }
+    return moment;
+}
+
+/* Forces of the time to come, with the present state, tell what of accelerations and energies will be rounding. */
+static void note_sizes_to_come(LagRun *run, double t, const double *y, int count)
+{
+    const double end = lag_min(run->segment_end, run->settings.t_stop), whole = isfinite(end) ? end - t : lag_max(1, fabs(t));
+    for (int look = 1; look <= LOOKS; ++look)
+        lag_jumps_find(run, t + look * (whole / (LOOKS + 1)), y, count, LAG_PRESENT);
+}
+
+static void remember(LagRun *run, int count)
+{
+    LagSliding *s = &run->sliding;
+    for (int k = 0; k < count; ++k) {
+        const int is_jump = lag_may_have_all(run, s->which[k]);
+        s->known[k] = s->state[k];
+        s->known_share[k] = *lag_share(run, s->which[k]);
+        s->known_rate[k] = fabs(s->rate[s->which[k]]) + (is_jump ? fabs(s->jump[k + k * count]) : 0);
+    }
+}
+
+/* Of the choice a moment later, what was open at the present state, and has more force by then. Returns whether something has force
+ * that had none. */
+static int take_over(LagRun *run, int count, int is_right)
+{
+    LagSliding *s = &run->sliding;
+    int some = 0;
+    for (int k = 0; k < count; ++k) {
+        const int i = s->which[k], is_jump = lag_may_have_all(run, i);
+        const double size = fabs(s->jump[k + k * count]) * (is_jump ? 1 : s->share[k]);
+        const int acts = is_right && s->state[k] != GIVEN && s->known_rate[k] <= FAINT * size && size > 0;
+        const int holds = is_right && s->state[k] == SLIDES && s->open[k] == JUST_HOLDS;
+        s->open[k] = s->open[k] == NOTHING_ACTS && acts ? NOTHING_ACTS : TOLD;
+        if (s->open[k] == NOTHING_ACTS) {
+            s->share[k] = is_jump ? s->share[k] : 0;
+            s->most_jump[i] = lag_max(size, s->most_jump[i]);
+            some = 1;
+        } else {
+            s->state[k] = holds ? SLIDES : s->known[k];
+            s->share[k] = s->known_share[k];
+        }
+    }
+    return some;
+}
+
+/* Friction whose limit grows from nothing, with a load that does: the share that it begins with is that of a moment later, and so is the
+ * side to which it does not hold; and where a contact begins to press, it holds from now on. The choice at the present state is known,
+ * and stays for all others. */
+static void choose_open(LagRun *run, double t, const double *y, int count)
+{
+    LagSliding *s = &run->sliding;
+    remember(run, count);
+    const double moment = look_ahead(run, t, y);
+    lag_jumps_begin(run, count);
+    lag_jumps_find(run, t + moment, s->state_before, count, LAG_ELSEWHERE);
+    s->grows |= take_over(run, count, choose(run, t + moment, s->state_before, count));
+    set_shares(run, count);
+    if (s->grows)
+        note_sizes_to_come(run, t, y, count);
+    lag_jumps_find(run, t, y, count, LAG_ELSEWHERE);
+    for (int k = 0; k < count; ++k)
+        if (s->open[k] == NOTHING_ACTS && lag_may_have_all(run, s->which[k]))
+            s->jump[k + k * count] = -LAG_VANISHED * s->most_jump[s->which[k]];
+    solve(s, count);
+    set_shares(run, count);
+}
+
+void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candidates)
+{
+    LagSliding *s = &run->sliding;
+    const int count = gather(run, candidates);
+    s->count = 0; /* accelerations as the shares say */
+    s->energy = 0;
+    if (count > 0) {
+        begin_rests(run, count);
+        lag_jumps_begin(run, count);
+        lag_jumps_find(run, t, y, count, LAG_FIRST);
+    }
+    const double energy = s->energy;
+    lag_sliding_end(run);
+    s->jams = 0;
+    for (int i = 0; i < run->model->n_switches; ++i)
+        run->switches.is_idle[i] = candidates[i] == 1 && lag_rubs_nowhere(run->model, i, candidates);
+    if (count == 0)
+        return;
+    s->energy = energy;
+    s->lu.dependent = LAG_SLIDING_DEPENDENT;
+    begin_rests(run, count);
+    const int is_right = choose_rests(run, t, y, count, choose_any(run, t, y, count));
+    s->jams = !is_right && run->model->n_rubs > 0 && !run->switches.is_live;
+    if (is_right && find_open(run, count))
+        choose_open(run, t, y, count);
+    const int sliding = hold(run, count);
+    s->grows &= sliding > 0;
+    if (is_right)
+        s->count = sliding;
+    else /* step control makes the best of it */
+        lag_sliding_end(run);
+}
+
+void lag_sliding_grow(LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    const int count = run->sliding.count;
+    if (!run->sliding.grows || count == 0)
+        return;
+    run->sliding.count = 0; /* accelerations as the shares say */
+    lag_jumps_find(run, m->t, m->y, count, LAG_PRESENT);
+    run->sliding.count = count;
+}
+
+/* Shares of friction that went astray begin anew at an end, and what presses with a force of its size: since friction is linear in both,
+ * Newton's second iteration is exact then. */
+static void call_back(const LagRun *run, int count)
+{
+    const LagSliding *s = &run->sliding;
+    int some = 0;
+    for (int k = 0; k < count; ++k)
+        some |= lag_may_have_all(run, s->which[k]) && !(fabs(*lag_share(run, s->which[k])) < ASTRAY);
+    for (int k = 0; k < count && some; ++k) {
+        double *share = lag_share(run, s->which[k]);
+        *share = lag_may_have_all(run, s->which[k]) ? lag_max(0, lag_min(1, *share)) : lag_max(s->unit[k], *share);
+    }
+}
+
+void lag_sliding_refresh(LagRun *run, double t, const double *y)
+{
+    LagSliding *s = &run->sliding;
+    const int count = s->count;
+    s->count = 0; /* accelerations as the shares say */
+    call_back(run, count);
+    lag_jumps_find(run, t, y, count, LAG_ELSEWHERE);
+    for (int k = 0; k < count; ++k)
+        s->state[k] = SLIDES;
+    solve(s, count);
+    for (int k = 0; k < count; ++k)
+        *lag_share(run, s->which[k]) = s->share[k];
+    s->count = count;
+}

@@ -1,0 +1,380 @@
+/* The equations are smooth in each step, whatever conditions say in it: the force of a stop goes on as if there were no stop. Where a
+ * condition has changed (crossing.c) the run goes back to the place.
+ *
+ * Where a condition changes back at once, again and again (a mass at rest at the corner of its spring, where rounding decides), steps
+ * are taken for a while with conditions as they are at every evaluation, and step control makes the best of it.
+ */
+#include "events/switches.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "events/conditions.h"
+#include "events/cones.h"
+#include "events/contacts.h"
+#include "events/crossing.h"
+#include "state/ends.h"
+#include "state/evaluate.h"
+#include "numbers/extremes.h"
+#include "state/inside.h"
+#include "model/schedule.h"
+#include "state/stepper.h"
+
+/* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
+static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
+static const double AT_END = 1e-3; /* of a step: near enough to one of its ends */
+static const double LONG_RUN = 1e3; /* s: shorter steps keep their digits */
+static const double EARLY = 1e-3, AMPLE = 4; /* share of a step that says little of its beginning; of what it had to be, the next one */
+enum { MOST_JAMS = 4, MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
+
+void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
+{
+    double **const vectors[] = {&s->held, &s->g, &s->rate, &s->g_begin, &s->rate_begin, &s->g_inside, &s->rate_inside,
+                                &s->unknown};
+    const size_t count = (size_t)model->n_switches;
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
+        *vectors[i] = lag_take(arena, count);
+    s->turned = lag_take_ints(arena, count);
+    s->slides = lag_take_ints(arena, count);
+    s->is_idle = lag_take_ints(arena, count);
+    s->state = lag_take(arena, count > 0 ? (size_t)size : 0);
+    s->slope = lag_take(arena, count > 0 ? (size_t)size : 0);
+}
+
+void lag_switches_forget(LagRun *run) { memset(run->switches.turned, 0, (size_t)run->model->n_switches * sizeof(int)); }
+
+void lag_switches_start_anew(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    s->is_live = s->live_steps = s->hurried = s->again = 0;
+    s->resolved = 0;
+    s->unlooked = 0;
+    s->spell = FIRST_SPELL;
+    s->last = -1;
+    lag_switches_forget(run);
+}
+
+void lag_switches_reset(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    lag_switches_start_anew(run);
+    memset(s->held, 0, (size_t)run->model->n_switches * sizeof *s->held);
+    lag_sliding_reset(run);
+    lag_impacts_reset(run);
+}
+
+/* -------- what is held */
+
+static double sign_of(double g) { return g > 0 ? 1 : g < 0 ? 0 : 0.5; }
+
+void lag_switches_set(LagRun *run, double t, const double *q, const double *v)
+{
+    LagSwitches *s = &run->switches;
+    double *d = run->d + run->model->n_modes;
+    lag_conditions_by(run, t, q, v, s->slope + run->model->n, s->g_inside, s->rate_inside);
+    for (int i = 0; i < lag_when(run->model, 0); ++i)
+        d[i] = sign_of(s->g_inside[i]);
+}
+
+void lag_switches_settle(LagRun *run, double t, const double *y)
+{
+    LagSwitches *s = &run->switches;
+    s->is_live = 0;
+    lag_switches_set(run, t, y, y + run->model->n);
+    if (!run->model->switches_need_acceleration)
+        return;
+    memcpy(s->held, run->d + run->model->n_modes, (size_t)run->model->n_switches * sizeof *s->held);
+    memcpy(s->g, s->g_inside, (size_t)run->model->n_switches * sizeof *s->g);
+    lag_conditions_find_unknown(run, t, y);
+    for (int i = 0; i < run->model->n_switches; ++i)
+        s->turned[i] = i < lag_when(run->model, 0) ? fabs(s->g[i]) <= lag_conditions_error(run, s->unknown[i]) : s->slides[i];
+    lag_sliding_settle(run, t, y, s->turned);
+    lag_switches_forget(run);
+}
+
+void lag_switches_set_free(LagRun *run, double t, const double *y)
+{
+    LagSwitches *s = &run->switches;
+    s->is_live = 1;
+    for (int i = 0; i < run->model->n_switches; ++i)
+        s->turned[i] = i >= lag_when(run->model, 0) && s->slides[i];
+    lag_sliding_settle(run, t, y, s->turned);
+    lag_switches_forget(run);
+}
+
+void lag_switches_recall(LagRun *run)
+{
+    memcpy(run->d + run->model->n_modes, run->switches.held, (size_t)run->model->n_switches * sizeof *run->d);
+}
+
+static void find_unknown(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
+    for (int i = 0; i < run->model->n_switches && run->model->switches_need_acceleration; ++i)
+        run->sliding.error[i] = lag_conditions_error(run, s->unknown[i]);
+    lag_contacts_find_errors(run);
+}
+
+/* What changes now, and what is neither, goes the way that it is going: but for events, which are to come where they are neither.
+ * Returns whether something changes. */
+static int choose(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const int count = run->model->n_switches, first = lag_when(run->model, 0);
+    const double *y = run->motion.y;
+    int turned = 0, undecided = 0;
+    lag_conditions(run, run->motion.t, y, s->g, s->rate);
+    for (int i = 0; i < count; ++i) {
+        if (s->turned[i])
+            s->held[i] = s->turned[i] == LAG_CHANGES ? 1 - s->held[i] : s->turned[i] == LAG_TO_1;
+        else if (i < first)
+            s->held[i] = sign_of(s->g[i]);
+        else if (!s->slides[i])
+            s->held[i] = lag_contacts_is_inside(run, i, s->g[i]);
+        turned |= s->turned[i];
+        undecided |= i < first && s->held[i] == 0.5;
+    }
+    lag_switches_recall(run);
+    lag_conditions_with_rates(run, run->motion.t, y, s->g, s->rate);
+    for (int i = 0; i < first; ++i)
+        if (s->held[i] == 0.5)
+            s->held[i] = s->rate[i] > 0;
+    lag_switches_recall(run);
+    if (undecided)
+        lag_conditions_with_rates(run, run->motion.t, y, s->g, s->rate);
+    return turned;
+}
+
+/* Of the conditions that are 0 now, those whose forces hold them there slide: but not what has just gone away. Returns whether one
+ * could. */
+static int let_slide(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    LagSliding *sliding = &run->sliding;
+    const int first = lag_when(run->model, 0);
+    int candidates = 0;
+    lag_cones_note_torn(run);
+    for (int i = 0; i < first && !s->is_live; ++i) {
+        const int has_gone = s->turned[i] == LAG_TO_0 || s->turned[i] == LAG_TO_1;
+        if (!has_gone && fabs(s->g[i]) <= lag_max(lag_sliding_held(run, i), s->unknown[i]))
+            s->turned[i] = LAG_CHANGES;
+        candidates |= s->turned[i] == LAG_CHANGES;
+    }
+    candidates |= lag_contacts_find_rest(run);
+    sliding->is_lenient = run->model->n_cones > 0; /* what slips in the plane stops before it is known whether it is held */
+    for (int turn = sliding->is_lenient ? 0 : 1; turn < 2; ++turn) {
+        lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
+        if (sliding->count > 0)
+            lag_sliding_stop(run);
+        sliding->is_lenient = 0;
+    }
+    return candidates;
+}
+
+/* Chooses what is held at the present state. Returns whether something has changed. */
+static int settle(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    s->is_live = s->live_steps > 0 || !run->methods.table->holds_switches;
+    if (run->sliding.count > 0) /* what is torn off begins to move from rest */
+        lag_sliding_stop(run);
+    run->sliding.count = 0;
+    find_unknown(run);
+    const int turned = choose(run);
+    if (s->is_live)
+        lag_sliding_end(run);
+    if ((!s->is_live || run->model->n_whens > 0) && run->model->switches_need_acceleration && let_slide(run))
+        lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
+    return turned;
+}
+
+int lag_switches_enter(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    if (run->model->n_switches == 0)
+        return 0;
+    int turned = settle(run);
+    for (int impulses = 0; run->sliding.jams && impulses < MOST_JAMS && lag_impacts_press(run); ++impulses) {
+        lag_switches_forget(run);
+        turned |= settle(run);
+    }
+    if (run->sliding.count > 0)
+        lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
+    lag_contacts_foresee(run);
+    for (int i = 0; i < run->model->n_switches; ++i)
+        if (s->turned[i] && !s->slides[i] && !lag_is_event(run->model, i)) /* what is left of it is rounding */
+            s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]);
+    for (int i = 0; i < run->model->n_switches; ++i)
+        if (s->is_idle[i])
+            s->unknown[i] = INFINITY;
+    lag_cones_enter(run);
+    lag_cones_look(run);
+    lag_switches_forget(run);
+    lag_sliding_forget_impact(run);
+    return turned;
+}
+
+void lag_switches_keep(const LagRun *run, double *kept)
+{
+    for (int i = 0; i < run->model->n_switches; ++i)
+        kept[i] = run->switches.slides[i] ? NAN : run->switches.held[i];
+}
+
+void lag_switches_resume(LagRun *run, const double *kept)
+{
+    LagSwitches *s = &run->switches;
+    for (int i = 0; i < run->model->n_switches; ++i) {
+        s->turned[i] = isnan(kept[i]);
+        s->held[i] = s->turned[i] ? 0.5 : kept[i];
+    }
+    lag_switches_recall(run);
+    lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
+    lag_switches_forget(run);
+}
+
+int lag_switches_release(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    if (run->model->n_switches == 0 || s->is_live || run->sliding.count > 0)
+        return 0;
+    s->is_live = s->live_steps = 1;
+    return 1;
+}
+
+/* -------- what is done where they change */
+
+/* Whether an event comes here, where switches.rate tells which way its condition goes. */
+static int has_come(const LagRun *run, int i, double depth)
+{
+    const LagSwitches *s = &run->switches;
+    const double slack = lag_slack(run->model, &run->impacts, i);
+    return depth < -lag_max(s->unknown[i], slack) || (depth <= -slack && lag_depth(s, i, s->rate) < 0);
+}
+
+int lag_switches_note(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    int first = -1;
+    if (run->model->n_whens > 0)
+        lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
+    else
+        lag_conditions(run, run->motion.t, run->motion.y, s->g, s->rate);
+    for (int i = 0; i < run->model->n_switches; ++i) {
+        const double depth = lag_depth(s, i, s->g);
+        const int is_at_end = !s->is_idle[i] && depth <= (s->slides[i] ? END_OF_SHARE : 0);
+        const int changes = lag_is_event(run->model, i) ? has_come(run, i, depth) : is_at_end;
+        const int has_more = lag_may_have_all(run, i) && *lag_share(run, i) > 0.5;
+        s->turned[i] = !changes ? LAG_STAYS : !s->slides[i] ? LAG_CHANGES : has_more ? LAG_TO_1 : LAG_TO_0;
+        first = first < 0 && changes ? i : first;
+    }
+    return first;
+}
+
+static int comes_event(const LagRun *run)
+{
+    for (int i = lag_when(run->model, 0); i < run->model->n_switches; ++i)
+        if (run->switches.turned[i])
+            return 1;
+    return 0;
+}
+
+/* One that changes in step after short step is left to step control for a while; but what nothing moves is on both sides of its place at
+ * every event. */
+static void turn(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const int first = lag_switches_note(run), is_event = comes_event(run);
+    const double since = run->motion.t - run->motion.t_old;
+    const int stands = since <= lag_time_resolution(run->motion.t), is_soon = since < SOON * run->statistics.largest_step;
+    s->hurried = !is_event && (stands || (first == s->last && is_soon)) ? s->hurried + 1 : 0;
+    s->last = first;
+    if (s->hurried < HURRY)
+        return;
+    s->live_steps = s->spell;
+    s->spell = s->spell < MOST_SPELL ? 2 * s->spell : s->spell;
+    s->hurried = 0;
+    s->last = -1;
+}
+
+void lag_switches_resolve(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    if (!s->is_live || s->live_steps > 0 || !run->methods.table->holds_switches)
+        return;
+    lag_switches_enter(run);
+    run->segment_over |= run->sliding.count > 0 || run->sliding.jams; /* what is held now is another motion */
+}
+
+/* Digits are lost where a step was far too long: its end is much larger than what is looked for. The next one is as long as it should
+ * have been. */
+static void step_shorter(LagRun *run, double x)
+{
+    LagMotion *m = &run->motion;
+    const double h = m->t - m->t_old;
+    lag_motion_take_back(m);
+    lag_motion_slope(m, m->t, m->y, m->y + m->n, m->slope);
+    if (run->methods.table->begins_low)
+        lag_stepper_lead(run);
+    run->methods.table->restart(run->methods.self, m);
+    ++run->statistics.rejected;
+    run->step = AMPLE * x * h;
+    lag_step_set_units(run, run->step);
+}
+
+/* Takes the step back, where its end tells more than its dense output: the next one ends at the share x of it. Returns whether it
+ * was. */
+static int step_again(LagRun *run, double x)
+{
+    LagSwitches *s = &run->switches;
+    LagMotion *m = &run->motion;
+    const LagMethod *method = run->methods.table;
+    const double h = m->t - m->t_old;
+    const int is_longest = h > m->t_old - run->settings.t_start; /* than all that was before */
+    const int is_early = is_longest && h > LONG_RUN && x < EARLY && x * h > lag_time_resolution(m->t_old) / EARLY, is_inside = x > AT_END && x < 1 - AT_END;
+    const int is_vague = method->take_back && is_inside && !(method->is_good_inside && !m->lacks_slopes);
+    if (!(is_early || is_vague) || s->again == MOST_AGAIN)
+        return 0;
+    ++s->again;
+    if (is_early)
+        step_shorter(run, x);
+    else
+        method->take_back(run);
+    lag_conditions_with_rates(run, m->t, m->y, s->g, s->rate);
+    run->segment_over = 0;
+    run->step = is_early ? run->step : x * h;
+    return 1;
+}
+
+static void watch_held(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    lag_swap(&s->g, &s->g_begin);
+    lag_swap(&s->rate, &s->rate_begin);
+    const double x = lag_crossing_find(run);
+    if (x == LAG_NOWHERE) {
+        s->hurried = s->again = 0;
+        run->segment_over |= !lag_sliding_lasts(run);
+        lag_sliding_grow(run);
+        run->segment_over |= lag_cones_look(run);
+        return;
+    }
+    if (step_again(run, x))
+        return;
+    if (x < 1)
+        lag_go_back(run, lag_crossing_time(run, x));
+    s->again = 0;
+    turn(run);
+    run->segment_over = 1;
+}
+
+void lag_switches_watch(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    const int is_live = s->is_live;
+    if (!is_live || run->model->n_whens > 0)
+        watch_held(run);
+    if (is_live && s->live_steps > 0)
+        --s->live_steps;
+}

@@ -1,0 +1,70 @@
+/* The polynomial is kept in shifted Legendre polynomials: P_0 = 1, P_1 = z, (k + 1) P_k+1 = (2 k + 1) z P_k - k P_k-1 with
+ * z = 2 x - 1; their integrals from 0 are (P_k+1 - P_k-1)/(2 (2 k + 1)). Powers of x would lose four digits with 7 stages.
+ */
+#include "methods/collocation.h"
+
+#include <string.h>
+
+void lag_collocation_layout(LagCollocation *s, const LagMotion *m, LagArena *arena)
+{
+    s->rate = lag_take(arena, LAG_RADAU_STAGES * (size_t)m->n);
+    s->power = lag_take(arena, LAG_RADAU_STAGES * (size_t)(m->size - 2 * m->n));
+    s->slope = lag_take(arena, (size_t)m->size);
+}
+
+/* Weights of the stage values in the polynomial at x, and in its integral from 0 to x. */
+static void weigh(const LagRadauTableau *tableau, double x, double *value, double *integral)
+{
+    const int s = tableau->stages;
+    const double z = 2 * x - 1;
+    double p[LAG_RADAU_STAGES + 2] = {1, z};
+    for (int k = 1; k <= s; ++k)
+        p[k + 1] = ((2 * k + 1) * z * p[k] - k * p[k - 1]) / (k + 1);
+    for (int i = 0; i < s; ++i) {
+        value[i] = integral[i] = 0;
+        for (int k = 0; k <= s; ++k) {
+            const double coefficient = tableau->legendre[k * s + i];
+            value[i] += coefficient * p[k];
+            integral[i] += coefficient * (k == 0 ? x : (p[k + 1] - p[k - 1]) / (4 * k + 2));
+        }
+    }
+}
+
+void lag_collocation_foresee(const LagCollocation *step, int n, const LagRadauTableau *tableau, double h, double *rate)
+{
+    const int s = step->tableau->stages;
+    double value[LAG_RADAU_STAGES], integral[LAG_RADAU_STAGES];
+    for (int i = 0; i < tableau->stages; ++i) {
+        weigh(step->tableau, 1 + tableau->node[i] * h / step->h, value, integral);
+        value[s - 1] -= 1;
+        for (int k = 0; k < n; ++k) {
+            double sum = 0;
+            for (int j = 0; j < s; ++j)
+                sum += value[j] * step->rate[j * n + k];
+            rate[i * n + k] = sum;
+        }
+    }
+}
+
+void lag_collocation_at(const LagCollocation *step, const LagMotion *m, const double *y, double x, double *at)
+{
+    const int n = m->n, s = step->tableau->stages, n_power = m->size - 2 * n;
+    const double h = step->h;
+    double value[LAG_RADAU_STAGES], integral[LAG_RADAU_STAGES];
+    weigh(step->tableau, x, value, integral);
+    for (int k = 0; k < n; ++k) {
+        double rate = 0, place = x * y[n + k];
+        for (int j = 0; j < s; ++j) {
+            rate += value[j] * step->rate[j * n + k];
+            place += integral[j] * step->rate[j * n + k];
+        }
+        at[k] = y[k] + h * place;
+        at[n + k] = y[n + k] + rate;
+    }
+    for (int k = 0; k < n_power; ++k) {
+        double energy = x * step->slope[2 * n + k];
+        for (int j = 0; j < s; ++j)
+            energy += integral[j] * step->power[j * n_power + k];
+        at[2 * n + k] = y[2 * n + k] + h * energy;
+    }
+}

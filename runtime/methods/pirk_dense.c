@@ -1,0 +1,166 @@
+/* The stages of a step are known to half the digits of its end, as errors of Gauss collocation cancel only there. Evaluations at twice
+ * as many nodes along it, integrated, are nearer by a factor of a hundred, and so on: the same iteration as that of the step, from where
+ * it has come to. Degrees 0 and 1 are kept as they are: they alone tell where the step ends.
+ */
+#include "methods/pirk_dense.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "numbers/extremes.h"
+#include "methods/pirk.h"
+#include "methods/pirk_tableau.h"
+
+enum { DEGREES = LAG_PIRK_DENSE, KEPT = 2, MOST_ROUNDS = 6 };
+/* Units of error that may be left: a unit is a twentieth of the tolerance, and errors inside steps do not add up. The factor by which a
+ * round comes nearer, mostly; one that comes less near than SLOW is the last. */
+static const double NEAR = 1, GAIN = 0.05, SLOW = 0.5;
+
+void lag_pirk_dense_layout(LagPirkDense *dense, const LagMotion *m, LagArena *arena)
+{
+    const size_t all = (size_t)(m->size - m->n);
+    dense->a = lag_take(arena, LAG_PIRK_DENSE * all);
+    dense->coefficient = lag_take(arena, DEGREES * all);
+}
+
+/* -------- Legendre's polynomials, of x = 2 share - 1 */
+
+typedef struct {
+    double value[DEGREES + 2], rate[DEGREES + 1], place[DEGREES];
+} Legendre;
+
+/* The polynomials, their integrals from 0 to `share`, and the integrals of these: those of degree k from values of k + 1 and k - 1.
+ * Written out, quotients are constants. */
+static void legendre(double share, Legendre *p)
+{
+    const double x = 2 * share - 1;
+    p->value[0] = 1;
+    p->value[1] = x;
+    LAG_UNROLL_ALL
+    for (int k = 1; k <= DEGREES; ++k)
+        p->value[k + 1] = ((2 * k + 1.0) / (k + 1)) * x * p->value[k] - (k / (k + 1.0)) * p->value[k - 1];
+    p->rate[0] = share;
+    LAG_UNROLL_ALL
+    for (int k = 1; k <= DEGREES; ++k)
+        p->rate[k] = (p->value[k + 1] - p->value[k - 1]) * (1.0 / (4 * k + 2));
+    p->place[0] = 0.5 * share * share;
+    LAG_UNROLL_ALL
+    for (int k = 1; k < DEGREES; ++k)
+        p->place[k] = (p->rate[k + 1] - p->rate[k - 1]) * (1.0 / (4 * k + 2));
+}
+
+static void tabulate(LagPirkDense *dense)
+{
+    Legendre p;
+    for (int j = 0; j < LAG_ABREAST; ++j) {
+        legendre(lag_pirk_node[j], &p);
+        for (int k = 0; k < LAG_ABREAST; ++k)
+            dense->coarse[j][k] = (2 * k + 1) * lag_pirk_end[j][1] * p.value[k];
+    }
+    for (int j = 0; j < LAG_PIRK_DENSE; ++j) {
+        legendre(lag_pirk_dense_node[j], &p);
+        for (int k = 0; k < DEGREES; ++k) {
+            dense->fine[j][k] = (2 * k + 1) * lag_pirk_dense_weight[j] * p.value[k];
+            dense->rate[k][j] = p.rate[k];
+            dense->place[k][j] = p.place[k];
+        }
+    }
+    dense->has_tables = 1;
+}
+
+/* -------- coefficients */
+
+/* Those of the step's own polynomial. */
+static void begin(LagPirkDense *dense, const double *known, int all)
+{
+    memset(dense->coefficient, 0, (size_t)(all * DEGREES) * sizeof *dense->coefficient);
+    for (int c = 0; c < all; ++c)
+        for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+            lag_wide_write(dense->coefficient + c * DEGREES + lane,
+                           lag_wide_weighed(known + c * LAG_ABREAST, &dense->coarse[0][0], LAG_ABREAST, LAG_ABREAST, lane));
+}
+
+/* Accelerations at all nodes along the motion that the coefficients tell. */
+static int evaluate(LagPirk *s, LagMotion *m)
+{
+    LagPirkDense *dense = &s->dense;
+    const int n = m->n, all = m->size - n;
+    const double h = s->length, *y = m->other;
+    for (int first = 0; first < LAG_PIRK_DENSE; first += LAG_ABREAST) {
+        for (int c = 0; c < n; ++c)
+            for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE) {
+                const double *sum = dense->coefficient + c * DEGREES;
+                const LagWide share = lag_wide_read(lag_pirk_dense_node + first + lane);
+                const LagWide rate = lag_wide_weighed(sum, &dense->rate[0][0], DEGREES, LAG_PIRK_DENSE, first + lane);
+                const LagWide place = lag_wide_weighed(sum, &dense->place[0][0], DEGREES, LAG_PIRK_DENSE, first + lane);
+                lag_wide_write(s->v + c * LAG_ABREAST + lane, y[n + c] + h * rate);
+                lag_wide_write(s->q + c * LAG_ABREAST + lane, y[c] + h * (share * y[n + c] + h * place));
+            }
+        lag_pirk_set_times(s, m, s->begin, h, lag_pirk_dense_node + first);
+        if (!lag_pirk_evaluate(s, m))
+            return 0;
+        for (int c = 0; c < all; ++c)
+            memcpy(dense->a + c * LAG_PIRK_DENSE + first, s->a + c * LAG_ABREAST, LAG_ABREAST * sizeof *s->a);
+    }
+    return 1;
+}
+
+/* The coefficients of these. By how many units rates change: the integral of a polynomial of degree k is at most 1/(2 k) large. */
+static double expand(LagPirk *s, const LagMotion *m)
+{
+    LagPirkDense *dense = &s->dense;
+    double largest = 0;
+    for (int c = 0; c < m->size - m->n; ++c) {
+        double *sum = dense->coefficient + c * DEGREES, before[DEGREES];
+        memcpy(before, sum, sizeof before);
+        for (int lane = 0; lane < DEGREES; lane += LAG_WIDE)
+            lag_wide_write(sum + lane, lag_wide_weighed(dense->a + c * LAG_PIRK_DENSE, &dense->fine[0][0], LAG_PIRK_DENSE, DEGREES, lane));
+        memcpy(sum, before, KEPT * sizeof *sum);
+        for (int k = KEPT; k < DEGREES && c < m->n; ++k)
+            largest = lag_max(fabs(sum[k] - before[k]) * s->weight[c] / (2 * k), largest);
+    }
+    return largest;
+}
+
+static void prepare(LagPirk *s, LagMotion *m)
+{
+    LagPirkDense *dense = &s->dense;
+    double before = INFINITY;
+    if (!dense->has_tables)
+        tabulate(dense);
+    begin(dense, s->known, m->size - m->n);
+    for (int round = 0; round < MOST_ROUNDS && evaluate(s, m); ++round) {
+        const double far = expand(s, m);
+        if (!(GAIN * far > NEAR) || far > SLOW * before)
+            break;
+        before = far;
+    }
+    dense->is_ready = 1;
+    ++m->dense_outputs;
+}
+
+/* sum of coefficients times values, in the same order whatever registers hold. */
+static double dot(const double *coefficient, const double *value)
+{
+    double each[LAG_ABREAST];
+    for (int lane = 0; lane < LAG_ABREAST; lane += LAG_WIDE)
+        lag_wide_write(each + lane, lag_wide_read(coefficient + lane) * lag_wide_read(value + lane)
+                                        + lag_wide_read(coefficient + LAG_ABREAST + lane) * lag_wide_read(value + LAG_ABREAST + lane));
+    return lag_wide_total(each);
+}
+
+void lag_pirk_dense_read(LagPirk *s, LagMotion *m, double t, double *y)
+{
+    const int n = m->n;
+    const double h = s->length, share = (t - s->begin) / h, *from = m->other;
+    Legendre p;
+    if (!s->dense.is_ready)
+        prepare(s, m);
+    legendre(share, &p);
+    for (int c = 0; c < m->size - n; ++c) {
+        const double *sum = s->dense.coefficient + c * DEGREES;
+        if (c < n)
+            y[c] = from[c] + h * (share * from[n + c] + h * dot(sum, p.place));
+        y[n + c] = from[n + c] + h * dot(sum, p.rate);
+    }
+}

@@ -1,0 +1,32 @@
+/* Taylor series of the motion: steps as long as the series converges well, and rows inside them for nothing. */
+#ifndef LAG_TAYLOR_H
+#define LAG_TAYLOR_H
+
+#include "numbers/jets.h"
+#include "state/method.h"
+#include "model/model.h"
+
+typedef struct {
+    int order;
+    double last, before_last; /* what the last two coefficients may be worth in a step, in units of error */
+    double *jets;     /* n_jets * LAG_JET_STRIDE: those of the step that begins at the present state */
+    double *old_jets; /* those of the latest step */
+    double *unit, *share; /* of a long state: units of error; scratch, in which the slope at the end of a step waits for its check */
+    int begun;        /* orders of `jets` that are known */
+    int is_fresh;     /* there was no step since the state or the equations changed */
+} LagTaylor;
+
+extern const double lag_inverse[LAG_JET_ORDER]; /* 1/1, 1/2, ... */
+
+extern const LagMethod lag_taylor;
+
+/* Whether series promise to be cheaper than Dormand-Prince 8(5,3) at this tolerance. */
+int lag_taylor_pays(const LagModel *model, double tolerance);
+
+/* What the rest of a series may be worth. */
+double lag_taylor_eps(double tolerance);
+
+/* Tenths of a nanosecond that series are expected to take per radius of convergence. */
+double lag_taylor_pace(const LagModel *model, double tolerance);
+
+#endif

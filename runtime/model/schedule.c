@@ -1,0 +1,42 @@
+/* Event times are solved for, never searched. An event time found again because of rounding is not a new event: what lies
+ * within a few units in the last place of t, or of the terms of the argument, counts as passed. */
+#include "model/schedule.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "model/model.h"
+
+static const double ULPS = 8;
+
+double lag_time_resolution(double t) { return ULPS * DBL_EPSILON * fabs(t); }
+
+static double next_integer(double a, double b, double t, double resolution)
+{
+    const double direction = b > 0 ? 1 : -1, x = a + b * t;
+    const double level = b > 0 ? floor(x) : ceil(x);
+    for (int i = 0; i <= 2; ++i) {
+        const double time = (level + i * direction - a) / b;
+        if (time > t + resolution)
+            return time;
+    }
+    return INFINITY; /* the integers are denser than times near t */
+}
+
+static double next_event(int kind, double a, double b, double t)
+{
+    if (b == 0)
+        return INFINITY;
+    const double resolution = lag_time_resolution(fabs(t) + fabs(a / b)), zero = -a / b;
+    if (kind == LAG_EVENT_INTEGER)
+        return next_integer(a, b, t, resolution);
+    return zero > t + resolution ? zero : INFINITY;
+}
+
+double lag_schedule_next(int n_events, const int *kind, const double *a, const double *b, double t)
+{
+    double next = INFINITY;
+    for (int i = 0; i < n_events; ++i)
+        next = fmin(next, next_event(kind[i], a[i], b[i], t));
+    return next;
+}

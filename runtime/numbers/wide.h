@@ -1,0 +1,76 @@
+/* Eight states at once, in as many registers as they need: stages that do not wait for each other (pirk.c).
+ *
+ * Number i of eight states is eight numbers in a row. One evaluation of eight states takes as long as one of a single state where
+ * registers hold eight numbers, as its operations wait for each other; half as long again where they hold four.
+ */
+#ifndef LAG_WIDE_H
+#define LAG_WIDE_H
+
+#include "numbers/lanes.h"
+#include "numbers/sines.h"
+
+enum { LAG_ABREAST = 8 };
+
+#if defined(LAG_HAS_VECTORS) && (defined(__AVX512F__) || !defined(__AVX__))
+#ifdef __AVX512F__
+enum { LAG_WIDE = 8 };
+#define LAG_WIDE_OF(number) \
+    ((LagWide){(number), (number), (number), (number), (number), (number), (number), (number)})
+#else
+enum { LAG_WIDE = 2 };
+#define LAG_WIDE_OF(number) ((LagWide){(number), (number)})
+#endif
+typedef double LagWide __attribute__((vector_size(8 * LAG_WIDE)));
+typedef int64_t LagWideBits __attribute__((vector_size(8 * LAG_WIDE)));
+typedef uint64_t LagWideWords __attribute__((vector_size(8 * LAG_WIDE)));
+#define LAG_WIDE_ABS(a) ((LagWide)((LagWideBits)(a) & INT64_MAX))
+#define LAG_WIDE_SELECT(condition, a, b) \
+    ((LagWide)(((LagWideBits)(condition) & (LagWideBits)(a)) | (~(LagWideBits)(condition) & (LagWideBits)(b))))
+#define LAG_SINES lag_sines_of_wide
+#define LAG_SINES_NUMBERS LagWide
+#define LAG_SINES_WORDS LagWideWords
+#define LAG_SINES_WORDS_OF(a) ((LagWideWords)(a))
+#define LAG_SINES_OF_WORDS(words) ((LagWide)(words))
+#include "numbers/sines_kernel.h"
+#else
+enum { LAG_WIDE = LAG_LANES };
+typedef LagLanes LagWide;
+#define LAG_WIDE_OF(number) LAG_LANES_OF(number)
+#define LAG_WIDE_ABS(a) LAG_LANES_ABS(a)
+#define LAG_WIDE_SELECT(condition, a, b) LAG_LANES_SELECT(condition, a, b)
+#define lag_sines_of_wide lag_sines_of_lanes
+#endif
+
+static inline LagWide lag_wide_read(const double *place)
+{
+    LagWide a;
+    memcpy(&a, place, sizeof a);
+    return a;
+}
+
+static inline void lag_wide_write(double *place, LagWide a) { memcpy(place, &a, sizeof a); }
+
+/* sum of a[j] times row j of a table whose rows are `pitch` long, for the columns from `lane` on: in two chains. */
+LAG_UNROLLED LagWide lag_wide_weighed(const double *a, const double *table, int count, int pitch, int lane)
+{
+    LagWide even = LAG_WIDE_OF(0), odd = LAG_WIDE_OF(0);
+    LAG_UNROLL_ALL
+    for (int j = 0; j < count; j += 2) {
+        even += LAG_WIDE_OF(a[j]) * lag_wide_read(table + j * pitch + lane);
+        odd += LAG_WIDE_OF(a[j + 1]) * lag_wide_read(table + (j + 1) * pitch + lane);
+    }
+    return even + odd;
+}
+
+/* The sum of eight numbers, which are lost: by halves, so that few operations wait for each other. */
+static inline double lag_wide_total(double *each)
+{
+    LAG_UNROLL_ALL
+    for (int half = LAG_ABREAST / 2; half > 0; half /= 2)
+        LAG_UNROLL_ALL
+        for (int i = 0; i < half; ++i)
+            each[i] += each[i + half];
+    return each[0];
+}
+
+#endif

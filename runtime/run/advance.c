@@ -1,0 +1,129 @@
+/* The run loop: steps until a time is reached, rows on the way. */
+#include <math.h>
+#include <string.h>
+
+#include "events/accelerations.h"
+#include "state/account.h"
+#include "run/advance.h"
+#include "base/clock.h"
+#include "state/inside.h"
+#include "run/run.h"
+#include "model/schedule.h"
+#include "steps/step.h"
+
+enum { TICKS_PER_LOOK = 64 };
+static const double CLOSED = 1e-9; /* residuals of rows, relative to the motion: near singular positions rounding leaves as much */
+
+int lag_run_row_width(const LagModel *model) { return 1 + 2 * model->n + model->n_outputs + LAG_ACCOUNT_SIZE; }
+
+/* A state beyond the range of numbers is no row: exact solvers reach there without a step that could fail. */
+static LagStatus row_at(LagRun *run, double t, double *row)
+{
+    const int n = run->model->n;
+    double *y = run->inside, *outputs = row + 1 + 2 * n, *account = outputs + run->model->n_outputs;
+    lag_state_inside(run, t, y);
+    const double most = fmax(run->settings.tolerance, CLOSED), open = lag_project_row(run, t, y, account, most);
+    const int i = lag_first_not_finite(y, 2 * n);
+    if (n > 0 && !isfinite(y[i]))
+        return lag_step_give_up(run, i);
+    if (open > most) {
+        lag_fail(run, LAG_CONSTRAINTS_OPEN, -1, 0, open);
+        run->failure.time = t;
+        return LAG_CONSTRAINTS_OPEN;
+    }
+    row[0] = t;
+    memcpy(row + 1, y, 2 * (size_t)n * sizeof *row);
+    lag_outputs(run, t, y, outputs);
+    lag_account_note(run, t, y, account);
+    return LAG_OK;
+}
+
+static int time_is_over(LagRun *run) { return ++run->ticks % TICKS_PER_LOOK == 0 && lag_clock() > run->deadline; }
+
+static void set_deadline(LagRun *run, double seconds) { run->deadline = seconds > 0 ? lag_clock() + seconds : INFINITY; }
+
+/* Steps until t is not after the present time. */
+static LagStatus reach(LagRun *run, double t)
+{
+    if (t > run->settings.t_stop)
+        return lag_fail(run, LAG_PAST_STOP, -1, 0, 0);
+    if (t < run->motion.t_old)
+        return lag_fail(run, LAG_TIME_PASSED, -1, 0, 0);
+    LagStatus status = time_is_over(run) ? LAG_PAUSED : LAG_OK;
+    run->wanted = t;
+    while (status == LAG_OK && run->motion.t < t)
+        status = time_is_over(run) ? LAG_PAUSED : lag_step(run);
+    return status;
+}
+
+/* Times a rounding error after t_stop mean t_stop. */
+static double not_after_stop(const LagRun *run, double t)
+{
+    const double stop = run->settings.t_stop;
+    return t > stop && t <= stop + lag_time_resolution(stop) ? stop : t;
+}
+
+LagStatus lag_advance_to(LagRun *run, double t, double *row)
+{
+    const double time = not_after_stop(run, t);
+    const LagStatus status = reach(run, time);
+    return status == LAG_OK ? row_at(run, time, row) : status;
+}
+
+LagStatus lag_run_advance(LagRun *run, const double *times, int rows, double *results, int *done, double seconds)
+{
+    const size_t width = (size_t)lag_run_row_width(run->model);
+    set_deadline(run, seconds);
+    *done = 0;
+    if (!run->started)
+        return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
+    run->row_spacing = rows > 0 ? (times[rows - 1] - run->motion.t) / rows : 0;
+    for (int i = 0; i < rows; ++i) {
+        const LagStatus status = lag_advance_to(run, times[i], results + (size_t)i * width);
+        if (status != LAG_OK)
+            return status;
+        *done = i + 1;
+    }
+    return LAG_OK;
+}
+
+LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *done, double seconds)
+{
+    const size_t width = (size_t)lag_run_row_width(run->model);
+    set_deadline(run, seconds);
+    *done = 0;
+    if (!run->started)
+        return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
+    while (*done < rows && run->motion.t < run->settings.t_stop) {
+        LagStatus status = time_is_over(run) ? LAG_PAUSED : lag_step(run);
+        if (status == LAG_OK)
+            status = row_at(run, run->motion.t, results + (size_t)*done * width);
+        if (status != LAG_OK)
+            return status;
+        ++*done;
+    }
+    return LAG_OK;
+}
+
+LagStatus lag_run_cut(LagRun *run, double t)
+{
+    LagMotion *motion = &run->motion;
+    if (!run->started)
+        return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
+    if (t == motion->t)
+        return LAG_OK;
+    if (!(t >= motion->t_old && t < motion->t))
+        return lag_fail(run, t > motion->t ? LAG_PAST_STOP : LAG_TIME_PASSED, -1, 0, 0);
+    lag_go_back(run, t);
+    motion->t_old = t;
+    run->segment_over = 1;
+    lag_switches_forget(run);
+    return LAG_OK;
+}
+
+LagStatus lag_run_row(LagRun *run, double *row)
+{
+    if (!run->started)
+        return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
+    return row_at(run, run->motion.t, row);
+}

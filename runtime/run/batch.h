@@ -1,0 +1,46 @@
+/* Many runs of one model, with nobody between them: parameters and start values in, a few numbers of each motion out.
+ *
+ * A batch drives one run again and again; the result of a run does not depend on those before it. Batches share nothing, so
+ * that each may live in a thread of its own. A run that fails is an outcome, and the next one goes on.
+ */
+#ifndef LAG_BATCH_H
+#define LAG_BATCH_H
+
+#include "run/reduce.h"
+
+typedef struct LagBatch LagBatch;
+
+typedef struct {
+    double t_start, t_stop; /* those of the run */
+    double window;          /* the motion is looked at in windows no longer than this: see reduce.h */
+    double seconds;         /* wall time that one run may take; 0: no limit */
+    int n_reductions;
+    const LagReduction *reductions; /* times of LAG_REDUCE_AT lie between t_start and t_stop */
+    int n_varied;
+    const int *varied;          /* what differs from run to run: parameter k, or n_parameters + k for (q, v)[k] */
+    const double *given, *mask; /* n_parameters: those given for all runs */
+    const double *start;        /* 2 n: start values given for all runs, NaN where not */
+    const double *least, *most; /* n_parameters: what each parameter may be */
+} LagSweep;
+
+enum { LAG_RUN_DONE, LAG_RUN_FAILED, LAG_RUN_PARAMETER, LAG_RUN_OVERTIME, LAG_RUN_OPEN };
+
+typedef struct {
+    int32_t kind;       /* LAG_RUN_...; of a parameter out of its limits, failure holds the index and the value; of an energy account
+                         * that is open, the time from which on it is, and by how much of its size: results are there all the same */
+    int32_t padding;
+    LagFailure failure;
+    int64_t steps;
+    double energy;      /* residual of the energy account, relative to the largest energy */
+} LagOutcome;
+
+/* Copies the sweep. NULL: out of memory. The run must outlive the batch and serves nobody else; it has its inputs already. */
+LAG_API LagBatch *lag_batch_new(const LagModel *model, LagRun *run, const LagSweep *sweep);
+LAG_API void lag_batch_free(LagBatch *batch);
+
+/* values[runs * n_varied] -> results[runs * n_reductions], outcomes[runs]. Results that a motion does not have are NaN.
+ * Answers how many runs were done: fewer only when *stop was set to something else than 0 meanwhile. */
+LAG_API int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, double *results, LagOutcome *outcomes,
+                                  const volatile int32_t *stop);
+
+#endif

@@ -1,0 +1,131 @@
+/* Layout of the bytes: Header, the run's struct, its vectors, its table of inputs. */
+#include "run/snapshot.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "state/state.h"
+#include "state/stepper.h"
+
+typedef struct {
+    uint64_t struct_size, memory_size, table_size; /* bytes, doubles, doubles */
+    uint64_t run, memory; /* addresses the saved run had */
+} Header;
+
+enum { WORD = sizeof(uint64_t) };
+/* Code and constants of one library lie no farther apart. */
+static const uint64_t REACH = (uint64_t)1 << 30;
+
+static uint64_t address(const void *pointer) { return (uint64_t)(uintptr_t)pointer; }
+
+static uint64_t table_size(const LagRun *run) { return (uint64_t)run->inputs.rows * (1 + (uint64_t)run->inputs.n); }
+
+size_t lag_snapshot_size(const LagRun *run)
+{
+    return sizeof(Header) + sizeof *run + (run->memory_size + (size_t)table_size(run)) * sizeof(double);
+}
+
+static unsigned char *append(unsigned char *place, const void *from, size_t size)
+{
+    if (size > 0)
+        memcpy(place, from, size);
+    return place + size;
+}
+
+void lag_snapshot_take(const LagRun *run, unsigned char *bytes)
+{
+    const Header header = {sizeof *run, run->memory_size, table_size(run), address(run), address(run->memory)};
+    const size_t rows = (size_t)run->inputs.rows;
+    unsigned char *place = append(bytes, &header, sizeof header);
+    place = append(place, run, sizeof *run);
+    place = append(place, run->memory, run->memory_size * sizeof(double));
+    place = append(place, run->inputs.times, rows * sizeof(double));
+    append(place, run->inputs.values, rows * (size_t)run->inputs.n * sizeof(double));
+}
+
+static uint64_t read_word(const void *base, size_t k)
+{
+    uint64_t word;
+    memcpy(&word, (const unsigned char *)base + k * WORD, WORD);
+    return word;
+}
+
+/* A word of the saved struct in the terms of `run`; first and second are runs just made. */
+static uint64_t moved(const Header *header, const LagRun *run, const LagRun *first, const LagRun *second, uint64_t saved, size_t k)
+{
+    const uint64_t fresh = read_word(first, k), anchor = address(run->model);
+    if (fresh == read_word(second, k)) {
+        const uint64_t distance = fresh > anchor ? fresh - anchor : anchor - fresh;
+        return distance < REACH ? fresh : saved; /* of constants and code: where they are in this process */
+    }
+    if (saved - header->memory <= header->memory_size * sizeof(double))
+        return address(run->memory) + (saved - header->memory);
+    if (saved - header->run < header->struct_size)
+        return address(run) + (saved - header->run);
+    return saved;
+}
+
+static int relocate(const Header *header, const LagRun *run, const LagRun *saved_struct, LagRun *result)
+{
+    LagRun *first = lag_run_new(run->model, &saved_struct->settings), *second = lag_run_new(run->model, &saved_struct->settings);
+    const int made = first && second;
+    for (size_t k = 0; made && k < sizeof *run / WORD; ++k) {
+        const uint64_t word = moved(header, run, first, second, read_word(saved_struct, k), k);
+        memcpy((unsigned char *)result + k * WORD, &word, WORD);
+    }
+    lag_run_free(first);
+    lag_run_free(second);
+    return made;
+}
+
+/* The parts that belong to the run and not to its motion. */
+static void keep_own(LagRun *result, const LagRun *run)
+{
+    const int rows = result->inputs.rows, left = result->inputs.left;
+    result->model = run->model;
+    result->memory = run->memory;
+    result->block = run->block;
+    result->inputs = run->inputs;
+    result->inputs.rows = rows;
+    result->inputs.left = left;
+}
+
+static LagStatus set_table(LagRun *run, const unsigned char *table, uint64_t count)
+{
+    const size_t rows = (size_t)count / (1 + (size_t)run->inputs.n);
+    double *values = malloc((size_t)count * sizeof(double) + 1);
+    LagStatus status = values ? LAG_OK : LAG_OUT_OF_MEMORY;
+    if (status == LAG_OK && rows > 0) {
+        memcpy(values, table, (size_t)count * sizeof(double));
+        status = lag_inputs_set(&run->inputs, values, values + rows, (int)rows);
+    }
+    free(values);
+    return status;
+}
+
+LagStatus lag_snapshot_restore(LagRun *run, const unsigned char *bytes, size_t size)
+{
+    Header header;
+    LagRun saved, result;
+    if (size < sizeof header + sizeof saved)
+        return LAG_BAD_SETTINGS;
+    memcpy(&header, bytes, sizeof header);
+    memcpy(&saved, bytes + sizeof header, sizeof saved);
+    const unsigned char *vectors = bytes + sizeof header + sizeof saved;
+    const size_t most = size / sizeof(double);
+    if (header.struct_size != sizeof saved || header.memory_size != run->memory_size || header.table_size > most
+        || size != sizeof header + sizeof saved + (run->memory_size + (size_t)header.table_size) * sizeof(double)
+        || header.table_size % (1 + (uint64_t)run->inputs.n) != 0)
+        return LAG_BAD_SETTINGS;
+    result = saved;
+    if ((header.run != address(run) || header.memory != address(run->memory)) && !relocate(&header, run, &saved, &result))
+        return LAG_OUT_OF_MEMORY;
+    const LagStatus status = set_table(run, vectors + run->memory_size * sizeof(double), header.table_size);
+    if (status != LAG_OK)
+        return status;
+    keep_own(&result, run);
+    memcpy(run->memory, vectors, run->memory_size * sizeof(double));
+    *run = result;
+    lag_stepper_choose(run, saved.methods.solver);
+    return LAG_OK;
+}

@@ -1,0 +1,89 @@
+/* From parameters and guesses to a run that can advance. */
+#include <math.h>
+#include <string.h>
+
+#include "state/account.h"
+#include "events/contacts.h"
+#include "state/evaluate.h"
+#include "model/function.h"
+#include "choice/parts.h"
+#include "run/run.h"
+#include "steps/segment.h"
+#include "state/stepper.h"
+
+static int settings_valid(const LagSettings *s)
+{
+    return isfinite(s->t_start) && s->t_stop >= s->t_start && s->tolerance > 0 && isfinite(s->tolerance) && s->max_step >= 0
+        && s->first_step >= 0;
+}
+
+/* Guesses, and over them what was given. */
+static void guess(LagRun *run, const double *q_given, const double *v_given)
+{
+    const int n = run->model->n, lost = run->model->n_lost, all = n + lost;
+    const double *in[] = {run->p}, *given[] = {q_given, v_given};
+    double *out[] = {run->start, run->start + all};
+    lag_call(&run->model->start, in, out, run->work);
+    for (int i = 0; i < 2 * all; ++i) {
+        const int k = i % all, is_rate = i / all;
+        const double value = k >= n ? run->lost[is_rate * lost + k - n] : given[is_rate] ? given[is_rate][k] : NAN;
+        run->fixed[i] = isnan(value) ? run->model->fixed[i] : LAG_START_FIXED;
+        if (!isnan(value))
+            run->start[i] = value;
+    }
+}
+
+static void clear(LagRun *run)
+{
+    const LagStatistics none = {0};
+    const size_t size = (size_t)run->motion.size * sizeof(double);
+    run->statistics = none;
+    run->statistics.tolerance_raised = run->settings.tolerance < LAG_SMALLEST_TOLERANCE;
+    run->motion.t = run->settings.t_start;
+    run->motion.evaluations = run->motion.dense_outputs = 0;
+    memset(run->motion.y, 0, size);
+    memset(run->motion.carry, 0, size);
+    lag_scale_reset(&run->scale);
+    run->methods.islands.are_started = 0;
+    lag_switches_reset(run);
+    /* a run does not depend on what this memory was used for before */
+    run->rests = run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0;
+    run->calm_step = 0;
+    run->motion.energy = run->motion.doubt = 0;
+    run->wanted = run->paced = run->settings.t_start;
+    run->row_spacing = 0;
+}
+
+LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)
+{
+    run->started = 0;
+    clear(run);
+    lag_stepper_choose(run, lag_methods_first(&run->settings, run->model));
+    if (run->methods.solver == LAG_SOLVER_TRANSITION && !lag_transition_serves(run))
+        lag_stepper_choose(run, run->methods.next);
+    if (!settings_valid(&run->settings) || !lag_methods_permit(run->model, run->methods.solver))
+        return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
+    guess(run, q_given, v_given);
+    if (run->model->n_initial > 0 && !lag_parts.assemble)
+        return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
+    const int worst = run->model->n_initial > 0 ? lag_parts.assemble(&run->assembly, run->p, run->fixed, run->start, run->work) : -1;
+    if (worst >= 0)
+        return lag_fail(run, LAG_INITIAL_FAILED, worst, 0, run->assembly.newton.g[worst]);
+    const size_t n = (size_t)run->model->n;
+    if (run->model->n_initial > 0 && run->model->n_multipliers > 0)
+        lag_scale_size(&run->scale, run->assembly.reach);
+    memcpy(run->motion.y, run->start, n * sizeof *run->start);
+    memcpy(run->motion.y + n, run->start + lag_start_size(run->model), n * sizeof *run->start);
+    lag_scale_note(&run->scale, run->motion.y);
+    lag_segment_enter(run);
+    lag_project_present(run);
+    double energies[3];
+    lag_energies(run, run->motion.t, run->motion.y, energies);
+    run->start_energy = energies[2];
+    run->given_energy = 0;
+    lag_stiffness_reset(run);
+    const LagStatus status = lag_segment_evaluate(run);
+    run->statistics.passed = lag_contacts_find_passed(run);
+    run->started = status == LAG_OK;
+    return status;
+}

@@ -1,0 +1,48 @@
+/* Equations g(q, v) = 0 of start values, solved from a guess by the shortest corrections. */
+#ifndef LAG_NEWTON_H
+#define LAG_NEWTON_H
+
+#include "base/arena.h"
+#include "numbers/linear.h"
+#include "start/metric.h"
+#include "model/model.h"
+
+typedef struct {
+    const LagModel *model;
+    double *g, *jacobian; /* n_initial, n_initial x 2 n column-major */
+    double *transposed;   /* 2 n x n_initial, or fewer of both: scaled */
+    double *length;       /* n_initial: size of an equation's scaled gradient */
+    double *general;      /* the Jacobian at a general position near the guess */
+    double *general_length, *weight; /* n_initial: sizes of its rows, scaled and in the metrics */
+    double *right, *diagonal, *share; /* n_initial */
+    double *scale;        /* 2 n: natural size of a value, 0: it may not move */
+    double *step, *trial, *z, *gradient; /* 2 n */
+    double trusted; /* positions that are no angles may go so far at once */
+    double part;    /* of the correction, that was not cut off */
+    int *pivot;
+    int active; /* so many equations are looked at */
+    LagLeastSquares scratch;
+    LagMetric positions, rates;
+} LagNewton;
+
+void lag_newton_layout(LagNewton *newton, const LagModel *model, LagArena *arena);
+
+int lag_newton_evaluate(LagNewton *newton, const double *p, const double *x, double *work);
+
+/* Takes the Jacobian evaluated last for a general one: where a gradient vanishes it is measured by that. */
+void lag_newton_survey(LagNewton *newton, const double *reach);
+
+/* The metrics of the values with scale > 0, LAG_METRIC_..., for corrections from x on. */
+void lag_newton_measure(LagNewton *newton, const double *p, const int *fixed, const double *x, int way, double *work);
+
+/* Moves x = (q, v) until all equations hold. Returns -1, or the equation that is satisfied worst; g is that of x. */
+int lag_newton_solve(LagNewton *newton, const double *p, int most_iterations, int most_pushes, double *x, double *work);
+
+/* Fills `step` with the way from x, g evaluated there, to the place nearest to the guess where the linearised equations hold.
+ * Returns its length, the longest of its parts in natural sizes. */
+double lag_newton_lean(LagNewton *newton, const double *guess, const double *x);
+
+/* Squared distance in the metrics. */
+double lag_newton_distance2(LagNewton *newton, const double *a, const double *b);
+
+#endif

@@ -1,0 +1,25 @@
+/* The energy account: H - H(0) + dissipated - work = 0 along every true motion. */
+#ifndef LAG_ACCOUNT_H
+#define LAG_ACCOUNT_H
+
+#include "state/state.h"
+
+enum { LAG_ACCOUNT_SIZE = 5 };
+
+/* Completes the {T, V, H, dissipated, work} of a state at t whose {T, V, H} are known; notes residual and scale in the statistics, and
+ * whether the tolerance explains by how much it misses. */
+void lag_account_note(LagRun *run, double t, const double *y, double *entries);
+
+/* Notes how large the energies are in the present state: rows may all lie where there is none. */
+void lag_account_glance(LagRun *run);
+
+/* Where friction holds what supports draw at, the work of these alone tells how long steps may be; and methods that begin at a low
+ * order, or make long steps, make much larger errors of work than of the motion: whether errors of it count now. */
+void lag_account_weigh(LagRun *run);
+
+/* To be called before and after modes, inputs or parameters change at the present state. The jump of H is work done by
+ * whoever changes them. */
+void lag_account_open(LagRun *run);
+void lag_account_close(LagRun *run);
+
+#endif

@@ -1,0 +1,44 @@
+#include "state/evaluate.h"
+
+#include <string.h>
+
+#include "model/function.h"
+
+/* 0 * x is 0 for finite x and NaN for others: one sum tells. */
+int lag_all_finite(const double *x, int n)
+{
+    double probe = 0;
+    for (int i = 0; i < n; ++i)
+        probe += 0 * x[i];
+    return probe == 0;
+}
+
+const LagFunction *lag_usual_rhs(const LagModel *model) { return lag_present(&model->regular) ? &model->regular : &model->rhs; }
+
+int lag_flow(void *context, LagFlowPart part, const double *q, const double *v_or_p, double *result)
+{
+    LagRun *run = context;
+    const LagModel *model = run->model;
+    const LagFunction *const functions[] = {&model->momentum, &model->velocity, &model->force};
+    const double *in[] = {q, v_or_p, part == LAG_MOMENTUM ? run->p : run->c};
+    return lag_call(functions[part], in, &result, run->work) == 0 && lag_all_finite(result, model->n);
+}
+
+void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate)
+{
+    const double *in[] = {&t, q, v, a, run->u, run->u_slope, run->d, run->c};
+    double *out[] = {g, rate};
+    lag_inputs_at(&run->inputs, t, run->u);
+    lag_inputs_slope(&run->inputs, run->u_slope);
+    lag_call(&run->model->switches, in, out, run->work);
+}
+
+void lag_energies(LagRun *run, double t, const double *y, double *energies)
+{
+    const LagModel *model = run->model;
+    const double *in[] = {&t, y, y + model->n, run->u, run->d, run->c};
+    for (int i = 0; i < 3; ++i)
+        energies[i] = 0;
+    lag_inputs_at(&run->inputs, t, run->u);
+    lag_call(&model->energies, in, &energies, run->work);
+}

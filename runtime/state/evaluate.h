@@ -1,0 +1,21 @@
+/* The model's functions at a time and state, with the inputs and modes of the present segment. */
+#ifndef LAG_EVALUATE_H
+#define LAG_EVALUATE_H
+
+#include "state/state.h"
+
+/* The function that gives the accelerations of nearly all states. */
+const LagFunction *lag_usual_rhs(const LagModel *model);
+
+/* A LagFlow. */
+int lag_flow(void *run, LagFlowPart part, const double *q, const double *v_or_p, double *result);
+
+/* Conditions of switches g and their rates by the accelerations a (n). */
+void lag_conditions_by(LagRun *run, double t, const double *q, const double *v, const double *a, double *g, double *rate);
+
+void lag_energies(LagRun *run, double t, const double *y, double *energies);
+
+/* Whether all of x[n] are numbers. */
+int lag_all_finite(const double *x, int n);
+
+#endif

@@ -1,0 +1,89 @@
+/* What a run consists of. Private to the run time. */
+#ifndef LAG_STATE_H
+#define LAG_STATE_H
+
+#include "start/assemble.h"
+#include "events/impacts.h"
+#include "model/inputs.h"
+#include "choice/methods.h"
+#include "steps/orbit.h"
+#include "state/project.h"
+#include "steps/roots.h"
+#include "state/settings.h"
+#include "events/sliding.h"
+#include "choice/stiffness.h"
+#include "events/switches.h"
+
+/* Of the choice of methods, what steps call: they are told, and know no more of it. Set by run.c. */
+typedef struct {
+    void (*reset)(LagRun *run); /* a run starts, or goes on by a method that was not chosen for it */
+    void (*begin)(LagRun *run); /* a method begins */
+    void (*watch)(LagRun *run); /* a step was taken */
+} LagChoice;
+
+struct LagRun {
+    const LagModel *model;
+    LagChoice choice;
+    LagSettings settings;
+    LagStatistics statistics;
+    LagFailure failure;
+
+    double *memory; /* the part of the block in which all vectors below lie */
+    size_t memory_size; /* doubles in it */
+    void *block;
+    double *p, *c, *u, *u_slope, *d, *d_before;
+    double *nothing_given;        /* n_parameters zeros */
+    double *event_a, *event_b;
+    double *acceleration, *power; /* for outputs */
+    double *multipliers;          /* of the latest accelerations */
+    double *start;                /* (q, lost ones, v, their rates) */
+    double *lost;                 /* (lost ones, their rates): values given, NaN where not */
+    double *inside, *inside_carry; /* a state within a step */
+    double *careful_state;         /* (q, v) */
+    double *work;                 /* scratch of the model's functions */
+    int *fixed;                   /* as start */
+
+    LagInputs inputs;
+    LagAssembly assembly;
+    LagProjection projection;
+    LagScale scale;
+    LagMotion motion;
+    LagMethods methods;
+    LagStiffness stiffness;
+    LagSwitches switches;
+    LagSliding sliding;
+    LagImpacts impacts;
+    LagOrbit orbit;
+    LagRoots roots;
+
+    int started;
+    int is_starting;      /* no step since the segment began was as long as it could be */
+    int troubled;         /* steps in a row that were rejected at first */
+    double calm_step;     /* length of those that were not, lately */
+    int plunged;          /* for so many steps more: one was much shorter than calm ones, to resolve a quick passage */
+    int plunges;          /* of late, with few steps between them */
+    int rests;            /* nothing moves, until something else happens: see rest.h */
+    int careful;          /* slopes are taken at projected states: a singular position is near */
+    int doubtful;         /* so many evaluations are made the way that bears dependent constraints */
+    int segment_over;     /* an event was reached: the next step begins a new segment */
+    double segment_end;   /* time of the next event */
+    double wanted;        /* time of the row that is asked for */
+    double row_spacing;   /* of the rows that are asked for at once, on average; 0: nobody knows */
+    double paced;         /* when progress was looked at */
+    double step;          /* length proposed for the next step */
+    double *probe; /* 6 n: scratch of lag_singularity, with constraints */
+    double start_energy, energy_before;
+    double given_energy;  /* by jumps of modes, inputs and parameters, where no work is integrated */
+    double deadline;      /* by lag_clock, of the call under way; infinity: none */
+    unsigned ticks;       /* steps and rows, to look at the clock now and then */
+};
+
+/* Records a failure and returns its status. */
+static inline LagStatus lag_fail(LagRun *run, LagStatus status, int index, int rate, double value)
+{
+    const LagFailure failure = {(int32_t)status, index, rate, run->motion.t, value};
+    run->failure = failure;
+    return status;
+}
+
+#endif

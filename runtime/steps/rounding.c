@@ -1,0 +1,61 @@
+/* Where the equations magnify rounding (long chains of links, whose far angles are small differences), accelerations are
+ * uncertain by much more than their last digit. Errors of rates below what that makes of them in a step are noise: no shorter
+ * step has smaller ones. A state is moved by rounding errors of its coordinates, and the change of the accelerations tells.
+ *
+ * A chain of 100 links at tolerance 1e-12: steps of 1e-8 s, with no end in sight, become steps of 1e-4 s. The first hundredth
+ * of a second of 2 000 links at 1e-8: 11 steps in place of 4 396.
+ */
+#include "steps/rounding.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "numbers/extremes.h"
+#include "state/state.h"
+#include "steps/step.h"
+
+/* Uncertainties in a step that count as one unit of error: errors of noise must stay well below it, or steps would go on
+ * shrinking. What each coordinate has at least of the largest of its kind. Of FEW coordinates tolerances above COARSE are
+ * near noise only where rates are nothing else, at rest: that is soon enough seen after an interval. */
+static const double UNIT = 32, SHARE = 0.1, COARSE = 1e-11;
+enum { INTERVAL = 64, FEW = 100 };
+
+/* The state with each coordinate moved by rounding of the largest of its kind, or of an angle of 1. */
+static void move(const LagMotion *m, const LagScale *scale, double *moved)
+{
+    const int n = m->n;
+    for (int i = 0; i < n; ++i) {
+        const double sign = i % 3 == 0 ? -DBL_EPSILON : DBL_EPSILON, *group = scale->group + scale->kind[i];
+        const int is_angle = isfinite(scale->cap[i]);
+        moved[i] = m->y[i] + sign * (is_angle ? lag_max(1, *group) : *group);
+        moved[n + i] = m->y[n + i] + sign * group[scale->kinds];
+    }
+}
+
+void lag_rounding_look(LagRun *run)
+{
+    LagMotion *m = &run->motion;
+    const LagScale *scale = &run->scale;
+    const int n = m->n;
+    double *largest = scale->motion, *moved = m->point, *slope = m->sum;
+    move(m, scale, moved);
+    if (!lag_motion_slope(m, m->t, m->y, m->y + n, m->slope) || !lag_motion_slope(m, m->t, moved, moved + n, slope))
+        return;
+    memset(largest, 0, (size_t)scale->kinds * sizeof *largest);
+    for (int i = 0; i < n; ++i) {
+        double *noise = &scale->noise[i], *most = &largest[scale->kind[i]];
+        *noise = lag_max(UNIT * fabs(slope[n + i] - m->slope[n + i]), scale->onset[i]);
+        *most = lag_max(*noise, *most);
+    }
+    for (int i = 0; i < n; ++i)
+        scale->noise[i] = lag_max(scale->noise[i], SHARE * largest[scale->kind[i]]);
+}
+
+void lag_rounding_watch(LagRun *run)
+{
+    const int64_t steps = run->statistics.steps;
+    const int may_matter = steps > 0 || run->scale.tolerance < COARSE || run->model->n > FEW;
+    if (may_matter && lag_step_is_every(run, INTERVAL))
+        lag_rounding_look(run);
+}

@@ -1,0 +1,128 @@
+#include "steps/segment.h"
+
+#include <math.h>
+
+#include "events/accelerations.h"
+#include "state/account.h"
+#include "state/first_step.h"
+#include "model/function.h"
+#include "state/onset.h"
+#include "events/rest.h"
+#include "model/schedule.h"
+#include "steps/step.h"
+#include "state/stepper.h"
+#include "steps/turns.h"
+
+static const double FIRST_PART = 0.1; /* of what is left: no first step is longer */
+static const double FAR = 1e3; /* times all that was before */
+static const double MILD = 10; /* steps in which accelerations change by about themselves */
+
+/* A time inside the segment, away from its ends, where modes are sure not to be just changing. */
+static double middle(double t, double t_event, double t_stop)
+{
+    const double end = t_stop > t && t_stop < t_event ? t_stop : t_event;
+    return isfinite(end) ? t + (end - t) / 2 : t + fmax(1, fabs(t));
+}
+
+void lag_segment_enter(LagRun *run)
+{
+    const LagModel *model = run->model;
+    const double t = run->motion.t;
+    const double scheduled = lag_schedule_next(model->n_events, model->event_kind, run->event_a, run->event_b, t);
+    const double corner = lag_inputs_next(&run->inputs, t + lag_time_resolution(t));
+    run->segment_end = fmin(scheduled, corner);
+    run->segment_over = 0;
+    const double inside = middle(t, run->segment_end, run->settings.t_stop);
+    const double *in[] = {&inside, run->p};
+    lag_inputs_enter(&run->inputs, inside);
+    for (int i = 0; i < model->n_modes; ++i)
+        run->d_before[i] = run->d[i];
+    lag_call(&model->modes, in, &run->d, run->work);
+}
+
+/* `is_bend`: a switch has changed. Where accelerations are hardly another function of time for it, steps stay as they are. */
+static double first_step(LagRun *run, int is_bend)
+{
+    const LagSettings *settings = &run->settings;
+    const double t = run->motion.t, end = fmin(run->segment_end, settings->t_stop);
+    double longest = isfinite(end) && end > t ? FIRST_PART * (end - t) : 1;
+    if (settings->max_step > 0)
+        longest = fmin(longest, settings->max_step);
+    if (settings->first_step > 0)
+        return fmin(longest, settings->first_step);
+    if (is_bend)
+        longest = fmin(longest, run->step);
+    const int may_bend = run->model->n_switches > 0 && run->started;
+    const double slowness = lag_slowness(&run->motion, &run->scale, longest, may_bend ? 1 : 0);
+    const int is_far = run->model->n_whens > 0 && longest > FAR * (t - settings->t_start); /* contacts are passed by then */
+    const double past = is_far ? t - settings->t_start : INFINITY;
+    if (may_bend)
+        lag_onset_expect(&run->motion, &run->scale, fmin(fmin(slowness, longest), past));
+    if (is_bend && slowness > MILD * longest)
+        return longest;
+    return fmin(longest, lag_first_step(&run->scale, slowness, run->methods.table->order));
+}
+
+/* What the loads will be: with switches as they will be, and nothing that holds. */
+static void look_ahead(LagRun *run)
+{
+    const int is_live = run->switches.is_live, sliding = run->sliding.count;
+    run->switches.is_live = run->model->n_switches > 0;
+    run->sliding.count = 0;
+    lag_onset_look(&run->motion, &run->scale, fmin(run->segment_end, run->settings.t_stop));
+    run->switches.is_live = is_live;
+    run->sliding.count = sliding;
+    lag_switches_recall(run);
+}
+
+LagStatus lag_segment_evaluate(LagRun *run)
+{
+    LagMotion *motion = &run->motion;
+    const int n = motion->n;
+    motion->t_old = motion->t;
+    if (run->methods.solver == LAG_SOLVER_ORBIT) { /* the state or the equations are others now */
+        lag_stepper_choose(run, run->orbit.solver);
+        run->choice.reset(run);
+    }
+    const int is_bend = lag_switches_enter(run);
+    if (run->sliding.jams)
+        return lag_fail(run, LAG_NO_IMPULSE, -1, 0, 0);
+    if (run->sliding.count > run->methods.table->most_sliding)
+        lag_turn_pass(run);
+    else if (run->methods.table->begins_low)
+        lag_stepper_lead(run);
+    lag_account_weigh(run);
+    if (!lag_motion_slope(motion, motion->t, motion->y, motion->y + n, motion->slope)) {
+        run->segment_over = 1;
+        return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
+    }
+    lag_rest_note(run);
+    if (!run->methods.table->is_exact) {
+        look_ahead(run);
+        run->step = first_step(run, is_bend);
+    }
+    if (is_bend) /* steps before were of another motion */
+        run->calm_step = fmin(run->calm_step, run->step);
+    run->is_starting = 1;
+    run->methods.table->restart(run->methods.self, motion);
+    lag_step_set_units(run, run->step);
+    lag_orbit_restart(run);
+    return LAG_OK;
+}
+
+LagStatus lag_segment_next(LagRun *run)
+{
+    const double t = run->motion.t;
+    lag_account_open(run);
+    lag_impacts_await_jump(run, t, run->motion.y);
+    lag_segment_enter(run);
+    lag_kick(run, t, run->motion.y);
+    lag_impacts_note_jump(run, t, run->motion.y);
+    const LagStatus status = lag_impacts_strike(run);
+    if (status != LAG_OK)
+        return status;
+    lag_project_present(run);
+    lag_account_close(run);
+    ++run->statistics.events;
+    return lag_segment_evaluate(run);
+}
