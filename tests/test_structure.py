@@ -303,3 +303,14 @@ def test_c_calls_point_one_way(tmp_path: Path) -> None:
     calls = [call for call in c_calls(files, tmp_path) if call[1] not in C_DECLARED_LEFT]
     assert len(calls) > 300
     assert [f"{file}.c -> {name}" for file, name, home in calls if room[home] > room[file]] == []
+
+
+FMI_ORDER = "log evaluations settle values exchange cosimulation partial saved life".split()
+
+
+def test_files_of_fmus_call_one_way(tmp_path: Path) -> None:
+    """Those that are the same for both versions of the standard."""
+    files = [path for path in sorted((RUNTIME / "fmi").glob("*.c")) if not re.match(r"fmi\d", path.name)]
+    assert sorted(path.stem for path in files) == sorted(FMI_ORDER)
+    place = FMI_ORDER.index
+    assert [f"{file}.c -> {name}" for file, name, home in c_calls(files, tmp_path) if place(home) > place(file)] == []

@@ -14,32 +14,6 @@
 static const double LONGEST_STEP = 1e6, CLOSE = 1e-6; /* s; of a step */
 enum { MOST_STEPS = 10000000 };
 
-/* Outputs, energies and state from a row of results. */
-static void take(LagInstance *s)
-{
-    const LagModel *m = s->model;
-    const size_t states = 2 * (size_t)m->n, outputs = (size_t)m->n_outputs;
-    const double *row = s->row, *account = row + 1 + states + outputs;
-    const double T = account[0], V = account[1], H = account[2], dissipated = account[3], work = account[4];
-    s->vital.t = row[0];
-    memcpy(s->x, row + 1, states * sizeof *row);
-    memcpy(s->outputs, row + 1 + states, outputs * sizeof *row);
-    s->energies[LAG_ENERGY_KINETIC] = T;
-    s->energies[LAG_ENERGY_POTENTIAL] = V;
-    s->energies[LAG_ENERGY_TOTAL] = T + V;
-    s->energies[LAG_ENERGY_DISSIPATED] = dissipated;
-    s->energies[LAG_ENERGY_WORK] = work + (T + V - H - s->vital.supports_energy);
-    s->energies[LAG_ENERGY_RESIDUAL] = H - s->run->start_energy + dissipated - work;
-    s->vital.slope_is_current = 0;
-    s->vital.outputs_are_current = s->vital.energies_are_current = 1;
-}
-
-void lag_cosimulation_take_row(LagInstance *s)
-{
-    if (lag_run_row(s->run, s->row) == LAG_OK)
-        take(s);
-}
-
 static LagAnswer check_step(const LagInstance *s, double t, double h)
 {
     const LagVital *vital = &s->vital;
@@ -97,7 +71,7 @@ static LagAnswer advance(LagInstance *s, double target)
     const LagStatus status = lag_run_advance(s->run, &target, 1, s->row, &done, 0);
     if (status != LAG_OK)
         return lag_instance_failed(s, status);
-    take(s);
+    lag_cosimulation_take(s);
     return LAG_ANSWER_OK;
 }
 
@@ -142,7 +116,7 @@ static LagAnswer advance_watched(LagInstance *s, double target, LagStepResult *r
             return lag_instance_failed(s, status);
         if (done == 0)
             break;
-        take(s);
+        lag_cosimulation_take(s);
         const int is_event = s->uses_events && is_state_event(s->run);
         double time = target;
         s->vital.mode = LAG_MODE_INTERMEDIATE;

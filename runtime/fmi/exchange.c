@@ -28,80 +28,6 @@ static const double AFTER_EVENTS = 10; /* errors of an importer's first steps, i
 static const double CLEAR = 2;     /* slacks: farther from its place a condition needs none */
 static const double CLOSE = 1e-6; /* of the accelerations: the polynomial between two completed steps is the motion */
 
-/* The state on the constraints that equations and conditions are those of. */
-static double *projected_at(LagInstance *s, double t, const double *x)
-{
-    if (s->model->n > 0)
-        memcpy(s->projected, x, 2 * (size_t)s->model->n * sizeof *x);
-    if (s->model->n_multipliers > 0 && s->kind == LAG_MODEL_EXCHANGE)
-        lag_project_inside(s->run, t, s->projected);
-    return s->projected;
-}
-
-/* Slopes that lead back to the constraints; 1 when all are finite. */
-static int held_slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
-{
-    const int n = s->model->n;
-    const double k = s->fmu->stabilisation;
-    double *projected = projected_at(s, t, x), probe = 0;
-    memcpy(slope, projected + n, (size_t)n * sizeof *slope);
-    if (!lag_accelerations(s->run, t, projected, slope, slope + n, power))
-        return 0;
-    for (int i = 0; i < 2 * n; ++i) {
-        slope[i] += k * (projected[i] - x[i]);
-        probe += 0 * slope[i];
-    }
-    return probe == 0;
-}
-
-/* Returns 1 when all are finite. */
-static int slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
-{
-    const int n = s->model->n;
-    if (s->model->n_multipliers > 0 && s->kind == LAG_MODEL_EXCHANGE)
-        return held_slope_at(s, t, x, slope, power);
-    if (n > 0)
-        memcpy(slope, x + n, (size_t)n * sizeof *slope);
-    return lag_accelerations(s->run, t, x, slope, slope + n, power);
-}
-
-LagAnswer lag_instance_slope(LagInstance *s)
-{
-    if (s->vital.slope_is_current)
-        return LAG_ANSWER_OK;
-    if (!s->run || !slope_at(s, s->vital.t, s->x, s->slope, s->power))
-        return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "at t = %.9g s the accelerations are not finite",
-                                s->vital.t);
-    s->vital.slope_is_current = 1;
-    return LAG_ANSWER_OK;
-}
-
-LagAnswer lag_instance_outputs(LagInstance *s)
-{
-    if (!s->vital.outputs_are_current && s->run)
-        lag_outputs(s->run, s->vital.t, projected_at(s, s->vital.t, s->x), s->outputs);
-    s->vital.outputs_are_current = 1;
-    return LAG_ANSWER_OK;
-}
-
-LagAnswer lag_instance_energies(LagInstance *s)
-{
-    const LagVital *vital = &s->vital;
-    double of_state[3];
-    if (vital->energies_are_current || !s->run)
-        return LAG_ANSWER_OK;
-    lag_energies(s->run, vital->t, s->x, of_state);
-    const double total = of_state[0] + of_state[1];
-    s->energies[LAG_ENERGY_KINETIC] = of_state[0];
-    s->energies[LAG_ENERGY_POTENTIAL] = of_state[1];
-    s->energies[LAG_ENERGY_TOTAL] = total;
-    s->energies[LAG_ENERGY_DISSIPATED] = vital->dissipated;
-    s->energies[LAG_ENERGY_WORK] = vital->work + (total - of_state[2] - vital->supports_energy);
-    s->energies[LAG_ENERGY_RESIDUAL] = of_state[2] - vital->start_energy + vital->dissipated - vital->work;
-    s->vital.energies_are_current = 1;
-    return LAG_ANSWER_OK;
-}
-
 LagAnswer lag_instance_set_time(LagInstance *s, double t)
 {
     if (!isfinite(t))
@@ -174,11 +100,6 @@ static double event_margin(const LagRun *run, int k)
     return run->switches.slides[lag_contact(run->model, k)] ? 0 : lag_contacts_margin(run, lag_gap(run->model, k));
 }
 
-static double slack_of(const LagInstance *s, int i)
-{
-    return lag_is_event(s->model, i) ? s->slack[i - lag_when(s->model, 0)] : 0;
-}
-
 /* At an event: states are errors of the importer away from places at which they are. From there on conditions are given a slack until
  * they are clear of it, so that what has come does not come again; all others change sign where they are. */
 static void give_slack(LagInstance *s)
@@ -197,19 +118,6 @@ static void take_slack(LagInstance *s)
     for (int k = 0; k < s->model->n_whens; ++k)
         if (s->indicators[lag_when(s->model, k)] >= (1 + CLEAR) * s->slack[k])
             s->slack[k] = 0;
-}
-
-/* Above 0 as long as the equations hold, with what is rounding around it. */
-LagAnswer lag_instance_indicators(LagInstance *s)
-{
-    LagRun *run = s->run;
-    if (!run || s->model->n_switches == 0)
-        return LAG_ANSWER_OK;
-    const LagSwitches *switches = &run->switches;
-    lag_conditions(run, s->vital.t, projected_at(s, s->vital.t, s->x), switches->g_inside, switches->rate_inside);
-    for (int i = 0; i < s->model->n_switches; ++i)
-        s->indicators[i] = lag_depth(switches, i, switches->g_inside) + switches->unknown[i] + slack_of(s, i);
-    return LAG_ANSWER_OK;
 }
 
 LagAnswer lag_instance_get_indicators(LagInstance *s, double *indicators, size_t count)
@@ -236,17 +144,6 @@ static void stand_at(LagInstance *s, double t, const double *x)
     memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);
     memcpy(motion->y, x, 2 * (size_t)motion->n * sizeof *x);
     lag_switches_start_anew(s->run);
-}
-
-void lag_exchange_note(LagInstance *s)
-{
-    const size_t size = 2 * (size_t)s->model->n * sizeof *s->x;
-    s->vital.last_time = s->vital.t;
-    if (s->model->n_power == 0 || lag_instance_slope(s) != LAG_ANSWER_OK)
-        return;
-    memcpy(s->last, s->x, size);
-    memcpy(s->last_slope, s->slope, size);
-    memcpy(s->last_power, s->power, (size_t)s->model->n_power * sizeof *s->power);
 }
 
 /* The state at the share x of the last step, and its accelerations: q by the polynomial of degree 5 through both ends' q, v and
@@ -287,7 +184,7 @@ static int account_by_polynomial(LagInstance *s, double h, double *sum)
         sum[k] = h / 12 * (s->last_power[k] + s->power[k]);
     for (int i = 0; i < 2; ++i) {
         state_between(s, INNER[i], h, state, acceleration);
-        if (!slope_at(s, s->vital.last_time + h * INNER[i], state, slope, power) || !agree(acceleration, slope + n, n))
+        if (!lag_instance_slope_at(s, s->vital.last_time + h * INNER[i], state, slope, power) || !agree(acceleration, slope + n, n))
             return 0;
         for (int k = 0; k < 2; ++k)
             sum[k] += h / 12 * 5 * power[k];
@@ -309,7 +206,7 @@ static int account_by_run(LagInstance *s, double *sum)
     const double *account = s->row + 1 + 2 * n + run->model->n_outputs + 3;
     sum[0] = account[0];
     sum[1] = account[1];
-    stand_at(s, s->vital.t, projected_at(s, s->vital.t, s->x));
+    stand_at(s, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
     lag_switches_resume(run, s->switches);
     return is_known;
 }
@@ -385,7 +282,7 @@ static int switch_over(LagInstance *s)
     const size_t n = (size_t)s->model->n, size = 2 * n * sizeof *s->x;
     if (s->model->n_switches == 0)
         return 0;
-    const double *projected = projected_at(s, s->vital.t, s->x);
+    const double *projected = lag_instance_projected(s, s->vital.t, s->x);
     stand_at(s, s->vital.t, projected);
     run->impacts.coarse = coarseness(s);
     lag_switches_note(run);

@@ -120,6 +120,10 @@ LagAnswer lag_instance_settle(LagInstance *instance);
 /* The state or the time changed: what follows from them is worked out anew. */
 void lag_instance_forget(LagInstance *instance);
 LagAnswer lag_instance_slope(LagInstance *instance);
+/* The slope at another state and its power; 1 when all are finite. */
+int lag_instance_slope_at(LagInstance *instance, double t, const double *x, double *slope, double *power);
+/* The state on the constraints that equations and conditions are those of; valid until the next call. */
+double *lag_instance_projected(LagInstance *instance, double t, const double *x);
 LagAnswer lag_instance_outputs(LagInstance *instance);
 LagAnswer lag_instance_energies(LagInstance *instance);
 /* Explains why the run did not go on. */
@@ -151,6 +155,8 @@ typedef struct {
 LagAnswer lag_instance_step(LagInstance *instance, double t, double h, LagStepResult *result);
 LagAnswer lag_instance_input_slope(LagInstance *instance, unsigned int reference, int order, double value);
 LagAnswer lag_instance_output_slope(LagInstance *instance, unsigned int reference, int order, double *value);
+/* Outputs, energies and state from the row of results at hand; from that of the present time. */
+void lag_cosimulation_take(LagInstance *instance);
 void lag_cosimulation_take_row(LagInstance *instance);
 
 /* Derivatives along a direction and their adjoints (partial.c). */

@@ -1,0 +1,113 @@
+/* What follows from time, state and inputs: slopes, outputs, energies, event indicators.
+ *
+ * In Model Exchange the importer integrates, and constraints of closed loops are kept by the slopes: see exchange.c. */
+#include <string.h>
+
+#include "fmi/instance.h"
+
+#include "events/accelerations.h"
+#include "events/conditions.h"
+#include "state/state.h"
+
+/* The state on the constraints that equations and conditions are those of. */
+double *lag_instance_projected(LagInstance *s, double t, const double *x)
+{
+    if (s->model->n > 0)
+        memcpy(s->projected, x, 2 * (size_t)s->model->n * sizeof *x);
+    if (s->model->n_multipliers > 0 && s->kind == LAG_MODEL_EXCHANGE)
+        lag_project_inside(s->run, t, s->projected);
+    return s->projected;
+}
+
+/* Slopes that lead back to the constraints; 1 when all are finite. */
+static int held_slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
+{
+    const int n = s->model->n;
+    const double k = s->fmu->stabilisation;
+    double *projected = lag_instance_projected(s, t, x), probe = 0;
+    memcpy(slope, projected + n, (size_t)n * sizeof *slope);
+    if (!lag_accelerations(s->run, t, projected, slope, slope + n, power))
+        return 0;
+    for (int i = 0; i < 2 * n; ++i) {
+        slope[i] += k * (projected[i] - x[i]);
+        probe += 0 * slope[i];
+    }
+    return probe == 0;
+}
+
+/* Returns 1 when all are finite. */
+int lag_instance_slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
+{
+    const int n = s->model->n;
+    if (s->model->n_multipliers > 0 && s->kind == LAG_MODEL_EXCHANGE)
+        return held_slope_at(s, t, x, slope, power);
+    if (n > 0)
+        memcpy(slope, x + n, (size_t)n * sizeof *slope);
+    return lag_accelerations(s->run, t, x, slope, slope + n, power);
+}
+
+LagAnswer lag_instance_slope(LagInstance *s)
+{
+    if (s->vital.slope_is_current)
+        return LAG_ANSWER_OK;
+    if (!s->run || !lag_instance_slope_at(s, s->vital.t, s->x, s->slope, s->power))
+        return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "at t = %.9g s the accelerations are not finite",
+                                s->vital.t);
+    s->vital.slope_is_current = 1;
+    return LAG_ANSWER_OK;
+}
+
+LagAnswer lag_instance_outputs(LagInstance *s)
+{
+    if (!s->vital.outputs_are_current && s->run)
+        lag_outputs(s->run, s->vital.t, lag_instance_projected(s, s->vital.t, s->x), s->outputs);
+    s->vital.outputs_are_current = 1;
+    return LAG_ANSWER_OK;
+}
+
+LagAnswer lag_instance_energies(LagInstance *s)
+{
+    const LagVital *vital = &s->vital;
+    double of_state[3];
+    if (vital->energies_are_current || !s->run)
+        return LAG_ANSWER_OK;
+    lag_energies(s->run, vital->t, s->x, of_state);
+    const double total = of_state[0] + of_state[1];
+    s->energies[LAG_ENERGY_KINETIC] = of_state[0];
+    s->energies[LAG_ENERGY_POTENTIAL] = of_state[1];
+    s->energies[LAG_ENERGY_TOTAL] = total;
+    s->energies[LAG_ENERGY_DISSIPATED] = vital->dissipated;
+    s->energies[LAG_ENERGY_WORK] = vital->work + (total - of_state[2] - vital->supports_energy);
+    s->energies[LAG_ENERGY_RESIDUAL] = of_state[2] - vital->start_energy + vital->dissipated - vital->work;
+    s->vital.energies_are_current = 1;
+    return LAG_ANSWER_OK;
+}
+
+static double slack_of(const LagInstance *s, int i)
+{
+    return lag_is_event(s->model, i) ? s->slack[i - lag_when(s->model, 0)] : 0;
+}
+
+/* Above 0 as long as the equations hold, with what is rounding around it. */
+LagAnswer lag_instance_indicators(LagInstance *s)
+{
+    LagRun *run = s->run;
+    if (!run || s->model->n_switches == 0)
+        return LAG_ANSWER_OK;
+    const LagSwitches *switches = &run->switches;
+    lag_conditions(run, s->vital.t, lag_instance_projected(s, s->vital.t, s->x), switches->g_inside, switches->rate_inside);
+    for (int i = 0; i < s->model->n_switches; ++i)
+        s->indicators[i] = lag_depth(switches, i, switches->g_inside) + switches->unknown[i] + slack_of(s, i);
+    return LAG_ANSWER_OK;
+}
+
+void lag_exchange_note(LagInstance *s)
+{
+    const size_t size = 2 * (size_t)s->model->n * sizeof *s->x;
+    s->vital.last_time = s->vital.t;
+    if (s->model->n_power == 0 || lag_instance_slope(s) != LAG_ANSWER_OK)
+        return;
+    memcpy(s->last, s->x, size);
+    memcpy(s->last_slope, s->slope, size);
+    memcpy(s->last_power, s->power, (size_t)s->model->n_power * sizeof *s->power);
+}

@@ -1,0 +1,215 @@
+/* Values that were set come into force: where they are, start values from them, and what they change in a run. */
+#include <math.h>
+#include <string.h>
+
+#include "fmi/instance.h"
+
+#include "state/evaluate.h"
+#include "state/state.h"
+#include "steps/segment.h"
+
+int lag_fmu_count(const LagFmu *fmu, int group)
+{
+    const LagModel *m = fmu->model;
+    switch (group) {
+    case LAG_GROUP_TIME: return 1;
+    case LAG_GROUP_STATE:
+    case LAG_GROUP_SLOPE: return 2 * m->n;
+    case LAG_GROUP_OUTPUT: return m->n_outputs;
+    case LAG_GROUP_ENERGY: return LAG_ENERGIES;
+    case LAG_GROUP_INPUT: return m->n_inputs;
+    case LAG_GROUP_PARAMETER: return m->n_parameters;
+    case LAG_GROUP_INDICATOR: return m->n_switches;
+    case LAG_GROUP_REAL: return fmu->n_reals;
+    case LAG_GROUP_INTEGER: return fmu->n_integers;
+    case LAG_GROUP_BOOLEAN: return fmu->n_booleans;
+    case LAG_GROUP_STRING: return fmu->n_strings;
+    default: return 0;
+    }
+}
+
+int lag_instance_locate(const LagFmu *fmu, unsigned int reference, int *index)
+{
+    for (int group = 0; group < LAG_GROUPS; ++group) {
+        const unsigned int count = (unsigned int)lag_fmu_count(fmu, group);
+        if (reference < count) {
+            *index = (int)reference;
+            return group;
+        }
+        reference -= count;
+    }
+    return -1;
+}
+
+/* Inputs held at their present values, or going on with their slopes until t + h. */
+static LagStatus set_inputs(LagInstance *s, double t)
+{
+    const size_t n = (size_t)s->model->n_inputs;
+    s->table[0] = t;
+    if (n > 0)
+        memcpy(s->table + 1, s->u, n * sizeof *s->u);
+    return n > 0 ? lag_run_set_inputs(s->run, s->table, s->table + 1, 1) : LAG_OK;
+}
+
+static LagAnswer check_parameters(LagInstance *s)
+{
+    const double *p = lag_run_parameters(s->run);
+    const char *const *names = s->fmu->names + 1 + 4 * s->model->n + s->model->n_outputs + LAG_ENERGIES + s->model->n_inputs;
+    for (int i = 0; i < s->model->n_parameters; ++i)
+        if (!(p[i] >= s->fmu->minimum[i] && p[i] <= s->fmu->maximum[i]))
+            return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%.200s is %g, which is not from %g to %g", names[i],
+                                    p[i], s->fmu->minimum[i], s->fmu->maximum[i]);
+    return LAG_ANSWER_OK;
+}
+
+void lag_instance_forget(LagInstance *s)
+{
+    s->vital.slope_is_current = s->vital.outputs_are_current = s->vital.energies_are_current = 0;
+}
+
+/* Outputs, energies and state from a row of results. */
+void lag_cosimulation_take(LagInstance *s)
+{
+    const LagModel *m = s->model;
+    const size_t states = 2 * (size_t)m->n, outputs = (size_t)m->n_outputs;
+    const double *row = s->row, *account = row + 1 + states + outputs;
+    const double T = account[0], V = account[1], H = account[2], dissipated = account[3], work = account[4];
+    s->vital.t = row[0];
+    memcpy(s->x, row + 1, states * sizeof *row);
+    memcpy(s->outputs, row + 1 + states, outputs * sizeof *row);
+    s->energies[LAG_ENERGY_KINETIC] = T;
+    s->energies[LAG_ENERGY_POTENTIAL] = V;
+    s->energies[LAG_ENERGY_TOTAL] = T + V;
+    s->energies[LAG_ENERGY_DISSIPATED] = dissipated;
+    s->energies[LAG_ENERGY_WORK] = work + (T + V - H - s->vital.supports_energy);
+    s->energies[LAG_ENERGY_RESIDUAL] = H - s->run->start_energy + dissipated - work;
+    s->vital.slope_is_current = 0;
+    s->vital.outputs_are_current = s->vital.energies_are_current = 1;
+}
+
+void lag_cosimulation_take_row(LagInstance *s)
+{
+    if (lag_run_row(s->run, s->row) == LAG_OK)
+        lag_cosimulation_take(s);
+}
+
+LagAnswer lag_instance_begin(LagInstance *s)
+{
+    LagRun *run = s->run;
+    LagVital *vital = &s->vital;
+    double energies[3];
+    if (vital->has_started)
+        return LAG_ANSWER_OK;
+    run->started = 0;
+    run->motion.t = vital->start; /* where the inputs begin */
+    LagStatus status = lag_run_set_parameters(run, s->given, s->mask);
+    if (check_parameters(s) != LAG_ANSWER_OK)
+        return LAG_ANSWER_ERROR;
+    if (status == LAG_OK)
+        status = set_inputs(s, vital->start);
+    if (status == LAG_OK)
+        status = lag_run_start(run, s->start, s->start + s->model->n);
+    if (status != LAG_OK) {
+        const int mode = vital->mode; /* other values may still be set */
+        lag_instance_failed(s, status);
+        vital->mode = mode;
+        return LAG_ANSWER_ERROR;
+    }
+    vital->has_started = 1;
+    vital->parameters_changed = vital->inputs_changed = 0;
+    vital->t = run->motion.t;
+    memcpy(s->x, run->motion.y, 2 * (size_t)s->model->n * sizeof *s->x);
+    lag_energies(run, vital->t, s->x, energies);
+    vital->start_energy = energies[2];
+    vital->supports_energy = energies[0] + energies[1] - energies[2];
+    vital->dissipated = vital->work = 0;
+    lag_instance_forget(s);
+    if (s->kind == LAG_CO_SIMULATION) {
+        lag_cosimulation_take_row(s);
+    } else {
+        lag_scale_note(&run->scale, s->fmu->nominal); /* what is 0 at the start: projecting tells errors from rounding by size */
+        lag_exchange_note(s);
+    }
+    return LAG_ANSWER_OK;
+}
+
+static double total_energy(LagInstance *s)
+{
+    double energies[3];
+    lag_energies(s->run, s->vital.t, s->x, energies);
+    return energies[2];
+}
+
+/* In Model Exchange the run only holds what belongs to the parameters and the segment; the state is the importer's. */
+static LagStatus settle_exchange(LagInstance *s)
+{
+    LagRun *run = s->run;
+    const double before = total_energy(s);
+    LagStatus status = LAG_OK;
+    run->motion.t = s->vital.t;
+    if (s->vital.parameters_changed) {
+        run->started = 0; /* the account is kept here */
+        status = lag_run_set_parameters(run, s->given, s->mask);
+        run->started = 1;
+        lag_segment_enter(run);
+    }
+    if (status == LAG_OK && s->vital.inputs_changed) {
+        run->started = 0;
+        status = set_inputs(s, s->vital.t);
+        run->started = 1;
+    }
+    s->vital.work += total_energy(s) - before;
+    return status;
+}
+
+static LagStatus settle_cosimulation(LagInstance *s)
+{
+    LagRun *run = s->run;
+    LagStatus status = lag_run_cut(run, s->vital.t);
+    if (status == LAG_OK && s->vital.parameters_changed)
+        status = lag_run_set_parameters(run, s->given, s->mask);
+    if (status == LAG_OK && s->vital.inputs_changed)
+        status = set_inputs(s, s->vital.t);
+    if (status == LAG_OK)
+        status = lag_segment_next(run);
+    if (status == LAG_OK)
+        lag_cosimulation_take_row(s);
+    return status;
+}
+
+LagAnswer lag_instance_settle(LagInstance *s)
+{
+    LagVital *vital = &s->vital;
+    if (!s->run || (vital->mode & (LAG_MODE_TERMINATED | LAG_MODE_ERROR | LAG_MODE_INTERMEDIATE)))
+        return LAG_ANSWER_OK;
+    if (!vital->has_started)
+        return lag_instance_begin(s);
+    if (!vital->parameters_changed && !vital->inputs_changed)
+        return LAG_ANSWER_OK;
+    const LagStatus status = s->kind == LAG_MODEL_EXCHANGE ? settle_exchange(s) : settle_cosimulation(s);
+    if (status != LAG_OK)
+        return lag_instance_failed(s, status);
+    lag_instance_forget(s);
+    vital->outputs_are_current = vital->energies_are_current = s->kind == LAG_CO_SIMULATION;
+    if (vital->parameters_changed && check_parameters(s) != LAG_ANSWER_OK)
+        return LAG_ANSWER_ERROR;
+    vital->parameters_changed = vital->inputs_changed = 0;
+    return LAG_ANSWER_OK;
+}
+
+LagAnswer lag_instance_enter_initialization(LagInstance *s)
+{
+    const int steps_alone = s->kind == LAG_CO_SIMULATION;
+    const LagSettings settings = {.t_start = s->vital.start, .t_stop = s->vital.has_stop && steps_alone ? s->vital.stop : INFINITY,
+                                  .tolerance = s->vital.tolerance,
+                                  .solver = steps_alone ? LAG_SOLVER_AUTO : LAG_SOLVER_ERK};
+    lag_run_free(s->run);
+    s->run = lag_run_new(s->model, &settings);
+    memset(s->table, 0, 2 * (1 + (size_t)s->model->n_inputs) * sizeof *s->table);
+    /* Room for a table of two rows is taken now. */
+    if (!s->run || lag_run_set_inputs(s->run, s->table, s->table + 2, 2) != LAG_OK)
+        return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "no memory is left");
+    s->vital.has_started = 0;
+    s->vital.mode = LAG_MODE_INITIALIZATION;
+    return LAG_ANSWER_OK;
+}
