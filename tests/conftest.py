@@ -46,11 +46,14 @@ def compare(request: pytest.FixtureRequest) -> Compare:
 
 @pytest.fixture(scope="session", autouse=True)
 def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Compiled scenes of the tests stay out of the cache of the person who runs them; processes that share the work share it."""
+    """Compiled scenes of the tests stay out of the cache of the person who runs them; processes that share the work share it.
+
+    LAGRANGIA_TEST_CACHE names one that outlives the tests, for who changes a source and runs them again.
+    """
     base = tmp_path_factory.getbasetemp()
     shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("LAGRANGIA_CACHE", str(shared / "cache"))
+        patch.setenv("LAGRANGIA_CACHE", os.environ.get("LAGRANGIA_TEST_CACHE", str(shared / "cache")))
         yield
 
 
