@@ -11,7 +11,7 @@
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 #include "events/impulses.h"
-#include "events/rubs.h"
+#include "events/contact_friction.h"
 #include "model/schedule.h"
 #include "state/state.h"
 

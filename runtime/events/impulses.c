@@ -10,7 +10,7 @@
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 #include "model/function.h"
-#include "events/rubs.h"
+#include "events/contact_friction.h"
 #include "state/state.h"
 
 /* Forces that a way is looked for with are so much larger than all others. */

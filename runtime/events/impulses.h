@@ -25,7 +25,7 @@ double lag_impulses_closing(const LagRun *run, int k);
 /* After rest: looks along way k, and returns how much an impulse of 1 opens its contact. */
 double lag_impulses_opening(LagRun *run, int k);
 
-/* Resets the rates of the events in impacts.fires, from impacts.rate to impacts.wanted; `presses`: see rubs.h. Returns 0 where there are
+/* Resets the rates of the events in impacts.fires, from impacts.rate to impacts.wanted; `presses`: see contact_friction.h. Returns 0 where there are
  * no impulses that do. */
 int lag_impulses_reset(LagRun *run, int presses);
 

@@ -14,7 +14,7 @@
 #include "numbers/extremes.h"
 #include "events/jams.h"
 #include "events/jumps.h"
-#include "events/rubs.h"
+#include "events/contact_friction.h"
 #include "state/state.h"
 
 enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */

@@ -14,7 +14,7 @@
 
 #include "numbers/extremes.h"
 #include "numbers/lanes.h"
-#include "numbers/rough.h"
+#include "numbers/rough_power.h"
 #include "steps/step.h"
 #include "steps/turns.h"
 

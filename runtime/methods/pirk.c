@@ -17,7 +17,7 @@
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 #include "methods/pirk_tableau.h"
-#include "numbers/rough.h"
+#include "numbers/rough_power.h"
 #include "steps/step.h"
 #include "methods/taylor.h"
 

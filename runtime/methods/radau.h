@@ -2,7 +2,7 @@
 #ifndef LAG_RADAU_H
 #define LAG_RADAU_H
 
-#include "methods/border.h"
+#include "methods/radau_border.h"
 #include "methods/collocation.h"
 #include "model/implicit_matrix.h"
 #include "state/method.h"

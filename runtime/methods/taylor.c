@@ -9,8 +9,8 @@
 
 #include "numbers/extremes.h"
 #include "numbers/lanes.h"
-#include "methods/long_state.h"
-#include "numbers/rough.h"
+#include "methods/taylor_long.h"
+#include "numbers/rough_power.h"
 #include "steps/rounding.h"
 #include "steps/segment.h"
 #include "steps/step.h"

@@ -19,7 +19,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "numbers/linear.h"
+#include "numbers/qr.h"
 
 static const double GOLDEN_RATIO = 0.6180339887498949, CLOSE = 1e-7, SHORTEST_LEAN = 0.1, FALL = 1e-13;
 static const double SINGULAR = 1e-5, SPREAD = 1, WIDE_SPREAD = 6.283185307179586, NEAR = 0.5, MOVED = 1e-9, BOUNDLESS = 1e100;

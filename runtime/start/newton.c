@@ -15,7 +15,7 @@
 #include <string.h>
 
 #include "model/function.h"
-#include "numbers/linear.h"
+#include "numbers/qr.h"
 
 static const double SATISFIED = 1e-10, DEPENDENT = 1e-10, SHORTEST_STEP = 1e-4, LONGEST_STEP = 0.5, FAITHFUL = 0.9;
 static const double CRITICAL = 1e-6, PUSH = 1e-2, GOLDEN_RATIO = 0.6180339887498949;

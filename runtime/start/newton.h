@@ -3,7 +3,7 @@
 #define LAG_NEWTON_H
 
 #include "base/arena.h"
-#include "numbers/linear.h"
+#include "numbers/qr.h"
 #include "start/metric.h"
 #include "model/model.h"
 

@@ -4,7 +4,7 @@
 #include "steps/attempts.h"
 #include "numbers/extremes.h"
 #include "state/onset.h"
-#include "numbers/rough.h"
+#include "numbers/rough_power.h"
 #include "steps/rounding.h"
 #include "steps/step.h"
 

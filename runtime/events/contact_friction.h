@@ -1,6 +1,6 @@
 /* Rubs: friction that presses with the force of a contact presses with its impulse, too. */
-#ifndef LAG_RUBS_H
-#define LAG_RUBS_H
+#ifndef LAG_CONTACT_FRICTION_H
+#define LAG_CONTACT_FRICTION_H
 
 #include "model/model.h"
 #include "state/settings.h"

@@ -1,6 +1,6 @@
 /* Powers to three digits, for lengths of steps: a tenth of the time of pow, and the same on every machine. */
-#ifndef LAG_ROUGH_H
-#define LAG_ROUGH_H
+#ifndef LAG_ROUGH_POWER_H
+#define LAG_ROUGH_POWER_H
 
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Small dense linear algebra. */
-#ifndef LAG_LINEAR_H
-#define LAG_LINEAR_H
+#ifndef LAG_QR_H
+#define LAG_QR_H
 
 /* A = Q R P', A rows x cols, column-major, overwritten; diagonal[cols] is that of R, pivot[cols] the order of columns.
  * Returns the rank: columns that are shorter than `tolerance` times the first pivot count as dependent. */

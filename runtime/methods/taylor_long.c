@@ -1,4 +1,4 @@
-#include "methods/long_state.h"
+#include "methods/taylor_long.h"
 
 #include "numbers/lanes.h"
 

@@ -4,7 +4,7 @@
  * Column j keeps its reflector u in rows j and below (I - 2 u u' / u'u), R above; the diagonal of R is kept apart. Norms of
  * the remaining columns are computed anew, not updated: sizes are small, and safe is better.
  */
-#include "numbers/linear.h"
+#include "numbers/qr.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* Taylor steps of a long state: what taylor.c does for each coordinate, here for LAG_LANES of them at a time. The coefficients of
  * an order lie side by side; accelerations are not kept, they are the first coefficients of the rates.
  */
-#ifndef LAG_LONG_STATE_H
-#define LAG_LONG_STATE_H
+#ifndef LAG_TAYLOR_LONG_H
+#define LAG_TAYLOR_LONG_H
 
 #include "state/state.h"
 

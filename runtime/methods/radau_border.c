@@ -5,7 +5,7 @@
  * where ' is change and g_a, g_v, g_q are derivatives of dg/dt, has a border: with X0 and Y, which the matrix without it makes of r and
  * W, x = X0 - Y c and (mu g_a + g_v + g_q/mu) (X0 - Y c) = g_a r.
  */
-#include "methods/border.h"
+#include "methods/radau_border.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,7 +5,7 @@
  * Friction acts with a share s of its range, from 0 to 1. Each way of an impulse is taken at s = 0; what s = 1 adds to it is the
  * direction of the friction, and how much of it there is, that of its range.
  */
-#include "events/rubs.h"
+#include "events/contact_friction.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* The border of implicit matrices: what slides, in implicit steps (sliding.h). */
-#ifndef LAG_BORDER_H
-#define LAG_BORDER_H
+#ifndef LAG_RADAU_BORDER_H
+#define LAG_RADAU_BORDER_H
 
 #include "model/implicit_matrix.h"
 #include "state/motion.h"
