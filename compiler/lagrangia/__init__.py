@@ -4,6 +4,23 @@
     model = lag.load("chain.lag", n=20)
     run = model.simulate(stop=5, tolerance=1e-10, parameters={"link[1].m": 2.0})
     run.time, run["hinge[1].phi"], run.energy.total
+
+The rooms, in the order in which they may import each other (tests/test_structure.py holds it): base, native, run; from text to a
+scene: algebra, language, frames, constraints, dynamics, needs, compile; what is done with them: view, study, paper, fmu; `model`
+is the interface in Python, which bench and command use. Each room's __init__.py says what belongs there. The C of a run is in
+runtime/, in folders of the same kind, tests are in tests/<room>/, and what they share in tests/helpers/.
+
+To add, beside a test in the room of the same name and a line in CHANGELOG.md:
+
+- a component: a model in models/library/*.lag, in the language itself; `lag help library` shows it from there.
+- a joint: as any component, of frames (b = turn(a, phi)); what is cut where it closes a loop: frames/edges.py and closures.py.
+- a solver: a LagMethod in runtime/methods/NAME.c; its number in runtime/state/settings.h and run/runtime.py, its place in
+  runtime/choice/methods.c, its name in run/solvers.py, its paragraph in command/topics.py.
+- a form of the equations: a function of the book in paper/, with its name in FORMS of paper/forms.py.
+- a subcommand: command/NAME.py, its options in command/cli.py, its row in README.md.
+- a diagnostic: fail("L0...", what, span, what to do) where it is found (base/diagnostics.py); a text that brings it about in
+  tests/errors/NAME.lag, and `pytest tests/language/test_errors.py --update` writes what is said beside it.
+- an option of a run: run/request.py, which the command line, Python, sweeps, benchmarks and FMUs hand down.
 """
 
 from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Interrupted, LagError, RunError
