@@ -134,6 +134,14 @@ def times(a: Scalar, b: Scalar) -> Scalar:
     return a * b
 
 
+def dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+    """Inner product, without terms that are 0."""
+    total: Scalar = 0.0
+    for x, y in zip(a, b, strict=True):
+        total = plus(total, times(x, y))
+    return total
+
+
 def value_of(x: Scalar) -> Scalar:
     """A dual's value; other scalars are their own."""
     return x.value if isinstance(x, Dual) else x

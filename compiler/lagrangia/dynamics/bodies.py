@@ -9,27 +9,17 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Scalar, minus
-from lagrangia.algebra.scalars import scalars_in, symbol
+from lagrangia.algebra.duals import Scalar
 from lagrangia.dynamics.energies import Energies, Term
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.planar import Pose
+from lagrangia.frames.planar import HERE, Pose
+from lagrangia.frames.planar_inertia import FreeBody, Inertia, inertias, unlike_a_body
 from lagrangia.language.flat import FlatModel
+from lagrangia.language.frame_attributes import ATTRIBUTES
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Call, FrameRef, Ref, Time
-
-
-@dataclass(frozen=True)
-class Inertia:
-    """Of a rigid body about the origin of one of its frames, in that frame's axes: kg, kg.m, kg.m2."""
-
-    frame: str
-    mass: Scalar
-    moment_x: Scalar
-    moment_y: Scalar
-    second_moment: Scalar
 
 
 @dataclass(frozen=True)
@@ -55,18 +45,16 @@ class _Candidate:
 def find_bodies(kinematics: Kinematics, energies: Energies) -> Bodies:
     """Splits the kinetic energy into rigid bodies and the rest."""
     home, local = _rigid_clusters(kinematics)
-    angle = symbol("c"), symbol("s")
-    twist = symbol("vx"), symbol("vy"), symbol("w")
-    found = [_candidate(kinematics, term, home, local, twist, angle) for term in energies.kinetic]
+    body = FreeBody()
+    found = [_candidate(kinematics, term, home, local, body) for term in energies.kinetic]
     candidates = [candidate for candidate in found if candidate is not None]
-    turned = _hessians([candidate.energy for candidate in candidates], twist)
-    straight = ca.substitute([turned], [*angle], [ca.SX(1), ca.SX(0)])[0]
-    rigid = _are_rigid(straight, turned, angle, kinematics)
-    columns = [scalars_in(straight[:, k]) for k in range(6)]
-    inertias = [Inertia(c.frame, columns[0][k], columns[4][k], minus(0.0, columns[2][k]), columns[5][k])
-                for k, c in enumerate(candidates) if rigid[k]]
+    turned = body.hessians([candidate.energy for candidate in candidates])
+    straight = body.straight(turned)
+    rigid = _are_rigid(straight, turned, body, kinematics)
+    known = inertias([c.frame for c in candidates], straight)
     solved = {id(c.term) for c, is_rigid in zip(candidates, rigid, strict=True) if is_rigid}
-    return Bodies(tuple(inertias), tuple(term for term in energies.kinetic if id(term) not in solved), home, local)
+    rest = tuple(term for term in energies.kinetic if id(term) not in solved)
+    return Bodies(tuple(x for x, is_rigid in zip(known, rigid, strict=True) if is_rigid), rest, home, local)
 
 
 def _rigid_clusters(kinematics: Kinematics) -> tuple[dict[str, str], dict[str, Pose]]:
@@ -74,7 +62,7 @@ def _rigid_clusters(kinematics: Kinematics) -> tuple[dict[str, str], dict[str, P
     graph: ComponentGraph = kinematics.graph
     home, local = {}, {}
     for frame in (*(root.frame for root in graph.roots), *(edge.child for edge in graph.edges if not edge.is_rigid)):
-        home[frame], local[frame] = frame, Pose(0.0, 0.0, 0.0, 1.0, 0.0)
+        home[frame], local[frame] = frame, HERE
     for edge in graph.edges:
         if edge.is_rigid:
             home[edge.child], local[edge.child] = home[edge.parent], kinematics.follow(edge, local[edge.parent], 0)
@@ -82,14 +70,13 @@ def _rigid_clusters(kinematics: Kinematics) -> tuple[dict[str, str], dict[str, P
 
 
 def _candidate(
-    kinematics: Kinematics, term: Term, home: Mapping[str, str], local: Mapping[str, Pose], twist: tuple[Scalar, ...],
-    angle: tuple[Scalar, Scalar],
+    kinematics: Kinematics, term: Term, home: Mapping[str, str], local: Mapping[str, Pose], body: FreeBody
 ) -> _Candidate | None:
     frames = _velocities_read(kinematics.graph.model, term)
     if not frames or len({home[name] for name in frames}) != 1:
         return None
     frame = min(frames)
-    probe = _Probe(kinematics, local, frame, twist, *angle)
+    probe = _Probe(kinematics, local, frame, body)
     return _Candidate(term, frame, Evaluator(kinematics.graph.model, kinematics.algebra, probe).value(term.statement.value))
 
 
@@ -103,7 +90,7 @@ def _velocities_read(model: FlatModel, term: Term) -> set[str] | None:
             if (isinstance(node, Call) and node.function in ("der", "distance")) or isinstance(node, Time):
                 return None
             if isinstance(node, FrameRef):
-                if node.attribute not in ("v", "w"):
+                if not node.attribute or ATTRIBUTES[node.attribute].kind != "velocity":
                     return None
                 frames.add(node.name)
             if isinstance(node, Ref) and node.name not in seen:
@@ -116,22 +103,11 @@ def _velocities_read(model: FlatModel, term: Term) -> set[str] | None:
     return frames
 
 
-def _hessians(values: list[Scalar], twist: tuple[Scalar, ...]) -> ca.SX:
-    """d2T/d(twist)2 of each energy: a row of the six entries xx, xy, xw, yy, yw, ww. NaN where T is not quadratic."""
-    moving = ca.vertcat(*twist)
-    slopes = ca.densify(ca.jacobian(ca.vertcat(ca.SX(0, 1), *values), moving))
-    x, y, w = (ca.densify(ca.jacobian(slopes[:, k], moving)) for k in range(3))
-    table = ca.horzcat(x, y[:, 1:], w[:, 2])
-    return ca.substitute(table, moving, ca.SX.nan(3)) if ca.depends_on(table, moving) else table
-
-
 class _Probe:
     """Leaves of an evaluator in which the velocities of one body's frames come from a free twist in its own axes."""
 
-    def __init__(self, kinematics: Kinematics, local: Mapping[str, Pose], frame: str, twist: tuple[Scalar, ...], cosine: Scalar,
-                 sine: Scalar) -> None:
-        self.kinematics, self.local, self.origin = kinematics, local, local[frame]
-        self.twist, self.cosine, self.sine = twist, cosine, sine
+    def __init__(self, kinematics: Kinematics, local: Mapping[str, Pose], frame: str, body: FreeBody) -> None:
+        self.kinematics, self.local, self.own, self.body = kinematics, local, local[frame], body
 
     def symbol(self, name: str, level: int) -> Value | None:
         return self.kinematics.symbol(name, level)
@@ -140,16 +116,12 @@ class _Probe:
         return self.kinematics.time(level)
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
-        vx, vy, w = self.twist
-        if attribute == "w":
-            return w
         place = self.local[name]
-        if place is not self.origin:
-            vx, vy = vx - w * (place.y - self.origin.y), vy + w * (place.x - self.origin.x)
-        return (self.cosine * vx - self.sine * vy, self.sine * vx + self.cosine * vy)
+        ahead = None if place is self.own else tuple(x - y for x, y in zip(place.origin, self.own.origin, strict=True))
+        return self.body.velocity(attribute, ahead)
 
 
-def _are_rigid(straight: ca.SX, turned: ca.SX, angle: tuple[Scalar, Scalar], kinematics: Kinematics) -> list[bool]:
+def _are_rigid(straight: ca.SX, turned: ca.SX, body: FreeBody, kinematics: Kinematics) -> list[bool]:
     """For each row: is its Hessian constant, isotropic in the mass, and the same at every angle?
 
     The last is an identity between expressions (c c + s s = 1 among others); it is tested with numbers at a general angle.
@@ -157,15 +129,14 @@ def _are_rigid(straight: ca.SX, turned: ca.SX, angle: tuple[Scalar, Scalar], kin
     rows = straight.size1()
     if not rows:
         return []
-    gaps = ca.horzcat(straight - turned, straight[:, 0] - straight[:, 3], straight[:, 1])
+    gaps = ca.horzcat(straight - turned, unlike_a_body(straight))
     table = ca.horzcat(gaps, straight)
     moving = ca.vertcat(kinematics.algebra.state, kinematics.symbols.time)
     steady = [True] * rows
     if ca.depends_on(table, moving):
         steady = [not ca.depends_on(straight[k, :], moving) for k in range(rows)]
     free = ca.symvar(table)
-    numbers = {angle[0].__hash__(): 0.6, angle[1].__hash__(): 0.8}
-    values = [numbers.get(s.__hash__(), 0.7 + 0.31 * (k % 17)) for k, s in enumerate(free)]
+    values = [body.general.get(s.__hash__(), 0.7 + 0.31 * (k % 17)) for k, s in enumerate(free)]
     found = ca.Function("identity", [ca.vertcat(*free)], [table])(ca.DM(values)) if free else ca.evalf(table)
     sizes = abs(found.full())
     return [flag and gap.max() <= 1e-12 * size.max()

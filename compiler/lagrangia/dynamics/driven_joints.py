@@ -13,6 +13,7 @@ from lagrangia.dynamics.released_directions import Released
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.frames.planar_joints import unit_load
 from lagrangia.language.flat import Equation
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import FrameRef, Ref
@@ -73,7 +74,4 @@ def _direction(kinematics: Kinematics, edge: Edge, name: str) -> ca.SX:
     shift = ca.SX.sym("shift")
     evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, _Nudged(kinematics, name, shift))
     pose = kinematics.follow(edge, kinematics.pose(edge.parent, 0), 0, evaluator)
-    x, y, turn = (ca.substitute(ca.gradient(ca.SX(part), shift), shift, 0) for part in (pose.x, pose.y, pose.phi))
-    if turn.is_zero():
-        return ca.vertcat(x, y, 0) / (x * x + y * y)
-    return ca.vertcat(0, 0, 1 / turn)
+    return unit_load([ca.substitute(ca.gradient(ca.SX(part), shift), shift, 0) for part in pose.place])

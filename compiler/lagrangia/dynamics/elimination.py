@@ -1,8 +1,7 @@
 """M a = r solved along the tree of bodies, leaf to root, without forming M: O(n) for any tree.
 
-A rigid body is a cluster of frames joined by rigid edges; its inertia in its own axes at its reference frame is the mass m, the
-first moment m c and the second moment J, taken from the Hessian of its kinetic terms in the twist (vx, vy, w). Towards the
-root, for every coordinate with motion direction s:
+A rigid body is a cluster of frames joined by rigid edges; its inertia at its reference frame is taken from the Hessian of its
+kinetic terms in the twist (frames/planar_inertia.py). Towards the root, for every coordinate with motion direction s:
 
     U = I s,   D = s . U,   I -= U U^T / D,   p += U u / D,   u = r - s . p,
 
@@ -12,22 +11,34 @@ Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
 """
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Dual, Scalar, is_zero, minus, plus, rate_of, times, value_of
+from lagrangia.algebra.duals import Dual, Scalar, dot, is_zero, minus, plus, times
 from lagrangia.algebra.scalars import scalars_in
-from lagrangia.dynamics.bodies import Bodies, Inertia
+from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.forces import Forces, find_forces
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value
-from lagrangia.frames.kinematics import Kinematics, rotated
-from lagrangia.frames.planar import Pose
-
-Vector = list[Scalar]  # vx, vy, w or fx, fy, torque
+from lagrangia.frames.kinematics import Kinematics
+from lagrangia.frames.planar import HERE, SIZE, Pose
+from lagrangia.frames.planar_inertia import (
+    NOTHING,
+    Inertia,
+    Vector,
+    about,
+    add_inertia,
+    add_moved,
+    inertial_force,
+    momentum,
+    moved_twist,
+    no_inertia,
+)
+from lagrangia.language.frame_attributes import COMPONENTS
 
 
 @dataclass
@@ -38,13 +49,22 @@ class Cluster:
     parent: "Cluster | None"
     directions: list[tuple[int, Vector]]  # (index of the coordinate, s) in the order of the joint
     turn: Pose  # of the reference frame; only the angle is used
-    joint: tuple[Scalar, Scalar] = (0.0, 0.0)
-    inertia: list[Vector] = field(default_factory=lambda: [[0.0] * 3 for _ in range(3)])  # upper triangle, world axes
+    joint: Sequence[Scalar] = HERE.origin
+    inertia: list[Vector] = field(default_factory=no_inertia)  # world axes
 
     @property
     def is_ground(self) -> bool:
         """Whether it is fixed to the world: no parent, and no direction to move in."""
         return self.parent is None and not self.directions
+
+    def add(self, inertia: Inertia, local: Pose) -> None:
+        """That of a frame of the body, which sits here."""
+        if not self.is_ground:
+            add_inertia(self.inertia, inertia, local, self.turn)
+
+    def inertial_force(self, still: Kinematics) -> Vector:
+        """What the body's inertia asks for when dv/dt = 0."""
+        return [*NOTHING] if self.is_ground else inertial_force(self.inertia, still.pose(self.frame, 2))
 
 
 @dataclass(frozen=True)
@@ -68,7 +88,7 @@ class ArticulatedBodies:
         for name, cluster in reversed(clusters.items()):
             self.joints[name] = [_reduce(reduced[name], index, s) for index, s in reversed(cluster.directions)]
             if cluster.parent is not None and not cluster.parent.is_ground:
-                _add_moved(reduced[cluster.parent.frame], reduced[name], cluster.joint)
+                add_moved(reduced[cluster.parent.frame], reduced[name], cluster.joint)
 
     @property
     def size(self) -> int:
@@ -90,9 +110,9 @@ class ArticulatedBodies:
         whole = self._inertias()
         found: dict[int, Scalar] = {}
         for name, cluster in reversed(self.clusters.items()):
-            found |= {index: _dot(s, _momentum(whole[name], s)) for index, s in cluster.directions}
+            found |= {index: dot(s, momentum(whole[name], s)) for index, s in cluster.directions}
             if cluster.parent is not None:
-                _add_moved(whole[cluster.parent.frame], whole[name], cluster.joint)
+                add_moved(whole[cluster.parent.frame], whole[name], cluster.joint)
         return ca.vertcat(*[found[k] for k in range(len(found))])
 
     def solve(self, r: ca.SX) -> ca.SX:
@@ -108,32 +128,31 @@ class ArticulatedBodies:
         known."""
         still = self.kinematics.without_accelerations()
         forces = find_forces(self.kinematics, energies)
-        return self._yield_to(forces, {name: _inertial_force(x, still) for name, x in self.clusters.items()}) if forces else None
+        return self._yield_to(forces, {name: x.inertial_force(still) for name, x in self.clusters.items()}) if forces else None
 
     def _yield_to(self, forces: Forces, loads: dict[str, Vector]) -> ca.SX:
         for frame, force in forces.on_frames.items():
             home, local = self.bodies.home[frame], self.bodies.local[frame]
-            turn = self.clusters[home].turn
-            x, y = rotated(turn.cos, turn.sin, 0.0, local.x, local.y)
-            loads[home] = _sum(loads.get(home, [0.0] * 3), _about(force, x, y))
+            ahead = self.clusters[home].turn.to_world(local.origin)
+            loads[home] = _sum(loads.get(home, [*NOTHING]), about(force, ahead))
         return self._solve([minus(0.0, forces.on_coordinates.get(c.name, 0.0)) for c in self.kinematics.graph.coordinates], loads)
 
     def _solve(self, r: Vector, loads: dict[str, Vector]) -> ca.SX:
-        p = {name: loads.get(name, [0.0] * 3) for name in self.clusters}
+        p = {name: loads.get(name, [*NOTHING]) for name in self.clusters}
         left: dict[int, Scalar] = {}  # u
         for name, cluster in reversed(self.clusters.items()):
             for joint in self.joints[name]:
-                left[joint.index] = minus(r[joint.index], _dot(joint.direction, p[name]))
+                left[joint.index] = minus(r[joint.index], dot(joint.direction, p[name]))
                 p[name] = _passed_on(joint, p[name], r[joint.index], left[joint.index])
             parent = cluster.parent
             if parent is not None and not parent.is_ground:
-                p[parent.frame] = _sum(p[parent.frame], _about(p[name], *cluster.joint))
+                p[parent.frame] = _sum(p[parent.frame], about(p[name], cluster.joint))
         acceleration: list[Scalar] = [0.0] * len(r)
         twists: dict[str, Vector] = {}
         for name, cluster in self.clusters.items():
-            twist = _moved(twists[cluster.parent.frame], cluster.joint) if cluster.parent else [0.0] * 3
+            twist = moved_twist(twists[cluster.parent.frame], cluster.joint) if cluster.parent else [*NOTHING]
             for joint in reversed(self.joints[name]):
-                a = times(minus(left[joint.index], _dot(joint.momentum, twist)), joint.inverse)
+                a = times(minus(left[joint.index], dot(joint.momentum, twist)), joint.inverse)
                 acceleration[joint.index] = a
                 twist = _sum(twist, [times(x, a) for x in joint.direction])
             twists[name] = twist
@@ -163,14 +182,14 @@ def _clusters(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster] | No
     if sum(len(cluster.directions) for cluster in clusters.values()) < len(kinematics.graph.coordinates):
         return None
     for inertia in bodies.inertias:
-        _add_inertia(clusters[bodies.home[inertia.frame]], inertia, bodies.local[inertia.frame])
+        clusters[bodies.home[inertia.frame]].add(inertia, bodies.local[inertia.frame])
     return clusters
 
 
 def _joined(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
     graph = kinematics.graph
     number = {c.name: k for k, c in enumerate(graph.coordinates)}
-    units = {"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0], "phi": [0.0, 0.0, 1.0]}
+    units = {part.name: [1.0 if i == k else 0.0 for i in range(SIZE)] for k, part in enumerate(COMPONENTS)}
     clusters: dict[str, Cluster] = {}
     for root in graph.roots:
         directions = [(number[name], units[a]) for a in root.attributes if (name := f"{root.frame}.{a}") in number]
@@ -180,35 +199,10 @@ def _joined(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
             continue
         parent, local = clusters[bodies.home[edge.parent]], bodies.local[edge.parent]
         directions = [(number[name], _direction(kinematics, edge, name)) for name in edge.coordinates if name in number]
-        x, y = rotated(parent.turn.cos, parent.turn.sin, 0.0, local.x, local.y)
-        here = kinematics.pose(edge.parent, 0)
-        ahead = kinematics.follow(edge, Pose(x, y, here.phi, here.cos, here.sin), 0)
-        clusters[edge.child] = Cluster(edge.child, parent, directions, kinematics.pose(edge.child, 0), (ahead.x, ahead.y))
+        here = kinematics.pose(edge.parent, 0).at(parent.turn.to_world(local.origin))
+        ahead = kinematics.follow(edge, here, 0).origin
+        clusters[edge.child] = Cluster(edge.child, parent, directions, kinematics.pose(edge.child, 0), ahead)
     return clusters
-
-
-def _add_inertia(cluster: Cluster, inertia: Inertia, local: Pose) -> None:
-    """Moves the inertia to the cluster's reference frame (parallel axes) and turns it into world axes."""
-    if cluster.is_ground:
-        return
-    m = inertia.mass
-    ahead = [local.x, local.y]
-    bx, by = rotated(local.cos, local.sin, 0.0, inertia.moment_x, inertia.moment_y)
-    J = plus(inertia.second_moment, plus(times(2.0, _dot(ahead, [bx, by])), times(m, _dot(ahead, ahead))))
-    x, y = rotated(cluster.turn.cos, cluster.turn.sin, 0.0, plus(bx, times(m, ahead[0])), plus(by, times(m, ahead[1])))
-    for (i, j), value in {(0, 0): m, (1, 1): m, (0, 2): minus(0.0, y), (1, 2): x, (2, 2): J}.items():
-        cluster.inertia[i][j] = plus(cluster.inertia[i][j], value)
-
-
-def _inertial_force(cluster: Cluster, still: Kinematics) -> Vector:
-    """What the body's inertia asks for when dv/dt = 0: F = m a - w^2 b + alpha x b, tau = J alpha + b x a."""
-    if cluster.is_ground:
-        return [0.0] * 3
-    I, pose = cluster.inertia, still.pose(cluster.frame, 2)
-    w, twist = value_of(rate_of(pose.phi)), [rate_of(rate_of(x)) for x in (pose.x, pose.y, pose.phi)]
-    square = times(w, w)
-    x, y, torque = _momentum(I, twist)
-    return [minus(x, times(square, I[1][2])), plus(y, times(square, I[0][2])), torque]
 
 
 class _OneMoves:
@@ -234,7 +228,7 @@ def _direction(kinematics: Kinematics, edge: Edge, mover: str) -> Vector:
     """Twist of the edge's child when its parent rests and one coordinate moves at rate 1."""
     evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, _OneMoves(kinematics, mover))
     pose = kinematics.follow(edge, kinematics.pose(edge.parent, 0), 1, evaluator)
-    return [rate_of(pose.x), rate_of(pose.y), rate_of(pose.phi)]
+    return [*pose.twist]
 
 
 # -------------------------------------------------------------------- elimination
@@ -242,11 +236,11 @@ def _direction(kinematics: Kinematics, edge: Edge, mover: str) -> Vector:
 
 def _reduce(I: list[Vector], index: int, s: Vector) -> _Joint:
     """Takes from the inertia what the coordinate gives way to; along an axis nothing is left."""
-    U = _momentum(I, s)
-    inverse, axis = 1.0 / _dot(s, U), _axis(s)
-    share = [times(U[k], inverse) if k != axis else 0.0 for k in range(3)]
-    for i in range(3):
-        for j in range(i, 3):
+    U = momentum(I, s)
+    inverse, axis = 1.0 / dot(s, U), _axis(s)
+    share = [times(U[k], inverse) if k != axis else 0.0 for k in range(SIZE)]
+    for i in range(SIZE):
+        for j in range(i, SIZE):
             I[i][j] = minus(I[i][j], times(share[i], U[j])) if axis not in (i, j) else 0.0
     return _Joint(index, s, U, inverse, share)
 
@@ -263,39 +257,9 @@ def _axis(s: Vector) -> int | None:
     return nonzero[0] if len(nonzero) == 1 and isinstance(s[nonzero[0]], float) and s[nonzero[0]] == 1.0 else None
 
 
-def _add_moved(parent: list[Vector], I: list[Vector], joint: tuple[Scalar, Scalar]) -> None:
-    """Adds the inertia of a body to its parent's, moved to the parent's reference frame."""
-    dx, dy = joint
-    # X^T I X with X = [[1, 0, -dy], [0, 1, dx], [0, 0, 1]]
-    xz = plus(minus(I[0][2], times(I[0][0], dy)), times(I[0][1], dx))
-    yz = plus(minus(I[1][2], times(I[0][1], dy)), times(I[1][1], dx))
-    zz = minus(plus(minus(plus(I[2][2], times(I[1][2], dx)), times(I[0][2], dy)), times(yz, dx)), times(xz, dy))
-    for (i, j), value in {(0, 0): I[0][0], (0, 1): I[0][1], (1, 1): I[1][1], (0, 2): xz, (1, 2): yz, (2, 2): zz}.items():
-        parent[i][j] = plus(parent[i][j], value)
 
 
-def _moved(twist: Vector, joint: tuple[Scalar, Scalar]) -> Vector:
-    vx, vy, w = twist
-    return [minus(vx, times(w, joint[1])), plus(vy, times(w, joint[0])), w]
-
-
-def _about(force: Vector, x: Scalar, y: Scalar) -> Vector:
-    """A force that acts at (x, y), with its moment about the origin."""
-    fx, fy, torque = force
-    return [fx, fy, minus(plus(torque, times(fy, x)), times(fx, y))]
-
-
-def _momentum(I: list[Vector], twist: Vector) -> Vector:
-    """I s, of the upper triangle."""
-    return [_dot([I[min(i, j)][max(i, j)] for j in range(3)], twist) for i in range(3)]
 
 
 def _sum(a: Vector, b: Vector) -> Vector:
     return [plus(x, y) for x, y in zip(a, b, strict=True)]
-
-
-def _dot(a: Vector, b: Vector) -> Scalar:
-    total: Scalar = 0.0
-    for x, y in zip(a, b, strict=True):
-        total = plus(total, times(x, y))
-    return total

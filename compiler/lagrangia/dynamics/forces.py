@@ -19,16 +19,15 @@ from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.energies import Energies
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Kinematics, displacement
-
-_PLACES = {"r": (0, 1), "x": (0,), "y": (1,), "phi": (2,)}
-_VELOCITIES = {"v": (0, 1), "w": (2,)}
+from lagrangia.frames.planar import SIZE
+from lagrangia.language.frame_attributes import ATTRIBUTES
 
 
 @dataclass(frozen=True)
 class Forces:
     """What they take from the motion, as h does."""
 
-    on_frames: Mapping[str, list[Scalar]]  # along x and y of the world, N; moment about the frame's origin, N.m
+    on_frames: Mapping[str, list[Scalar]]  # wrenches: along the axes of the world, N; about the frame's origin, N.m
     on_coordinates: Mapping[str, Scalar]
 
 
@@ -83,12 +82,14 @@ class _Apart:
         if name not in self.movable:
             return value
         if name not in self.frames:
-            self.frames[name] = [self.algebra.new_symbol() for _ in range(3)], [self.algebra.new_symbol() for _ in range(3)]
+            shift, rate = ([self.algebra.new_symbol() for _ in range(SIZE)] for _ in range(2))
+            self.frames[name] = shift, rate
         shift, rate = self.frames[name]
-        if attribute in _PLACES:
-            moved = tuple(displacement((shift[k], rate[k]), level) for k in _PLACES[attribute])
+        known = ATTRIBUTES[attribute]
+        if known.kind == "place":
+            moved = tuple(displacement((shift[k], rate[k]), level) for k in known.components)
         else:
-            moved = tuple(displacement((rate[k],), level) for k in _VELOCITIES[attribute])
+            moved = tuple(displacement((rate[k],), level) for k in known.components)
         return tuple(a + b for a, b in zip(value, moved, strict=True)) if isinstance(value, tuple) else value + moved[0]
 
 
@@ -112,14 +113,14 @@ def find_forces(kinematics: Kinematics, energies: Energies) -> Forces | None:
     shifts, rates = (ca.vertcat(ca.SX(0, 1), *[x for place in places for x in place[k]]) for k in range(2))
     total = ca.jtimes(ca.vertcat(*positions), shifts, ca.vertcat(*forces), True) + gradient_by_rates(dissipation, rates)
     found = scalars_in(ca.densify(ca.substitute([total], [shifts, rates], [ca.SX.zeros(shifts.numel())] * 2)[0]))
-    on_frames = {name: found[3 * k : 3 * k + 3] for k, name in enumerate(apart.frames)}
-    return Forces(on_frames, dict(zip(apart.coordinates, found[3 * len(on_frames) :], strict=True)))
+    on_frames = {name: found[SIZE * k : SIZE * (k + 1)] for k, name in enumerate(apart.frames)}
+    return Forces(on_frames, dict(zip(apart.coordinates, found[SIZE * len(on_frames) :], strict=True)))
 
 
 def forces_of_loops(kinematics: Kinematics, rows: Sequence[Row]) -> list[Forces | None]:
     """What each row asks for at a multiplier of 1: the forces on the frames that a closure joins. None for other rows."""
     names = dict.fromkeys(name for row in rows if row.loop for name in (row.loop.a, row.loop.b))
-    shifts, rates = ({name: ca.SX.sym(f"{kind}_{name}", 3) for name in names} for kind in ("shift", "rate"))
+    shifts, rates = ({name: ca.SX.sym(f"{kind}_{name}", SIZE) for name in names} for kind in ("shift", "rate"))
     apart = kinematics.displaced({}, {name: (shifts[name], rates[name]) for name in names})
     moving = ca.vertcat(ca.SX(0, 1), *rates.values())
     still = [ca.vertcat(ca.SX(0, 1), *shifts.values()), moving, kinematics.symbols.tau]
@@ -130,7 +131,7 @@ def forces_of_loops(kinematics: Kinematics, rows: Sequence[Row]) -> list[Forces 
             continue
         force = ca.gradient(ca.SX(row.rate(apart)), moving)
         force = ca.substitute([force], still, [ca.SX.zeros(moving.numel()), ca.SX.zeros(moving.numel()), ca.SX(1)])[0]
-        parts = zip(names, ca.vertsplit(ca.densify(force), 3), strict=True)
+        parts = zip(names, ca.vertsplit(ca.densify(force), SIZE), strict=True)
         found.append(Forces({name: scalars_in(x) for name, x in parts if name in (row.loop.a, row.loop.b)}, {}))
     return found
 

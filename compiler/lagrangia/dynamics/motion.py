@@ -12,12 +12,12 @@ from functools import cached_property
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Scalar, rate_of, value_of
+from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.constraints.partition import Partition
 from lagrangia.constraints.rows import Constraints
-from lagrangia.dynamics.bodies import Bodies, Inertia, find_bodies
+from lagrangia.dynamics.bodies import Bodies, find_bodies
 from lagrangia.dynamics.collected_inertia import MOST_COORDINATES, Collected, blocks_of, collect, split_weights
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, FreeMotion, bring_down, constrain, constraint_rows
 from lagrangia.dynamics.dissipation import gradient_by_rates
@@ -29,7 +29,9 @@ from lagrangia.dynamics.regularity import is_even
 from lagrangia.dynamics.schur import FreeTree, prefers
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.joints import all_reactions
-from lagrangia.frames.kinematics import Kinematics, rotated
+from lagrangia.frames.kinematics import Kinematics
+from lagrangia.frames.planar_inertia import Inertia, inertial_reaction
+from lagrangia.language.frame_attributes import component_named
 
 # A mass matrix with more entries a coordinate than this is not formed when elimination along the tree is possible.
 _DENSEST = 24
@@ -141,7 +143,7 @@ def inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q
     positions: list[Scalar] = [energies.total(energies.potential)]
     forces: list[Scalar] = [1.0]
     for inertia in bodies.inertias:
-        for position, force in inertial_reaction(remaining, inertia):
+        for position, force in body_reaction(remaining, inertia):
             if not (isinstance(position, float) or isinstance(force, float)):
                 positions.append(position)
                 forces.append(force)
@@ -152,21 +154,10 @@ def inertial_force(kinematics: Kinematics, energies: Energies, bodies: Bodies, q
     return h + _lagrange(kinematics, energies.total(bodies.rest), q, v) if bodies.rest else h
 
 
-def inertial_reaction(kinematics: Kinematics, inertia: Inertia) -> list[tuple[Scalar, Scalar]]:
-    """The positions x, y, phi of a body's frame and the force and moment its inertia asks for: with the first moment b,
-
-    F = m a - w^2 b + alpha x b,   tau = J alpha + b x a.
-    """
-    pose = kinematics.pose(inertia.frame, 2)
-    ax, ay, alpha = (rate_of(rate_of(x)) for x in (pose.x, pose.y, pose.phi))
-    w = value_of(rate_of(pose.phi))
+def body_reaction(kinematics: Kinematics, inertia: Inertia) -> list[tuple[Scalar, Scalar]]:
+    """The place of a body's frame and the wrench its inertia asks for, number by number."""
     place = kinematics.pose(inertia.frame, 0)
-    fx, fy, torque = inertia.mass * ax, inertia.mass * ay, inertia.second_moment * alpha
-    if not (ca.SX(inertia.moment_x).is_zero() and ca.SX(inertia.moment_y).is_zero()):
-        bx, by = rotated(place.cos, place.sin, 0.0, inertia.moment_x, inertia.moment_y)
-        fx, fy = fx - w * w * bx - alpha * by, fy - w * w * by + alpha * bx
-        torque = torque + bx * ay - by * ax
-    return [(place.x, fx), (place.y, fy), (place.phi, torque)]
+    return inertial_reaction(inertia, place, kinematics.pose(inertia.frame, 2))
 
 
 def _lagrange(kinematics: Kinematics, T: ca.SX, q: ca.SX, v: ca.SX) -> ca.SX:
@@ -208,7 +199,8 @@ def _missing_port(kinematics: Kinematics, coordinate: str) -> str:
     if loose:
         return f"'{loose[0]}' is joined to nothing: connect a body there"
     frame, _, name = coordinate.rpartition(".")
-    if name == "phi" and frame in kinematics.graph.model.frames:
+    part = component_named(name)
+    if part is not None and part.is_angle and frame in kinematics.graph.model.frames:
         return (f"what is placed beside '{frame}' (shift, turn) turns with it, and a mass point has no moment of inertia: make "
                 "it a Disc or a Bar, shift the other port, or measure from the point: gap = p.center.y - 0.1[m]")
     return "give a body behind it a mass"

@@ -1,7 +1,7 @@
 """Joint reactions, from Lagrange's equations of the released directions (released_directions.py).
 
-A joint of the tree is released by three virtual displacements of what lies behind it: they give the force and the torque that
-the joint exerts. Where a loop is cut, the multipliers are the reaction, and what acts on the cut coordinate adds to them. Rows
+A joint of the tree is released by all virtual displacements of what lies behind it: they give the force and the torque that the
+joint exerts. Where a loop is cut, the multipliers are the reaction, and what acts on the cut coordinate adds to them. Rows
 that only repeat others carry nothing: where constraints are redundant, this is one of the ways in which they can share the load.
 Only what is asked for is built.
 """
@@ -14,18 +14,19 @@ from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.driven_joints import force_beside_drives
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.released_directions import Released, forces_of_ties
-from lagrangia.frames.closures import meeting_place, slide_normal
+from lagrangia.frames.closures import meeting_place, wrench_on_b
 from lagrangia.frames.edges import Closure, Edge
 from lagrangia.frames.joints import component_of, cuts_of, joints_of
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.planar import Pose
+from lagrangia.frames.planar import SIZE
+from lagrangia.frames.planar_inertia import wrench_about
 from lagrangia.language.instances import REACTIONS
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import FrameRef
 
 
 def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constraints, motion: Motion) -> tuple[ca.SX, ca.SX]:
-    """The symbols that stand for reactions in outputs, and their values in t, q, v, a, lambda, u, d, p: (3 k,) each.
+    """The symbols that stand for reactions in outputs, and their values in t, q, v, a, lambda, u, d, p, SIZE of each joint.
 
     Raises LagError L0911 for what has no reaction.
     """
@@ -42,7 +43,7 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
     contacts = {when.component for when in kinematics.graph.model.whens}
     for frame in (frame for frame, rows in ties.items() if not rows and component_of(frame) not in contacts):
         fail("L0911", f"'{component_of(frame)}' is no joint, so it has no reaction", _asked_at(kinematics, frame))
-    sizes = {edges[frame][0].child: 3 for frame in asked if frame in edges}
+    sizes = {edges[frame][0].child: SIZE for frame in asked if frame in edges}
     sizes |= {cuts[frame][0].coordinate: 1 for frame in asked if frame in cuts and cuts[frame][0].coordinate}
     released = Released(kinematics, bodies, constraints, motion, sizes)
     values = forces_of_ties(kinematics, released, ties)
@@ -67,13 +68,7 @@ def _of_joint(
 ) -> ca.SX:
     """Force and torque that a joint of the tree exerts on the side of `frame`, about the origin of `frame`."""
     force = released.force(edge.child) - force_beside_drives(kinematics, constraints, released, edge)
-    return _about(kinematics, frame, kinematics.pose(edge.child, 0), sign * force)
-
-
-def _about(kinematics: Kinematics, frame: str, here: Pose, force: ca.SX) -> ca.SX:
-    """A force and a torque that act at `here`, the torque taken about the origin of `frame`."""
-    there = kinematics.pose(frame, 0)
-    return ca.vertcat(force[0], force[1], force[2] + (here.x - there.x) * force[1] - (here.y - there.y) * force[0])
+    return wrench_about(sign * force, kinematics.pose(edge.child, 0), kinematics.pose(frame, 0))
 
 
 def _of_cut(
@@ -85,18 +80,6 @@ def _of_cut(
     coordinates keeps them, and the multipliers are all that holds b.
     """
     rows = sorted((row for row in constraints.all_rows if row.loop is closure), key=lambda row: row.part)
-    return _about(kinematics, frame, meeting_place(kinematics, closure),
-                  sign * _on_b(kinematics, closure, [-released.multiplier(row) for row in rows], released))
-
-
-def _on_b(kinematics: Kinematics, closure: Closure, forces: list[ca.SX], released: Released) -> ca.SX:
-    if closure.kind == "weld":
-        return ca.vertcat(*forces)
-    assert closure.freedom is not None
-    drive = released.force(closure.coordinate)
-    if closure.kind == "hinge":
-        return ca.vertcat(*forces, drive if closure.freedom.is_inverse else -drive)
-    torque, across = forces
-    x, y, length = slide_normal(kinematics, closure)
-    along = -drive / length
-    return ca.vertcat(across * x + along * y, across * y - along * x, torque)
+    drive = released.force(closure.coordinate) if closure.coordinate else ca.SX(0)
+    on_b = ca.vertcat(*wrench_on_b(kinematics, closure, [-released.multiplier(row) for row in rows], drive))
+    return wrench_about(sign * on_b, meeting_place(kinematics, closure), kinematics.pose(frame, 0))

@@ -1,6 +1,6 @@
 """Generalised forces in directions that the constraints forbid, and the multipliers of the rows that gave a coordinate.
 
-A direction is released by a virtual displacement: of what lies behind a joint (x, y and an angle, in world axes), of the
+A direction is released by a virtual displacement: of what lies behind a joint (a place, along the world's axes), of the
 coordinate of a cut joint, or of a coordinate that a linear row gave. At displacement zero, with the accelerations of the real
 motion, Lagrange's equation of the released direction gives the force that holds it:
 
@@ -17,10 +17,11 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.energies import Energies, build_energies
-from lagrangia.dynamics.motion import Motion, inertial_reaction
+from lagrangia.dynamics.motion import Motion, body_reaction
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.joints import component_of
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.frames.planar import SIZE
 
 
 class Released:
@@ -60,9 +61,8 @@ class Released:
         positions: list[Scalar] = [energies.total(energies.potential)]
         forces: list[Scalar] = [1.0]
         for inertia in self.bodies.inertias:
-            pose = free.pose(inertia.frame, 0)
-            positions += [pose.x, pose.y, pose.phi]
-            forces += [force for _, force in inertial_reaction(self.kinematics, inertia)]
+            positions += free.pose(inertia.frame, 0).place
+            forces += [force for _, force in body_reaction(self.kinematics, inertia)]
         for load in (*energies.loads, *self.motion.impacts.loads_in(free)):
             positions += load.position
             forces += [-f for f in load.force]
@@ -93,12 +93,12 @@ def forces_of_ties(
 ) -> dict[str, ca.SX]:
     """What the rows of each tie exert on its frame: -lambda times the slope of the row when that frame alone is displaced; of a
     contact at which something rests, its force times the slope of the gap."""
-    shift, rate = ca.SX.sym("shift", 3 * len(ties)), ca.SX.sym("rate", 3 * len(ties))
-    places = {frame: slice(3 * k, 3 * k + 3) for k, frame in enumerate(ties)}
+    shift, rate = ca.SX.sym("shift", SIZE * len(ties)), ca.SX.sym("rate", SIZE * len(ties))
+    places = {frame: slice(SIZE * k, SIZE * (k + 1)) for k, frame in enumerate(ties)}
     lone = kinematics.displaced({}, {frame: (shift[place], rate[place]) for frame, place in places.items()})
     forces = {}
     for frame, rows in ties.items():
-        force = ca.SX.zeros(3)
+        force = ca.SX.zeros(SIZE)
         for row in rows:
             moved = (shift if row.is_holonomic else rate)[places[frame]]
             force -= released.multiplier(row) * ca.gradient(ca.SX(row.value(lone, 0)), moved)

@@ -1,17 +1,16 @@
-"""A cut joint, seen from the frames on its two sides: what must vanish, and the coordinate it had.
+"""A cut joint, seen from the frames on its two sides: what must vanish, and the coordinate it had (planar_joints.py)."""
 
-hinge: r_b = r_a, phi = phi_b - phi_a;  slider along d from the offset o: phi_b = phi_a, d x (R_a^T (r_b - r_a) - o) = 0,
-s = d . (R_a^T (r_b - r_a) - o)/|d|^2;  weld: r_b = r_a, phi_b = phi_a.
-"""
-
+from collections.abc import Sequence
 from typing import Protocol
 
 from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.with_casadi import CasadiAlgebra
+from lagrangia.frames import planar_joints
 from lagrangia.frames.edges import Closure, Step
 from lagrangia.frames.evaluation import Evaluator, Leaves, Value
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.planar import Pose
+from lagrangia.frames.planar_joints import Slide
 
 
 class Frames(Leaves, Protocol):
@@ -30,29 +29,20 @@ class Frames(Leaves, Protocol):
 
 def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
     """What must vanish, at a level of the kinematics; lengths in m, angles in rad."""
-    a, b = _ends(frames, closure, level)
-    if closure.kind == "slider":
-        x, y, dx, dy, length = _along(frames, closure, a, b)
-        return [b.phi - a.phi, (dx * y - dy * x) / length]
-    place = [b.x - a.x, b.y - a.y]
-    return place if closure.kind == "hinge" else [*place, b.phi - a.phi]
+    return planar_joints.gaps(closure.kind, *_ends(frames, closure, level), _slide(frames, closure))
 
 
 def cut_coordinate(frames: Frames, closure: Closure, level: int) -> Scalar:
     """The coordinate of the cut joint, read off the frames."""
-    a, b = _ends(frames, closure, level)
     assert closure.freedom is not None
-    if closure.kind == "hinge":
-        return a.phi - b.phi if closure.freedom.is_inverse else b.phi - a.phi
-    x, y, dx, dy, length = _along(frames, closure, a, b)
-    return (dx * x + dy * y) / (length * length)
+    return planar_joints.coordinate(*_ends(frames, closure, level), _slide(frames, closure), closure.freedom.is_inverse)
 
 
-def slide_normal(frames: Frames, closure: Closure) -> tuple[Scalar, Scalar, Scalar]:
-    """Unit vector across a cut slider, in world axes, and the way that the slider goes when its coordinate grows by 1."""
-    a, b = _ends(frames, closure, 0)
-    _, _, dx, dy, length = _along(frames, closure, a, b)
-    return (a.cos * -dy - a.sin * dx) / length, (a.sin * -dy + a.cos * dx) / length, length
+def wrench_on_b(frames: Frames, closure: Closure, forces: Sequence[Scalar], drive: Scalar) -> list[Scalar]:
+    """What holds the frame b: `forces` push the gaps shut, `drive` takes from what acts on the joint's coordinate."""
+    is_inverse = closure.freedom is not None and closure.freedom.is_inverse
+    a = _ends(frames, closure, 0)[0]
+    return planar_joints.wrench_on_b(closure.kind, a, _slide(frames, closure), is_inverse, forces, drive)
 
 
 def meeting_place(frames: Frames, closure: Closure) -> Pose:
@@ -71,22 +61,18 @@ def _ends(frames: Frames, closure: Closure, level: int) -> tuple[Pose, Pose]:
     return (a.map(value_of), b.map(value_of)) if level == 0 else (a, b)
 
 
-def _along(frames: Frames, closure: Closure, a: Pose, b: Pose) -> tuple[Scalar, Scalar, Scalar, Scalar, Scalar]:
-    """b's origin from the slider's offset in a's axes, the slider's direction and its length."""
+def _slide(frames: Frames, closure: Closure) -> Slide | None:
+    """Offset and direction of a slider's shift, which is linear in its coordinate."""
+    if closure.kind != "slider":
+        return None
     assert closure.freedom is not None
-    (ox, oy), (dx, dy) = _slide(frames, closure.freedom, closure.coordinate)
-    x, y = b.x - a.x, b.y - a.y
-    local = a.cos * x + a.sin * y - ox, a.cos * y - a.sin * x - oy
-    return *local, dx, dy, frames.evaluator.norm((dx, dy), 0)
-
-
-def _slide(frames: Frames, freedom: Step, coordinate: str) -> tuple[Value, Value]:
-    """Offset and direction of a shift that is linear in its coordinate."""
     model, algebra = frames.graph.model, frames.algebra
     places = (algebra.number(0.0), algebra.number(1.0))
-    origin, ahead = (Evaluator(model, algebra, _Held(frames, coordinate, at)).value(freedom.amount) for at in places)
-    sign = -1 if freedom.is_inverse else 1
-    return tuple(sign * x for x in origin), tuple(sign * (y - x) for x, y in zip(origin, ahead, strict=True))
+    held = (_Held(frames, closure.coordinate, at) for at in places)
+    origin, ahead = (Evaluator(model, algebra, leaves).value(closure.freedom.amount) for leaves in held)
+    sign = -1 if closure.freedom.is_inverse else 1
+    direction = tuple(sign * (y - x) for x, y in zip(origin, ahead, strict=True))
+    return Slide(tuple(sign * x for x in origin), direction, frames.evaluator.norm(direction, 0))
 
 
 class _Held:

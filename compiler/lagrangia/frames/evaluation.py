@@ -13,6 +13,7 @@ from typing import Any, Protocol, TypeAlias
 
 from lagrangia.algebra.duals import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
 from lagrangia.base.diagnostics import Span, fail
+from lagrangia.frames.planar import cross, turned_vector
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.events import are_alike, contact_of, kept_by, name_of_contact
 from lagrangia.language.flat import FlatModel
@@ -47,7 +48,7 @@ class Leaves(Protocol):
     def time(self, level: int) -> Scalar:
         """The time, s."""
     def frame(self, name: str, attribute: str, level: int) -> Value:
-        """An attribute of a frame: r, x, y, phi, v, w, a reaction."""
+        """An attribute of a frame (language/frame_attributes.py)."""
 
 
 class Evaluator:
@@ -389,8 +390,7 @@ def _dot(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -
 
 def _cross(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
     _need_vectors(arguments, 2, span, size=2)
-    (ax, ay), (bx, by) = arguments
-    return ax * by - ay * bx
+    return cross(*arguments)
 
 
 def _norm(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
@@ -401,9 +401,7 @@ def _norm(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) 
 def _rotate(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:
     """rotate(vector, angle), counter-clockwise."""
     _need_vectors(arguments, 1, span, size=2)
-    (x, y), angle = arguments[0], _number(arguments[1], span)
-    c, s = (evaluator.algebras[level].call(f, angle) for f in ("cos", "sin"))
-    return (c * x - s * y, s * x + c * y)
+    return turned_vector(arguments[0], _number(arguments[1], span), evaluator.algebras[level])
 
 
 def _extreme(function: str) -> Callable[[Evaluator, list[Value], int, Span], Scalar]:

@@ -1,7 +1,7 @@
 """FlatModel -> ComponentGraph: frames are nodes, frame equations are edges usable in both directions.
 
-The spanning tree starts at the ground; a part of the graph that carries mass but is joined to no ground floats, with up to
-three coordinates of its own; a part without mass is an error, or is left out when nothing uses it.
+The spanning tree starts at the ground; a part of the graph that carries mass but is joined to no ground floats, with
+coordinates of its own; a part without mass is an error, or is left out when nothing uses it.
 """
 
 from collections import Counter, deque
@@ -12,7 +12,8 @@ from functools import cached_property
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.frames.edges import Closure, Edge, Step, choose_tree, close
 from lagrangia.language.consequences import keep_consequences_out
-from lagrangia.language.flat import FlatModel, FrameEquation, Variable
+from lagrangia.language.flat import FlatModel, Frame, FrameEquation, Variable
+from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS, reading, reads_angle
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import Call, Flat, FrameRef, Number, Ref, Time
 
@@ -49,7 +50,7 @@ class Root:
     """The root of a tree of frames: the ground, or a floating frame with its coordinates in the order of `attributes`."""
 
     frame: str
-    attributes: tuple[str, ...] = ()  # of x, y, phi
+    attributes: tuple[str, ...] = ()  # the names of components of its place
 
     @property
     def is_ground(self) -> bool:
@@ -255,10 +256,10 @@ class _Building:
         started = [name for name in frames if self.model.frames[name].starts]
         root = (started or [name for name in frames if name in massive])[0]
         turning = self._turning_with(root)
-        has_angle = any(used.get(name, set()) & {"phi", "w"} for name in turning) or any(
+        has_angle = any(reads_angle(attribute) for name in turning for attribute in used.get(name, ())) or any(
             step.kind == "shift" for name in turning for edge in self.neighbours[name] for step in edge.steps
         )
-        return Root(root, ("x", "y", "phi") if has_angle else ("x", "y"))
+        return Root(root, tuple(component.name for component in COMPONENTS if has_angle or not component.is_angle))
 
     @cached_property
     def _order(self) -> dict[str, int]:
@@ -346,19 +347,11 @@ class _Building:
 
     def _floating_coordinates(self, root: Root) -> list[Coordinate]:
         frame = self.model.frames[root.frame]
-        starts: dict[str, Flat] = dict(frame.starts)
-        for vector, names in (("r", ("x", "y")), ("v", ("vx", "vy"))):
-            if vector in starts:
-                starts |= {name: Call("element", (starts[vector], _index(k, frame.span)), (), frame.span)
-                           for k, name in enumerate(names)}
-        rate = {"x": "vx", "y": "vy", "phi": "w"}
-        what = {"x": "horizontal position", "y": "height", "phi": "angle"}
         return [
-            Coordinate(f"{root.frame}.{a}", "rad" if a == "phi" else "m", "deg" if a == "phi" else "",
-                       starts.get(a), starts.get(rate[a]),
-                       bool(frame.fixed & {a, "r" if a != "phi" else a}), f"{what[a]} of the floating {frame.owner}", frame.span,
-                       bool(frame.fixed & {rate[a], "v" if a != "phi" else "w"}))
-            for a in root.attributes
+            Coordinate(f"{root.frame}.{part.name}", part.unit, part.display_unit, _start(frame, "place", k),
+                       _start(frame, "velocity", k), _is_fixed(frame, "place", k), f"{part.words} of the floating {frame.owner}",
+                       frame.span, _is_fixed(frame, "velocity", k))
+            for k, part in enumerate(COMPONENTS) if part.name in root.attributes
         ]
 
     def _refuse_other_starts(self, roots: set[str]) -> None:
@@ -387,8 +380,18 @@ def _shortened(names: list[str]) -> list[str]:
     return names if len(names) <= _MOST_NAMES else [*names[:_ENDS], f"{len(names) - 2 * _ENDS} more", *names[-_ENDS:]]
 
 
-def _index(k: int, span: Span) -> Flat:
-    return Number(float(k + 1), None, span, True)
+def _start(frame: Frame, kind: str, k: int) -> Flat | None:
+    """What a frame's declaration says about the start of a component of its place or velocity."""
+    for name in reading(kind, k):
+        if name in frame.starts:
+            known, start = ATTRIBUTES[name], frame.starts[name]
+            index = Number(float(known.components.index(k) + 1), None, frame.span, True)
+            return Call("element", (start, index), (), frame.span) if known.is_vector else start
+    return None
+
+
+def _is_fixed(frame: Frame, kind: str, k: int) -> bool:
+    return not frame.fixed.isdisjoint(reading(kind, k))
 
 
 def rate_of(variable: Variable) -> str | None:

@@ -1,8 +1,6 @@
 """ComponentGraph -> position, angle, velocity and rate of every frame as functions of q, v and t.
 
-Along a tree: shift(a, d): r_b = r_a + R(phi_a) d;  turn(a, alpha): phi_b = phi_a + alpha. The poses are evaluated with
-Duals, so the velocities come with the positions. Only this module, the frame functions and the library know that there are two
-dimensions.
+The poses (planar.py) are evaluated with Duals, so the velocities come with the positions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,10 +10,11 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, minus, plus, rate_of, times, value_of
+from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, plus, times, value_of
 from lagrangia.algebra.scalars import symbol
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import fail
+from lagrangia.frames import planar
 from lagrangia.frames.closures import cut_coordinate
 from lagrangia.frames.edges import Edge, Step
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
@@ -23,6 +22,7 @@ from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.planar import Pose
 from lagrangia.frames.vectors_on_a_line import line_of
 from lagrangia.language.flat import Variable
+from lagrangia.language.frame_attributes import ATTRIBUTES
 
 _JUST_AFTER = 1e-9  # of the time from start to stop
 Displacement = tuple[ca.SX, ...]  # a virtual one and its rate, or those of an excitation, with its second derivative
@@ -62,7 +62,7 @@ class Kinematics:
     dependents: Mapping[str, Dependent] = field(default_factory=dict)
     released: Mapping[str, Displacement] = field(default_factory=dict)
     moved: Mapping[str, Displacement] = field(default_factory=dict)  # those of single frames, nothing behind them
-    reactions: dict[str, tuple[ca.SX, ca.SX, ca.SX]] = field(default_factory=dict)  # symbols of those that outputs ask for
+    reactions: dict[str, tuple[ca.SX, ...]] = field(default_factory=dict)  # symbols of those that outputs ask for
     evaluator: Evaluator = field(init=False)
     _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])
     _still: "Kinematics | None" = None
@@ -115,25 +115,21 @@ class Kinematics:
         return (t, Dual(t, tau), Dual(Dual(t, tau), Dual(tau, 0.0)))[level]
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
-        """An attribute of a frame: r, x, y, phi, v, w, reaction, reaction_torque. Raises LagError."""
-        if attribute in ("reaction", "reaction_torque"):
+        """An attribute of a frame (language/frame_attributes.py). Raises LagError."""
+        kind = ATTRIBUTES[attribute].kind
+        if kind == "reaction":
             return self._reaction(name, attribute, level)
-        if attribute in ("v", "w"):
-            if level >= 2:
-                fail("L0503", f"the second derivative of {name}.{attribute} is not known", self.graph.model.frames[name].span)
-            pose = self.pose(name, level + 1)
-            return rate_of(pose.phi) if attribute == "w" else (rate_of(pose.x), rate_of(pose.y))
-        pose = self.pose(name, level)
-        return {"r": (pose.x, pose.y), "phi": pose.phi, "x": pose.x, "y": pose.y}[attribute]
+        if kind == "velocity" and level >= 2:
+            fail("L0503", f"the second derivative of {name}.{attribute} is not known", self.graph.model.frames[name].span)
+        return planar.attribute_of(self.pose(name, level + 1 if kind == "velocity" else level), attribute)
 
     def _reaction(self, name: str, attribute: str, level: int) -> Value:
         """Symbols that stand for the force and torque of a joint on its port b, until dynamics/reactions.py works them out."""
         if level > 0:
             fail("L0911", "the rate of a reaction is not known", self.graph.model.frames[name].span)
         if name not in self.reactions:
-            self.reactions[name] = (symbol(f"{name}.x"), symbol(f"{name}.y"), symbol(f"{name}.torque"))
-        fx, fy, torque = self.reactions[name]
-        return torque if attribute == "reaction_torque" else (fx, fy)
+            self.reactions[name] = tuple(symbol(f"{name}.{part}") for part in planar.WRENCH)
+        return planar.picked(attribute, self.reactions[name])
 
     def knowing(self, values: Mapping[str, Scalar]) -> "Kinematics":
         """The same motion where more is known by name."""
@@ -166,7 +162,7 @@ class Kinematics:
     def displaced(
         self, released: Mapping[str, Displacement], moved: Mapping[str, Displacement] | None = None
     ) -> "Kinematics":
-        """The same motion with virtual displacements and their rates: of a frame with all that lies behind it (x, y, angle), of
+        """The same motion with virtual displacements and their rates: of a frame with all that lies behind it (a place), of
         the coordinate of a cut joint, or of a coordinate that a constraint gives. `moved`: of frames alone."""
         return Kinematics(self.graph, self.symbols, self.algebra, self.dependents, released, moved or {})
 
@@ -217,14 +213,12 @@ class Kinematics:
                 poses[edge.child] = self._displaced(poses[edge.child], self.released[edge.child], level)
 
     def _displaced(self, pose: Pose, moved: Displacement, level: int) -> Pose:
-        x, y, angle = (displacement([part[k] for part in moved], level) for k in range(3))
-        return self.turned(Pose(pose.x + x, pose.y + y, pose.phi, pose.cos, pose.sin), angle, level)
+        parts = [displacement([part[k] for part in moved], level) for k in range(planar.SIZE)]
+        return pose.displaced(parts, self.evaluator.algebras[level])
 
     def _root_pose(self, frame: str, attributes: tuple[str, ...], level: int) -> Pose:
         place = {a: self.coordinate(f"{frame}.{a}", level) for a in attributes}
-        zero, one = self.algebra.number(0.0), self.algebra.number(1.0)
-        origin = Pose(place.get("x", zero), place.get("y", zero), zero, one, zero)
-        return self.turned(origin, place["phi"], level) if "phi" in place else origin
+        return planar.root_pose(place, self.algebra.number, self.evaluator.algebras[level])
 
     def follow(self, edge: Edge, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
         """The pose of the edge's child, given its parent's."""
@@ -238,32 +232,7 @@ class Kinematics:
 
     def along(self, step: Step, amount: Value, pose: Pose, level: int) -> Pose:
         """The pose after a step of this amount."""
-        if step.kind == "turn":
-            if isinstance(amount, tuple):
-                fail("L0303", "an angle is a number", step.amount.span)
-            return self.turned(pose, -amount if step.is_inverse else amount, level)
-        if not isinstance(amount, tuple) or len(amount) != 2:
-            fail("L0303", "a shift needs a vector of two components", step.amount.span, "write {x, y}")
-        x, y = (-a for a in amount) if step.is_inverse else amount
-        ahead_x, ahead_y = rotated(pose.cos, pose.sin, rate_of(pose.phi), x, y)
-        return Pose(pose.x + ahead_x, pose.y + ahead_y, pose.phi, pose.cos, pose.sin)
-
-    def turned(self, pose: Pose, angle: Scalar, level: int) -> Pose:
-        """A pose that has turned about its origin."""
-        phi = pose.phi + angle
-        algebra = self.evaluator.algebras[level]
-        return Pose(pose.x, pose.y, phi, algebra.call("cos", phi), algebra.call("sin", phi))
-
-
-def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
-    """R d with d = (x, y). Its rate is R d' + w x (R d), which reuses R d instead of differentiating the cosine and sine."""
-    moving = (cos, sin, x, y)
-    if not any(isinstance(s, Dual) for s in moving):
-        return minus(times(cos, x), times(sin, y)), plus(times(sin, x), times(cos, y))
-    c, s, dx, dy = (value_of(m) for m in moving)
-    ahead_x, ahead_y = rotated(c, s, value_of(w), dx, dy)
-    stretch_x, stretch_y = rotated(c, s, value_of(w), rate_of(x), rate_of(y))
-    return Dual(ahead_x, minus(stretch_x, times(w, ahead_y))), Dual(ahead_y, plus(stretch_y, times(w, ahead_x)))
+        return planar.step(pose, step, amount, self.evaluator.algebras[level])
 
 
 def displacement(moved: Sequence[Scalar], level: int) -> Scalar:

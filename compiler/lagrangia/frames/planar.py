@@ -1,9 +1,20 @@
-"""What the plane is: the pose of a frame."""
+"""Frames of the plane: their pose, how steps and displacements move it, and what attributes are read off it.
 
-from collections.abc import Callable
+Along a tree: shift(a, d): r_b = r_a + R(phi_a) d;  turn(a, alpha): phi_b = phi_a + alpha. A twist is the rate of the place: a
+velocity along x and y of the world, m/s, and an angular velocity, rad/s; a wrench a force along them, N, and a torque, N.m.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.duals import Algebra, Dual, Scalar, minus, plus, rate_of, times, value_of
+from lagrangia.base.diagnostics import fail
+from lagrangia.frames.edges import Step
+from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS
+
+SIZE = len(COMPONENTS)  # of a place, a twist, a wrench
+WRENCH = ("x", "y", "torque")  # what its numbers are called
+Value = Scalar | tuple[Scalar, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,3 +30,100 @@ class Pose:
     def map(self, function: Callable[[Scalar], Scalar]) -> "Pose":
         """The pose whose numbers are the function's of these."""
         return Pose(*(function(x) for x in (self.x, self.y, self.phi, self.cos, self.sin)))
+
+    @property
+    def place(self) -> tuple[Scalar, ...]:
+        """The numbers whose rates are the twist, (SIZE,)."""
+        return self.x, self.y, self.phi
+
+    @property
+    def twist(self) -> tuple[Scalar, ...]:
+        """The rates of the place, (SIZE,), where the pose is of Duals."""
+        return tuple(rate_of(x) for x in self.place)
+
+    @property
+    def origin(self) -> tuple[Scalar, ...]:
+        """Where it is, m."""
+        return self.x, self.y
+
+    def to_world(self, vector: Sequence[Scalar]) -> tuple[Scalar, ...]:
+        """Components along the world's axes of a vector in the frame's."""
+        return rotated(self.cos, self.sin, rate_of(self.phi), *vector)
+
+    def moved(self, ahead: Sequence[Scalar]) -> "Pose":
+        """With its origin further by a vector in the world's axes."""
+        return Pose(self.x + ahead[0], self.y + ahead[1], self.phi, self.cos, self.sin)
+
+    def at(self, origin: Sequence[Scalar]) -> "Pose":
+        """With its origin elsewhere."""
+        x, y = origin
+        return Pose(x, y, self.phi, self.cos, self.sin)
+
+    def turned(self, angle: Scalar, algebra: Algebra) -> "Pose":
+        """After a turn about its origin."""
+        phi = self.phi + angle
+        return Pose(self.x, self.y, phi, algebra.call("cos", phi), algebra.call("sin", phi))
+
+    def displaced(self, displacement: Sequence[Scalar], algebra: Algebra) -> "Pose":
+        """After a displacement, (SIZE,), along the world's axes and about its origin."""
+        *ahead, angle = displacement
+        return self.moved(ahead).turned(angle, algebra)
+
+
+HERE = Pose(0.0, 0.0, 0.0, 1.0, 0.0)  # of a frame, seen from itself
+
+
+def attribute_of(pose: Pose, name: str) -> Value:
+    """An attribute of a frame that its pose says; a velocity, where the pose is of Duals."""
+    known = ATTRIBUTES[name]
+    numbers = pose.twist if known.kind == "velocity" else pose.place
+    return picked(name, numbers)
+
+
+def picked(name: str, numbers: Sequence[Value]) -> Value:
+    """What an attribute is of a place, a twist or a wrench, (SIZE,)."""
+    known = ATTRIBUTES[name]
+    found = tuple(numbers[k] for k in known.components)
+    return found if known.is_vector else found[0]
+
+
+def root_pose(place: Mapping[str, Scalar], number: Callable[[float], Scalar], algebra: Algebra) -> Pose:
+    """Of the ground, or of a floating frame with these coordinates."""
+    zero, one = number(0.0), number(1.0)
+    origin = Pose(place.get("x", zero), place.get("y", zero), zero, one, zero)
+    return origin.turned(place["phi"], algebra) if "phi" in place else origin
+
+
+def step(pose: Pose, step: Step, amount: Value, algebra: Algebra) -> Pose:
+    """The pose after a step of this amount. Raises LagError L0303."""
+    if step.kind == "turn":
+        if isinstance(amount, tuple):
+            fail("L0303", "an angle is a number", step.amount.span)
+        return pose.turned(-amount if step.is_inverse else amount, algebra)
+    if not isinstance(amount, tuple) or len(amount) != len(pose.origin):
+        fail("L0303", "a shift needs a vector of two components", step.amount.span, "write {x, y}")
+    return pose.moved(pose.to_world(tuple(-a for a in amount) if step.is_inverse else amount))
+
+
+def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+    """R d with d = (x, y). Its rate is R d' + w x (R d), which reuses R d instead of differentiating the cosine and sine."""
+    moving = (cos, sin, x, y)
+    if not any(isinstance(s, Dual) for s in moving):
+        return minus(times(cos, x), times(sin, y)), plus(times(sin, x), times(cos, y))
+    c, s, dx, dy = (value_of(m) for m in moving)
+    ahead_x, ahead_y = rotated(c, s, value_of(w), dx, dy)
+    stretch_x, stretch_y = rotated(c, s, value_of(w), rate_of(x), rate_of(y))
+    return Dual(ahead_x, minus(stretch_x, times(w, ahead_y))), Dual(ahead_y, plus(stretch_y, times(w, ahead_x)))
+
+
+def cross(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
+    """a x b, about z."""
+    (ax, ay), (bx, by) = a, b
+    return ax * by - ay * bx
+
+
+def turned_vector(vector: Sequence[Scalar], angle: Scalar, algebra: Algebra) -> tuple[Scalar, ...]:
+    """Counter-clockwise."""
+    x, y = vector
+    c, s = algebra.call("cos", angle), algebra.call("sin", angle)
+    return c * x - s * y, s * x + c * y

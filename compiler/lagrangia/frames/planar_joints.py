@@ -1,0 +1,66 @@
+"""Cut joints of the plane, between a frame a and a frame b: what must vanish, the coordinate, the wrench on b.
+
+hinge: r_b = r_a, phi = phi_b - phi_a;  slider along d from the offset o: phi_b = phi_a, d x (R_a^T (r_b - r_a) - o) = 0,
+s = d . (R_a^T (r_b - r_a) - o)/|d|^2;  weld: r_b = r_a, phi_b = phi_a.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from lagrangia.algebra.duals import Scalar
+from lagrangia.frames.planar import Pose
+
+
+@dataclass(frozen=True)
+class Slide:
+    """A shift from a's origin that is linear in its coordinate, in a's axes; `length` is that of its direction."""
+
+    offset: Sequence[Scalar]
+    direction: Sequence[Scalar]
+    length: Scalar
+
+    def seen(self, a: Pose, b: Pose) -> tuple[Scalar, Scalar]:
+        """b's origin from the offset, in a's axes."""
+        x, y = b.x - a.x, b.y - a.y
+        return a.cos * x + a.sin * y - self.offset[0], a.cos * y - a.sin * x - self.offset[1]
+
+
+def gaps(kind: str, a: Pose, b: Pose, slide: Slide | None) -> list[Scalar]:
+    """What must vanish, lengths in m, angles in rad; `slide` of a slider."""
+    if slide is not None:
+        (x, y), (dx, dy) = slide.seen(a, b), slide.direction
+        return [b.phi - a.phi, (dx * y - dy * x) / slide.length]
+    place = [b.x - a.x, b.y - a.y]
+    return place if kind == "hinge" else [*place, b.phi - a.phi]
+
+
+def coordinate(a: Pose, b: Pose, slide: Slide | None, is_inverse: bool) -> Scalar:
+    """That of a hinge or slider."""
+    if slide is None:
+        return a.phi - b.phi if is_inverse else b.phi - a.phi
+    (x, y), (dx, dy) = slide.seen(a, b), slide.direction
+    return (dx * x + dy * y) / (slide.length * slide.length)
+
+
+def wrench_on_b(kind: str, a: Pose, slide: Slide | None, is_inverse: bool, forces: Sequence[Scalar],
+                drive: Scalar) -> list[Scalar]:
+    """What holds b: `forces` push the gaps shut, `drive` takes from what acts on the coordinate."""
+    if kind == "weld":
+        return [*forces]
+    if slide is None:
+        return [*forces, drive if is_inverse else -drive]
+    torque, across = forces
+    dx, dy = slide.direction
+    x, y = (a.cos * -dy - a.sin * dx) / slide.length, (a.sin * -dy + a.cos * dx) / slide.length  # across, in the world's axes
+    along = -drive / slide.length
+    return [across * x + along * y, across * y - along * x, torque]
+
+
+def unit_load(slopes: Sequence[ca.SX]) -> ca.SX:
+    """The wrench that does the work of a unit force on a coordinate by which a place changes with these slopes."""
+    x, y, turn = slopes
+    if turn.is_zero():
+        return ca.vertcat(x, y, 0) / (x * x + y * y)
+    return ca.vertcat(0, 0, 1 / turn)
