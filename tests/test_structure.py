@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from lagrangia.compile.pipeline import library
+from lagrangia.language.component_library import library
 from lagrangia.language.tree import ClassDefinition, Declaration
 from lagrangia.native.prebuilt import sources
 

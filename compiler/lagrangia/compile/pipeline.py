@@ -10,14 +10,11 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import Report, Source, fail, suggest
-from lagrangia.base.folders import data_folder
 from lagrangia.base.result_files import require_file
-from lagrangia.base.store import find_kept, keep, key_of
 
 if TYPE_CHECKING:
     from lagrangia.compile.functions import Functions
@@ -174,6 +171,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
 def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> "tuple[Syntax, FlatModel]":
     """Text -> syntax -> flat model. Raises LagError."""
     from lagrangia.language.classes import build_class_table
+    from lagrangia.language.component_library import library
     from lagrangia.language.flattening import flatten
 
     with deep_recursion():
@@ -181,22 +179,6 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
         table = build_class_table(library(), [syntax, *imported])
         definition = _choose(syntax, model)
         return syntax, flatten(table, definition, structural)
-
-
-@cache
-def library() -> "tuple[Syntax, ...]":
-    """The syntax of the component library, read once in a process and parsed once with an installation."""
-    from lagrangia.language.plain_tree import read_trees, write_trees
-
-    key = key_of("library", sys.version)
-    if (kept := find_kept("syntax", key)) is not None:
-        return read_trees(kept)
-    from lagrangia.language.syntax import parse
-
-    files = sorted((data_folder("models") / "library").glob("*.lag"))
-    parsed = tuple(parse(Source(f"library/{file.name}", file.read_text(encoding="utf-8"))) for file in files)
-    keep("syntax", key, write_trees(parsed))
-    return parsed
 
 
 def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":

@@ -2,13 +2,12 @@
 
 import marshal
 import re
-import sys
 from collections.abc import Iterator as IteratorType
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any, cast
 
-import lark
 from lark import Lark, Token, Transformer, UnexpectedInput, v_args
 from lark.grammar import Rule
 from lark.lexer import TerminalDef
@@ -16,8 +15,8 @@ from lark.lexer import TerminalDef
 from lagrangia.base.diagnostics import Report, Source, Span, fail
 from lagrangia.base.folders import data_folder
 from lagrangia.base.spelling import plain_text
-from lagrangia.base.store import find_kept, keep, key_of
 from lagrangia.language.expectations import refuse, shortened
+from lagrangia.language.shipped import made_of
 from lagrangia.language.tree import (
     Argument,
     Array,
@@ -81,14 +80,21 @@ def parse(source: Source) -> Syntax:
 
 @cache
 def _parser() -> Lark:
-    key = key_of("parser", lark.__version__, sys.version)
-    if (kept := find_kept("syntax", key)) is not None:
-        return Lark.load(marshal.loads(kept))  # plain tables: its own files are pickles, which can run
-    grammar = (data_folder("grammar") / "lag.lark").read_text(encoding="utf-8")
+    tables = made_of("parser", [grammar_file()], parser_tables)
+    return Lark.load(marshal.loads(tables))  # its own files are pickles, which can run
+
+
+def grammar_file() -> Path:
+    """The grammar of the language."""
+    return data_folder("grammar") / "lag.lark"
+
+
+def parser_tables() -> bytes:
+    """The parser of the grammar, as plain tables that marshal reads back."""
+    grammar = grammar_file().read_text(encoding="utf-8")
     parser = Lark(grammar, parser="lalr", start="file", propagate_positions=True, maybe_placeholders=True)
     data, memo = parser.memo_serialize([TerminalDef, Rule])
-    keep("syntax", key, marshal.dumps({"data": data, "memo": memo}))
-    return parser
+    return marshal.dumps({"data": data, "memo": memo})
 
 
 def _check_text(source: Source) -> None:

@@ -1,6 +1,6 @@
 """The C run time that comes with the package: built once, when the package is, for its platform.
 
-The build hook (compiler/build_runtime.py) loads this file by itself, before the package is there: it imports the standard library
+The build hook (compiler/build_package.py) loads this file by itself, before the package is there: it imports the standard library
 alone. A library goes with the digest of its sources and flags; one that was built from others is not found.
 
 It is compiled for this machine's processor and, with less care, for any of the platform: which is taken is decided where it is

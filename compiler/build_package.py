@@ -1,6 +1,8 @@
-"""Builds the C run time into the wheel, for every kind of processor of this platform: hatchling's hook of pyproject.toml.
+"""Builds what the package ships beside its sources: the C run time, the parser's tables, the parsed component library.
 
-    python compiler/build_runtime.py    does so in a source tree, as an editable install does
+The hook of hatchling that pyproject.toml names.
+
+    python compiler/build_package.py    does so in a source tree, as an editable install does
 
 Where no C compiler is found the wheel has none: what is installed looks for a compiler when a scene is run, and says so.
 """
@@ -37,12 +39,16 @@ class RuntimeHook(BuildHookInterface):
     """`initialize` builds; wheels take what lies beside the module, with a tag of the platform."""
 
     def dependencies(self) -> list[str]:
-        """zig, where this machine has no C compiler."""
-        return [] if self.target_name != "wheel" or prebuilt().find_command() else ["ziglang>=0.13"]
+        """What the parser needs; zig, where this machine has no C compiler."""
+        if self.target_name != "wheel":
+            return []
+        return ["lark>=1.2", "orjson>=3.9", *([] if prebuilt().find_command() else ["ziglang>=0.13"])]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         if self.target_name != "wheel":
             return
+        ship_syntax()
+        build_data["artifacts"].append("compiler/lagrangia/**/shipped/*")
         if build():
             build_data["pure_python"] = False
             build_data["tag"] = f"py3-none-{get_platform().replace('-', '_').replace('.', '_')}"
@@ -55,6 +61,16 @@ class RuntimeHook(BuildHookInterface):
 def place() -> Path:
     (file,) = PACKAGE.rglob("prebuilt.py")
     return file.with_name("prebuilt")
+
+
+def ship_syntax() -> None:
+    """By the package itself, as far as it can be imported here."""
+    sys.path.insert(0, str(PACKAGE.parent))
+    from lagrangia.language.component_library import ship_all
+
+    for folder in PACKAGE.rglob("shipped"):
+        shutil.rmtree(folder)
+    ship_all()
 
 
 def build() -> bool:
@@ -72,4 +88,5 @@ def build() -> bool:
 
 
 if __name__ == "__main__":
+    ship_syntax()
     sys.exit(not build())

@@ -1,0 +1,31 @@
+"""The syntax of the component library: parsed once, when the package is built."""
+
+from functools import cache
+from pathlib import Path
+
+from lagrangia.base.diagnostics import Source
+from lagrangia.base.folders import data_folder
+from lagrangia.language.plain_tree import read_trees, write_trees
+from lagrangia.language.shipped import made_of, ship
+from lagrangia.language.syntax import grammar_file, parse, parser_tables
+from lagrangia.language.tree import Syntax
+
+
+@cache
+def library() -> tuple[Syntax, ...]:
+    """The files of the library, in the order of their names; read once in a process."""
+    return read_trees(made_of("library", _files(), _parsed))
+
+
+def ship_all() -> None:
+    """What `library` and the parser would make at first use, put beside the modules. Raises OSError."""
+    ship("parser", [grammar_file()], parser_tables())
+    ship("library", _files(), _parsed())
+
+
+def _files() -> list[Path]:
+    return sorted((data_folder("models") / "library").glob("*.lag"))
+
+
+def _parsed() -> bytes:
+    return write_trees(tuple(parse(Source(f"library/{file.name}", file.read_text(encoding="utf-8"))) for file in _files()))
