@@ -1,0 +1,39 @@
+"""What is made when the package is built is found by what it was made of, and is what would be made now."""
+
+from pathlib import Path
+
+import pytest
+
+from lagrangia.language import component_library, shipped
+from lagrangia.language.plain_tree import read_trees
+from lagrangia.language.syntax import parse
+
+
+@pytest.fixture
+def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An installation in which nothing was shipped, with an empty cache."""
+    monkeypatch.setattr(shipped, "_FOLDER", tmp_path / "shipped")
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "cache"))
+    return tmp_path
+
+
+def test_what_is_shipped_is_found_until_a_file_changes(empty: Path) -> None:
+    file = empty / "text.lag"
+    file.write_text("one")
+    shipped.ship("thing", [file], b"made of one")
+    never = pytest.fail
+    assert shipped.made_of("thing", [file], lambda: never("it is there")) == b"made of one"
+    file.write_text("two")
+    assert shipped.made_of("thing", [file], lambda: b"made of two") == b"made of two"
+    assert shipped.made_of("thing", [file], lambda: never("it was kept")) == b"made of two"
+    file.write_text("one")
+    assert shipped.made_of("thing", [file], lambda: never("it is there")) == b"made of one"
+
+
+def test_the_library_is_shipped_as_it_is_parsed(empty: Path) -> None:
+    component_library.ship_all()
+    (place,) = (empty / "shipped").glob("library-*")
+    found = read_trees(place.read_bytes())
+    assert [item.source.name for item in found] == [f"library/{file.name}" for file in component_library._files()]
+    assert found == tuple(parse(item.source) for item in found)
+    assert len(list((empty / "shipped").glob("parser-*"))) == 1
