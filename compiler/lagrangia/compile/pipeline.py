@@ -121,18 +121,21 @@ def _flow(kinematics: "Kinematics", constraints: "Constraints", energies: "Energ
 
 def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motion",
                   made_of: "tuple[Constraints, bool, Partition | None]") -> "tuple[Kinematics, Motion]":
-    """The motion with what holds at contacts, and the kinematics that know these forces; the same where there are no events."""
+    """The motion with what holds at contacts, and the kinematics that know these forces; the same where there are no events.
+    Raises LagError for forces of which nobody knows what they are at rest."""
     from lagrangia.dynamics.energies import build_energies
     from lagrangia.dynamics.impacts import find_impacts
     from lagrangia.dynamics.motion import build_motion
+    from lagrangia.dynamics.untold_rest import refuse_untold_rest
 
     impacts = find_impacts(kinematics)
-    if not impacts.places:
-        return kinematics, motion
     if impacts.pressing:
         kinematics = kinematics.knowing(impacts.contact_forces())
         energies = build_energies(kinematics)
-    return kinematics, build_motion(kinematics, energies, *made_of, impacts)
+    if impacts.places:
+        motion = build_motion(kinematics, energies, *made_of, impacts)
+    refuse_untold_rest(energies, motion)
+    return kinematics, motion
 
 
 def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, ...]:

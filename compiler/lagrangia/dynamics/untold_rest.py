@@ -1,0 +1,171 @@
+"""Forces -> a refusal of those that say something else of rest than of motion without saying what.
+
+An even function of the sign of a rate, sign(v)^2, is 1 except where v rests: `F*(3 - sign(v)^2)*sign(v)` rubs with 2 F, and
+nobody knows whether it holds up to 3 F. Forces are looked at as functions of each sign s: at s = 1 and s = -1, where it moves,
+and with value and slope at s = 0. What is told of rest lies between the two sides; what is odd as a whole, s^3 s^2, has no
+slope there, and holds as much as it rubs (A.F. Filippov, Differential equations with discontinuous righthand sides, 1988).
+"""
+
+from collections.abc import Iterator, Sequence
+
+import casadi as ca
+import numpy as np
+
+from lagrangia.algebra.numbering import Numbering, rebuilt
+from lagrangia.algebra.orthogonal import Vector
+from lagrangia.algebra.scalars import Expression, as_expression, operate, symbol, symbols_in
+from lagrangia.algebra.with_casadi import CORNERS
+from lagrangia.base.diagnostics import Span, fail
+from lagrangia.dynamics.dissipation import gradient_by_rates
+from lagrangia.dynamics.energies import Energies
+from lagrangia.dynamics.held_switches import SIGNS, Holding, Pair, pair_of, rest_asked
+from lagrangia.dynamics.motion import Motion
+from lagrangia.dynamics.switches import has_corners
+
+_TURNING = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN, ca.OP_FABS)
+_PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
+_KEEPING = (ca.OP_NEG, ca.OP_TWICE, ca.OP_ADD, ca.OP_SUB, ca.OP_NOT)  # what is linear in all operands
+_LITTLE = 1e-30  # m/s or rad/s: of a rate that moves
+_NOTHING, _SAME, _ZERO = 1e-9, 1e-6, 1e-12  # relative: of a value; of slopes; of a rate that is another one's multiple
+_POINTS = 3
+_HINT = ("what holds at rest is told by F_static, mu_static or tau_static of the component, or by "
+         "`if abs(v) > 0 then ... else ...`: the second value is that at rest")
+
+
+def refuse_untold_rest(energies: Energies, motion: Motion) -> None:
+    """Raises LagError L0918, placed at the term of the energies that jumps so, or at the load."""
+    if not has_corners(motion.h) or not _is_untold(motion.h, motion.v):
+        return
+    for force, span in _apart(energies, motion.v):
+        if _is_untold(force, motion.v):
+            _refuse(span)
+    _refuse(None)
+
+
+def _refuse(span: Span | None) -> None:
+    fail("L0918", "not supported yet: a force that is another one just where a rate rests, as sign(v)^2 is, so that it is not "
+         "told what holds there", span, _HINT)
+
+
+def _apart(energies: Energies, v: ca.SX) -> Iterator[tuple[ca.SX, Span]]:
+    """The force of each load and of each term of dissipation, with its place."""
+    for load in energies.loads:
+        yield ca.vertcat(*load.force), load.statement.span
+    for term in energies.dissipation:
+        yield gradient_by_rates(ca.SX(term.value), v), term.statement.span
+
+
+def _is_untold(force: ca.SX, v: ca.SX) -> bool:
+    probe = _Probe(v, Numbering())
+    (held,) = rebuilt([ca.densify(force)], probe.numbering, probe.made)
+    return probe.is_doubtful and any(_tells_nothing(values) for values in _values_of(held, probe, v))
+
+
+def _tells_nothing(values: Sequence[Vector]) -> bool:
+    """Of forces where a rate is positive, negative and 0, and their slopes there."""
+    ahead, back, rest, slope = values
+    if not np.isfinite(values).all():
+        return bool(np.isfinite([ahead, back]).all())
+    size = np.abs([ahead, back, rest]).max(axis=0)
+    little = _NOTHING * size
+    is_outside = (rest < np.minimum(ahead, back) - little) | (rest > np.maximum(ahead, back) + little)
+    sides = np.sort([ahead - rest, rest - back], axis=0)
+    near = little + _SAME * np.abs(slope)
+    is_other = (np.abs(slope) > little) & ((slope < sides[0] - near) | (slope > sides[1] + near))
+    return bool((is_outside | is_other).any())
+
+
+def _values_of(held: ca.SX, probe: "_Probe", v: ca.SX) -> Iterator[tuple[Vector, Vector, Vector, Vector]]:
+    """Of each rate, at a few general places where it rests."""
+    rates, pairs = ca.vertcat(*probe.rates.values()), list(probe.found.values())
+    G, s = (ca.vertcat(*(pair[k] for pair in pairs)) for k in (0, 1))
+    own = symbols_in(ca.vertcat(G, s))
+    x = ca.vertcat(v, *(y for y in ca.symvar(ca.veccat(held, rates)) if y.__hash__() not in own | symbols_in(v)))
+    forces = ca.Function("forces", [x, G, s], [held, ca.densify(ca.jacobian(held, s))])
+    moving = ca.Function("rates", [x], [rates, ca.densify(ca.jacobian(rates, v))])
+    random = np.random.default_rng(1)
+    for _ in range(_POINTS):
+        place = random.uniform(0.5, 1.5, x.numel())
+        for k in range(len(pairs)):
+            at, found, J = place.copy(), *map(np.array, moving(place))
+            if not (weight := J[k] @ J[k]) > 0:
+                continue
+            way = J[k] / weight
+            at[: v.numel()] -= way * found[k, 0]
+            found, J = np.array(moving(at)[0]).ravel(), np.array(moving(at)[1])
+            together = np.abs(found) < _ZERO * np.maximum(1.0, np.abs(J).sum(axis=1))
+            turned = np.where(together, np.sign(J @ way), 0.0)
+            others = np.where(together, 0.0, found)
+            ahead, back, rest = (forces(at, others + d * _LITTLE * turned, np.sign(others) + d * turned) for d in (1, -1, 0))
+            f = [np.array(values[0]).ravel() for values in (ahead, back, rest)]
+            yield f[0], f[1], f[2], np.array(rest[1]) @ turned
+
+
+class _Probe(Holding):
+    """Makes forces anew with a symbol for each rate whose sign they ask for, and one for the sign."""
+
+    def __init__(self, v: ca.SX, numbering: Numbering) -> None:
+        super().__init__({}, frozenset(), {}, numbering)
+        self.moving = symbols_in(v)
+        self.rates = dict[Pair, Expression]()
+        self.found = dict[Pair, tuple[Expression, Expression]]()  # the symbols of a rate and of its sign
+        self.jumping, self.cornered = set[int](), set[int]()  # numbers of what jumps with a sign, and of what is not smooth
+        self.is_doubtful = False  # whether forces are more than linear in a sign
+
+    def made(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression:
+        """An instruction: as in motion, where it asks whether something rests."""
+        number, is_smooth = self.numbering.of(op, numbers), self.cornered.isdisjoint(numbers)
+        if op in CORNERS or not is_smooth:
+            self.cornered.add(number)
+        is_of_rate = op in CORNERS and not self.moving.isdisjoint(symbols_in(ca.veccat(*operands)))
+        asked = rest_asked(self.numbering, op, numbers) if is_of_rate else None
+        if asked is not None:
+            return as_expression(0.0 if asked[1] else 1.0)
+        if is_of_rate and op in _TURNING and (made := self._of_rate(op, numbers, operands, is_smooth)) is not None:
+            return made
+        if op == ca.OP_MUL:
+            self.products[number] = numbers, operands
+        quotient = self._quotient(numbers, operands) if op == ca.OP_DIV else None
+        self._note(op, number, numbers, quotient is not None)
+        return operate(op, operands) if quotient is None else quotient
+
+    def _of_rate(self, op: int, numbers: list[int], operands: list[Expression], is_smooth: bool) -> Expression | None:
+        number, zero = self.numbering.of(op, numbers), as_expression(0.0)
+        if op == ca.OP_SIGN and (not is_smooth or operands[0].op() == ca.OP_SQ):  # it jumps, and not as the sign of a rate
+            self.is_doubtful = True
+            self.jumping.add(number)
+            if is_smooth:
+                root = as_expression(operands[0].dep(0))
+                return operate(op, [self.made(ca.OP_FABS, [self.numbering.number(root)], [root])])
+        pair = pair_of(self.numbering, op, numbers) if is_smooth else None
+        if pair is None:
+            return None
+        a, b = operands if op not in SIGNS else (operands[0], zero)
+        if pair not in self.found:
+            self.rates[pair] = a - b if numbers[0] == pair[0] else b - a
+            self.found[pair] = symbol("rate"), symbol("sign")
+            self.moving |= symbols_in(ca.vertcat(*self.found[pair]))
+        if op == ca.OP_SIGN:
+            self.jumping.add(number)
+            return self._sign(pair, numbers[0])
+        rate = self.found[pair][0] if numbers[0] == pair[0] else -self.found[pair][0]
+        if op == ca.OP_FABS:
+            self.absolute[number] = pair, numbers[0]
+            return operate(op, [rate])
+        self.jumping.add(number)
+        return operate(op, [rate, zero])
+
+    def _sign(self, pair: Pair, number: int) -> Expression:
+        sign = self.found[pair][1]
+        return sign if number == pair[0] else -sign
+
+    def _combined(self, op: int, operands: Sequence[Expression]) -> Expression:
+        return operate(op, operands)
+
+    def _note(self, op: int, number: int, numbers: list[int], is_sign: bool) -> None:
+        """Whether a value jumps, and may do so otherwise than linearly."""
+        jumping = [k in self.jumping for k in numbers]
+        if any(jumping) or is_sign:
+            self.jumping.add(number)
+        is_linear = op in _KEEPING or (op in _PRODUCTS and sum(jumping) == 1) or (op == ca.OP_DIV and not jumping[1])
+        self.is_doubtful |= any(jumping) and not is_linear
