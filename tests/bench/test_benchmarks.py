@@ -26,6 +26,7 @@ COMMANDS = [
     ["rhs_size.py", "--largest", "5"],
     ["rhs_size.py", "--rope", "--largest", "10"],
     ["hand_written.py"],
+    ["startup.py", "--repeat", "1", "--links", "5"],
     ["four_bars.py", "--largest", "2"],
     ["many_runs.py", "--runs", "50", "--repeats", "1"],
     pytest.param(["fmu_steps.py", "--repeats", "2"], marks=pytest.mark.slow, id="fmu_steps.py --repeats"),
