@@ -64,13 +64,16 @@ def place() -> Path:
 
 
 def ship_syntax() -> None:
-    """By the package itself, as far as it can be imported here."""
+    """By the package itself. Where that cannot be, it is done when it is first needed."""
     sys.path.insert(0, str(PACKAGE.parent))
-    from lagrangia.language.component_library import ship_all
+    try:
+        from lagrangia.language.component_library import ship_all
 
-    for folder in PACKAGE.rglob("shipped"):
-        shutil.rmtree(folder)
-    ship_all()
+        for folder in PACKAGE.rglob("shipped"):
+            shutil.rmtree(folder)
+        ship_all()
+    except (ImportError, OSError) as error:
+        print(f"lagrangia: the parsed library is made at first use: {error}", file=sys.stderr)
 
 
 def build() -> bool:
@@ -83,7 +86,11 @@ def build() -> bool:
               "CasADi, all others need one; pip install ziglang brings it", file=sys.stderr)
         return False
     shutil.rmtree(folder, ignore_errors=True)
-    module.build(runtime, folder, command)
+    try:
+        module.build(runtime, folder, command)
+    except (OSError, RuntimeError) as error:
+        print(f"lagrangia: the run time could not be built, and is when it is needed: {error}", file=sys.stderr)
+        return False
     return True
 
 
