@@ -230,7 +230,7 @@ class Evaluator:
 
     def _distance(self, node: Call[Flat], level: int) -> Scalar:
         """Between two frames or two points."""
-        start, end = (self.value(_origin(argument), level) for argument in node.arguments)
+        start, end = (self.value(origin_of(argument), level) for argument in node.arguments)
         _need_vectors([start, end], 2, node.span)
         return self.norm(_zip(lambda x, y: x - y, end, start, node.span), level)
 
@@ -305,7 +305,7 @@ def _squared(node: Flat) -> list[Flat] | None:
     return None
 
 
-def _origin(node: Flat) -> Flat:
+def origin_of(node: Flat) -> Flat:
     """The origin of a frame; a point is its own."""
     if isinstance(node, FrameRef) and not node.attribute:
         return FrameRef(node.name, "r", (), node.span)
