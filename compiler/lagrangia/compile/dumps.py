@@ -5,6 +5,7 @@ from typing import Any
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.compile.pipeline import PHASES, Compilation
+from lagrangia.language.frame_attributes import WHOLE_MOTION
 from lagrangia.language.tree import (
     Array,
     Binary,
@@ -113,11 +114,13 @@ def _kinematics(compilation: Compilation) -> str:
     for name in compilation.flat.frames:
         if name in compilation.graph.unused_frames:
             continue
-        pose = kinematics.pose(name, 0)
-        vx, vy = kinematics.frame(name, "v", 0)
-        lines.append(f"{name}: r = ({_short(pose.x)}, {_short(pose.y)}), phi = {_short(pose.phi)}, "
-                     f"v = ({_short(vx)}, {_short(vy)}), w = {_short(kinematics.frame(name, 'w', 0))}")
+        parts = ((attribute, kinematics.frame(name, attribute, 0)) for attribute in WHOLE_MOTION)
+        lines.append(f"{name}: " + ", ".join(f"{attribute} = {_components(value)}" for attribute, value in parts))
     return "\n".join(lines)
+
+
+def _components(value: Any) -> str:
+    return f"({', '.join(map(_short, value))})" if isinstance(value, tuple) else _short(value)
 
 
 def _energies(compilation: Compilation) -> str:

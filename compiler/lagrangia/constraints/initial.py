@@ -21,6 +21,7 @@ from lagrangia.frames.evaluation import Value
 from lagrangia.frames.graph import Coordinate, rate_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Equation
+from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS, is_velocity
 from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 
 _AGREES = 1e-9  # two values of one start, in m or rad
@@ -232,10 +233,9 @@ class _Starts:
             position = self.number.get(node.arguments[0].name)
             return [self.n + position] if position is not None else None
         if isinstance(node, FrameRef):
-            names = {"x": ["x"], "y": ["y"], "phi": ["phi"], "r": ["x", "y"], "v": ["x", "y"], "w": ["phi"]}[node.attribute]
-            picked = [names[i - 1] for i in node.index] or names
-            numbers = [self.number.get(f"{node.name}.{name}") for name in picked]
-            shift = self.n if node.attribute in ("v", "w") else 0
+            picked = ATTRIBUTES[node.attribute].picked(node.index)
+            numbers = [self.number.get(f"{node.name}.{COMPONENTS[k].name}") for k in picked]
+            shift = self.n if is_velocity(node.attribute) else 0
             return None if None in numbers else [k + shift for k in numbers if k is not None]
         return None
 

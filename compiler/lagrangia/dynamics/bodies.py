@@ -17,7 +17,7 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.frames.planar import HERE, Pose
 from lagrangia.frames.planar_inertia import FreeBody, Inertia, inertias, unlike_a_body
 from lagrangia.language.flat import FlatModel
-from lagrangia.language.frame_attributes import ATTRIBUTES
+from lagrangia.language.frame_attributes import is_velocity
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Call, FrameRef, Ref, Time
 
@@ -90,7 +90,7 @@ def _velocities_read(model: FlatModel, term: Term) -> set[str] | None:
             if (isinstance(node, Call) and node.function in ("der", "distance")) or isinstance(node, Time):
                 return None
             if isinstance(node, FrameRef):
-                if not node.attribute or ATTRIBUTES[node.attribute].kind != "velocity":
+                if not is_velocity(node.attribute):
                     return None
                 frames.add(node.name)
             if isinstance(node, Ref) and node.name not in seen:

@@ -181,7 +181,7 @@ def _absolute_angles(kinematics: Kinematics) -> ca.DM:
     number = {name: k for k, name in enumerate(positions)}
     turning = [(edge.child, number[name]) for edge in graph.edges for name in edge.coordinates if name in number]
     S = np.eye(len(number))
-    angles = ca.vertcat(ca.SX(0, 1), *[kinematics.pose(frame, 0).phi for frame, _ in turning])
+    angles = ca.vertcat(ca.SX(0, 1), *[kinematics.frame(frame, "phi", 0) for frame, _ in turning])
     slopes = ca.jacobian(angles, ca.vertcat(*positions.values()))
     if not slopes.is_constant():
         return ca.DM.eye(len(number))

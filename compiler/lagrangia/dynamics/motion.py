@@ -199,8 +199,7 @@ def _missing_port(kinematics: Kinematics, coordinate: str) -> str:
     if loose:
         return f"'{loose[0]}' is joined to nothing: connect a body there"
     frame, _, name = coordinate.rpartition(".")
-    part = component_named(name)
-    if part is not None and part.is_angle and frame in kinematics.graph.model.frames:
+    if frame in kinematics.graph.model.frames and component_named(name).is_angle:
         return (f"what is placed beside '{frame}' (shift, turn) turns with it, and a mass point has no moment of inertia: make "
                 "it a Disc or a Bar, shift the other port, or measure from the point: gap = p.center.y - 0.1[m]")
     return "give a body behind it a mass"

@@ -20,7 +20,7 @@ from lagrangia.frames.joints import component_of, cuts_of, joints_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.frames.planar import SIZE
 from lagrangia.frames.planar_inertia import wrench_about
-from lagrangia.language.instances import REACTIONS
+from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import FrameRef
 

@@ -2,12 +2,13 @@
 
 from lagrangia.frames.edges import Closure, Edge
 from lagrangia.frames.graph import ComponentGraph
+from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.instances import held_port
 
 
 def all_reactions(graph: ComponentGraph) -> list[str]:
     """The force and torque of every joint and of every equation between the ports of one component."""
-    return [f"{path}.{what}" for path in reaction_ports(graph) for what in ("reaction", "reaction_torque")]
+    return [f"{path}.{what}" for path in reaction_ports(graph) for what in REACTIONS]
 
 
 def reaction_ports(graph: ComponentGraph) -> dict[str, str]:

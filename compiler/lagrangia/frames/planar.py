@@ -13,6 +13,7 @@ from lagrangia.frames.edges import Step
 from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS
 
 SIZE = len(COMPONENTS)  # of a place, a twist, a wrench
+LENGTHS, ANGLES = slice(0, 2), slice(2, 3)  # where they are among the numbers of a place
 WRENCH = ("x", "y", "torque")  # what its numbers are called
 Value = Scalar | tuple[Scalar, ...]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.language.flat import Equation, FlatModel, FrameEquation
-from lagrangia.language.instances import REACTIONS
+from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.mentions import nodes, reached
 from lagrangia.language.tree import Call, Flat, FrameRef
 

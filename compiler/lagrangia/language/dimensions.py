@@ -12,6 +12,7 @@ from lagrangia.base.diagnostics import LagError, Report, Span
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.flat import Equation, FlatModel, Variable, When
 from lagrangia.language.folding import fold
+from lagrangia.language.frame_attributes import ATTRIBUTES, dimension_of
 from lagrangia.language.names import FRAME_FUNCTIONS
 from lagrangia.language.tree import (
     Array,
@@ -31,11 +32,7 @@ from lagrangia.language.tree import (
 from lagrangia.language.units import ONE, Dimension, dimension, divide, multiply, parse_unit, power, spell
 
 _METRE, _SECOND = dimension(m=1), dimension(s=1)
-_SPEED, _TURN_RATE = dimension(m=1, s=-1), dimension(s=-1)
 _JOULE, _WATT = dimension(kg=1, m=2, s=-2), dimension(kg=1, m=2, s=-3)
-_FRAME_DIMENSIONS = {"r": _METRE, "x": _METRE, "y": _METRE, "phi": ONE, "v": _SPEED, "w": _TURN_RATE,
-                     "reaction": dimension(kg=1, m=1, s=-2), "reaction_torque": _JOULE}
-_FRAME_UNITS = {"r": "m", "x": "m", "y": "m", "phi": "rad", "v": "m/s", "w": "rad/s", "reaction": "N", "reaction_torque": "N.m"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +60,7 @@ def check_dimensions(model: FlatModel) -> FlatModel:
         checker.guard(checker.check_variable, variable)
     for frame in model.frames.values():
         for name, start in frame.starts.items():
-            checker.guard(checker.expect, start, _FRAME_DIMENSIONS[name], f"the start of {name}")
+            checker.guard(checker.expect, start, dimension_of(name), f"the start of {name}")
     for frames in model.frame_equations:
         checker.guard(checker.check_frame, frames.left)
         checker.guard(checker.check_frame, frames.right)
@@ -87,7 +84,7 @@ def unit_of(model: FlatModel, node: Flat) -> str:
         case Ref(name, _, _):
             return model.variables[name].unit
         case FrameRef(_, attribute, _, _):
-            return _FRAME_UNITS.get(attribute, "")
+            return ATTRIBUTES[attribute].unit if attribute else ""
         case Call("der", (inner,), _, _):
             unit = unit_of(model, inner)
             return _rate_unit(unit)
@@ -197,7 +194,7 @@ class _Checker:
             case FrameRef(_, "", _, span):
                 return self._refuse_frame(node, span)
             case FrameRef(_, attribute, _, _):
-                return Quantity(_FRAME_DIMENSIONS[attribute])
+                return Quantity(dimension_of(attribute))
             case Local(name, _):
                 return (local or {}).get(name, ANY)
             case Time():

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 from lagrangia.base.diagnostics import Span, fail
+from lagrangia.language.frame_attributes import ATTRIBUTES, is_vector
 from lagrangia.language.tree import Array, Binary, Call, Flat, FrameRef, IfExpression, Number, Ref, Unary
 
-_VECTORS = frozenset({"r", "v", "reaction"})  # attributes of frames that have two components
 _OF_EACH = frozenset({"der", "virtual"})  # functions that give an array for an array
 Size = Callable[[Ref], int | None]  # of the next dimension of a variable
 
@@ -17,8 +17,8 @@ def length(node: Flat, size: Size) -> int | None:
             return len(items)
         case Ref():
             return size(node)
-        case FrameRef(_, attribute, (), _) if attribute in _VECTORS:
-            return 2
+        case FrameRef(_, attribute, (), _) if is_vector(attribute):
+            return len(ATTRIBUTES[attribute].components)
         case Call("rotate", _, _, _):
             return 2
         case Call(function, (inner,), _, _) if function in _OF_EACH:

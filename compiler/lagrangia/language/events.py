@@ -9,6 +9,7 @@ from typing import Any
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.language.flat import FlatModel, Reset, When
+from lagrangia.language.frame_attributes import as_element, is_velocity, place_of
 from lagrangia.language.tree import Binary, Boolean, Call, Flat, FrameRef, Number, Ref, Unary
 
 COMPARED = ("<", "<=", ">", ">=")
@@ -48,10 +49,8 @@ def position_of(reset: Reset, model: FlatModel) -> Flat:
     match node:
         case Call("der", (position,), _, _) if not (isinstance(position, Call) and position.function == "der"):
             return position
-        case FrameRef(name, "v", index, span):
-            return FrameRef(name, "r", index, span)
-        case FrameRef(name, "w", _, span):
-            return FrameRef(name, "phi", (), span)
+        case FrameRef(name, attribute, index, span) if is_velocity(attribute):
+            return FrameRef(name, place_of(attribute), index, span)
     fail("L0225", "reinit sets a rate, this is none", reset.rate.span,
          "write: reinit(der(x), value), for any position or angle x")
 
@@ -85,14 +84,9 @@ def are_alike(a: Any, b: Any) -> bool:
     if a.__class__ is not b.__class__:
         return False
     if isinstance(a, FrameRef):
-        return a.name == b.name and _place_of(a) == _place_of(b)
+        return a.name == b.name and as_element(a.attribute, a.index) == as_element(b.attribute, b.index)
     if isinstance(a, tuple):
         return len(a) == len(b) and all(map(are_alike, a, b))
     if not is_dataclass(a):
         return bool(a == b)
     return all(are_alike(getattr(a, f.name), getattr(b, f.name)) for f in fields(a) if f.name != "span")
-
-
-def _place_of(node: FrameRef) -> tuple[str, tuple[int, ...]]:
-    """x is r[1], y is r[2]."""
-    return {"x": ("r", (1,)), "y": ("r", (2,))}.get(node.attribute, (node.attribute, node.index))

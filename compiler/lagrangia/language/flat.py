@@ -58,7 +58,7 @@ class Frame:
 
     name: str
     is_ground: bool
-    starts: Mapping[str, Flat]  # of r, phi, v, w, x, y
+    starts: Mapping[str, Flat]  # of its attributes
     fixed: frozenset[str]
     owner: str  # class of the component whose port it is
     span: Span

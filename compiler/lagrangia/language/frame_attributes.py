@@ -48,6 +48,8 @@ class FrameAttribute:
 COMPONENTS = (Component("x", "m", "", "horizontal position"), Component("y", "m", "", "height"),
               Component("phi", "rad", "deg", "angle"))
 
+WRENCH_HEADINGS = ("F_x [N]", "F_y [N]", "M [N.m]")  # of the columns of a table
+
 _TABLE = (
     FrameAttribute("r", "place", (0, 1), "m", is_vector=True),
     FrameAttribute("x", "place", (0,), "m"),
@@ -61,6 +63,7 @@ _TABLE = (
 ATTRIBUTES: Mapping[str, FrameAttribute] = {attribute.name: attribute for attribute in _TABLE}
 REACTIONS = tuple(name for name, a in ATTRIBUTES.items() if a.kind == "reaction")  # on the held port of a component
 OF_ANY_FRAME = frozenset(name for name, a in ATTRIBUTES.items() if a.kind != "reaction")
+WHOLE_MOTION = ("r", "phi", "v", "w")  # what says all, once
 WORDS = "it has the position r (also x and y), the angle phi, the velocity v and the angular velocity w"
 WORDS_OF_ELEMENTS = "r and v have two elements, the others are numbers"
 
@@ -86,10 +89,15 @@ def reads_angle(attribute: str) -> bool:
     return attribute in OF_ANY_FRAME and any(COMPONENTS[k].is_angle for k in ATTRIBUTES[attribute].components)
 
 
-def component_named(name: str) -> Component | None:
-    """That which a coordinate of a frame is called by, bar.center.phi; None for other names."""
+def is_velocity(attribute: str) -> bool:
+    """Whether an attribute says how fast a frame moves or turns."""
+    return attribute in ATTRIBUTES and ATTRIBUTES[attribute].kind == "velocity"
+
+
+def component_named(name: str) -> Component:
+    """That which a coordinate of a floating frame is called by: phi of bar.center.phi."""
     last = name.rpartition(".")[2]
-    return next((component for component in COMPONENTS if component.name == last), None)
+    return next(component for component in COMPONENTS if component.name == last)
 
 
 def place_of(velocity: str) -> str:

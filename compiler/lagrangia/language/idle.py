@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from lagrangia.base.diagnostics import Report
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import FlatModel, Variable
-from lagrangia.language.instances import REACTIONS, Instance, Slot
+from lagrangia.language.frame_attributes import REACTIONS
+from lagrangia.language.instances import Instance, Slot
 from lagrangia.language.mentions import nodes, reached
 from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 from lagrangia.language.unread import inside

@@ -10,12 +10,11 @@ from typing import Any, Protocol, TypeAlias
 
 from lagrangia.base.diagnostics import Report, Span, fail, suggest
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.frame_attributes import OF_ANY_FRAME
 from lagrangia.language.suggestions import explain
 from lagrangia.language.tree import Argument, ClassDefinition, Clause, Declaration, Expression, Extends
 
 ATTRIBUTES = frozenset({"unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "quantity", "stateSelect"})
-REACTIONS = frozenset({"reaction", "reaction_torque"})  # on the held port of a component
-FRAME_ATTRIBUTES = frozenset({"r", "phi", "v", "w", "x", "y"})
 _ROLES = frozenset({"parameter", "constant", "input", "output", "coordinate"})
 _MOST_ELEMENTS = 1_000_000
 _MOST_COMPONENTS = 100_000
@@ -210,7 +209,7 @@ class Instantiation:
                                   *explain(self.table, definition, name, change.children.keys()))
 
     def _check_names(self, instance: Instance, members: list[tuple[Declaration, Modification]], change: Modification) -> None:
-        known = {declaration.name for declaration, _ in members} | (FRAME_ATTRIBUTES if instance.frame else frozenset())
+        known = {declaration.name for declaration, _ in members} | (OF_ANY_FRAME if instance.frame else frozenset())
         self._refuse_unknown(instance.definition, change, known)
         instance.protected |= {declaration.name for declaration, _ in members if "protected" in declaration.prefixes}
         for name in instance.protected & change.children.keys():
@@ -266,7 +265,7 @@ class Instantiation:
     def _frame_starts(self, change: Modification) -> tuple[dict[str, Bound], frozenset[str]]:
         starts, fixed = {}, set()
         for name, inner in change.children.items():
-            if name not in FRAME_ATTRIBUTES:
+            if name not in OF_ANY_FRAME:
                 continue
             for attribute, what in inner.children.items():
                 if attribute == "start" and what.value is not None:
@@ -312,9 +311,9 @@ class Instantiation:
         base = self.table.base_type(declaration.type_name, declaration.type_span)
         if base is not None:
             for name, inner in change.children.items():
-                if name not in FRAME_ATTRIBUTES:
+                if name not in OF_ANY_FRAME:
                     self.report.error("L0208", f"Frame has no attribute '{name}'", inner.span,
-                                      *filter(None, [suggest(name, FRAME_ATTRIBUTES)]))
+                                      *filter(None, [suggest(name, OF_ANY_FRAME)]))
             starts, fixed = self._frame_starts(change)
             return FrameSlot(path, declaration.name_span, starts, fixed, change.value, instance)
         definition = self.table.lookup(declaration.type_name, declaration.type_span)

@@ -10,7 +10,8 @@ from lagrangia.base.diagnostics import Diagnostic, Report, Span, TooMuchError, f
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.elements import element, length
 from lagrangia.language.folding import fold, folded
-from lagrangia.language.instances import FRAME_ATTRIBUTES, REACTIONS, Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
+from lagrangia.language.frame_attributes import ATTRIBUTES, OF_ANY_FRAME, REACTIONS, WORDS, WORDS_OF_ELEMENTS
+from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
 from lagrangia.language.suggestions import explain
 from lagrangia.language.tree import (
     Array,
@@ -343,7 +344,7 @@ class Names:
             fail("L0228", f"'{rest[0].name}' of {owner} is protected: only {owner} and what extends it may name it", rest[0].span,
                  "declare it before `protected`, or after `public`, if others may read it")
         if inner is None:
-            if member.frame is not None and rest[0].name in FRAME_ATTRIBUTES:
+            if member.frame is not None and rest[0].name in OF_ANY_FRAME:
                 return self._frame(node, at + 1, member.frame, scope)
             if rest[0].name in REACTIONS and held_port(_frames(member)) is not None:
                 return self._reaction(node, at + 1, member, scope)
@@ -373,14 +374,12 @@ class Names:
         if at == len(node.parts):
             return FrameRef(frame.path, "", (), node.span)
         part = node.parts[at]
-        if part.name not in FRAME_ATTRIBUTES or at + 1 < len(node.parts):
-            wrong = part if part.name not in FRAME_ATTRIBUTES else node.parts[at + 1]
-            fail("L0216", f"a frame has no '{wrong.name}'", wrong.span,
-                 "it has the position r (also x and y), the angle phi, the velocity v and the angular velocity w")
+        if part.name not in OF_ANY_FRAME or at + 1 < len(node.parts):
+            wrong = part if part.name not in OF_ANY_FRAME else node.parts[at + 1]
+            fail("L0216", f"a frame has no '{wrong.name}'", wrong.span, WORDS)
         index = tuple(self.integer(s, scope, "a subscript") for s in part.subscripts)
-        if index and (part.name not in ("r", "v") or len(index) > 1 or index[0] not in (1, 2)):
-            fail("L0214", f"'{part.name}' of a frame has no element {list(index)}", part.span,
-                 "r and v have two elements, the others are numbers")
+        if not ATTRIBUTES[part.name].has_element(index):
+            fail("L0214", f"'{part.name}' of a frame has no element {list(index)}", part.span, WORDS_OF_ELEMENTS)
         return FrameRef(frame.path, part.name, index, node.span)
 
     def _reaction(self, node: Reference, at: int, joint: Instance, scope: Scope) -> Flat:
@@ -389,7 +388,7 @@ class Names:
         if not isinstance(port, FrameSlot) or at + 1 < len(node.parts):
             self._no_member(joint, part.name, part.span)
         index = tuple(self.integer(s, scope, "a subscript") for s in part.subscripts)
-        if index and (part.name != "reaction" or index[0] not in (1, 2)):
+        if not ATTRIBUTES[part.name].has_element(index):
             fail("L0214", f"'{part.name}' has no element {list(index)}", part.span)
         return FrameRef(port.path, part.name, index, node.span)
 

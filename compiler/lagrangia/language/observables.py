@@ -4,7 +4,8 @@ import re
 
 from lagrangia.base.diagnostics import Span, fail, suggest
 from lagrangia.language.flat import FlatModel
-from lagrangia.language.instances import FRAME_ATTRIBUTES, REACTIONS, held_port
+from lagrangia.language.frame_attributes import ATTRIBUTES, OF_ANY_FRAME, REACTIONS
+from lagrangia.language.instances import held_port
 from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 
 _INDEXED = re.compile(r"(.*)\[([\d,]+)\]")
@@ -34,19 +35,23 @@ def _variable(model: FlatModel, text: str, span: Span) -> Flat | None:
     return None
 
 
-def _frame(model: FlatModel, text: str, span: Span) -> Flat | None:
+def _indexed(text: str) -> tuple[str, tuple[int, ...]]:
+    """P.r[2] -> P.r and (2,)."""
     match = _INDEXED.fullmatch(text)
-    path, index = (match[1], (int(match[2]),)) if match and match[2] in ("1", "2") else (text, ())
+    return (match[1], (int(match[2]),)) if match and match[2].isdecimal() else (text, ())
+
+
+def _frame(model: FlatModel, text: str, span: Span) -> Flat | None:
+    path, index = _indexed(text)
     frame, _, attribute = path.rpartition(".")
-    if frame in model.frames and attribute in FRAME_ATTRIBUTES and (not index or attribute in ("r", "v")):
+    if frame in model.frames and attribute in OF_ANY_FRAME and ATTRIBUTES[attribute].has_element(index):
         return FrameRef(frame, attribute, index, span)
     return None
 
 
 def _reaction(model: FlatModel, text: str, span: Span) -> Flat | None:
-    match = _INDEXED.fullmatch(text)
-    path, index = (match[1], (int(match[2]),)) if match and match[2] in ("1", "2") else (text, ())
+    path, index = _indexed(text)
     joint, _, attribute = path.rpartition(".")
     frames = [name.rpartition(".")[2] for name in model.frames if name.rpartition(".")[0] == joint and not name.endswith("]")]
-    port = held_port(frames) if attribute in REACTIONS else None
+    port = held_port(frames) if attribute in REACTIONS and ATTRIBUTES[attribute].has_element(index) else None
     return FrameRef(f"{joint}.{port}", attribute, index, span) if port is not None else None

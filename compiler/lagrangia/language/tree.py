@@ -160,7 +160,7 @@ class Ref:
 
 @dataclass(frozen=True, slots=True)
 class FrameRef:
-    """A frame (attribute "") or one of its attributes r, phi, v, w, x, y; `index` picks a component of r or v."""
+    """A frame (attribute "") or one of its attributes (frame_attributes.py); `index` picks an element of a vector."""
 
     name: str
     attribute: str

@@ -7,6 +7,7 @@ import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.dynamics.energies import Term
+from lagrangia.language.frame_attributes import component_named
 from lagrangia.paper.document import Block, Display, Heading, Inline, Table, display, paragraph
 from lagrangia.paper.equations import Constant, Equations
 from lagrangia.paper.layout import (
@@ -102,7 +103,7 @@ def coordinates_table(book: Book) -> list[Block]:
     rows: list[tuple[Inline, ...]] = []
     for name, q in zip(book.equations.scene.names, book.q, strict=True):
         variable = model.variables.get(name)
-        rows.append((q, name, (variable.unit if variable else _frame_unit(name)), variable.description if variable else
+        rows.append((q, name, (variable.unit if variable else component_named(name).unit), variable.description if variable else
                      _frame_words(name)))
     for name, value in book.equations.scene.dependents.items():
         shown = book.names.get(sp.Symbol(name, real=True), Name(name))
@@ -111,12 +112,8 @@ def coordinates_table(book: Book) -> list[Block]:
     return [Table(("", "in the model", "unit", ""), tuple(rows))]
 
 
-def _frame_unit(name: str) -> str:
-    return "rad" if name.endswith(".phi") else "m"
-
-
 def _frame_words(name: str) -> str:
-    return {"x": "of a floating body", "y": "of a floating body", "phi": "angle of a floating body"}[name.rpartition(".")[2]]
+    return "angle of a floating body" if component_named(name).is_angle else "of a floating body"
 
 
 def parameters_table(book: Book) -> list[Block]:

@@ -3,7 +3,9 @@
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
+from lagrangia.frames.planar import ANGLES, LENGTHS
 from lagrangia.language.flat import Energy, Work
+from lagrangia.language.frame_attributes import COMPONENTS
 from lagrangia.language.mentions import leaves
 from lagrangia.language.tree import FrameRef
 from lagrangia.paper.book import (
@@ -71,7 +73,7 @@ def _positions(book: Book) -> list[Block]:
     places: dict[tuple[Expr, ...], list[str]] = {}
     for name in _frames(book, statements):
         pose = kinematics.pose(name, 0)
-        key = tuple(book.equations.ring.tidy(exact_throughout(x)) for x in (pose.x, pose.y, pose.phi))
+        key = tuple(book.equations.ring.tidy(exact_throughout(x)) for x in pose.place)
         places.setdefault(key, []).append(name)
     moving = {key: names for key, names in places.items() if any(book.presentation.symbols.moves(x) for x in key)}
     if not moving:
@@ -83,16 +85,19 @@ def _positions(book: Book) -> list[Block]:
 
 
 def _place(book: Book, names: list[str]) -> list[Block]:
-    """r = (x, y), phi, r' and phi' of frames that share them."""
+    """The place of frames that share it, and its rate: lengths and their rates, then angles that are not 0."""
     kinematics, tidy = book.equations.scene.kinematics, book.equations.ring.tidy
-    pose = kinematics.pose(names[0], 0)
-    phi, w = (tidy(exact_throughout(x)) for x in (pose.phi, kinematics.frame(names[0], "w", 0)))
-    r = [book.sum(tidy(exact_throughout(x))) for x in (pose.x, pose.y)]
-    v = [book.presentation.motion(exact_throughout(x)) for x in kinematics.frame(names[0], "v", 0)]
+    place = [tidy(exact_throughout(x)) for x in kinematics.pose(names[0], 0).place]
+    twist = [exact_throughout(x) for x in kinematics.pose(names[0], 1).twist]
     sub = component_sub(names[0].removesuffix(".center"))
-    lines: list[Node] = [equal(Name(name, sub, marks), x)
-                         for marks, pair in ((0, r), (1, v)) for name, x in zip("xy", pair, strict=True)]
-    lines += [equal(Name("phi", sub, marks), book.sum(x)) for marks, x in ((0, phi), (1, w))] if phi != 0 else []
+    labels = [component.name for component in COMPONENTS]
+    lines: list[Node] = [equal(Name(label, sub, 0), book.sum(x))
+                         for label, x in zip(labels[LENGTHS], place[LENGTHS], strict=True)]
+    lines += [equal(Name(label, sub, 1), book.presentation.motion(x))
+              for label, x in zip(labels[LENGTHS], twist[LENGTHS], strict=True)]
+    lines += [equal(Name(label, sub, marks), book.sum(x))
+              for label, phi, w in zip(labels[ANGLES], place[ANGLES], twist[ANGLES], strict=True) if phi != 0
+              for marks, x in ((0, phi), (1, tidy(w)))]
     return [paragraph(f"{', '.join(names)}:"), Display(tuple(lines))]
 
 

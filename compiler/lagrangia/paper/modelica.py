@@ -16,6 +16,7 @@ from sympy.printing.precedence import precedence
 from sympy.printing.str import StrPrinter
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
+from lagrangia.language.frame_attributes import component_named
 from lagrangia.paper.book import Book
 from lagrangia.paper.symbolic import SymbolicScene
 from lagrangia.paper.sympy_script import identifiers
@@ -71,7 +72,7 @@ def _states(scene: SymbolicScene, names: Mapping[Expr, str], starts: Mapping[str
     lines, variables = [], scene.kinematics.graph.model.variables
     for k, name in enumerate(scene.names):
         variable = variables.get(name)
-        unit = variable.unit if variable else "rad" if name.endswith("phi") else "m"
+        unit = variable.unit if variable else component_named(name).unit
         for s, source, dimension in ((scene.q[k], name, unit), (scene.v[k], f"der({name})", f"{unit}/s" if unit else "")):
             start = f"start = {starts[source]!r}, fixed = true"
             lines.append(f"  Real {names[s]}({start}{f', unit = {_text(dimension)}' if dimension else ''}){_quoted(source)};")

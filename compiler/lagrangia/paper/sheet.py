@@ -16,6 +16,7 @@ from lagrangia.compile.pipeline import compile_energies, compile_file, deep_recu
 from lagrangia.constraints.parameters import all_parameters, scalars
 from lagrangia.dynamics.impulses import rates_jump
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.frame_attributes import component_named
 from lagrangia.language.values import read_value
 from lagrangia.paper.book import Book
 from lagrangia.paper.derivation import worked_form
@@ -156,7 +157,7 @@ def _point(book: Book, about: Mapping[str, str]) -> dict[str, float]:
         if name not in scene.names:
             fail("L0706", f"--about: there is no coordinate '{name}'", None, *filter(None, [suggest(name, scene.names)]))
         variable = model.variables.get(name)
-        found[name] = _scalar(name, text, variable.unit if variable else "rad" if name.endswith("phi") else "m")
+        found[name] = _scalar(name, text, variable.unit if variable else component_named(name).unit)
     return found
 
 

@@ -23,11 +23,12 @@ from lagrangia.dynamics.energies import Energies, evaluate_energies
 from lagrangia.frames.edges import Edge, Step
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols
-from lagrangia.frames.planar import Pose
+from lagrangia.frames.planar import ANGLES, LENGTHS, Pose
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.consequences import contact_forces_in
 from lagrangia.language.events import level_of, position_of
 from lagrangia.language.flat import Variable, When
+from lagrangia.language.frame_attributes import COMPONENTS
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Array, Flat, Number, Ref, Unary
 
@@ -340,7 +341,8 @@ class SymbolicKinematics(Kinematics):
                 return x
             return self._lift(self.give(f"{edge.child}.{axis}{again or ''}", plain, "support"), level)
 
-        return tuple(map(one, "xy", amount)) if isinstance(amount, tuple) else one("phi", amount)
+        labels = [component.name for component in COMPONENTS]
+        return tuple(map(one, labels[LENGTHS], amount)) if isinstance(amount, tuple) else one(labels[ANGLES][0], amount)
 
     def _given_symbols(self) -> list[Expr]:
         return [x for g in self.given.values() for x in g.moving]

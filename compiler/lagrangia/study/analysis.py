@@ -19,6 +19,7 @@ from lagrangia.constraints.newton import start_equations
 from lagrangia.constraints.singular_positions import told
 from lagrangia.dynamics.equilibrium import Rest, find_all, find_rest, onto_constraints
 from lagrangia.frames.joints import all_reactions, reaction_ports
+from lagrangia.frames.planar import LENGTHS, SIZE
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref
@@ -138,11 +139,11 @@ class Study:
 
     @cached_property
     def places(self) -> tuple[tuple[str, ...], ca.Function]:
-        """The frames, and their x, y, phi (frames, 3) as a function of q."""
+        """The frames, and their places (frames, SIZE) as a function of q."""
         k = self.c.kinematics
         poses = k.poses(1)
-        flat = [ca.SX(value_of(x)) for pose in poses.values() for x in (pose.x, pose.y, pose.phi)]
-        table = ca.reshape(ca.vertcat(*flat), 3, len(poses)).T
+        flat = [ca.SX(value_of(x)) for pose in poses.values() for x in pose.place]
+        table = ca.reshape(ca.vertcat(*flat), SIZE, len(poses)).T
         m = self.c.motion
         modes = k.algebra.modes
         if modes:
@@ -155,7 +156,7 @@ class Study:
     def size(self) -> float:
         """How large the scene is at its start, m; 1 where all is in one point."""
         q, _ = self.start
-        places = self.places[1](q).full()[:, :2]
+        places = self.places[1](q).full()[:, LENGTHS]
         lengths = np.abs(q[~self.is_angle])
         spread = float(np.ptp(places, axis=0).max(initial=0.0)) if np.isfinite(places).all() else 0.0
         return max(spread, float(lengths.max(initial=0.0))) or 1.0

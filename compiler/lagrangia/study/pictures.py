@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.frames.planar import ANGLES, LENGTHS
 from lagrangia.view.curves import require_format, save
 from lagrangia.view.mechanism import Mechanism
 
@@ -110,8 +111,8 @@ def _factor(mechanism: Mechanism, q: Vector, shape: Vector) -> float:
     """Such that no frame moves further than a part of the scene's size, and nothing turns by more than half a radian."""
     small = 1e-4
     moved = (mechanism.places(q + small * shape) - mechanism.places(q)) / small
-    furthest = float(np.linalg.norm(moved[:, :2], axis=1).max(initial=0.0))
-    turned = float(np.abs(moved[:, 2]).max(initial=0.0))
+    furthest = float(np.linalg.norm(moved[:, LENGTHS], axis=1).max(initial=0.0))
+    turned = float(np.abs(moved[:, ANGLES]).max(initial=0.0))
     limits = [_DEFLECTION * mechanism.size(q) / furthest if furthest > 0 else math.inf, 0.5 / turned if turned > 0 else math.inf]
     return min(limits) if math.isfinite(min(limits)) else 0.0
 

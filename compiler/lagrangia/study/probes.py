@@ -15,13 +15,14 @@ from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.evaluation import Value, scalars_of
 from lagrangia.frames.kinematics import Displacement, Kinematics, Symbols
+from lagrangia.frames.planar import SIZE
+from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS
 from lagrangia.language.mentions import nodes
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import FrameRef, Ref, Time
 
 Triple = tuple[ca.SX, ca.SX, ca.SX]
 _PORTS = ("force", "torque", "to")  # what a component of the library that excites is called by
-_PLACES = {"x": 0, "y": 1, "phi": 2}
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Probe:
     name: str
     kind: str  # "variable", "coordinate", "frame"
     of: str
-    element: int  # of the variable's scalars; 0, 1, 2 for x, y, phi of a frame
+    element: int  # of the variable's scalars; of a frame's place
     unit: str
 
 
@@ -115,9 +116,9 @@ def _moving_frames(kinematics: Kinematics) -> list[Probe]:
     for edge in kinematics.graph.edges:
         if any(isinstance(node, Time) for step in edge.steps for node in nodes(step.amount)):
             above, here = kinematics.pose(edge.parent, 0), kinematics.pose(edge.child, 0)
-            found += [Probe(f"{edge.child}.{x}", "frame", edge.child, k, "rad" if x == "phi" else "m")
-                      for x, k in _PLACES.items()
-                      if ca.depends_on(ca.SX(getattr(here, x)), t) and not ca.depends_on(ca.SX(getattr(above, x)), t)]
+            found += [Probe(f"{edge.child}.{part.name}", "frame", edge.child, k, part.unit)
+                      for k, (part, x, y) in enumerate(zip(COMPONENTS, here.place, above.place, strict=True))
+                      if ca.depends_on(ca.SX(x), t) and not ca.depends_on(ca.SX(y), t)]
     return found
 
 
@@ -155,12 +156,12 @@ def _coordinate(kinematics: Kinematics, name: str) -> Probe:
 
 
 def _frame(kinematics: Kinematics, node: FrameRef, name: str) -> Probe:
-    attribute = node.attribute if node.attribute != "r" or not node.index else "xy"[node.index[0] - 1]
-    children = {edge.child for edge in kinematics.graph.edges}
-    if attribute not in _PLACES or node.name not in children:
+    known, children = ATTRIBUTES[node.attribute], {edge.child for edge in kinematics.graph.edges}
+    places = known.picked(node.index)
+    if known.kind != "place" or len(places) != 1 or node.name not in children:
         fail("L0717", f"'{name}' is no place that could be moved from outside", None,
              f"of a frame that hangs on another one, {node.name}.x, .y or .phi can be", _what_excites(kinematics))
-    return Probe(name, "frame", node.name, _PLACES[attribute], "rad" if attribute == "phi" else "m")
+    return Probe(name, "frame", node.name, places[0], known.unit)
 
 
 def _what_excites(kinematics: Kinematics) -> str:
@@ -198,7 +199,7 @@ def _released_frames(probes: Sequence[Probe], s: Triple) -> dict[str, Displaceme
     found: dict[str, Displacement] = {}
     for k, probe in enumerate(probes):
         if probe.kind == "frame":
-            moved = found.setdefault(probe.of, (ca.SX.zeros(3), ca.SX.zeros(3), ca.SX.zeros(3)))
+            moved = found.setdefault(probe.of, (ca.SX.zeros(SIZE), ca.SX.zeros(SIZE), ca.SX.zeros(SIZE)))
             for part, x in zip(moved, s, strict=True):
                 part[probe.element] = x[k]
     return found

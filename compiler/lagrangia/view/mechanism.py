@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.joints import component_of
+from lagrangia.frames.planar import LENGTHS
 from lagrangia.language.flat import FlatModel
 
 Vector = NDArray[np.float64]
@@ -17,7 +18,7 @@ _THIN = 1e-9  # of the scene's size: what is shorter is a point
 
 @dataclass(frozen=True)
 class Mechanism:
-    """`places`: q -> (frames, 3), x, y in m and the angle. Lines join frames by number; discs have a frame and a radius."""
+    """`places`: q -> (frames, SIZE), see frames/planar.py. Lines join frames by number; discs have a frame and a radius."""
 
     places: Callable[[Vector], Vector]
     bodies: tuple[tuple[int, int], ...]
@@ -28,14 +29,14 @@ class Mechanism:
     def size(self, q: Vector) -> float:
         """The extent of what is drawn, m."""
         used = sorted({k for line in (*self.bodies, *self.springs) for k in line} | {k for k, _ in self.discs} | set(self.points))
-        spread = float(np.ptp(self.places(q)[used, :2], axis=0).max()) if used else 0.0
+        spread = float(np.ptp(self.places(q)[used][:, LENGTHS], axis=0).max()) if used else 0.0
         return max(spread, 2 * max((radius for _, radius in self.discs), default=0.0))
 
     def is_drawable(self, q: Vector) -> bool:
         """Whether there is any body or spring with an extent."""
         places = self.places(q)
         size = self.size(q)
-        lengths = [float(np.linalg.norm(places[a, :2] - places[b, :2])) for a, b in (*self.bodies, *self.springs)]
+        lengths = [float(np.linalg.norm(places[a, LENGTHS] - places[b, LENGTHS])) for a, b in (*self.bodies, *self.springs)]
         return bool(np.isfinite(places).all()) and size > 0 and (bool(self.discs) or max(lengths, default=0.0) > _THIN * size)
 
 

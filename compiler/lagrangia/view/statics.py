@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from lagrangia.language.frame_attributes import COMPONENTS, REACTIONS, WRENCH_HEADINGS
 from lagrangia.run.scene import Scene
 from lagrangia.view.trajectory import columns
 
@@ -18,18 +19,14 @@ def tells_reactions(scene: Scene) -> bool:
 
 def reaction_table(scene: Scene, row: Sequence[float]) -> list[str]:
     """The reactions in one row of results, a line for each joint or tie, with their units."""
-    from lagrangia.language.instances import (
-        REACTIONS,  # here: few scenes stand still, and others need not know the language's trees
-    )
-
     found: dict[str, list[float]] = {}
     for column, value in zip(columns(scene), row, strict=False):
         joint, _, what = column.name.rpartition(".")
         if what.partition("[")[0] in REACTIONS:
             found.setdefault(joint, []).append(value)
-    whole = {joint: values for joint, values in found.items() if len(values) == 3}
+    whole = {joint: values for joint, values in found.items() if len(values) == len(COMPONENTS)}
     width = max((len(joint) for joint in whole), default=0)
-    lines = [f"{'':{width}}{'F_x [N]':>14}{'F_y [N]':>14}{'M [N.m]':>14}"]
+    lines = [f"{'':{width}}" + "".join(f"{heading:>14}" for heading in WRENCH_HEADINGS)]
     largest = max((abs(x) for values in whole.values() for x in values), default=0.0)
     for joint, values in whole.items():
         shown = (0.0 if abs(x) < 1e-12 * largest else x for x in values)  # rounding
