@@ -5,34 +5,12 @@
 #include "model/function.h"
 #include "steps/orbit.h"
 
-/* What may go on in steps between which rows are looked at. */
-static int32_t stepwise(const LagSettings *settings, const LagModel *model)
+void lag_methods_begin(const LagModel *model, const LagSettings *settings, LagDecision *first, LagDecision *behind)
 {
-    if (lag_taylor_pays(model, settings->tolerance))
-        return LAG_SOLVER_TAYLOR;
-    if (lag_adams_pays(model))
-        return LAG_SOLVER_ADAMS;
-    return lag_erk5_pays(model, settings->tolerance) ? LAG_SOLVER_ERK5 : LAG_SOLVER_ERK;
-}
-
-/* But for transition matrices. */
-static int32_t usual(const LagSettings *settings, const LagModel *model)
-{
-    const int32_t asked = settings->solver != LAG_SOLVER_AUTO ? settings->solver : model->solver;
-    const int32_t possible = stepwise(settings, model);
-    if (asked != LAG_SOLVER_AUTO && asked != LAG_SOLVER_STEPWISE)
-        return asked;
-    if (asked == LAG_SOLVER_STEPWISE || possible == LAG_SOLVER_TAYLOR)
-        return possible;
-    if (lag_methods_alternate(model, LAG_SOLVER_PIRK) && lag_pirk_pays(model, settings->tolerance))
-        return LAG_SOLVER_PIRK;
-    const int is_erk9 = lag_methods_alternate(model, LAG_SOLVER_ERK9) && lag_erk9_pays(model, settings->tolerance);
-    return is_erk9 && possible != LAG_SOLVER_ADAMS ? LAG_SOLVER_ERK9 : possible;
-}
-
-int32_t lag_methods_first(const LagSettings *settings, const LagModel *model)
-{
-    return lag_transition_fits(model, settings) ? LAG_SOLVER_TRANSITION : usual(settings, model);
+    LagFacts facts = lag_facts(model, settings);
+    lag_decide(LAG_BEGIN, facts.asked, &facts, first);
+    facts.fits_transition = 0;
+    lag_decide(LAG_BEGIN, facts.asked, &facts, behind);
 }
 
 int32_t lag_methods_way(int32_t solver) { return solver == LAG_SOLVER_TRANSITION ? LAG_SOLVER_LINEAR : solver; }
@@ -99,30 +77,42 @@ static void fill(LagMethods *methods)
     memcpy(methods->steppers, all, sizeof all);
 }
 
-/* The one that is there for what others cannot take. */
-static int32_t explicit_of(const LagSettings *settings, const LagModel *model, int32_t solver)
+/* What goes on where the method chosen cannot. */
+static int32_t beside(LagFacts facts, int32_t solver)
 {
-    const int is_low = solver == LAG_SOLVER_ERK9 && lag_erk5_pays(model, settings->tolerance);
-    return is_explicit(solver) ? solver : is_low ? LAG_SOLVER_ERK5 : LAG_SOLVER_ERK;
+    LagDecision decision;
+    lag_decide(LAG_BESIDE, solver, &facts, &decision);
+    return decision.to;
+}
+
+/* What may go on in steps between which rows are looked at. */
+static int32_t stepwise(LagFacts facts)
+{
+    LagDecision decision;
+    facts.asked = LAG_SOLVER_STEPWISE;
+    lag_decide(LAG_BEGIN, facts.asked, &facts, &decision);
+    return decision.to;
 }
 
 void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const LagModel *model, const LagMotion *motion,
                         LagArena *arena)
 {
-    const int32_t solver = methods->next = usual(settings, model);
-    if (lag_methods_first(settings, model) == LAG_SOLVER_TRANSITION)
+    LagDecision *behind = &methods->behind;
+    lag_methods_begin(model, settings, &methods->first, behind);
+    const int32_t solver = behind->to;
+    if (methods->first.to == LAG_SOLVER_TRANSITION)
         lag_transition.layout(&methods->transition, motion, arena);
     methods->is_separable = model->is_separable;
     fill(methods);
     if (!lag_methods_permit(model, solver))
         return;
-    methods->explicit_solver = explicit_of(settings, model, solver);
-    methods->rows_solver = stepwise(settings, model);
+    methods->explicit_solver = beside(behind->facts, solver);
+    methods->rows_solver = stepwise(behind->facts);
     const int may_turn = lag_methods_turn(settings) && lag_methods_alternate(model, solver);
     const int leaves = methods->steppers[solver].table->leaves_trouble || solver == LAG_SOLVER_CONSERVATIVE;
     const int needs_other = leaves || lag_methods_alternate(model, solver) || model->n_switches > 0;
     methods->may_find_poles = may_turn && solver == LAG_SOLVER_TAYLOR && settings->solver != LAG_SOLVER_STEPWISE
-        && lag_pirk_outruns_series(model, settings->tolerance);
+        && lag_may_find_poles(&behind->facts);
     const int32_t asked[] = {solver, needs_other ? methods->explicit_solver : solver, may_turn ? LAG_SOLVER_IMPLICIT : solver,
                              may_turn && solver == LAG_SOLVER_PIRK ? methods->rows_solver : solver,
                              methods->may_find_poles ? LAG_SOLVER_PIRK : solver};

@@ -2,6 +2,7 @@
 #ifndef LAG_METHODS_H
 #define LAG_METHODS_H
 
+#include "choice/choice.h"
 #include "methods/adams.h"
 #include "methods/explicit.h"
 #include "methods/gauss.h"
@@ -22,7 +23,8 @@ typedef struct {
     int32_t rows_solver;     /* what goes on where iterated collocation meets many rows: erk, erk5, adams or taylor */
     int may_find_poles;      /* that goes on where series find the motion limited by poles */
     LagStepper steppers[LAG_SOLVERS]; /* by their numbers */
-    int32_t next;            /* LAG_SOLVER_...: what a run that begins with transition matrices goes on with, if it must */
+    LagDecision first;       /* what runs begin with */
+    LagDecision behind;      /* the same, or what they go on with where these are transition matrices and cannot serve */
     LagExplicit dop853, tsit5, verner9;
     LagPirk pirk;
     LagAdams adams;
@@ -36,8 +38,8 @@ typedef struct {
     LagTransition transition;
 } LagMethods;
 
-/* The solver to begin with. */
-int32_t lag_methods_first(const LagSettings *settings, const LagModel *model);
+/* What to begin with, and what comes behind transition matrices, should they not serve. */
+void lag_methods_begin(const LagModel *model, const LagSettings *settings, LagDecision *first, LagDecision *behind);
 
 /* What it is called outside: transition matrices are a way of the linear solver. */
 int32_t lag_methods_way(int32_t solver);

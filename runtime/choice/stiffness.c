@@ -10,29 +10,14 @@
 #include "numbers/extremes.h"
 #include "state/state.h"
 
-/* Steps times spectral radius above which stability rules (that of Dormand-Prince 8 ends near 6 on the negative axis, that of
- * Tsitouras 5 at 3.5, those of Adams' methods between 0.2 and 1; sweeps of iterated collocation come nearer up to some 5), the
- * share of it where stability does not rule by far; relative length of differences; how much faster the other method must be. */
-static const double RULES = 3.5, RULES5 = 2, RULES_ADAMS = 0.25, RULES_PIRK = 2.5, RULES_SERIES = 0.95, FAR = 1 / 3.5;
-static const double DIFFERENCE = 1e-6, FASTER = 1.2;
-/* Steps times spectral radius from which on what has long died out, being damped, can be all that limits steps of Runge-Kutta
- * methods: tolerances near rounding are missed well before stability is. The share of a change of rates that is against them, and
- * the damping beside the frequency, of which that is said. */
-static const double RULES_DAMPED = 0.5, LEAST_REACHED = 0.5, AGAINST = 0.8, CREEPING = 1;
-/* Steps times spectral radius of iterated collocation from which on limits by sweeps are those of stability; the share of steps that
- * are limited so. */
-static const double SWEPT = 1, MOSTLY = 0.7;
-/* Steps to a row: fewer ask for dense output, or for one that costs less. */
-static const double STEPS_A_ROW = 1.5, STEPS_A_ROW_OF_LOOPS = 0.4, STEPS_A_ROW_OF_PIRK = 0.03;
-/* Steps times spectral radius below which series are limited by poles of the motion, not by vibration: there iterated collocation
- * costs less, unless there are more rows to a step of series than this, as those of series cost nothing. */
-static const double POLES = 0.6, MOST_ROWS = 1.6;
-enum { MOST_LOOKS = 6 }; /* of rows into steps, of late */
+/* The share of the limit of steps times spectral radius where stability does not rule by far; relative length of differences. */
+static const double FAR = 1 / 3.5, DIFFERENCE = 1e-6;
+/* What is seen of damping: the least that steps times spectral radius are said to have reached by it; the share of a change of
+ * rates that is against them, and the damping beside the frequency, of which it is said. */
+static const double LEAST_REACHED = 0.5, AGAINST = 0.8, CREEPING = 1;
 /* The first look costs 2 FIRST_ITERATIONS + 1 evaluations: 3 % of those before it. */
 enum { FIRST_LOOK = 28, FIRST_LOOK5 = 48, FIRST_LOOK_PIRK = 12, STEPS_OF_ADAMS = 8, FIRST_ITERATIONS = 4, MOST_INTERVAL = 256,
-       SUSPICIOUS_INTERVAL = 9, LOOK_FOR_POLES = 4 };
-/* A trial of implicit steps costs as much as 75 steps by series of a small scene. */
-enum { SUSPICIONS = 8, SUSPICIONS_OF_OTHERS = 3, SUSPICIONS_SERIES = 24 };
+       SUSPICIOUS_INTERVAL = 9 };
 /* After an event, steps are short at first. */
 enum { TRIAL = 16, TRIAL_AFTER_EVENT = 64, FIRST_WAIT = 64, MOST_WAIT = 1 << 20, STAGES = 12, STAGES5 = 6 };
 
@@ -122,19 +107,6 @@ static int steps_for_one(const LagRun *run) { return is_adams(run) ? STEPS_OF_AD
 
 static int is_low(const LagRun *run) { return run->methods.explicit_solver == LAG_SOLVER_ERK5; }
 
-/* Series of order p are stable to about 1.35 + 0.37 p. */
-static double rules(const LagRun *run)
-{
-    if (is_series(run))
-        return RULES_SERIES * (1.35 + 0.37 * run->methods.taylor.order);
-    return is_adams(run) ? RULES_ADAMS : is_pirk(run) ? RULES_PIRK : is_low(run) ? RULES5 : RULES;
-}
-
-static int most_suspicions(const LagRun *run)
-{
-    return is_series(run) ? SUSPICIONS_SERIES : is_adams(run) || is_pirk(run) ? SUSPICIONS_OF_OTHERS : SUSPICIONS;
-}
-
 static double explicit_step_work(const LagRun *run)
 {
     return (is_low(run) ? STAGES5 : STAGES) * (run->model->rhs_cost + 30.0 * run->model->n);
@@ -154,6 +126,41 @@ static double work(const LagRun *run)
 }
 
 /* -------- decisions */
+
+/* Whether what changes most is a rate that dies out without swinging; forces of inertia look like it for a while. */
+static int is_damped(const LagStiffness *s) { return s->damped > 1; }
+
+/* What decisions go by, but for what is measured for one of them. */
+static LagFacts *measured(LagRun *run)
+{
+    const LagStiffness *s = &run->stiffness;
+    LagFacts *f = &run->facts;
+    f->solver = run->methods.solver;
+    f->explicit_solver = run->methods.explicit_solver;
+    f->rows_solver = run->methods.rows_solver;
+    f->turns_solver = s->explicit_solver;
+    f->next = run->methods.behind.to;
+    f->steps = s->steps;
+    f->is_series = is_series(run);
+    f->order = run->methods.taylor.order;
+    f->is_damped = is_damped(s);
+    f->row_spacing = run->row_spacing;
+    f->holding = run->sliding.count;
+    f->looks = 0;
+    f->trouble = 0;
+    return f;
+}
+
+int32_t lag_stiffness_trouble(LagRun *run, int32_t trouble)
+{
+    LagDecision *decision = trouble == LAG_TROUBLE_PASS || trouble == LAG_TROUBLE_LEAD ? &run->passing : &run->decided;
+    LagFacts *f = measured(run);
+    f->trouble = trouble;
+    if (trouble == LAG_TROUBLE_DISTURBED)
+        f->turns_solver = run->orbit.solver;
+    lag_decide(LAG_TROUBLE, f->solver, f, decision);
+    return decision->to;
+}
 
 static int first_look(const LagRun *run)
 {
@@ -187,64 +194,68 @@ void lag_stiffness_reset(LagRun *run)
     s->square = -1;
     s->rate = 0;
     s->damped = 0;
-    s->reached = rules(run);
+    s->reached = lag_most_reach(measured(run));
     s->wait = s->looks = 0;
     s->penalty = FIRST_WAIT;
     lag_stiffness_begin(run);
-}
-
-/* Sweeps that hardly come nearer cost more than Adams' methods, where these serve, or Runge-Kutta methods, which are stable for longer
- * steps than Adams': they say whether implicit ones pay. */
-static int leave(LagRun *run)
-{
-    const int is_next = is_pirk(run) && run->methods.rows_solver == LAG_SOLVER_ADAMS;
-    run->stiffness.suspicions = 0;
-    return run->stiffness.explicit_solver = is_next ? LAG_SOLVER_ADAMS : run->methods.explicit_solver;
 }
 
 /* Series begin what iterated collocation goes on with if poles of the motion limit their steps, and rows are known to be few. */
 static void watch_poles(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
-    const double h = (run->motion.t - s->t) / s->steps;
-    if (run->row_spacing * MOST_ROWS > h && h * radius(run) < POLES)
-        s->next = s->explicit_solver = LAG_SOLVER_PIRK;
+    LagFacts *f = measured(run);
+    f->step = (run->motion.t - s->t) / s->steps;
+    if (!lag_looks_for_poles(f))
+        return;
+    f->reach = f->step * radius(run);
+    if (lag_decide(LAG_STEP, f->solver, f, &run->decided))
+        s->next = s->explicit_solver = run->decided.to;
 }
 
-static int is_runge_kutta(const LagRun *run)
+/* What is not implicit says next whether implicit steps pay: sweeps that hardly come nearer cost more than Adams' methods,
+ * where these serve, or Runge-Kutta methods, which are stable for longer steps than Adams'. */
+static void judge(LagRun *run)
 {
-    const int32_t solver = run->methods.solver;
-    return solver == run->methods.explicit_solver || solver == LAG_SOLVER_ERK9;
+    LagStiffness *s = &run->stiffness;
+    if (!lag_decide(LAG_STEP, run->methods.solver, &run->facts, &run->decided))
+        return;
+    s->next = run->decided.to;
+    if (s->next == LAG_SOLVER_IMPLICIT)
+        return;
+    s->suspicions = 0;
+    s->explicit_solver = s->next;
 }
 
-/* Whether what changes most is a rate that dies out without swinging; forces of inertia look like it for a while. */
-static int is_damped(const LagStiffness *s) { return s->damped > 1; }
-
-static int is_ruled(const LagRun *run, double ruled)
+/* Whether stability rules, as it looks now. */
+static LagFacts *look_closely(LagRun *run, double h)
 {
-    const int is_dead = is_runge_kutta(run) && is_damped(&run->stiffness);
-    const int is_swept = is_pirk(run) && run->methods.pirk.limited > MOSTLY * run->stiffness.steps;
-    return ruled > rules(run) || (is_swept && ruled > SWEPT) || (is_dead && ruled > RULES_DAMPED);
+    LagStiffness *s = &run->stiffness;
+    const double reached = h * radius(run);
+    LagFacts *f = measured(run);
+    f->step = h;
+    f->reach = reached;
+    f->swept = run->methods.pirk.limited;
+    s->reached = is_damped(s) ? lag_min(s->reached, lag_max(reached, LEAST_REACHED)) : s->reached;
+    f->looks = s->suspicions = lag_is_ruled(f) ? s->suspicions + 1 : 0;
+    return f;
 }
 
 static void watch_explicit(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
-    if (run->methods.may_find_poles && run->methods.solver == LAG_SOLVER_TAYLOR && s->steps == LOOK_FOR_POLES)
+    if (run->methods.may_find_poles && run->methods.solver == LAG_SOLVER_TAYLOR)
         watch_poles(run);
     if (s->steps < s->look || s->steps < s->wait)
         return;
-    const double h = (run->motion.t - s->t) / s->steps, ruled = h * radius(run);
+    const LagFacts *f = look_closely(run, (run->motion.t - s->t) / s->steps);
     const int is_by_steps = run->methods.solver == LAG_SOLVER_TAYLOR || is_pirk(run); /* evaluations are not what they cost */
     const double spent = is_by_steps ? s->steps * explicit_step_work(run) : work(run) - s->work;
     s->pace = (run->motion.t - s->t) / spent;
-    s->reached = is_damped(s) ? lag_min(s->reached, lag_max(ruled, LEAST_REACHED)) : s->reached;
-    s->suspicions = is_ruled(run, ruled) ? s->suspicions + 1 : 0;
     const int suspicious = steps_for_one(run) * SUSPICIOUS_INTERVAL, most = steps_for_one(run) * MOST_INTERVAL;
-    s->interval = s->suspicions > 0 ? suspicious : ruled > FAR * rules(run) ? first_look(run) : 2 * s->interval;
+    s->interval = s->suspicions > 0 ? suspicious : f->reach > FAR * lag_most_reach(f) ? first_look(run) : 2 * s->interval;
     s->interval = s->interval < most ? s->interval : most;
-    if (s->suspicions >= most_suspicions(run))
-        s->next = is_adams(run) || is_pirk(run) ? leave(run) : LAG_SOLVER_IMPLICIT;
+    judge(run);
     const int look = s->interval, suspicions = s->suspicions;
     s->wait = 0;
     lag_stiffness_begin(run); /* the next stretch */
@@ -258,10 +269,14 @@ static void watch_implicit(LagRun *run)
     if (s->steps < (run->statistics.events > s->events ? TRIAL_AFTER_EVENT : TRIAL))
         return;
     const double pace = (run->motion.t - s->t) / (work(run) - s->work), largest = radius(run);
-    const double longest = is_damped(s) ? s->reached : rules(run);
-    const double possible = largest > 0 ? longest / largest / explicit_step_work(run) : INFINITY;
-    if (pace < s->pace || pace * FASTER < possible) {
-        s->next = s->explicit_solver;
+    LagFacts *f = measured(run);
+    const double longest = is_damped(s) ? s->reached : lag_most_reach(f);
+    f->pace = pace;
+    f->pace_before = s->pace;
+    f->pace_possible = largest > 0 ? longest / largest / explicit_step_work(run) : INFINITY;
+    f->gain = lag_max(f->pace_before, f->pace_possible) / pace;
+    if (lag_decide(LAG_STEP, LAG_SOLVER_IMPLICIT, f, &run->decided)) {
+        s->next = run->decided.to;
         s->wait = s->penalty;
         s->penalty = s->penalty < MOST_WAIT ? 2 * s->penalty : s->penalty;
     } else {
@@ -271,19 +286,16 @@ static void watch_implicit(LagRun *run)
     lag_stiffness_begin(run);
 }
 
-static double fewest_steps_a_row(const LagRun *run)
-{
-    return is_pirk(run) ? STEPS_A_ROW_OF_PIRK : run->model->n_multipliers > 0 ? STEPS_A_ROW_OF_LOOPS : STEPS_A_ROW;
-}
-
-/* Many rows ask for dense output; that of closed loops costs projections of its own. */
 static void watch_rows(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
-    const double spacing = run->row_spacing;
     s->looks = run->motion.t == run->wanted ? s->looks + LAG_LOOK : s->looks - (s->looks > 0);
-    if (spacing > 0 || is_pirk(run) ? spacing < fewest_steps_a_row(run) * run->step : s->looks > MOST_LOOKS)
-        s->next = s->explicit_solver = is_pirk(run) ? run->methods.rows_solver : run->methods.explicit_solver;
+    LagFacts *f = measured(run);
+    f->step = run->step;
+    f->rows_apart = run->row_spacing / run->step;
+    f->row_looks = s->looks;
+    if (lag_decide(LAG_ROW, f->solver, f, &run->decided))
+        s->next = s->explicit_solver = run->decided.to;
 }
 
 void lag_stiffness_watch(LagRun *run)

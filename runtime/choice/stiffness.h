@@ -48,4 +48,7 @@ void lag_stiffness_begin(LagRun *run);
 /* A step was taken. */
 void lag_stiffness_watch(LagRun *run);
 
+/* LAG_TROUBLE_...: what goes on. */
+int32_t lag_stiffness_trouble(LagRun *run, int32_t trouble);
+
 #endif

@@ -41,16 +41,6 @@ static void layout(void *self, const LagMotion *m, LagArena *arena)
     s->end = lag_take(arena, size);
 }
 
-/* An evaluation takes some 0.3 ns an operation, what is done beside it 140 ns and 4 ns a coordinate. Motions that begin anew again and
- * again, at events and corners, are left to methods of one step; so are closed loops, whose singular positions long steps lead
- * across, where short ones lead into them. */
-int lag_adams_pays(const LagModel *model)
-{
-    static const double STEP = 700, COORDINATE = 20;
-    const int begins_anew = model->n_switches > model->n_lengths || model->n_modes > 0 || model->n_inputs > 0 || model->has_corners;
-    return !begins_anew && model->n_multipliers == 0 && model->rhs_cost > STEP + COORDINATE * model->n;
-}
-
 static void restart(void *self, LagMotion *m)
 {
     LagAdams *s = self;

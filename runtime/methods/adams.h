@@ -31,9 +31,6 @@ typedef struct {
     double *end; /* the state at the end of the latest step, once someone has looked inside */
 } LagAdams;
 
-/* Whether they are expected to cost less than Runge-Kutta methods. */
-int lag_adams_pays(const LagModel *model);
-
 extern const LagMethod lag_adams;
 
 #endif

@@ -42,25 +42,6 @@ static void layout_tsit5(void *self, const LagMotion *m, LagArena *arena) { layo
 
 static void layout_verner9(void *self, const LagMotion *m, LagArena *arena) { layout(self, &VERNER9, m, arena); }
 
-/* By evaluations to the same error: it takes 5 to 25 % fewer at small tolerances, more where loops are rough. What can swing back
- * the way it came, or change at conditions of the state, needs dense output. */
-int lag_erk9_pays(const LagModel *model, double tolerance)
-{
-    static const double CONSTRAINED = 1.5e-2, FREE = 2e-4;
-    const int is_read = model->is_swing || model->n_switches > model->n_lengths;
-    return !is_read && tolerance <= (model->n_multipliers > 0 ? CONSTRAINED : FREE);
-}
-
-/* By evaluations to the same error on the scenes of the benchmark suite. Motions of closed loops and of coordinates that are all
- * coupled (long equations, as of chains) are rough enough for short steps to pay; in smooth ones (springs, single pendulums) the
- * high order nearly always does. */
-int lag_erk5_pays(const LagModel *model, double tolerance)
-{
-    static const double CONSTRAINED = 5e-6, ROUGH = 5e-5, SMOOTH = 5e-3;
-    const int is_rough = model->rhs_cost > 40 * model->n;
-    return tolerance > (model->n_multipliers > 0 ? CONSTRAINED : is_rough ? ROUGH : SMOOTH);
-}
-
 /* sum = weights of the row times slopes but the last one, for the first `size` components and what lies behind them in its lanes.
  * The last slope is the latest, written number by number a moment ago, and callers add it number by number: reading several at
  * once would wait until all of them are in the cache (a fifth of the time in scenes of one or two coordinates). */

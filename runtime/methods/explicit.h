@@ -34,12 +34,6 @@ typedef struct {
     int dense_ready;
 } LagExplicit;
 
-/* Whether Tsitouras' method is expected to cost less at this tolerance of the user. */
-int lag_erk5_pays(const LagModel *model, double tolerance);
-
-/* Whether Verner's method is, where few rows are asked for. */
-int lag_erk9_pays(const LagModel *model, double tolerance);
-
 extern const LagMethod lag_verner9; /* Verner 9(8) */
 extern const LagMethod lag_dop853; /* Dormand-Prince 8(5,3) */
 extern const LagMethod lag_tsit5;  /* Tsitouras 5(4) */

@@ -348,21 +348,17 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     run->careful = careful;
 }
 
-/* By times to the same error, of 25 scenes: at loose tolerances steps are as long as sweeps bear, not as errors allow. What can swing
- * back the way it came is read from steps that are kept, and changes at conditions of the state from dense output. */
-int lag_pirk_pays(const LagModel *model, double tolerance)
+/* Costs and lengths as in taylor.c. */
+double lag_pirk_cost(const LagModel *model)
 {
-    static const double CONSTRAINED = 2e-4, FREE = 2e-3;
-    const int is_rough = model->n_switches > model->n_lengths || model->has_corners || model->may_hide;
-    return !is_rough && !model->is_swing && tolerance <= (model->n_multipliers > 0 ? CONSTRAINED : FREE);
+    static const double SWEEPS = 7, SWEEP = 1250, EVALUATION = 5;
+    return SWEEPS * (SWEEP + EVALUATION * model->series_rhs_cost);
 }
 
-/* Costs and lengths as in taylor.c. */
-int lag_pirk_outruns_series(const LagModel *model, double tolerance)
+double lag_pirk_series_cost(const LagModel *model, double tolerance)
 {
-    static const double SWEEPS = 7, SWEEP = 1250, EVALUATION = 5, LENGTH = 1.9;
-    const double step = SWEEPS * (SWEEP + EVALUATION * model->series_rhs_cost), eps = lag_taylor_eps(tolerance);
-    return lag_pirk_pays(model, tolerance) && step < lag_taylor_pace(model, tolerance) * LENGTH * pow(eps, 1.0 / 16);
+    static const double LENGTH = 1.9;
+    return lag_taylor_pace(model, tolerance) * LENGTH * pow(lag_taylor_eps(tolerance), 1.0 / 16);
 }
 
 const LagMethod lag_pirk = {

@@ -32,11 +32,10 @@ int lag_pirk_evaluate(LagPirk *pirk, LagMotion *motion);
 /* The times of eight stages, at these shares of a step of length h from t, and the inputs then. */
 void lag_pirk_set_times(LagPirk *pirk, const LagMotion *motion, double t, double h, const double *node);
 
-/* Whether it is expected to cost less than Runge-Kutta and Adams' methods at this tolerance. */
-int lag_pirk_pays(const LagModel *model, double tolerance);
-
-/* Whether it is expected to cost less than series where its steps are two or three times as long as theirs. */
-int lag_pirk_outruns_series(const LagModel *model, double tolerance);
+/* What a step is expected to cost, and what series are over the time of one, which is two or three times as long as one of theirs; in
+ * tenths of a nanosecond. */
+double lag_pirk_cost(const LagModel *model);
+double lag_pirk_series_cost(const LagModel *model, double tolerance);
 
 extern const LagMethod lag_pirk;
 

@@ -410,11 +410,15 @@ double lag_taylor_pace(const LagModel *model, double tolerance)
     return pace_of(model, eps, order_for(model, eps));
 }
 
-int lag_taylor_pays(const LagModel *model, double tolerance)
+double lag_taylor_erk_cost(const LagModel *model)
+{
+    return OTHER_STEP + OTHER_SUM * model->n + OTHER_STAGES * model->series_rhs_cost;
+}
+
+double lag_taylor_cost(const LagModel *model, double tolerance)
 {
     const double eps = lag_scale_caution(tolerance), other_length = OTHER_LENGTH * pow(eps, 1.0 / 8);
-    const double other_cost = OTHER_STEP + OTHER_SUM * model->n + OTHER_STAGES * model->series_rhs_cost;
-    return model->n_jets > 0 && !model->series_may_hide && lag_taylor_pace(model, tolerance) * other_length < other_cost;
+    return lag_taylor_pace(model, tolerance) * other_length;
 }
 
 const LagMethod lag_taylor = {

@@ -20,8 +20,9 @@ extern const double lag_inverse[LAG_JET_ORDER]; /* 1/1, 1/2, ... */
 
 extern const LagMethod lag_taylor;
 
-/* Whether series promise to be cheaper than Dormand-Prince 8(5,3) at this tolerance. */
-int lag_taylor_pays(const LagModel *model, double tolerance);
+/* What a step of Dormand-Prince 8(5,3) is expected to cost, and what series are over the time of one; in tenths of a nanosecond. */
+double lag_taylor_erk_cost(const LagModel *model);
+double lag_taylor_cost(const LagModel *model, double tolerance);
 
 /* What the rest of a series may be worth. */
 double lag_taylor_eps(double tolerance);

@@ -92,7 +92,7 @@ static LagMoving move(LagTransition *s, const LagMotion *m, const double *y, con
 /* Goes on by the method that comes next. */
 static LagStatus leave(LagRun *run)
 {
-    lag_stepper_choose(run, run->methods.next);
+    lag_stepper_choose(run, run->choice.trouble(run, LAG_TROUBLE_HORIZON));
     run->choice.reset(run);
     const LagStatus status = lag_segment_evaluate(run);
     return status == LAG_OK ? run->methods.table->step(run) : status;

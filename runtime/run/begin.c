@@ -58,9 +58,11 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
 {
     run->started = 0;
     clear(run);
-    lag_stepper_choose(run, lag_methods_first(&run->settings, run->model));
-    if (run->methods.solver == LAG_SOLVER_TRANSITION && !lag_transition_serves(run))
-        lag_stepper_choose(run, run->methods.next);
+    run->decided = run->methods.first;
+    if (run->decided.to == LAG_SOLVER_TRANSITION && !lag_transition_serves(run))
+        run->decided = run->methods.behind;
+    run->facts = run->decided.facts;
+    lag_stepper_choose(run, run->decided.to);
     if (!settings_valid(&run->settings) || !lag_methods_permit(run->model, run->methods.solver))
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     guess(run, q_given, v_given);

@@ -1,6 +1,7 @@
 /* Sizes of all that is mirrored outside; a test compares every member's place. */
 #include "run/layout.h"
 
+#include "choice/choice.h"
 #include "run/batch.h"
 #include "run/run.h"
 #include "model/tape.h"
@@ -14,6 +15,9 @@ const LagSize lag_sizes[] = {
     SIZE_OF(LagModel),
     SIZE_OF(LagSettings),
     SIZE_OF(LagStatistics),
+    SIZE_OF(LagFacts),
+    SIZE_OF(LagDecision),
+    SIZE_OF(LagRule),
     SIZE_OF(LagFailure),
     SIZE_OF(LagReduction),
     SIZE_OF(LagSweep),

@@ -72,19 +72,22 @@ static void connect_parts(LagRun *run, const LagModel *model)
     run->motion.rhs = lag_accelerations;
     run->motion.flow = lag_flow;
     run->motion.context = run;
-    run->choice = (LagChoice){lag_stiffness_reset, lag_stiffness_begin, lag_stiffness_watch};
+    run->choice = (LagChoice){lag_stiffness_reset, lag_stiffness_begin, lag_stiffness_watch, lag_stiffness_trouble};
 }
 
-int32_t lag_run_solver(const LagModel *model, const LagSettings *settings)
+int32_t lag_run_solver(const LagModel *model, const LagSettings *settings, LagDecision *decision)
 {
-    int32_t solver = lag_methods_first(settings, model);
-    LagRun *run = solver == LAG_SOLVER_TRANSITION ? lag_run_new(model, settings) : NULL;
+    LagDecision first, behind;
+    lag_methods_begin(model, settings, &first, &behind);
+    LagRun *run = first.to == LAG_SOLVER_TRANSITION ? lag_run_new(model, settings) : NULL;
     if (run) {
         lag_run_set_parameters(run, NULL, NULL);
-        solver = lag_transition_serves(run) ? solver : run->methods.next;
+        first = lag_transition_serves(run) ? first : behind;
     }
     lag_run_free(run);
-    return lag_methods_way(solver);
+    if (decision)
+        *decision = first;
+    return lag_methods_way(first.to);
 }
 
 static double tolerance(const LagSettings *settings) { return fmax(settings->tolerance, LAG_SMALLEST_TOLERANCE); }
@@ -109,7 +112,7 @@ LagRun *lag_run_new(const LagModel *model, const LagSettings *settings)
     arena.base = run->memory;
     arena.used = 0;
     layout(run, &arena);
-    if (lag_methods_first(settings, model) == LAG_SOLVER_ISLANDS && lag_methods_permit(model, LAG_SOLVER_ISLANDS)
+    if (run->methods.first.to == LAG_SOLVER_ISLANDS && lag_methods_permit(model, LAG_SOLVER_ISLANDS)
         && !lag_parts.islands_open(&run->methods.islands, model, settings)) {
         lag_run_free(run);
         return NULL;
@@ -189,6 +192,10 @@ const LagStatistics *lag_run_statistics(LagRun *run)
     run->statistics.dense_outputs = run->motion.dense_outputs;
     const int32_t solver = run->methods.solver;
     run->statistics.solver = lag_methods_way(solver == LAG_SOLVER_ORBIT ? run->orbit.solver : solver);
+    const LagDecision *decision = run->stiffness.passes > 0 ? &run->passing : &run->decided;
+    run->statistics.rule = decision->rule;
+    run->statistics.chosen = lag_methods_way(decision->to);
+    run->statistics.facts = decision->facts;
     return &run->statistics;
 }
 

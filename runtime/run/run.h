@@ -15,8 +15,9 @@
 LAG_API LagRun *lag_run_new(const LagModel *model, const LagSettings *settings);
 LAG_API void lag_run_free(LagRun *run);
 
-/* LAG_SOLVER_...: the one that a run with these settings begins with, all parameters from their bindings. */
-LAG_API int32_t lag_run_solver(const LagModel *model, const LagSettings *settings);
+/* LAG_SOLVER_...: the one that a run with these settings begins with, all parameters from their bindings, and why; decision may be
+ * NULL. */
+LAG_API int32_t lag_run_solver(const LagModel *model, const LagSettings *settings, LagDecision *decision);
 
 /* given[n_parameters] where mask is not 0; the others from their bindings. NULL, NULL: all from their bindings. */
 LAG_API LagStatus lag_run_set_parameters(LagRun *run, const double *given, const double *mask);

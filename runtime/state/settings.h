@@ -3,6 +3,7 @@
 #define LAG_SETTINGS_H
 
 #include "base/status.h"
+#include "state/facts.h"
 
 typedef struct LagRun LagRun;
 
@@ -59,7 +60,10 @@ typedef struct {
     int32_t switches;         /* from one solver to another */
     int32_t energy_is_open;   /* whether there is such a row */
     int32_t passed;           /* 1 + the first event whose contact was passed at the start, so that it does not come; 0: none */
+    int32_t rule;             /* of lag_rule: the row of the choice that decided last; 0: none yet */
+    int32_t chosen;           /* LAG_SOLVER_...: what it took */
     int64_t steps_by[LAG_SOLVERS]; /* of them all, those of each solver */
+    LagFacts facts;           /* what that row went by */
 } LagStatistics;
 
 #endif

@@ -19,6 +19,7 @@ typedef struct {
     void (*reset)(LagRun *run); /* a run starts, or goes on by a method that was not chosen for it */
     void (*begin)(LagRun *run); /* a method begins */
     void (*watch)(LagRun *run); /* a step was taken */
+    int32_t (*trouble)(LagRun *run, int32_t trouble); /* LAG_TROUBLE_...; returns what goes on: LAG_SOLVER_... */
 } LagChoice;
 
 struct LagRun {
@@ -49,6 +50,8 @@ struct LagRun {
     LagScale scale;
     LagMotion motion;
     LagMethods methods;
+    LagFacts facts;               /* what the next decision goes by */
+    LagDecision decided, passing; /* on what is in use; on what takes some steps in its place */
     LagStiffness stiffness;
     LagSwitches switches;
     LagSliding sliding;

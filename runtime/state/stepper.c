@@ -20,5 +20,5 @@ void lag_stepper_lead(LagRun *run)
 {
     run->stiffness.leads = run->stiffness.passes = 1;
     run->stiffness.passed = run->methods.solver;
-    lag_stepper_choose(run, run->methods.explicit_solver);
+    lag_stepper_choose(run, run->choice.trouble(run, LAG_TROUBLE_LEAD));
 }

@@ -132,7 +132,7 @@ static void turn(LagRun *run, double t)
     s->span = t - s->first;
     s->is_open = 0;
     if (s->span > 0) {
-        lag_stepper_choose(run, LAG_SOLVER_ORBIT);
+        lag_stepper_choose(run, run->choice.trouble(run, LAG_TROUBLE_SWING));
         run->stiffness.is_watching = 0;
     }
 }

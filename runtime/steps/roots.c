@@ -136,7 +136,7 @@ static void take_back(LagRun *run, double share)
 
 LagStatus lag_roots_leave(LagRun *run)
 {
-    lag_stepper_choose(run, run->methods.explicit_solver);
+    lag_stepper_choose(run, run->choice.trouble(run, LAG_TROUBLE_CROSSED));
     run->choice.reset(run);
     const LagStatus status = lag_segment_evaluate(run);
     return status == LAG_OK ? run->methods.table->step(run) : status;

@@ -81,7 +81,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
     const int n = motion->n;
     motion->t_old = motion->t;
     if (run->methods.solver == LAG_SOLVER_ORBIT) { /* the state or the equations are others now */
-        lag_stepper_choose(run, run->orbit.solver);
+        lag_stepper_choose(run, run->choice.trouble(run, LAG_TROUBLE_DISTURBED));
         run->choice.reset(run);
     }
     const int is_bend = lag_switches_enter(run);

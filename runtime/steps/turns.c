@@ -54,7 +54,7 @@ int lag_turn(LagRun *run)
 int lag_turn_fall_back(LagRun *run)
 {
     LagStiffness *s = &run->stiffness;
-    if (!s->is_watching || !restart(run, run->methods.explicit_solver))
+    if (!s->is_watching || !restart(run, run->choice.trouble(run, LAG_TROUBLE_LEAVE)))
         return 0;
     s->explicit_solver = run->methods.explicit_solver;
     run->choice.begin(run);
@@ -77,7 +77,7 @@ int lag_turn_pass(LagRun *run)
     LagStiffness *s = &run->stiffness;
     const int32_t passed = run->methods.solver;
     const int leaves_trouble = run->methods.table->leaves_trouble;
-    if (!restart(run, run->methods.explicit_solver))
+    if (!restart(run, run->choice.trouble(run, LAG_TROUBLE_PASS)))
         return 0;
     if (run->sliding.count > 0) /* for longer than some steps */
         run->choice.begin(run);

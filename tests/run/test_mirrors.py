@@ -24,7 +24,7 @@ from lagrangia.run.mirrors import check_mirrors
 FOLDER = data_folder("runtime")
 MIRRORS = runtime.MIRRORS | batch.MIRRORS
 PREFIXES = {"LagStatus": "LAG_", "LagOp": "LAG_OP_"}  # of the numbers; those of enumerations without a name begin with it
-HEADERS = "\n".join(f'#include "{name}.h"' for name in ("model/tape", "run/batch", "run/run", "start/metric"))
+HEADERS = "\n".join(f'#include "{name}.h"' for name in ("model/tape", "run/batch", "run/run", "choice/choice", "start/metric"))
 
 
 def members(mirror: Any) -> dict[str, int]:

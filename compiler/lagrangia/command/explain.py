@@ -10,7 +10,7 @@ def explain_command(options: Namespace) -> int:
     """The scene with the parameters given, as it would be run."""
     from lagrangia.needs.table import find_needs
     from lagrangia.study.casadi_solvers import casadi_refusal
-    from lagrangia.study.explain import as_json, as_text, solver_of, without_compiler
+    from lagrangia.study.explain import as_json, as_text, chosen_for, without_compiler
 
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())
@@ -22,5 +22,5 @@ def explain_command(options: Namespace) -> int:
         scene = without_compiler(scene, (casadi_refusal(c) or ("",))[0])
     parameters = c.functions.table["parameters"](values.parameters, values.mask)
     needs = find_needs(c.kinematics, c.constraints, c.energies, c.run, c.initial, scene, parameters)
-    print((as_json if options.json else as_text)(scene, needs, solver_of(scene, model.engine)))
+    print((as_json if options.json else as_text)(scene, needs, chosen_for(scene, model.engine)))
     return 0

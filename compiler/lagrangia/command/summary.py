@@ -41,6 +41,8 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
         solver = methods_of(statistics, options.solver, scene.sizes["n_events"] + scene.sizes["n_switches"] > 0)
         how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations"
     say(f"  {solver}{how} in {_time(progress.seconds)}")
+    if statistics is not None and engine is not None and options.solver == AUTO:
+        say(f"  {reason_of(statistics)}")
     if statistics is not None:
         scale = statistics.energy_size
         relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if 0 < scale < math.inf else ""
@@ -63,6 +65,12 @@ def methods_of(statistics: Statistics, asked: str, is_cut: bool) -> str:
         return shown
     why = ", as events and friction cut its steps" if is_cut else ", which could not go on"
     return f"{shown} in place of {asked}{why}"
+
+
+def reason_of(statistics: Statistics) -> str:
+    """Why what went on last did, by the row of `auto` that decided."""
+    choice = statistics.choice
+    return f"{name_of(Solver(choice.solver))}: {choice.why}"
 
 
 def tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out: Any) -> None:
@@ -124,6 +132,8 @@ def _tell(model: Model, engine: Engine | None, progress: Progress, compiled: flo
             f"{_time(progress.seconds / statistics.rhs_evaluations)} an evaluation")
         worst = (*scene.coordinates, *scene.rates)[statistics.worst].name if 0 <= statistics.worst < 2 * scene.n else "none"
         say(f"  the steps were limited last by {worst}")
+        figures = ", ".join(f"{name} {value}" for name, value in statistics.choice.figures.items())
+        say(f"  solver by the rule '{statistics.choice.rule}'" + (f": {figures}" if figures else ""))
 
 
 def _time(seconds: float) -> str:

@@ -8,13 +8,14 @@ import ctypes as c
 import math
 from array import array
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 from lagrangia.native.tapes import Op, Tape
+from lagrangia.run.choice import Choice, Decision, Facts, Rule, told
 from lagrangia.run.mirrors import Mirrored, check_mirrors
 
 _Doubles = c.POINTER(c.c_double)
@@ -44,6 +45,7 @@ class Status(IntEnum):
 
 _STATUS = tuple(Status)
 _ZERO = array("d", (0.0,))
+_OF_CHOICE = {"rule", "chosen", "facts"}
 
 
 class Solver(IntEnum):
@@ -109,6 +111,7 @@ class Statistics:
     energy_open: float = 0.0
     energy_is_open: bool = False
     steps_by: tuple[int, ...] = ()  # of them all, those of each solver, by its number
+    choice: Choice = field(default_factory=Choice)  # the row that decided last which solver goes on
 
     @property
     def energy_size(self) -> float:
@@ -242,14 +245,10 @@ class _Statistics(c.Structure):
         ("energy_open", c.c_double),
         ("constraint_residual", c.c_double),
         ("constraint_rate_residual", c.c_double),
-        ("worst", c.c_int32),
-        ("tolerance_raised", c.c_int32),
-        ("tolerance_missed", c.c_int32),
-        ("solver", c.c_int32),
-        ("switches", c.c_int32),
-        ("energy_is_open", c.c_int32),
-        ("passed", c.c_int32),
+        *((name, c.c_int32) for name in ("worst", "tolerance_raised", "tolerance_missed", "solver", "switches", "energy_is_open",
+                                         "passed", "rule", "chosen")),
         ("steps_by", c.c_int64 * (max(Solver) + 1)),
+        ("facts", Facts),
     )
 
 
@@ -260,13 +259,15 @@ class _Failure(c.Structure):
 # By their names in runtime/run/layout.c.
 MIRRORS: Mapping[str, Mirrored] = {
     "LagTape": _Tape, "LagFunction": _Function, "LagModel": _Model, "LagSettings": _Settings, "LagStatistics": _Statistics,
+    "LagFacts": Facts, "LagDecision": Decision, "LagRule": Rule,
     "LagFailure": _Failure, "LagStatus": Status, "LAG_SOLVER": Solver, "LagOp": Op,
 }  # fmt: skip
 _RUN = c.c_void_p
 _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
     "lag_tape_valid": (c.c_int, (c.POINTER(_Function),)),
     "lag_run_new": (_RUN, (c.POINTER(_Model), c.POINTER(_Settings))),
-    "lag_run_solver": (c.c_int32, (c.POINTER(_Model), c.POINTER(_Settings))),
+    "lag_run_solver": (c.c_int32, (c.POINTER(_Model), c.POINTER(_Settings), c.POINTER(Decision))),
+    "lag_rule": (c.POINTER(Rule), (c.c_int32,)),
     "lag_run_free": (None, (_RUN,)),
     "lag_run_set_parameters": (c.c_int, (_RUN, _Doubles, _Doubles)),
     "lag_run_parameters": (_Doubles, (_RUN,)),
@@ -383,9 +384,11 @@ def load_runtime(path: Path) -> c.CDLL:
     return library
 
 
-def first_solver(runtime: c.CDLL, model: Model, settings: Settings) -> Solver:
-    """The solver that a run with these settings begins with."""
-    return Solver(runtime.lag_run_solver(c.byref(model.struct), c.byref(_plain(settings))))
+def first_choice(runtime: c.CDLL, model: Model, settings: Settings) -> Choice:
+    """What a run with these settings begins with, and why."""
+    decision = Decision()
+    solver = runtime.lag_run_solver(c.byref(model.struct), c.byref(_plain(settings)), c.byref(decision))
+    return told(runtime, decision.rule, solver, decision.facts)
 
 
 def _plain(settings: Settings) -> _Settings:
@@ -479,9 +482,11 @@ class Run:
     def statistics(self) -> Statistics:
         """What the run has done so far."""
         struct = self._library.lag_run_statistics(self._run).contents
-        values = {name: getattr(struct, name) for name, _ in _Statistics._fields_}
+        values = {name: getattr(struct, name) for name, *_ in _Statistics._fields_ if name not in _OF_CHOICE}
+        choice = told(self._library, struct.rule, struct.chosen, struct.facts)
         flags = {name: bool(values[name]) for name in ("tolerance_raised", "energy_is_open")}
-        return Statistics(**values | flags | {"solver": Solver(struct.solver), "steps_by": tuple(struct.steps_by)})
+        found = {"solver": Solver(struct.solver), "steps_by": tuple(struct.steps_by), "choice": choice}
+        return Statistics(**values | flags | found)
 
     @property
     def failure(self) -> Failure:

@@ -3,11 +3,11 @@
 import json
 import textwrap
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 from lagrangia.run.engines import Engine
-from lagrangia.run.runtime import Settings, first_solver
+from lagrangia.run.runtime import Settings, Solver, first_choice
 from lagrangia.run.scene import Scene
 from lagrangia.run.solvers import CASADI, WAYS, name_of
 
@@ -18,25 +18,28 @@ _WIDTH = 118
 NONE = "none"
 
 
-# Why `auto` takes it.
-_WHY = {
-    "erk": "of those that serve every scene it costs least at this tolerance",
-    "erk5": "at so loose a tolerance it costs less than erk",
-    "erk9": "where rows are far apart it costs less than erk, which goes on where they are not",
-    "pirk": "its long steps cost less than those of other methods, whose stages wait for each other",
-    "adams": "its equations are long, and Adams' methods evaluate them half as often as Runge-Kutta steps",
-    "taylor": "its series cost less here than Runge-Kutta steps",
-    "linear": "the equations are linear, and exponentials cost less than steps",
-    "islands": "there are coordinates that do not interact",
-}
+@dataclass(frozen=True)
+class Begun:
+    """What `auto` begins with: a solver's name, the row that took it, and the row's reason."""
+
+    solver: str
+    rule: str
+    why: str
 
 
-def solver_of(scene: Scene, engine: Engine | None) -> str:
-    """The name of the solver that `auto` begins with, at the scene's own tolerance; NONE where nothing can run it."""
+def chosen_for(scene: Scene, engine: Engine | None) -> Begun:
+    """What `auto` begins with, at the scene's own tolerance; NONE where nothing can run it."""
     if engine is None:
-        return NONE if CASADI[0] in scene.refused else CASADI[0]
+        return _without_engine(scene)
     settings = Settings(scene.start, scene.stop, scene.tolerance)
-    return name_of(first_solver(engine.runtime.library, engine.model, settings))
+    choice = first_choice(engine.runtime.library, engine.model, settings)
+    return Begun(name_of(Solver(choice.solver)), choice.rule, choice.why)
+
+
+def _without_engine(scene: Scene) -> Begun:
+    if CASADI[0] in scene.refused:
+        return Begun(NONE, "no compiler", "nothing can run it: there is no C compiler (pip install ziglang brings one)")
+    return Begun(CASADI[0], "no compiler", "there is no C compiler")
 
 
 def without_compiler(scene: Scene, casadi: str) -> Scene:
@@ -46,18 +49,19 @@ def without_compiler(scene: Scene, casadi: str) -> Scene:
     return replace(scene, sizes=sizes, refused=refused)
 
 
-def as_json(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
+def as_json(scene: Scene, needs: Sequence["Need"], begun: Begun) -> str:
     """The solver, what each solver could do, and all needs with their reasons."""
     solvers = {name: {"title": title, "can_run": name not in scene.refused, "reason": scene.refused.get(name, "")}
-               for name, title in _titles(chosen).items()}
-    return json.dumps({"model": scene.name, "solver": chosen, "tolerance": scene.tolerance, "solvers": solvers,
-                       "needs": [asdict(n) for n in needs]}, indent=2)
+               for name, title in _titles(begun.solver).items()}
+    return json.dumps({"model": scene.name, "solver": begun.solver, "rule": begun.rule, "why": begun.why,
+                       "tolerance": scene.tolerance, "solvers": solvers, "needs": [asdict(n) for n in needs]}, indent=2)
 
 
-def as_text(scene: Scene, needs: Sequence["Need"], chosen: str) -> str:
+def as_text(scene: Scene, needs: Sequence["Need"], begun: Begun) -> str:
     """The solver and why, what the scene needs, and what it does without."""
+    chosen = begun.solver
     lines = [f"{scene.name}: solver {chosen}, tolerance {scene.tolerance:g}",
-             *textwrap.wrap(_reason(scene, chosen), _WIDTH, initial_indent="  ", subsequent_indent="  "), ""]
+             *textwrap.wrap(_reason(scene, begun), _WIDTH, initial_indent="  ", subsequent_indent="  "), ""]
     for title, wanted in (("needed", True), ("not needed", False)):
         rows = [need for need in needs if need.is_needed is wanted]
         lines += [title, *(line for need in rows for line in _row(need)), ""]
@@ -79,14 +83,15 @@ def _of_casadi(name: str) -> str:
     return f"CasADi's {name.partition(':')[2]}"
 
 
-def _reason(scene: Scene, chosen: str) -> str:
+def _reason(scene: Scene, begun: Begun) -> str:
     """What it is, and why `auto` takes it."""
+    chosen = begun.solver
     if chosen == NONE:
-        return "nothing can run it: there is no C compiler (pip install ziglang brings one)"
+        return begun.why
     if chosen not in WAYS:
-        return f"{_of_casadi(chosen)}: there is no C compiler"
+        return f"{_of_casadi(chosen)}: {begun.why}"
     turns = chosen in ("erk", "erk5", "erk9", "pirk", "adams", "taylor") and "implicit" not in scene.refused
-    return f"{WAYS[chosen].title}: {_WHY[chosen]}" + ("; implicit steps where it turns out stiff" if turns else "")
+    return f"{WAYS[chosen].title}: {begun.why}" + ("; implicit steps where it turns out stiff" if turns else "")
 
 
 def _row(need: "Need") -> list[str]:
