@@ -174,6 +174,42 @@ def test_a_cached_scene_runs_without_heavy_libraries(tmp_path: Path) -> None:
     assert not HEAVY & loaded()
 
 
+# ---------------------------------------------------------------- the dimension
+
+PLANAR = {"frames/planar", "frames/planar_joints", "frames/planar_inertia"}
+# Who asks what a frame is in the plane: what a frame of another kind has to answer, too.
+ASK_THE_KIND = """
+    frames/closures frames/edges frames/evaluation frames/kinematics
+    dynamics/bodies dynamics/driven_joints dynamics/elimination dynamics/forces dynamics/motion dynamics/reactions
+    dynamics/released_directions
+    view/mechanism study/analysis study/pictures study/probes paper/derivation paper/symbolic
+""".split()
+OF_THE_PLANE = {"phi", "xy", "vx", "vy", "reaction_torque"}  # names of components and attributes, where these are no text
+# Beside the table of attributes: symbols on paper, residuals, which are called phi as well, and angles of bodies that add up.
+NAME_THEM = {*PLANAR, "language/frame_attributes", "paper/latex", "paper/notation", "compile/functions",
+             "dynamics/collected_inertia"}
+RESIDUALS = {"rows", "self", "_parts"}  # whose phi is no angle
+FUNCTIONS = {"ca", "sp", "np", "math", "hy"}  # whose sin is no frame's
+
+
+def test_who_asks_what_the_plane_is() -> None:
+    users = {module for module in MODULES if PLANAR & imported(module)}
+    assert sorted(users - PLANAR) == sorted(ASK_THE_KIND)
+
+
+def test_frames_are_asked_for_what_the_plane_has() -> None:
+    """An angle, its sine and components are not read off a pose anywhere else."""
+    wrong = []
+    for module in sorted(MODULES.keys() - NAME_THEM):
+        for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
+            is_named = isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value in OF_THE_PLANE
+            is_read = isinstance(node, ast.Attribute) and node.attr in ("phi", "sin", "cos") \
+                and ast.unparse(node.value).rpartition(".")[2] not in (RESIDUALS if node.attr == "phi" else FUNCTIONS)
+            if is_named or is_read:
+                wrong.append(f"{module}:{node.lineno}")
+    assert wrong == []
+
+
 # ---------------------------------------------------------------- sizes and places
 
 

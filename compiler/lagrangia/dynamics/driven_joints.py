@@ -13,6 +13,7 @@ from lagrangia.dynamics.released_directions import Released
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.frames.planar import SIZE
 from lagrangia.frames.planar_joints import unit_load
 from lagrangia.language.flat import Equation
 from lagrangia.language.mentions import leaves
@@ -20,8 +21,8 @@ from lagrangia.language.tree import FrameRef, Ref
 
 
 def force_beside_drives(kinematics: Kinematics, constraints: Constraints, released: Released, edge: Edge) -> ca.SX:
-    """What ties exert on the edge's child by a coordinate that is driven: force and torque about the child's origin, (3,)."""
-    total = ca.SX.zeros(3)
+    """What ties exert on the edge's child by a coordinate that is driven: force and torque about the child's origin, (SIZE,)."""
+    total = ca.SX.zeros(SIZE)
     for name in edge.coordinates:
         rows = {id(row): (row, named) for row in constraints.all_rows if row.equation is not None and row.is_holonomic
                 and name in (named := _named(kinematics, row.equation))}

@@ -6,11 +6,12 @@ from typing import Protocol
 from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.frames import planar_joints
-from lagrangia.frames.edges import Closure, Step
+from lagrangia.frames.edges import Closure
 from lagrangia.frames.evaluation import Evaluator, Leaves, Value
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.planar import Pose
 from lagrangia.frames.planar_joints import Slide
+from lagrangia.frames.steps import Step
 
 
 class Frames(Leaves, Protocol):

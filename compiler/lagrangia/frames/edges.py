@@ -11,21 +11,10 @@ from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass
 
 from lagrangia.base.diagnostics import Span
-from lagrangia.language.mentions import is_linear, nodes
+from lagrangia.frames.planar_joints import WORTH_CUTTING, cut_as
+from lagrangia.frames.steps import Step
+from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Flat, Ref
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """A part of the way from one frame to another: shift by a vector or turn by an angle, forwards or backwards."""
-
-    kind: str  # "shift" or "turn"
-    amount: Flat
-    is_inverse: bool = False
-
-    def inverse(self) -> "Step":
-        """The way back."""
-        return Step(self.kind, self.amount, not self.is_inverse)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +43,7 @@ class Edge:
 class Closure:
     """The frame `a` followed by steps_a and the frame `b` followed by steps_b coincide, but for the freedom of a cut joint.
 
-    kind "hinge": up to a turn by `coordinate`; "slider": up to the shift `freedom`; "weld": wholly.
+    Its kinds stand in planar_joints.py: up to a turn by `coordinate`; up to the shift `freedom`; wholly.
     """
 
     kind: str
@@ -108,19 +97,16 @@ def close(edge: Edge, uses: Mapping[str, int], around: str = "") -> Closure:
     step = edge.steps[moving[0]]
     before = edge.steps[: moving[0]]
     after = tuple(s.inverse() for s in reversed(edge.steps[moving[0] + 1 :]))
-    if step.kind == "turn" and isinstance(step.amount, Ref):
-        return Closure("hinge", edge.parent, edge.child, before, after, name, step, around, edge.span)
-    if step.kind == "shift" and is_linear(step.amount, name):
-        return Closure("slider", edge.parent, edge.child, before, after, name, step, around, edge.span)
-    return weld
+    kind = cut_as(step, name)
+    return weld if kind == "weld" else Closure(kind, edge.parent, edge.child, before, after, name, step, around, edge.span)
 
 
 def _rank(edge: Edge, uses: Mapping[str, int], tied: Set[str], started: Set[str | None]) -> int:
     """Small for what is dear to cut."""
     if edge.is_rigid or not tied.isdisjoint(edge.coordinates):
         return 0
-    kind = {"weld": 0, "slider": 1, "hinge": 3}[close(edge, uses).kind]
-    return kind + (kind > 0 and started.isdisjoint(edge.coordinates))
+    worth = WORTH_CUTTING[close(edge, uses).kind]
+    return worth + (worth > 0 and started.isdisjoint(edge.coordinates))
 
 
 def _mentions(amount: Flat, name: str) -> bool:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from lagrangia.base.diagnostics import Report, Span, fail
-from lagrangia.frames.edges import Closure, Edge, Step, choose_tree, close
+from lagrangia.frames.edges import Closure, Edge, choose_tree, close
+from lagrangia.frames.steps import Step
 from lagrangia.language.consequences import keep_consequences_out
 from lagrangia.language.flat import FlatModel, Frame, FrameEquation, Variable
 from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS, reading, reads_angle

@@ -16,10 +16,11 @@ from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import fail
 from lagrangia.frames import planar
 from lagrangia.frames.closures import cut_coordinate
-from lagrangia.frames.edges import Edge, Step
+from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.planar import Pose
+from lagrangia.frames.steps import Step
 from lagrangia.frames.vectors_on_a_line import line_of
 from lagrangia.language.flat import Variable
 from lagrangia.language.frame_attributes import ATTRIBUTES

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from lagrangia.algebra.duals import Algebra, Dual, Scalar, minus, plus, rate_of, times, value_of
 from lagrangia.base.diagnostics import fail
-from lagrangia.frames.edges import Step
+from lagrangia.frames.steps import Step
 from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS
 
 SIZE = len(COMPONENTS)  # of a place, a twist, a wrench

@@ -11,6 +11,19 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.frames.planar import Pose
+from lagrangia.frames.steps import Step
+from lagrangia.language.mentions import is_linear
+from lagrangia.language.tree import Ref
+
+# How well a loop is cut at each kind, and by 1 better where nothing is said about the start of its coordinate.
+WORTH_CUTTING = {"weld": 0, "slider": 1, "hinge": 3}
+
+
+def cut_as(step: Step, coordinate: str) -> str:
+    """The kind of a cut joint with one coordinate, which moves this step alone."""
+    if step.kind == "turn" and isinstance(step.amount, Ref):
+        return "hinge"
+    return "slider" if step.kind == "shift" and is_linear(step.amount, coordinate) else "weld"
 
 
 @dataclass(frozen=True)

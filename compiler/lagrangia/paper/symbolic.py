@@ -20,10 +20,11 @@ from lagrangia.base.diagnostics import Span, fail
 from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.energies import Energies, evaluate_energies
-from lagrangia.frames.edges import Edge, Step
+from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols
 from lagrangia.frames.planar import ANGLES, LENGTHS, Pose
+from lagrangia.frames.steps import Step
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.consequences import contact_forces_in
 from lagrangia.language.events import level_of, position_of

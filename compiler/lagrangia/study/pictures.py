@@ -119,7 +119,7 @@ def _factor(mechanism: Mechanism, q: Vector, shape: Vector) -> float:
 
 def _draw(panel: Any, mechanism: Mechanism, places: Vector, size: float, style: dict[str, Any]) -> None:
     for a, b in mechanism.springs:
-        panel.plot(*_coil(places[a, :2], places[b, :2], _COIL_WIDTH * size), linewidth=0.9, **style)
+        panel.plot(*_coil(places[a, LENGTHS], places[b, LENGTHS], _COIL_WIDTH * size), linewidth=0.9, **style)
     for a, b in mechanism.bodies:
         panel.plot(places[[a, b], 0], places[[a, b], 1], linewidth=2.2, solid_capstyle="round", **style)
     for frame, radius in mechanism.discs:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.language.frame_attributes import WRENCH_HEADINGS
+
 if TYPE_CHECKING:
     from lagrangia.study.analysis import Equilibria, Equilibrium
     from lagrangia.study.linearization import Linearization
@@ -75,7 +77,7 @@ def _reactions(values: Mapping[str, float], ports: Mapping[str, str], residual: 
     rounding = max(1e-12 * max(map(abs, values.values())), 10 * residual)
     head = "reactions on"
     width = max(*map(len, joints), len(head))
-    yield f"{head:{width}}{'F_x [N]':>14}{'F_y [N]':>14}{'M [N.m]':>14}"
+    yield f"{head:{width}}" + "".join(f"{heading:>14}" for heading in WRENCH_HEADINGS)
     for joint, numbers in joints.items():
         yield f"{joint:{width}}" + "".join(f"{0.0 if abs(x) <= rounding else x:>14.6g}" for x in numbers)
 
