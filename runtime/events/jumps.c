@@ -51,14 +51,17 @@ static void note_sizes(LagRun *run, double t, const double *y)
     s->energy = lag_max(fabs(energies[0]), s->energy);
 }
 
-/* How much another share of candidate j changes all rates, by the share: into its column. */
+/* How much another share of candidate j changes all rates and accelerations, by the share: into its columns. */
 static void probe(LagRun *run, double t, const double *y, int count, int j, double change)
 {
     LagSliding *s = &run->sliding;
+    const int n = run->model->n;
     *lag_share(run, s->which[j]) = s->base[j] + change;
     lag_sliding_rates(run, t, y);
     for (int k = 0; k < count; ++k)
         s->jump[k + j * count] = (s->rate[s->which[k]] - s->middle[k]) / change;
+    for (int i = 0; i < n; ++i)
+        s->way[i + j * n] = (run->switches.slope[n + i] - s->slope_without[n + i]) / change;
     *lag_share(run, s->which[j]) = s->base[j];
 }
 

@@ -9,6 +9,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "events/cones.h"
 #include "numbers/extremes.h"
@@ -286,6 +287,7 @@ static void end_rests(LagRun *run, int count)
 static int hold(LagRun *run, int count)
 {
     LagSliding *s = &run->sliding;
+    const int n = run->model->n;
     int sliding = 0;
     end_rests(run, count);
     for (int k = 0; k < count; ++k) {
@@ -302,6 +304,7 @@ static int hold(LagRun *run, int count)
         if (s->state[k] == SLIDES) {
             s->noise[sliding] = s->noise[k];
             s->unit[sliding] = s->unit[k];
+            memmove(s->way + sliding * n, s->way + k * n, (size_t)n * sizeof *s->way);
             s->which[sliding++] = s->which[k];
         }
     return sliding;

@@ -14,7 +14,7 @@
 
 /* A change of shares is rounding below ENOUGH, and below FAINT where the next one is not much smaller; the secant tells of a jump where
  * a change is not as large as the one before. */
-static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, MOST_RATIO = 0.9, MANY = 1000, REPEATED = 1e-8;
+static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, MOST_RATIO = 0.9, MANY = 1000, REPEATED = 1e-8, MOST_FORCE = 3;
 static const double MOMENT = 1e-6, DRIFT = 10; /* of a step; of tolerances */
 static const double MOVED = 2; /* times as far from 0 as before an impact: it was moved */
 /* Where equations contradict each other those of contacts, which come first, are kept. */
@@ -25,6 +25,16 @@ int lag_sliding_most(const LagModel *model)
 {
     const int possible = model->switches_need_acceleration ? model->n_switches : 0;
     return possible < 2 * model->n + SPARE ? possible : 2 * model->n + SPARE;
+}
+
+static void lay_out_holds(LagSliding *s, const LagModel *model, size_t count, LagArena *arena)
+{
+    s->way = lag_take(arena, (size_t)s->most * (size_t)model->n);
+    s->holds = lag_take_ints(arena, count);
+    s->drift = lag_take(arena, 2 * (size_t)s->most);
+    lag_dense_lu_layout(&s->held, s->most, 0, arena);
+    s->held.dependent = LAG_SLIDING_DEPENDENT;
+    s->held.early = EARLY;
 }
 
 void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
@@ -64,6 +74,14 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     lag_dense_lu_layout(&s->lu, s->most, 0, arena);
     s->lu.dependent = LAG_SLIDING_DEPENDENT;
     s->lu.early = EARLY;
+    lay_out_holds(s, model, count, arena);
+}
+
+/* What is held in the plane is let go by a slip that is less than can be told: it is left as it is. */
+static void forget_holds(LagRun *run)
+{
+    for (int i = 0; i < run->model->n_switches && run->model->switches_need_acceleration; ++i)
+        run->sliding.holds[i] = lag_cones_have(run, i) ? LAG_HELD_NEITHER : LAG_HELD_UNKNOWN;
 }
 
 void lag_sliding_reset(LagRun *run)
@@ -75,6 +93,7 @@ void lag_sliding_reset(LagRun *run)
     s->latest = s->first = 0;
     s->grows = s->is_lenient = 0;
     s->stops = INFINITY;
+    forget_holds(run);
     if (size > 0) {
         memset(s->error, 0, size);
         memset(s->most_jump, 0, size);
@@ -181,15 +200,17 @@ void lag_sliding_stop(LagRun *run)
     s->count = count;
 }
 
-/* The largest of the changes that would make dg/dt vanish: into `change`. */
+/* The largest of the changes that would make dg/dt vanish: into `change`; into s->left, how much of a jump is left of it. */
 static double find_change(LagRun *run, double t, const double *q, const double *v, const double *a)
 {
     LagSliding *s = &run->sliding;
     double largest = 0;
+    s->left = 0;
     lag_conditions_by(run, t, q, v, a, s->g, s->rate);
     for (int k = 0; k < s->count; ++k) {
         const double rate = s->rate[s->which[k]];
         s->change[k] = fabs(rate) <= s->noise[k] ? 0 : -rate; /* the jump may be rounding, too */
+        s->left = lag_max(fabs(s->change[k]) / s->most_jump[s->which[k]], s->left);
     }
     lag_dense_lu_solve(&s->lu, s->change, NULL);
     for (int k = 0; k < s->count; ++k) {
@@ -200,7 +221,8 @@ static double find_change(LagRun *run, double t, const double *q, const double *
 }
 
 /* Whether their rates have vanished, which they do not where a jump has, or where shares are found of nothing: of them no more is left than
- * the latest change of shares makes, or, where several hold the same, than they contradict each other. */
+ * the latest change of shares makes, or, where several hold the same, than they contradict each other: which is not asked of friction that
+ * would take many times its force, of a contact that does not press. */
 static int are_kept(const LagRun *run, double change)
 {
     const LagSliding *s = &run->sliding;
@@ -208,7 +230,9 @@ static int are_kept(const LagRun *run, double change)
     for (int k = 0; k < s->count; ++k)
         most = lag_max(s->most_jump[s->which[k]], most);
     for (int k = 0; k < s->count; ++k) {
-        const double jump = s->most_jump[s->which[k]], left = lag_max(MANY * change * most, REPEATED * jump);
+        const double share = *lag_share(run, s->which[k]), jump = s->most_jump[s->which[k]];
+        const int is_possible = !lag_may_have_all(run, s->which[k]) || fabs(2 * share - 1) < MOST_FORCE || lag_cones_have(run, s->which[k]);
+        const double left = lag_max(MANY * change * most, is_possible ? REPEATED * jump : 0);
         if (fabs(s->rate[s->which[k]]) > s->noise[k] + lag_min(FAINT * jump, left))
             return 0;
     }
@@ -229,10 +253,11 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
 {
     LagSliding *s = &run->sliding;
     const size_t size = (size_t)run->model->n * sizeof *q;
-    const double change = find_change(run, t, q, v, a);
+    const double left = s->left, change = find_change(run, t, q, v, a);
     s->is_fresh &= tries > 0;
     const int is_known = !s->grows || s->is_fresh; /* jumps that grow are others than a moment before */
-    const int is_settled = change <= ENOUGH || (is_known && tries > 0 && change < FAINT && change > SLOW * s->latest);
+    const int stays = is_known && tries > 0 && change > SLOW * s->latest && s->left > SLOW * left; /* both: either may come later */
+    const int is_settled = change <= ENOUGH || (stays && change < FAINT);
     if (is_settled && are_kept(run, change))
         return LAG_SHARES_KEPT;
     const int is_slow = tries > 0 && change * pow(change / s->latest, s->count + 1) > ENOUGH, was_lost = tries == 0 && s->is_lost;
@@ -243,7 +268,8 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     }
     const double ratio = s->change[0] / s->first;
     s->latest = change;
-    if (was_lost || is_settled || (!is_known && tries > 0) || (is_slow && !learn(s, ratio))) { /* the jumps that are known may be those of nowhere */
+    const int is_far = tries == 0 && change > 1; /* shares that are multiplied are not looked for where they are of nothing */
+    if (was_lost || is_far || is_settled || (!is_known && tries > 0) || (is_slow && !learn(s, ratio))) { /* the jumps that are known may be those of nowhere */
         memcpy(s->state_here, q, size);
         memcpy(s->state_here + run->model->n, v, size);
         lag_sliding_refresh(run, t, s->state_here);

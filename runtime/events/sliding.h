@@ -10,6 +10,9 @@
 /* Pivots below this are those of shares that hold the same: corners of a box that is all but flat. */
 #define LAG_SLIDING_DEPENDENT 1e-9
 
+/* What a switch holds while it slides: holds.c. */
+typedef enum { LAG_HELD_UNKNOWN, LAG_HELD_PLACE, LAG_HELD_RATE, LAG_HELD_NEITHER } LagHeld;
+
 typedef struct {
     int count, most; /* switches that slide; no more of them can */
     int *which;      /* most: which they are */
@@ -34,6 +37,7 @@ typedef struct {
     double *state_before, *slope_before; /* the same a moment before */
     double *slope_without; /* and without jumps */
     double latest, first; /* of the latest changes: the largest, and the first one */
+    double left;     /* of the rates that they are to end, by jumps: the largest */
     int jams;        /* no forces hold contacts that close, since friction presses them further */
     int is_lenient;  /* what is held in the plane may take more than there is: it is being stopped */
     int *leaves;     /* n_cones: torn off at the present time */
@@ -42,6 +46,10 @@ typedef struct {
     int is_fresh;    /* the jumps that are known are those of the latest evaluation */
     int is_lost;     /* the latest evaluation found no shares */
     int *still;      /* n: coordinates that rest: rest.h */
+    double *way;     /* most x n: change of accelerations by the share of each */
+    int *holds;      /* n_switches: what each holds, LagHeld */
+    double *drift;   /* 2 most: of what is held */
+    LagDenseLu held; /* how g of what is held changes along the ways */
     double energy;   /* of what the jumps would set in motion in a second */
 } LagSliding;
 

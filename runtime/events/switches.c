@@ -347,6 +347,16 @@ static int step_again(LagRun *run, double x)
     return 1;
 }
 
+/* Whether what slides still does at the end of the step: the latest evaluation may have been one inside it. */
+static int lasts(LagRun *run)
+{
+    LagSliding *s = &run->sliding;
+    const LagMotion *m = &run->motion;
+    if (s->count > 0)
+        lag_conditions_by(run, m->t, m->y, m->y + m->n, run->switches.slope + m->n, s->g, s->rate);
+    return lag_sliding_lasts(run);
+}
+
 static void watch_held(LagRun *run)
 {
     LagSwitches *s = &run->switches;
@@ -355,7 +365,7 @@ static void watch_held(LagRun *run)
     const double x = lag_crossing_find(run);
     if (x == LAG_NOWHERE) {
         s->hurried = s->again = 0;
-        run->segment_over |= !lag_sliding_lasts(run);
+        run->segment_over |= !lasts(run);
         lag_sliding_grow(run);
         run->segment_over |= lag_cones_look(run);
         return;

@@ -6,6 +6,7 @@
 #include "state/account.h"
 #include "run/advance.h"
 #include "base/clock.h"
+#include "state/holds.h"
 #include "state/inside.h"
 #include "run/run.h"
 #include "model/schedule.h"
@@ -22,6 +23,7 @@ static LagStatus row_at(LagRun *run, double t, double *row)
     const int n = run->model->n;
     double *y = run->inside, *outputs = row + 1 + 2 * n, *account = outputs + run->model->n_outputs;
     lag_state_inside(run, t, y);
+    lag_holds_inside(run, t, y);
     const double most = fmax(run->settings.tolerance, CLOSED), open = lag_project_row(run, t, y, account, most);
     const int i = lag_first_not_finite(y, 2 * n);
     if (n > 0 && !isfinite(y[i]))

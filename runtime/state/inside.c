@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "state/holds.h"
 #include "state/project.h"
 #include "state/state.h"
 
@@ -21,6 +22,7 @@ void lag_go_back(LagRun *run, double t)
 {
     LagMotion *motion = &run->motion;
     lag_state_inside(run, t, run->inside);
+    lag_holds_inside(run, t, run->inside);
     lag_project_inside(run, t, run->inside);
     memcpy(motion->y, run->inside, (size_t)motion->size * sizeof *motion->y);
     memset(motion->carry, 0, (size_t)motion->size * sizeof *motion->carry);

@@ -20,6 +20,7 @@
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 #include "model/function.h"
+#include "state/holds.h"
 #include "state/state.h"
 
 /* Relative to the size of a coordinate: rounding; a correction whose square is below rounding; noise near singular
@@ -205,7 +206,7 @@ int lag_project_waits(LagRun *run, double t)
     LagProjection *s = &run->projection;
     const double *y = run->motion.other;
     const double most = WAITS * run->scale.tolerance;
-    const int may_wait = s->waits && !run->careful && t < run->settings.t_stop;
+    const int may_wait = s->waits && run->sliding.count == 0 && !run->careful && t < run->settings.t_stop;
     s->waits = 0;
     return may_wait && find_residuals(run, t, y) && lag_closure_open(run, t, y, s->phi, s->rate, most) <= most;
 }
@@ -214,6 +215,7 @@ double lag_project_step(LagRun *run, double t, double allowed, int *worst)
 {
     LagProjection *s = &run->projection;
     lag_project_forget(run);
+    lag_holds_project(run, run->motion.t, run->motion.y, t, run->motion.other, run->motion.other_carry);
     if (run->model->n_multipliers == 0)
         return 0;
     const double good = run->careful ? lag_max(NEAR_SINGULAR / run->scale.tolerance, MOST_UNITS) : MOST_UNITS;

@@ -6,6 +6,7 @@
 #include "state/account.h"
 #include "state/first_step.h"
 #include "model/function.h"
+#include "state/holds.h"
 #include "state/onset.h"
 #include "events/rest.h"
 #include "model/schedule.h"
@@ -97,6 +98,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
         return lag_fail(run, LAG_NOT_FINITE, lag_first_not_finite(motion->slope + n, n), 1, 0);
     }
     lag_rest_note(run);
+    lag_holds_enter(run);
     if (!run->methods.table->is_exact) {
         look_ahead(run);
         run->step = first_step(run, is_bend);

@@ -93,3 +93,49 @@ def test_an_event_early_in_a_long_step(scene: Write, stop: float) -> None:
         few = 1e-12 if solver != "implicit" else 2e-11  # which finds the event inside a step as long as the run
         assert run["P.center.y"][-1] == pytest.approx(STOPPED / 2, abs=few), solver
         assert np.abs(run.energy.residual).max() < few, solver
+
+
+MOVED = {
+    "block on a slope": ("""
+      Frame incline = turn(world, 20[deg]);  Block b(m = 1, base = incline);
+      Friction f(mu = 0.7, normal = 9.81*cos(20[deg]), rate = b.v);
+      AppliedForce w(at = b.center, force = {0.5*sin(3*time), 0});
+      output Length off = b.s;""", 0.0),
+    "mass on a rough slope": ("""
+      PointMass P(m = 1);  RoughStop floor(a = world, b = P.center, along = {-sin(30[deg]), cos(30[deg])}, mu = 0.7);
+      AppliedForce w(at = P.center, force = {0.2*sin(3*time), 0.1*cos(2*time)});
+      output Length off = 0.6*P.center.x + 0.8*P.center.y;
+    initial equation
+      P.center.x = 0;  P.center.y = 0;""", 0.0),
+    "box on a moving plate": ("""
+      Prismatic p(a = world, along = {0, 1});  Motion d(of = p.s, to = 0.1*sin(2*time));  Body B(m = 2, I = 0.1);
+      RoughStop l(a = p.b, b = shift(B.center, {-0.1, 0}), mu = 0.5), r(a = p.b, b = shift(B.center, {0.1, 0}), mu = 0.5);
+      output Length off = B.center.y - p.s + B.center.x + 1[m]*B.center.phi;
+    initial equation
+      B.center.x = 0;  B.center.y = 0;  B.center.phi = 0;  B.center.v[2] = 0.2;""", 0.0),
+    "locked clutch": ("""
+      Revolute r1(a = world), r2(a = world);  Disc d1(m = 1, r = 1, I = 1, center = r1.b);
+      Disc d2(m = 1, r = 1, I = 0.5, center = r2.b);
+      TorsionDryFriction c(tau = 5, a = d1.center, b = d2.center);  AppliedTorque T(on = d2.center, torque = 3*cos(2*time));
+      output Angle off = r1.phi - r2.phi;""", 0.0),
+    "spring that does not tear off": ("""
+      Block b(m = 1, base = world, s(start = 0.1));  Spring k(k = 20, stretch = b.s);  DryFriction f(F = 4, rate = b.v);
+      AppliedForce w(at = b.center, force = {1.5*sin(2*time), 0});
+      output Length off = b.s;""", 0.1),
+    "belt to and fro": ("""
+      Frame belt = shift(world, {0.1*sin(2*time), 0});  PointMass P(m = 2);  RoughStop on(a = belt, b = P.center, mu = 0.5);
+      output Length off = P.center.x - belt.x;
+    initial equation
+      P.center.x = 0;  P.center.y = 0;  P.center.v[1] = 0.2;""", 0.0),
+}
+
+
+@pytest.mark.parametrize("name", MOVED)
+def test_what_is_held_stays_while_loads_change(scene: Write, name: str) -> None:
+    """Errors of a support's motion and rounding do not add up in what is held."""
+    text, right = MOVED[name]
+    model = scene(f"model Moved {text} end Moved;")
+    for solver in SOLVERS:
+        for tolerance in (1e-3, 1e-6):
+            run = model.simulate(at=[0.1, 0.77, 10.0, 700.0], solver=solver, tolerance=tolerance)
+            assert np.abs(run["off"] - right).max() < 1e-12, (solver, tolerance)
