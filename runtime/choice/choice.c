@@ -182,13 +182,13 @@ enum { ANY = -1, ASKED = -2, EXPLICIT = -3, ROWS = -4, TURNS = -5, NEXT = -6 };
 
 static const LagRule RULES_OF_CHOICE[] = {
     /* of those asked for, AUTO and STEPWISE let others choose */
-    {"few states", "few states, linear, and doubles have the digits: exponentials in doubles",
+    {"few states", "linear equations of few states, and doubles have the digits",
      LAG_BEGIN, LAG_SOLVER_AUTO, LAG_SOLVER_TRANSITION, fits_transition, NULL},
-    {"few states", "few states, linear, and doubles have the digits: exponentials in doubles",
+    {"few states", "linear equations of few states, and doubles have the digits",
      LAG_BEGIN, LAG_SOLVER_LINEAR, LAG_SOLVER_TRANSITION, fits_transition, NULL},
-    {"islands", "{islands} groups of coordinates do not interact, and are not alike",
+    {"islands", "parts that do not interact, and are not alike",
      LAG_BEGIN, LAG_SOLVER_ISLANDS, LAG_SOLVER_ISLANDS, is_named, NULL},
-    {"linear", "the equations are linear, and exponentials cost less than steps",
+    {"linear", "linear equations",
      LAG_BEGIN, LAG_SOLVER_LINEAR, LAG_SOLVER_LINEAR, is_named, NULL},
     {"asked", "asked for", LAG_BEGIN, ANY, ASKED, is_asked, NULL},
     {"cheap series", "series take {series_share} of the time that steps of erk take, at the tolerance {tolerance}",

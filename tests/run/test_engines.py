@@ -8,7 +8,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.model import Model
-from lagrangia.run import engines
+from lagrangia.run import engines, rules
 
 CHAIN = Path(__file__).parents[2] / "models" / "examples" / "chain.lag"
 
@@ -48,7 +48,7 @@ def test_a_large_scene_starts_on_its_tape() -> None:
 
 
 def test_a_run_changes_over_when_it_pays(empty_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engines, "_AT_ONCE", -1.0)
+    monkeypatch.setattr(rules, "_AT_ONCE", -1.0)
     monkeypatch.setattr(engines, "_LOOK", 0.0)
     monkeypatch.setattr(engines, "_START", 0.0)
     monkeypatch.setattr(engines, "_COMPILE", 0.0)
@@ -67,7 +67,7 @@ def test_a_run_changes_over_when_it_pays(empty_cache: Path, monkeypatch: pytest.
 
 
 def test_a_short_run_compiles_nothing(empty_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engines, "_AT_ONCE", -1.0)
+    monkeypatch.setattr(rules, "_AT_ONCE", -1.0)
     model = chain()
     model.simulate(stop=0.01)
     assert how(model) == "tape"

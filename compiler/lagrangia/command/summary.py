@@ -12,7 +12,7 @@ from lagrangia.run.interpret import evaluate
 from lagrangia.run.request import Experiment, Values
 from lagrangia.run.runtime import Solver, Statistics
 from lagrangia.run.simulate import Progress, shortcomings
-from lagrangia.run.solvers import AUTO, name_of
+from lagrangia.run.solvers import AUTO, name_of, reason_of
 from lagrangia.view.statics import is_static, reaction_table
 
 _GUESS, _FIXED, _FREE = range(3)  # LAG_START_... of runtime/model/model.h
@@ -42,7 +42,7 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
         how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations"
     say(f"  {solver}{how} in {_time(progress.seconds)}")
     if statistics is not None and engine is not None and options.solver == AUTO:
-        say(f"  {reason_of(statistics)}")
+        say(f"  {name_of(Solver(statistics.choice.solver))}: {reason_of(statistics.choice, scene)}")
     if statistics is not None:
         scale = statistics.energy_size
         relative = f" ({statistics.energy_residual / scale:.1e} of {scale:.3g} J)" if 0 < scale < math.inf else ""
@@ -65,12 +65,6 @@ def methods_of(statistics: Statistics, asked: str, is_cut: bool) -> str:
         return shown
     why = ", as events and friction cut its steps" if is_cut else ", which could not go on"
     return f"{shown} in place of {asked}{why}"
-
-
-def reason_of(statistics: Statistics) -> str:
-    """Why what went on last did, by the row of `auto` that decided."""
-    choice = statistics.choice
-    return f"{name_of(Solver(choice.solver))}: {choice.why}"
 
 
 def tell_assembly(scene: Any, experiment: Experiment, row: Sequence[float], out: Any) -> None:

@@ -26,8 +26,9 @@ from lagrangia.dynamics.switches import Switches, find_roots, find_switches
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.observables import observe
-from lagrangia.needs.linear_choice import linear_pays
+from lagrangia.needs.linear_choice import weigh_linear
 from lagrangia.needs.linear_form import LinearForm, find_linear_form
+from lagrangia.run.rules import Moment, Taken, decide
 
 # Functions of the state that only constraints ask for, and their results.
 _OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}
@@ -45,7 +46,7 @@ class Functions:
     patterns: Mapping[str, tuple[int, ...]]
     refused: Mapping[str, str]  # solvers that cannot run the scene, and why
     sizes: Mapping[str, int]  # of the matrix of implicit steps
-    linear_pays: bool  # the solver `linear` costs less than others
+    form: Taken | None  # of a linear scene: whether `auto` takes the solver `linear`
 
 
 def build_functions(
@@ -197,15 +198,15 @@ def _power(motion: Motion, source: ca.SX) -> ca.SX:
 
 
 def _add_linear(table: dict[str, ca.Function], kinematics: Kinematics,
-                motion: Motion) -> tuple[dict[str, tuple[int, ...]], dict[str, str], bool]:
+                motion: Motion) -> tuple[dict[str, tuple[int, ...]], dict[str, str], Taken | None]:
     """The patterns of a linear scene, why the solver `linear` cannot run one that is none, and whether `auto` takes it."""
     if motion.impacts.places:
-        return {}, {"linear": "rates are reset at events"}, False
+        return {}, {"linear": "rates are reset at events"}, None
     form = find_linear_form(kinematics, motion)
     if not isinstance(form, LinearForm):
-        return {}, {"linear": form}, False
+        return {}, {"linear": form}, None
     table |= {"linear": form.values, "waves": form.waves}
-    return {"linear_pattern": form.pattern}, {}, linear_pays(kinematics, motion)
+    return {"linear_pattern": form.pattern}, {}, decide(Moment.LINEAR, weigh_linear(kinematics, motion))
 
 
 def people_functions(

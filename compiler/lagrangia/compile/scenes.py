@@ -25,7 +25,8 @@ from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
 from lagrangia.native.c_code import may_hide, usual_rhs, write_motion_series
 from lagrangia.native.tapes import Tape
-from lagrangia.needs.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, islands_pay
+from lagrangia.needs.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, weigh_islands
+from lagrangia.run.rules import Moment, decide
 from lagrangia.run.runtime import Solver
 from lagrangia.run.scene import Column, Parameter, Scene
 
@@ -61,7 +62,8 @@ def build_scene(
         sizes=sizes, patterns=functions.patterns, tapes=tapes, islands=(), evenness=_evenness(motion),
         coordinate_kind=tuple(kinds[c.unit] for c in started), fixed=tuple(map(int, initial.fixed)),
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
-        notes=_notes(motion, tapes) | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, initial),
+        notes=_notes(motion, tapes) | {"form": functions.form.why if functions.form else ""}
+        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, initial),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_no_series(tapes)},
     )
 
@@ -78,8 +80,11 @@ def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: Initia
         return replace(scene, refused={**scene.refused, "islands": reason})
     motions = [island_motion(kinematics, motion, groups, k) for k in range(len(groups))]
     islands = tuple((group, _island_scene(scene, kinematics, part, group)) for group, part in zip(groups, motions, strict=True))
-    pays = islands_pay(kinematics, motions, initial, groups)
-    return replace(scene, islands=islands, sizes={**scene.sizes, "solver": int(Solver.ISLANDS)} if pays else scene.sizes)
+    form = decide(Moment.ISLANDS, weigh_islands(kinematics, motions, initial, groups))
+    if form.takes is not Solver.ISLANDS:
+        return replace(scene, islands=islands)
+    return replace(scene, islands=islands, sizes={**scene.sizes, "solver": int(Solver.ISLANDS)},
+                   notes={**scene.notes, "form": form.why})
 
 
 def _whole(motion: Motion) -> tuple[str, list[tuple[int, ...]]]:
@@ -133,7 +138,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "is_steady": int(_is_steady(functions)),
     }
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
-    return found | ({"solver": int(Solver.LINEAR)} if functions.linear_pays else {})
+    return found | ({"solver": int(Solver.LINEAR)} if functions.form and functions.form.takes is Solver.LINEAR else {})
 
 
 def _of_constraints(held: ConstrainedMotion | None) -> dict[str, int]:

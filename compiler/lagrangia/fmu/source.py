@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from lagrangia.fmu.variables import FmuModel
 from lagrangia.native.c_code import INCLUDES, write_c, write_functions
 from lagrangia.native.tapes import Tape
-from lagrangia.run.runtime import Solver
-from lagrangia.run.scene import Scene
+from lagrangia.run.rules import Moment, solver_by
 
 # Scenes with more operations than this stay tapes, as data: a C compiler takes some 0.2 ms an operation, for each platform.
 _LARGEST_COMPILED = 3_000
@@ -17,18 +16,9 @@ def scene_source(model: FmuModel) -> str:
     """The scene as `lag simulate` compiles it."""
     scene = model.scene
     long = [name for name, tape in scene.tapes.items() if _is_long(tape)]
-    sizes = {**scene.sizes, "solver": int(_solver(scene))}
+    sizes = {**scene.sizes, "solver": int(solver_by(Moment.FMU, {"is_linear": "linear" not in scene.refused}))}
     return write_c(scene.name, sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
                    long)
-
-
-def _solver(scene: Scene) -> Solver:
-    """The exact one for every linear scene: communication steps and tolerances are the importer's choice. For the others the one
-    that `lag simulate` takes; islands have no place in an FMU yet, where the whole is one model."""
-    if "linear" not in scene.refused:
-        return Solver.LINEAR
-    chosen = Solver(scene.sizes.get("solver", 0))
-    return Solver.AUTO if chosen is Solver.ISLANDS else chosen
 
 
 def _is_long(tape: Tape) -> bool:

@@ -14,9 +14,9 @@ from lagrangia.dynamics.constrained_motion import ConstrainedMotion, ConstraintR
 from lagrangia.dynamics.motion import Motion, solve_dense
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.needs.spectrum import find_spectrum
+from lagrangia.run.rules import Facts
 
 MOST_COORDINATES, MOST_ISLANDS = 200, 8  # of scenes that are divided
-_UNLIKE = 4.0  # ratio of the fastest rates from which steps of their own pay: each island has a cost of its own a row
 _SUMS = (ca.OP_ADD, ca.OP_SUB)
 
 
@@ -91,19 +91,21 @@ def _own_rows(motion: Motion, held: ConstrainedMotion, chosen: list[int]) -> lis
     return [i for i, among in enumerate(_constrained(held.rows, motion)) if among and among[0] in chosen]
 
 
-def islands_pay(
+def weigh_islands(
     kinematics: Kinematics, motions: Sequence[Motion], initial: InitialConditions, groups: Sequence[tuple[int, ...]]
-) -> bool:
-    """Whether some of a few islands are much faster than others at the start."""
+) -> Facts:
+    """How fast a few islands are at the start, 1/s, for the rows of run/rules.py."""
     rates = []
     for motion, group in zip(motions, groups, strict=True):
         chosen = list(group)
         spectrum = find_spectrum(kinematics, motion, replace(initial, q=initial.q[chosen], v=initial.v[chosen]))
         if spectrum is None:
-            return False
+            return {"is_known": 0}
         rates.append(spectrum.fastest)
     moving = [rate for rate in rates if rate > 0]
-    return len(moving) < len(rates) or max(moving) > _UNLIKE * min(moving)
+    fastest, slowest = max(moving, default=0.0), min(moving, default=0.0)
+    return {"is_known": 1, "islands": len(rates), "resting": len(rates) - len(moving), "fastest": fastest, "slowest": slowest,
+            "ratio": fastest / slowest if slowest else 0.0}
 
 
 def _coordinates(term: ca.SX, motion: Motion) -> list[int]:

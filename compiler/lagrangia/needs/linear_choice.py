@@ -1,9 +1,8 @@
-"""Does the matrix exponential cost less than steps? Both ways are right; this is about time alone.
+"""What the matrix exponential costs, and what steps do: run/rules.py compares. Both ways are right; this is about time alone.
 
 An explicit method takes some steps for each radian of the fastest motion, more for tighter tolerances; the exponential costs its
-set-up, whatever the horizon, and each row, whatever lies between the rows. Measured on few coordinates, 501 rows: even at some
-130 radians at a tolerance of 1e-8; time events ask for parts of intervals, which cost more. On lattices of 36 and 100
-coordinates, where series take 0.3 and 1 ms, set-up and rows take 3 and 40 ms: a share of the third and of the second power of
+set-up, whatever the horizon, and each row, whatever lies between the rows. Measured with 501 rows on lattices of 36 and 100
+coordinates, where series take 0.3 and 1 ms: set-up and rows take 3 and 40 ms, a share of the third and of the second power of
 the states.
 """
 
@@ -13,28 +12,28 @@ import numpy as np
 from lagrangia.constraints.parameters import default_parameters
 from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.run.rules import MOST_LINEAR, Facts
 
-_RADIANS, _RADIANS_WITH_EVENTS = 130, 1500
 _SET_UP, _ROW = 3.2e-3, 7.4e-4  # microseconds, times the third power of the number of states, and the second
 _ACCOUNTS = 4  # times as much where energy is lost or fed in, whose integrals are forms of the state
 _RADIAN, _RADIAN_OF_ONE = 1.2, 0.02  # microseconds, and for each coordinate
 _ORDER, _USUAL_TOLERANCE = 8, 1e-8
 _USUAL_ROWS = 500
-_LARGEST = 100  # coordinates; beyond, rows of exponentials are summed up as series and cost like steps
 
 
-def linear_pays(kinematics: Kinematics, motion: Motion) -> bool:
-    """At the parameters as declared and over the experiment's horizon."""
+def weigh_linear(kinematics: Kinematics, motion: Motion) -> Facts:
+    """At the parameters as declared and over the experiment's horizon: radians of the fastest motion, more at tight tolerances;
+    `own`, those that set-up and rows of exponentials cost as much as. Of many coordinates nothing is measured."""
     experiment = kinematics.graph.model.experiment
-    if motion.q.numel() > _LARGEST:
-        return False
+    if motion.q.numel() > MOST_LINEAR:
+        return {"coordinates": motion.q.numel()}
     horizon, n = experiment.stop - experiment.start, motion.q.numel()
     radians = fastest_rate(kinematics, motion) * horizon
     more = (_USUAL_TOLERANCE / experiment.tolerance) ** (1 / _ORDER)
     rows = horizon / experiment.interval if experiment.interval else _USUAL_ROWS
     accounts = 1 if motion.dissipated_power.is_zero() and motion.source_power.is_zero() else _ACCOUNTS
     own = accounts * (_SET_UP * (2 * n) ** 3 + _ROW * (2 * n) ** 2 * rows) / (_RADIAN + _RADIAN_OF_ONE * n)
-    return bool(radians * more > own + (_RADIANS_WITH_EVENTS if kinematics.algebra.modes else _RADIANS))
+    return {"coordinates": n, "radians": radians * more, "own": own, "has_events": bool(kinematics.algebra.modes)}
 
 
 def fastest_rate(kinematics: Kinematics, motion: Motion) -> float:

@@ -19,6 +19,7 @@ from lagrangia.native.build import Build, Compiler, CompilerError, find_build, r
 from lagrangia.native.c_code import write_c
 from lagrangia.native.tapes import Tape
 from lagrangia.run.library import Runtime, has_runtime, start_runtime
+from lagrangia.run.rules import Code, Moment, decide
 from lagrangia.run.runtime import Model, Solver
 from lagrangia.run.scene import Scene
 
@@ -27,7 +28,6 @@ from lagrangia.run.scene import Scene
 _START, _COMPILE = 0.05, 1.2e-4
 _TAPE, _NATIVE = 2.0e-9, 0.6e-9
 _SHORT = 2_000  # instructions for which -O2 takes no longer
-_AT_ONCE = 0.5  # seconds of compiling that are not worth a thought
 _SEEN = 50_000  # instructions that are written out in no time, to see whether they were compiled before
 _LOOK = 0.2  # seconds of a run before its length can be told
 # Called once for each set of parameters, or data: not worth compiling in a large scene.
@@ -73,7 +73,9 @@ class Upgrade:
         self.last = elapsed
         if self._thread is None and elapsed > _LOOK and done > 0:
             left = elapsed / done - elapsed
-            if self.spent + elapsed + left * (1 - _NATIVE / _TAPE) > compile_seconds(self.scene, self.is_implicit):
+            facts = {"spent": self.spent + elapsed, "saved": left * (1 - _NATIVE / _TAPE),
+                     "compiling": compile_seconds(self.scene, self.is_implicit)}
+            if decide(Moment.UPGRADE, facts).takes is Code.NATIVE:
                 self._thread = threading.Thread(target=self._make, daemon=True)
                 self._thread.start()
         return False
@@ -121,7 +123,8 @@ def _load_whole(
     if runtime is None:
         return None
     compiler = runtime.compiler
-    if native if native is not None else compiler is not None and compile_seconds(scene, is_implicit) <= _AT_ONCE:
+    facts = {"has_compiler": compiler is not None, "compiling": compile_seconds(scene, is_implicit)}
+    if native if native is not None else decide(Moment.ENGINE, facts).takes is Code.NATIVE:
         scene_build = _start_scene_build(scene, compiler or require_compiler(), scene.tapes, is_implicit)
         return _engine(runtime, Model.from_library(scene_build.finish()), "native", begin)
     model = Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns)
@@ -147,10 +150,11 @@ def describe(scene: Scene) -> str:
     """The model of costs, for people."""
     operations = scene.notes["rhs_operations"]
     seconds = compile_seconds(scene)
+    is_native = decide(Moment.ENGINE, {"has_compiler": True, "compiling": seconds}).takes is Code.NATIVE
     gain = operations * (_TAPE - _NATIVE)
     return (f"{_instructions(_often(scene))} instructions compile in about {seconds:.2g} s; an evaluation takes about "
             f"{operations * _TAPE * 1e6:.3g} us on the tape, {operations * _NATIVE * 1e6:.3g} us natively: "
-            + ("compiled at once" if seconds <= _AT_ONCE else f"pays from {seconds / gain:.2g} evaluations"))
+            + ("compiled at once" if is_native else f"pays from {seconds / gain:.2g} evaluations"))
 
 
 def _often(scene: Scene, is_implicit: bool = False) -> Mapping[str, Tape]:

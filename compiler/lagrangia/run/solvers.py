@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.run.choice import Choice
 from lagrangia.run.runtime import Solver
 from lagrangia.run.scene import Scene
 
@@ -61,3 +62,9 @@ def name_of(number: Solver) -> str:
     """The name of a solver by its number in C."""
     others = {Solver.TRANSITION: "linear", Solver.ORBIT: "swings told from one of them"}
     return next((name for name, way in WAYS.items() if way.number is number), others.get(number, AUTO))
+
+
+def reason_of(choice: Choice, scene: Scene) -> str:
+    """Why a solver was chosen; with what decided while the scene was compiled, where that was it."""
+    is_form = choice.solver == scene.sizes.get("solver", Solver.AUTO) and choice.rule != "asked"
+    return f"{choice.why}; {scene.notes['form']}" if is_form and scene.notes.get("form") else choice.why

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from lagrangia.run.engines import Engine
 from lagrangia.run.runtime import Settings, Solver, first_choice
 from lagrangia.run.scene import Scene
-from lagrangia.run.solvers import CASADI, WAYS, name_of
+from lagrangia.run.solvers import CASADI, WAYS, name_of, reason_of
 
 if TYPE_CHECKING:
     from lagrangia.needs.table import Need
@@ -33,7 +33,7 @@ def chosen_for(scene: Scene, engine: Engine | None) -> Begun:
         return _without_engine(scene)
     settings = Settings(scene.start, scene.stop, scene.tolerance)
     choice = first_choice(engine.runtime.library, engine.model, settings)
-    return Begun(name_of(Solver(choice.solver)), choice.rule, choice.why)
+    return Begun(name_of(Solver(choice.solver)), choice.rule, reason_of(choice, scene))
 
 
 def _without_engine(scene: Scene) -> Begun:

@@ -13,6 +13,7 @@ from lagrangia.base.checked_values import a_count, a_number, by_name
 from lagrangia.base.diagnostics import LagError, Report, fail, suggest
 from lagrangia.run.batch import Kind, Reduction, Sweep
 from lagrangia.run.request import Request, check_values, plan
+from lagrangia.run.rules import Moment, solver_by
 from lagrangia.run.runtime import Settings, Solver
 from lagrangia.run.scene import Scene, to_json
 from lagrangia.run.solvers import AUTO, applicable, is_casadi, number_of
@@ -132,8 +133,11 @@ def _solver(scene: Scene, name: str, reduced: Sequence[Reduction], request: Requ
     if number is Solver.LINEAR and request.interval is None:
         fail("L0704", "the solver 'linear' makes steps of any length: it does not show what a motion does between them", None,
              "say with --interval how closely it is to be looked at, or choose --solver erk")
-    unsuitable = {"islands"} if request.interval is not None else {"linear", "islands"}
-    return Solver.STEPWISE if number is Solver.AUTO and unsuitable & {*applicable(scene)} else number
+    if number is not Solver.AUTO:
+        return number
+    possible = applicable(scene)
+    has_long_steps = request.interval is None and "linear" in possible
+    return solver_by(Moment.SWEEP, {"has_islands": "islands" in possible, "has_long_steps": has_long_steps})
 
 
 # -------------------------------------------------------------------- names and factors
