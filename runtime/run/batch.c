@@ -5,9 +5,11 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "state/state.h"
 
 static const double PAUSE = 0.05; /* s between two looks at the caller's wish to stop */
-enum { STEPS_PER_LOOK = 16 };
+static const double DOUBTFUL = 0.1, MUCH = 100, LITTLE = 1e-9; /* of an account: relative; of tolerances; J that may be rounding */
+enum { STEPS_PER_LOOK = 16, MANY_STEPS = 100 };
 
 struct LagBatch {
     const LagModel *model;
@@ -289,6 +291,20 @@ static LagStatus close_account(LagBatch *batch)
     return batch->row[0] == lag_run_time(batch->run) ? LAG_OK : lag_run_row(batch->run, batch->row);
 }
 
+/* Whether H rose by much more than powers ever gave it: however badly they are integrated, they would have shown. */
+static int rises_from_nothing(const LagBatch *batch, const LagStatistics *s)
+{
+    return !batch->sweep.is_driven && s->energy_risen > fmax(DOUBTFUL * s->energy_stored, MUCH * s->energy_given);
+}
+
+/* Whether an account does not close at all; in integrals of powers that may be their own error: see run/simulate.py. */
+static int is_beyond_doubt(const LagBatch *batch, const LagStatistics *s, double missed)
+{
+    const int is_told = s->steps > MANY_STEPS || s->energy_residual > LITTLE;
+    return is_told && missed > fmax(DOUBTFUL, MUCH * batch->run->settings.tolerance)
+        && (batch->model->n_power == 0 || rises_from_nothing(batch, s));
+}
+
 static void conclude(LagBatch *batch, LagStatus status, double *results, LagOutcome *outcome)
 {
     const LagStatistics *statistics = lag_run_statistics(batch->run);
@@ -305,9 +321,10 @@ static void conclude(LagBatch *batch, LagStatus status, double *results, LagOutc
         const double energy = fmax(statistics->energy_scale, statistics->energy_stored);
         outcome->energy = energy > 0 ? statistics->energy_residual / energy : 0;
     }
-    if (outcome->kind == LAG_RUN_DONE && statistics->energy_is_open) {
+    const int is_open = statistics->energy_is_open;
+    if (outcome->kind == LAG_RUN_DONE && (is_open || is_beyond_doubt(batch, statistics, outcome->energy))) {
         outcome->kind = LAG_RUN_OPEN;
-        outcome->failure.time = statistics->energy_open;
+        outcome->failure.time = is_open ? statistics->energy_open : batch->sweep.t_start;
         outcome->failure.value = outcome->energy;
     }
     for (int i = 0; i < batch->sweep.n_reductions; ++i)

@@ -21,6 +21,7 @@ typedef struct {
     const double *given, *mask; /* n_parameters: those given for all runs */
     const double *start;        /* 2 n: start values given for all runs, NaN where not */
     const double *least, *most; /* n_parameters: what each parameter may be */
+    int is_driven; /* something is moved in time, and may bring energy whatever the steps */
 } LagSweep;
 
 enum { LAG_RUN_DONE, LAG_RUN_FAILED, LAG_RUN_PARAMETER, LAG_RUN_OVERTIME, LAG_RUN_OPEN };

@@ -161,6 +161,18 @@ def test_quiet_says_nothing(lag: Lag) -> None:
     assert Path("pendulum.csv").exists()
 
 
+def test_quiet_keeps_warnings_back_but_not_from_strict(lag: Lag) -> None:
+    """Of what does nothing, and of inputs that nobody gave; errors are told whatever is said."""
+    Path("idle.lag").write_text("model Idle parameter Mass idle = 1; input Force u; Block b(m = 1, base = world);"
+                                " AppliedForce f(at = b.center, force = {u, 0}); end Idle;")
+    for command in ("simulate", "sweep"):
+        loud = lag(command, "idle.lag", "-o", "loud.csv")
+        assert loud.code == 0 and "L0224" in loud.err and "L0708" in loud.err
+        assert lag(command, "idle.lag", "-o", "quiet.csv", "--quiet") == (0, "", "")
+        strict = lag(command, "idle.lag", "-o", "strict.csv", "--quiet", "--strict")
+        assert strict.code == 2 and "L0224" in strict.err and "L0710" in strict.err
+
+
 def test_outputs_adds_columns(lag: Lag) -> None:
     simulate(lag, "double_pendulum", "--outputs", "elbow.b.r,der(elbow.w)", "--at", "0,1")
     rows = table("double_pendulum.csv")

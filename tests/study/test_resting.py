@@ -256,3 +256,37 @@ def test_friction_holds_against_a_turning_frame(scene: Write) -> None:
       Block b(m = 1, base = turning, s(start = 0.5)); DryFriction f(F = 3, rate = b.v); end Table2;""").equilibrium()[0]
     close(first.position["b.s"], 0.5)
     close(first.friction["f"], [2, 3])
+
+
+PUCK = """model Puck World world(gravity = {0, 0});
+  PointMass b(m = 1, center(r(start = {%.17g, %.17g})));
+  Spring k(k = 10, a = world, b = b.center);
+  SlidingFriction f(mu = 0.2, mu_static = 0.3, normal = 9.81, a = world, b = b.center); end Puck;"""
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 4, 2.0, -2.5])
+@pytest.mark.parametrize("share", [0.5, 0.9999, 1.0001, 1.3])
+def test_friction_in_the_plane_holds_inside_its_cone(angle: float, share: float, scene: Write) -> None:
+    """Up to mu_static N in each direction; beyond, nothing holds where it starts."""
+    limit = 0.3 * 9.81
+    start = share * limit / 10 * np.array([np.cos(angle), np.sin(angle)])
+    model = scene(PUCK % tuple(start))
+    first = model.equilibrium().found[0]
+    place = [first.position["b.center.x"], first.position["b.center.y"]]
+    if share < 1:
+        close(place, start)
+        close(first.friction["f"], (share * limit, limit))
+        assert model.modes().modes == ()
+    else:
+        assert np.hypot(*place) < 0.9 * limit / 10
+
+
+@pytest.mark.parametrize("phi", [0.0, 0.5, np.pi / 4, 2.0])
+@pytest.mark.parametrize(("torque", "holds"), [(5.99, True), (6.01, False)])
+def test_an_arm_whose_tip_rubs_in_the_plane(phi: float, torque: float, holds: bool, scene: Write) -> None:
+    """mu N L = 6 N.m, whichever way it points: both components of the slip are one rate."""
+    model = scene(f"""model Arm World world(gravity = {{0, 0}});
+      Revolute h(a = world, phi(start = {phi})); Bar d(m = 1, L = 2, a = h.b); AppliedTorque t(on = h.b, torque = {torque});
+      SlidingFriction f(mu = 0.3, normal = 10, a = world, b = d.b); end Arm;""")
+    found = model.equilibrium().found
+    assert [rest.position["h.phi"] for rest in found] == ([pytest.approx(phi)] if holds else [])

@@ -121,6 +121,8 @@ class CasadiAlgebra:
             return float(_COMPARE[operator](a, b))
         if is_zero(b) or is_zero(a):
             a, b = _of_sign(a), _of_sign(b)
+        if operator in ("==", "<>") and is_zero(b) and isinstance(a, ca.SX):
+            a = _without_sign(a)
         difference = a - b
         crossing = self._crossing(difference) if operator not in ("==", "<>") else None
         if crossing is not None:

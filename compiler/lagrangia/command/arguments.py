@@ -32,10 +32,11 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
 
 
 def tell(options: Namespace, model: Model, texts: Iterable[str]) -> None:
-    """Warnings, but those whose code the model or the command line allows. Raises LagError L0710 where --strict is given."""
+    """Warnings, but those whose code the model or the command line allows, and none under --quiet. Raises LagError L0710 where
+    --strict is given, which takes them for errors: these are told."""
     allowed = {*model.scene.notes["allowed"], *split_names(",".join(options.allow))}
     told = [text for text in texts if text.removeprefix("warning[")[:5] not in allowed]
-    for text in told:
+    for text in told if options.strict or not getattr(options, "quiet", False) else ():
         print(text, file=sys.stderr)
     if told and options.strict:
         fail("L0710", f"{len(told)} warning{'s' if len(told) > 1 else ''}, which --strict takes for errors", None,

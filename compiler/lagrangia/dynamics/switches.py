@@ -94,7 +94,7 @@ def find_switches(motion: Motion) -> Switches:
         return Switches()
     signs = {_sign_of(x, numbering) for x in motion.lengths}
     movers = ca.vertcat(motion.t, motion.q, motion.v, motion.u)
-    found, rests, cones = _find_conditions([motion.h], movers, motion.v, numbering)
+    found, rests, cones = conditions_in([motion.h], movers, motion.v, numbering)
     if not found and not events.numel():
         return Switches()
     found = {pair: found[pair] for pair in sorted(found, key=lambda pair: pair not in signs)}
@@ -126,13 +126,6 @@ def has_dry_friction(motion: Motion) -> bool:
     switches = find_switches(motion)
     shares = ca.vertcat(ca.SX(0, 1), *(x for x in switches.places.values() if x.__hash__() in switches.shares))
     return any(jumps_at_rest(switches.hold([motion.h])[0], shares, motion.v))
-
-
-def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering
-                  ) -> tuple[dict[Pair, Expression], dict[Pair, Expression]]:
-    """Differences of what conditions in the forces compare, of those that `movers` decide; and symbols for the rates of which it
-    is asked whether they rest."""
-    return _find_conditions(forces, movers, v, numbering)[:2]
 
 
 @dataclass
@@ -195,9 +188,10 @@ class _Finding:
         self.both[a, b] = None
 
 
-def _find_conditions(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering
-                     ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
-    """The same, and pairs of the latter that are asked about together."""
+def conditions_in(forces: Sequence[ca.SX], movers: ca.SX, v: ca.SX, numbering: Numbering
+                  ) -> tuple[dict[Pair, Expression], dict[Pair, Expression], tuple[tuple[Pair, Pair], ...]]:
+    """Differences of what conditions in the forces compare, of those that `movers` decide; symbols for the rates of which it
+    is asked whether they rest; and pairs of the latter that are asked about together."""
     finding = _Finding(symbols_in(movers), v, numbering)
     rebuilt(forces, numbering, finding.note)
     rests, found = _rests(v, finding.found, finding.asked), finding.found

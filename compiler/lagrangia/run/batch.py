@@ -81,6 +81,7 @@ class Sweep:
     most: Sequence[float]
     input_times: Sequence[float] = ()
     input_values: Sequence[float] = ()
+    is_driven: bool = False  # something is moved in time, and may bring energy whatever the steps
 
 
 class _Reduction(c.Structure):
@@ -94,6 +95,7 @@ class _Sweep(c.Structure):
         ("n_reductions", c.c_int), ("reductions", c.POINTER(_Reduction)),
         ("n_varied", c.c_int), ("varied", _INTS),
         ("given", _DOUBLES), ("mask", _DOUBLES), ("start", _DOUBLES), ("least", _DOUBLES), ("most", _DOUBLES),
+        ("is_driven", c.c_int),
     )  # fmt: skip
 
 
@@ -121,7 +123,8 @@ class Batch:
             *(_Reduction(int(r.kind), r.column, r.rate, int(r.absolute), r.value, int(r.or_equal)) for r in sweep.reductions))
         vectors = ((c.c_double * len(v))(*v) for v in (sweep.given, sweep.mask, sweep.start, sweep.least, sweep.most))
         struct = _Sweep(sweep.settings.t_start, sweep.settings.t_stop, sweep.window or math.inf, sweep.seconds,
-                        self.n_reductions, reductions, self.n_varied, (c.c_int * self.n_varied)(*sweep.varied), *vectors)
+                        self.n_reductions, reductions, self.n_varied, (c.c_int * self.n_varied)(*sweep.varied), *vectors,
+                        int(sweep.is_driven))
         self._batch: int | None = self._library.lag_batch_new(c.byref(model.struct), self._run.handle, c.byref(struct))
         if not self._batch:
             self._run.close()

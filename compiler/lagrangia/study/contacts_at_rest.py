@@ -3,8 +3,10 @@
     R + J^T lambda + sum F dR/dF + sum x d = 0,   F >= 0, F gap = 0,   |x| <= b(F)
 
 R: the forces without them; F: contact forces; x: what friction holds along the direction d in which it slips; b: its limit,
-which may grow with contact forces. All are unknowns of one linear complementarity problem, which at rest is one of feasibility:
-least squares with unknowns that are not negative. What those leave is where the scene would begin to move.
+which may grow with contact forces; of friction in the plane x is a vector. All are unknowns of one linear complementarity
+problem, which at rest is one of feasibility: least squares with unknowns that are not negative. What those leave is where the
+scene would begin to move. The round limit of a vector is made of planes that touch it where it was exceeded (J. E. Kelley, The
+cutting-plane method for solving convex programs, 1960).
 """
 
 from collections.abc import Callable
@@ -23,6 +25,7 @@ _BALANCED = 1e-9  # of the forces there
 _FIRM = 10.0  # what limits weigh beside forces
 _SPREAD = 1e-2  # what is undetermined is spread evenly
 _SLACK = 1e-9  # of a limit
+_MOST_CUTS = 20
 _MOST_STEPS, _POLISHED, _LONGEST = 150, 5, 0.2
 _SAME, _NEAR = 1e-4, 0.5
 
@@ -43,6 +46,7 @@ class Look:
     slip_rows: Vector
     spans: Vector
     pressed: Vector
+    cones: tuple[tuple[int, int], ...] = ()  # pairs of slips that are the components of one
 
     def touching(self, is_passed: bool = False) -> list[int]:
         """Contacts that are closed, or that are passed, too."""
@@ -68,11 +72,17 @@ class Grip:
     pressing: tuple[int, ...] = ()
     sticking: tuple[int, ...] = ()
     grazing: tuple[int, ...] = ()
+    cones: tuple[tuple[int, int], ...] = ()
+
+    def size(self, k: int) -> float:
+        """Of what friction holds, in all directions together."""
+        others = [i + j - k for i, j in self.cones if k in (i, j) and i in self.sticking and j in self.sticking]
+        return float(np.linalg.norm(self.held[[k, *others]]))
 
     @property
     def is_on_the_verge(self) -> tuple[int, ...]:
         """Friction at its limit."""
-        return tuple(k for k in self.sticking if abs(self.held[k]) >= self.limits[k] * (1 - 1e-6))
+        return tuple(k for k in self.sticking if self.size(k) >= self.limits[k] * (1 - 1e-6))
 
 
 @dataclass(frozen=True)
@@ -113,7 +123,7 @@ def balance(look: Look, usual: float) -> Balance:
     A = np.block([[N.T @ look.pulls[touching].T, -N.T @ slopes.T / 2, N.T @ slopes.T / 2],
                   [-2 * _FIRM * by_forces, _FIRM * np.eye(f), _FIRM * np.eye(f)]])
     b = np.concatenate([-N.T @ look.R, 2 * _FIRM * own]) / size
-    x = _spread(A, b, c, f) * size
+    x = _within(_cones(look, rubbing), A, b, c, f) * size
     forces, shares, held, limits = np.zeros(look.gaps.size), np.full(look.slips.size, 0.5), *np.zeros((2, look.slips.size))
     forces[touching] = x[:c]
     for place, k in enumerate(rubbing):
@@ -130,7 +140,7 @@ def balance(look: Look, usual: float) -> Balance:
     pressing = tuple(k for k in touching if forces[k] > _BALANCED * size)
     sticking = tuple(k for k in rubbing if limits[k] > _BALANCED * size)
     grazing = tuple(k for k in touching if k not in pressing)
-    return Balance(left, size, Grip(forces, shares, held / units, limits / units, pressing, sticking, grazing))
+    return Balance(left, size, Grip(forces, shares, held / units, limits / units, pressing, sticking, grazing, look.cones))
 
 
 def _limits(look: Look, touching: list[int]) -> tuple[Vector, Vector, Vector, list[int]]:
@@ -153,6 +163,34 @@ def _limits(look: Look, touching: list[int]) -> tuple[Vector, Vector, Vector, li
     return (np.array(directions).reshape(-1, n), np.array(own), np.array(by_forces).reshape(len(own), len(touching)), rubbing)
 
 
+def _cones(look: Look, rubbing: list[int]) -> list[tuple[int, int, float, float]]:
+    """The places of both components among those that rub, with the length of the row of each."""
+    where = {k: place for place, k in enumerate(rubbing)}
+    lengths = np.linalg.norm(look.slip_rows, axis=1)
+    return [(where[i], where[j], float(lengths[i]), float(lengths[j])) for i, j in look.cones if i in where and j in where]
+
+
+def _within(cones: list[tuple[int, int, float, float]], A: Vector, b: Vector, c: int, f: int) -> Vector:
+    """As `_spread`, with what friction holds in the plane within its limit in each direction in which it was beyond."""
+    x = _spread(A, b, c, f)
+    for _ in range(_MOST_CUTS if cones else 0):
+        cuts = []
+        for i, j, at_i, at_j in cones:
+            (plus, minus) = ([c + i, c + j], [c + f + i, c + f + j])
+            held, limit = (x[minus] - x[plus]) / 2 / (at_i, at_j), float(x[plus[0]] + x[minus[0]]) / 2 / at_i
+            if np.linalg.norm(held) > limit * (1 + _SLACK):
+                cut, way = np.zeros(A.shape[1]), held / np.linalg.norm(held) / (at_i, at_j)
+                cut[plus], cut[minus] = -way, way
+                cut[[plus[0], minus[0]]] -= 1 / at_i
+                cuts.append(_FIRM * at_i / 2 * cut)  # not positive
+        if not cuts:
+            return x
+        A = np.block([[A, np.zeros((len(A), len(cuts)))], [np.array(cuts), _FIRM * np.eye(len(cuts))]])
+        b = np.concatenate([b, np.zeros(len(cuts))])
+        x = _spread(A, b, c, f)
+    return x
+
+
 def _spread(A: Vector, b: Vector, c: int, f: int) -> Vector:
     """A solution that is not negative; of several, where there are, one with even forces and friction away from its limits."""
     plain = nonnegative(A, b)
@@ -160,7 +198,7 @@ def _spread(A: Vector, b: Vector, c: int, f: int) -> Vector:
         return plain
     even = np.zeros((c + f, A.shape[1]))
     even[:c, :c] = np.eye(c)
-    even[c:, c : c + f], even[c:, c + f :] = -np.eye(f), np.eye(f)
+    even[c:, c : c + f], even[c:, c + f : c + 2 * f] = -np.eye(f), np.eye(f)
     x = nonnegative(np.vstack([A, _SPREAD * even]), np.concatenate([b, np.zeros(c + f)]))
     taken = x > 0
     x[taken] -= np.linalg.pinv(A[:, taken], rcond=1e-10) @ (A @ x - b)
@@ -315,7 +353,7 @@ def _step(e: GripEquations, q: Vector, found: Balance) -> Vector:
 
 def _polished(e: GripEquations, q: Vector, grip: Grip) -> tuple[Rest, Grip] | None:
     """With what holds as constraints, but for friction at its limit."""
-    sticking = tuple(k for k in grip.sticking if abs(grip.held[k]) < grip.limits[k] * (1 - _SLACK))
+    sticking = tuple(k for k in grip.sticking if grip.size(k) < grip.limits[k] * (1 - _SLACK))
     rest = find_rest_near(e.statics(grip.pressing, sticking), q)
     if rest is None or np.abs((rest.q - q) / e.reach).max() > 1.0:
         return None

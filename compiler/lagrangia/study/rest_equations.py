@@ -80,7 +80,8 @@ class Resting:
             one[e.m + k] = 1.0
             pressed[k] = self.slopes(("lambda",), q, one)["lambda"][0][:, e.m + c :].T - spans
         rows, slip_rows = by["v"][2] * r, by["v"][4] * r
-        return Look(R * r, rows, pulls * r, gaps, guards > 0, by["q"][3] * r, slips, slip_rows, spans * r, pressed * r)
+        return Look(R * r, rows, pulls * r, gaps, guards > 0, by["q"][3] * r, slips, slip_rows, spans * r, pressed * r,
+                    e.holds.cones)
 
     def held(self, parts: TangentParts, by: dict[str, list[Vector]], grip: Grip) -> tuple[TangentParts, list[int]]:
         """The tangent with what holds among the constraints, and the places of its multipliers among all."""
@@ -105,8 +106,9 @@ def forces_of_grip(e: SmallMotion, grip: Grip | None) -> tuple[dict[str, float],
     if grip is None:
         return {}, {}
     contacts = _together((e.holds.contacts[k], grip.forces[k]) for k in sorted((*grip.pressing, *grip.grazing)))
-    held = _together((e.holds.rubs[k], abs(grip.held[k])) for k in grip.sticking)
-    limits = _together((e.holds.rubs[k], grip.limits[k]) for k in grip.sticking)
+    told = [k for k in grip.sticking if not any(k == j and i in grip.sticking for i, j in grip.cones)]
+    held = _together((e.holds.rubs[k], grip.size(k)) for k in told)
+    limits = _together((e.holds.rubs[k], grip.limits[k]) for k in told)
     return contacts, {name: (x, limits[name]) for name, x in held.items()}
 
 

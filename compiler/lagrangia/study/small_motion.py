@@ -40,7 +40,8 @@ _NONE = ca.SX(0, 1)
 class Holds:
     """What may hold at rest beside constraints, as the run time knows it: contacts, by the forces along their gaps, and friction,
     by the shares of its jumps (switches.py). `gaps` (c,) are positive where a contact is passed, `guards` (c,) where the rest of
-    its condition holds; `slips` (f,) are the rates at which friction jumps."""
+    its condition holds; `slips` (f,) are the rates at which friction jumps; `cones` are pairs of these that are the components
+    of one slip in the plane."""
 
     forces: ca.SX = _NONE
     gaps: ca.SX = _NONE
@@ -49,6 +50,7 @@ class Holds:
     slips: ca.SX = _NONE
     contacts: tuple[str, ...] = ()
     rubs: tuple[str, ...] = ()
+    cones: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -234,7 +236,8 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts, struck: Seq
     gaps = [-ca.SX(load.position[0]) for _, load in pressing]
     numbering, whens = Numbering(), parts.free.graph.model.whens
     has_corners = uses(_function_of(parts.R), CORNERS)
-    conditions, rests = conditions_in([parts.R], motion.v, motion.v, numbering) if has_corners else ({}, {})
+    conditions, rests, cones = conditions_in([parts.R], motion.v, motion.v, numbering) if has_corners else ({}, {}, ())
+    order = {pair: k for k, pair in enumerate(conditions)}
     shares = ca.SX.sym("share", len(conditions))
     places = dict(zip(conditions, shares.elements(), strict=True))
     owners = _owners(energies, motion.v, numbering)
@@ -242,7 +245,7 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts, struck: Seq
         ca.vertcat(_NONE, *[impacts.forces[k] for k, _ in pressing]), ca.vertcat(_NONE, *gaps),
         ca.vertcat(_NONE, *[impacts.conditions[k] for k, _ in pressing]), shares, ca.vertcat(_NONE, *conditions.values()),
         tuple(whens[k].component or whens[k].condition.span.text for k, _ in pressing),
-        tuple(owners.get(pair, "friction") for pair in conditions),
+        tuple(owners.get(pair, "friction") for pair in conditions), tuple((order[a], order[b]) for a, b in cones),
     ), Holding(places, frozenset(x.__hash__() for x in places.values()), _at_rest(conditions, rests), numbering)
 
 

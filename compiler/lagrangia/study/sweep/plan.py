@@ -114,7 +114,8 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
     has_inputs = bool(scene.inputs)
     sweep = Sweep(settings, window, seconds, reduced, variations.places,
                   values.parameters, values.mask, (*values.q, *values.v), least, most,
-                  tuple(values.input_times) if has_inputs else (), tuple(values.input_values) if has_inputs else ())
+                  tuple(values.input_times) if has_inputs else (), tuple(values.input_values) if has_inputs else (),
+                  bool(scene.notes["is_driven"]))
     return Job(scene, tuple(measures), variations, sweep)
 
 
