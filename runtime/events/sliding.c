@@ -231,7 +231,8 @@ static int are_kept(const LagRun *run, double change)
         most = lag_max(s->most_jump[s->which[k]], most);
     for (int k = 0; k < s->count; ++k) {
         const double share = *lag_share(run, s->which[k]), jump = s->most_jump[s->which[k]];
-        const int is_possible = !lag_may_have_all(run, s->which[k]) || fabs(2 * share - 1) < MOST_FORCE || lag_cones_have(run, s->which[k]);
+        const int is_bounded = lag_may_have_all(run, s->which[k]) && !lag_cones_have(run, s->which[k]);
+        const int is_possible = !is_bounded || fabs(2 * share - 1) < MOST_FORCE;
         const double left = lag_max(MANY * change * most, is_possible ? REPEATED * jump : 0);
         if (fabs(s->rate[s->which[k]]) > s->noise[k] + lag_min(FAINT * jump, left))
             return 0;
@@ -269,7 +270,8 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     const double ratio = s->change[0] / s->first;
     s->latest = change;
     const int is_far = tries == 0 && change > 1; /* shares that are multiplied are not looked for where they are of nothing */
-    if (was_lost || is_far || is_settled || (!is_known && tries > 0) || (is_slow && !learn(s, ratio))) { /* the jumps that are known may be those of nowhere */
+    if (was_lost || is_far || is_settled || (!is_known && tries > 0) || (is_slow && !learn(s, ratio))) {
+        /* the jumps that are known may be those of nowhere */
         memcpy(s->state_here, q, size);
         memcpy(s->state_here + run->model->n, v, size);
         lag_sliding_refresh(run, t, s->state_here);
