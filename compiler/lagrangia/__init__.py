@@ -16,6 +16,7 @@ To add, beside a test in the room of the same name and a line in CHANGELOG.md:
 - a joint: as any component, of frames (b = turn(a, phi)); what is cut where it closes a loop: frames/edges.py and closures.py.
 - a solver: a LagMethod in runtime/methods/NAME.c; its number in runtime/state/settings.h and run/runtime.py, its place in
   runtime/choice/methods.c, its name in run/solvers.py, its paragraph in command/topics.py.
+- a rule by which `auto` chooses: a row of runtime/choice/choice.c, of what is decided before a run of run/rules.py.
 - a form of the equations: a function of the book in paper/, with its name in FORMS of paper/forms.py.
 - a subcommand: command/NAME.py, its options in command/cli.py, its row in README.md.
 - a diagnostic: fail("L0...", what, span, what to do) where it is found (base/diagnostics.py); a text that brings it about in

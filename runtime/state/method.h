@@ -1,4 +1,4 @@
-/* A way of stepping: one file and one constant table each (explicit.c, ...), chosen in methods.c. */
+/* A way of stepping: one file and one constant table each (explicit.c, ...), chosen in choice.c. */
 #ifndef LAG_METHOD_H
 #define LAG_METHOD_H
 

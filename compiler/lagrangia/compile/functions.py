@@ -26,7 +26,7 @@ from lagrangia.dynamics.switches import Switches, find_roots, find_switches
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.observables import observe
-from lagrangia.needs.linear_choice import weigh_linear
+from lagrangia.needs.linear_cost import weigh_linear
 from lagrangia.needs.linear_form import LinearForm, find_linear_form
 from lagrangia.run.rules import Moment, Taken, decide
 
