@@ -27,8 +27,6 @@ FILES = ("scene.lag", "scene.lag", "scene.lag", "scene.lag", "scene.lag", "scene
     "secret.lag", "fifo.lag",
          "/dev/null", "/dev/zero", "", ".", "scene.lag/x", "x.fmu", "empty.lag", "binary.lag", "table.csv", "\udcff.lag",
              "a\nb.lag", "socket.lag")
-# Errors that are still placed in the library where a value given to a component is the cause.
-OPEN = ("error[L0209]", "error[L0225]", "error[L0914]")
 COMMANDS = ("check", "simulate", "simulate", "simulate", "explain", "equations", "modes", "equilibrium", "linearize",
     "response", "export",
             "sweep", "help", "fmu", "bench")
@@ -251,8 +249,7 @@ def faults(case: Case, outcome: Outcome) -> list[str]:
     if case.command[0] == "check" and case.command[1] == "scene.lag":
         found += [f"no place: {first(line)}" for line in _without_place(outcome.err)]
     found += [f"in the library: {first(block)}" for block in _blocks(outcome.err)
-              if block.startswith("error") and not block.startswith(OPEN)
-              and re.search(r"--> .*library", block) and "scene.lag" not in block]
+              if block.startswith("error") and re.search(r"--> .*library", block) and "scene.lag" not in block]
     if outcome.code == 0 and re.search(r"\b(nan|inf)\b", outcome.rows):
         found.append("rows that are no numbers, and exit code 0")
     return found

@@ -52,6 +52,11 @@ class Span:
         """From the start of this one to the end of another one."""
         return Span(self.source, self.start, max(self.end, other.end))
 
+    def within(self, place: "Span") -> "Span":
+        """This, where it is a part of `place`; else that: what a component says is told where it was declared."""
+        is_inside = self.source is place.source and place.start <= self.start and self.end <= place.end
+        return self if is_inside else place
+
     @property
     def text(self) -> str:
         """What stands there."""

@@ -215,7 +215,11 @@ class _Starts:
         pairs = zip(left, right, strict=True) if isinstance(left, tuple) else ((left, right),)
         for a, b in pairs:
             gap = ca.SX(a - b)
-            if not ca.depends_on(gap, self._state()):
+            accelerations = ca.vertcat(ca.SX(0, 1), *self.kinematics.symbols.accelerations.values())
+            if ca.depends_on(gap, accelerations):
+                self.report.error("L0603", "not supported yet: an initial equation of accelerations", equation.span,
+                                  "state the rate at which it is steady; a run that is long enough tells it")
+            elif not ca.depends_on(gap, self._state()):
                 self.report.error("L0603", "this initial equation says nothing about positions or velocities", equation.span,
                                   "name a coordinate, its rate or a place: hinge.phi = 0.5; der(hinge.phi) = 2;")
             self.residuals.append((self._at_start(gap), equation.span))

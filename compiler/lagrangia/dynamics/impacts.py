@@ -164,7 +164,7 @@ class _Event:
         accelerations = ca.vertcat(_NONE, *symbols.accelerations.values())
         known = ca.vertcat(self.kinematics.algebra.state, symbols.time, self.kinematics.algebra.mode_symbols)
         if not ca.depends_on(self.g, known):
-            fail("L0225", "this is true or false for good, and no event", self.when.condition.span,
+            fail("L0225", "this is true or false for good, and no event", self.when.condition.span.within(self.when.span),
                  "compare what moves, as x < 0")
         if ca.depends_on(ca.vertcat(self.g, *self.wanted), accelerations):
             fail("L0501", "an event cannot depend on accelerations", self.when.span)
@@ -174,7 +174,7 @@ class _Event:
                 fail("L0908", "not supported yet: an input in what is reset", reset.span, "its rate is not known here")
         for reset, rate in zip(self.when.resets, rates.elements(), strict=False):
             if not ca.depends_on(rate, ca.vertcat(_NONE, *symbols.rates.values())):
-                fail("L0225", "this is given in time, and cannot be reset", reset.rate.span,
+                fail("L0225", "this is given in time, and cannot be reset", reset.rate.span.within(reset.span),
                      "name a rate that the motion decides")
 
     def loads(self, force: ca.SX, impulses: Iterator[ca.SX]) -> Iterator[Load]:

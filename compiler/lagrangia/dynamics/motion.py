@@ -44,6 +44,8 @@ _MOST_FREE, _MOST_HELD = 60, 250
 _CLEARLY = 0.9
 _BETWEEN_FORCES = ("not supported yet: a place without mass that springs and dampers hold in balance; state the balance as an "
                    "equation of rates instead, c*der(x) = k*(s - x) with `coordinate Length x`, or give the place a small mass")
+_IN_A_ROW = ("springs in a row are one spring of 1/k = 1/k1 + 1/k2, behind a gear of ratio i with i^2 k2 in place of k2; dampers "
+             "alike")
 Held = tuple[ca.SX, ca.SX, ConstrainedMotion]  # what `constrain` finds
 
 
@@ -125,7 +127,9 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
 def _require_coordinates(kinematics: Kinematics) -> None:
     if not kinematics.symbols.positions and not all_reactions(kinematics.graph):
         fail("L0505", "nothing can move: the scene has no coordinate", kinematics.graph.model.span,
-             "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
+             "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates",
+             *(["not supported yet: a model that only computes outputs from inputs; put the force between the bodies it acts on"]
+               if any(v.kind == "input" for v in kinematics.graph.model.variables.values()) else []))
 
 
 def mass_matrix(motion: Motion) -> ca.SX:
@@ -188,7 +192,7 @@ def _require_mass(kinematics: Kinematics, momentum: ca.SX, v: ca.SX, h: ca.SX) -
         coordinate = kinematics.graph.coordinates[massless[0]]
         others = f" (nor do {', '.join(kinematics.graph.coordinates[k].name for k in massless[1:4])})" if massless[1:] else ""
         fail("L0504", f"the coordinate '{coordinate.name}' moves no mass{others}", coordinate.span,
-             *([_BETWEEN_FORCES] if ca.symvar(h[massless[0]]) else []), _missing_port(kinematics, coordinate.name))
+             *([_BETWEEN_FORCES, _IN_A_ROW] if ca.symvar(h[massless[0]]) else [_missing_port(kinematics, coordinate.name)]))
 
 
 def _missing_port(kinematics: Kinematics, coordinate: str) -> str:

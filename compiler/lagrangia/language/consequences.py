@@ -28,6 +28,13 @@ def keep_consequences_out(model: FlatModel, report: Report) -> None:
     report.raise_errors()
 
 
+def place_of_contact_forces(model: FlatModel) -> Span | None:
+    """Where the first force or dissipation function is stated that depends on the force of a contact."""
+    bindings = _bindings(model)
+    return next((span for expressions, _, span in _of_forces(model)
+                 if any(map(_is_contact_force, reached(expressions, bindings)))), None)
+
+
 def contact_forces_in(model: FlatModel) -> list[Call[Flat]]:
     """Those that forces or dissipation functions depend on."""
     stated = (node for expressions, _, _ in _of_forces(model) for node in expressions)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from lagrangia.base.checked_values import a_number
-from lagrangia.base.diagnostics import LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
+from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.language.algorithms import FlatFunction, flatten_function
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import (
@@ -25,7 +25,7 @@ from lagrangia.language.flat import (
 )
 from lagrangia.language.folding import fold
 from lagrangia.language.idle import find_idle
-from lagrangia.language.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot
+from lagrangia.language.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot, outside
 from lagrangia.language.mentions import leaves
 from lagrangia.language.names import Names, read_unit
 from lagrangia.language.tree import (
@@ -121,9 +121,7 @@ class _Flattening:
 
     def _place(self, span: Span, owner: Instance | None) -> Span:
         """Where people look for what is declared at `span`: for the inside of a library component, its declaration."""
-        while owner is not None and span.source in self.table.library_sources:
-            span, owner = owner.span, owner.parent
-        return span
+        return outside(self.table, span, owner)
 
     def _define_function(self, name: str, span: Span) -> None:
         if name in self.unfinished_functions:
@@ -157,16 +155,23 @@ class _Flattening:
         elif isinstance(member, FrameSlot):
             self._add_frame(member, owner)
         else:
-            self._guard(lambda: self._add_variable(member, owner))
+            self._guard(lambda: self._add_variable(member, owner), owner)
 
-    def _guard(self, action: Any) -> None:
-        """Collect what is wrong with one clause or declaration and go on with the next."""
+    def _guard(self, action: Any, owner: Instance) -> None:
+        """Collect what is wrong with one clause or declaration of an instance and go on with the next."""
         try:
             action()
-        except TooMuchError:
-            raise
+        except TooMuchError as error:
+            raise TooMuchError(self._placed(d, owner) for d in error.diagnostics) from None
         except LagError as error:
-            self.report.add(error.diagnostics)
+            self.report.add(self._placed(d, owner) for d in error.diagnostics)
+
+    def _placed(self, found: Diagnostic, owner: Instance) -> Diagnostic:
+        """What was found in a line of the library, where people gave it what it is wrong for; the line is a hint."""
+        place = self._place(found.span, owner) if found.span is not None else None
+        if found.span is None or place == found.span:
+            return found
+        return replace(found, span=place, label="", hints=(*found.hints, f"it is read at {found.span}: {found.span.text}"))
 
     def _add_variable(self, slot: Slot, owner: Instance) -> None:
         declaration = slot.declaration
@@ -252,11 +257,11 @@ class _Flattening:
             self.report.error("L0220", f"the World must be called world, at the top of the scene, not '{slot.path}'", slot.span)
         starts = {}
         for name, bound in slot.starts.items():
-            self._guard(lambda name=name, bound=bound: starts.update({name: self.names.flatten_bound(bound)}))
+            self._guard(lambda name=name, bound=bound: starts.update({name: self.names.flatten_bound(bound)}), owner)
         place = self._place(slot.span, owner)
         self.frames[slot.path] = Frame(slot.path, is_ground, starts, slot.fixed, owner.definition.name, place)
         if slot.binding is not None:
-            self._guard(lambda: self._bind_frame(slot))
+            self._guard(lambda: self._bind_frame(slot), owner)
 
     def _bind_frame(self, slot: FrameSlot) -> None:
         assert slot.binding is not None
@@ -271,7 +276,7 @@ class _Flattening:
     # ------------------------------------------------------------ clauses
 
     def _clause(self, kind: str, clause: Clause, scope: Scope) -> None:
-        self._guard(lambda: self._add_clause(kind, clause, scope))
+        self._guard(lambda: self._add_clause(kind, clause, scope), scope.instance)
 
     def _add_clause(self, kind: str, clause: Clause, scope: Scope) -> None:
         place = self._place(clause.span, scope.instance)

@@ -117,6 +117,13 @@ class Instance:
 Member: TypeAlias = Slot | FrameSlot | Instance | list[Any]
 
 
+def outside(table: ClassTable, span: Span, owner: Instance | None) -> Span:
+    """Where people look for what stands at `span`: for the inside of a library component, its declaration."""
+    while owner is not None and span.source in table.library_sources:
+        span, owner = owner.span, owner.parent
+    return span
+
+
 class StructuralValues(Protocol):
     """Evaluates what must be known at compile time (names.py)."""
 
@@ -254,11 +261,12 @@ class Instantiation:
         for size in declaration.dimensions:
             value = self.values.integer(size, scope, f"the size of '{declaration.name}'")
             if value < 0:
-                self.report.error("L0209", f"'{declaration.name}' has the negative size {value}", size.span)
+                self.report.error("L0209", f"'{declaration.name}' has the negative size {value}",
+                                  outside(self.table, size.span, scope.instance))
             sizes.append(max(0, value))
         if (total := prod(sizes)) > _MOST_ELEMENTS:
             self.report.error("L0209", f"'{declaration.name}' has {total} elements; at most {_MOST_ELEMENTS} are possible",
-                              declaration.name_span)
+                              outside(self.table, declaration.name_span, scope.instance))
             return tuple(0 for _ in sizes)
         return tuple(sizes)
 
@@ -293,7 +301,7 @@ class Instantiation:
             self.report.error("L0205", what, declaration.type_span, "numbers can, such as Real, or Length and other quantities")
         sizes = self._dimensions(declaration, scope)
         if self.count + prod(sizes) > _MOST_COMPONENTS:
-            fail("L0209", f"more than {_MOST_COMPONENTS} components", declaration.name_span)
+            fail("L0209", f"more than {_MOST_COMPONENTS} components", outside(self.table, declaration.name_span, instance))
         instance.members[declaration.name] = self._elements(instance, declaration, change, sizes, ())
 
     def _elements(

@@ -46,6 +46,13 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
 FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
 _ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
+_NOT_YET = {
+    "sample": "a value that is held between instants cannot be written yet: write the continuous law, or let it be an input and "
+              "export the scene as an FMU, whose importer samples; what kicks at instants is: when mod(time, 0.1) < 0.05 then "
+              "reinit(der(x), ...)",
+    "delay": "what acts late cannot be written yet: a lag comes near, with `coordinate Angle x` and the equation "
+             "0.2[s]*der(x) = h.phi - x, or let it be an input of an FMU",
+}
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
 _UNIT_BEHIND = "a unit stands behind a literal alone, as in 30[deg]; square brackets behind a name pick an element"
 _MOST_ITERATIONS = 100_000  # of one loop
@@ -231,6 +238,8 @@ class Names:
             self.define_function(node.function, node.span)
             function = self.functions[node.function]
             return Call(node.function, function.arrange(node), (), node.span)
+        if node.function in _NOT_YET:
+            fail("L0901", f"not supported yet: {node.function}", node.span, _NOT_YET[node.function])
         if node.function not in FUNCTIONS:
             user = [name for name, c in {**self.table.library, **self.table.user}.items() if c.kind == "function"]
             hint = f"it is called '{_ALIASES[node.function]}' here" if node.function in _ALIASES else suggest(

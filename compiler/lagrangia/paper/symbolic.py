@@ -26,7 +26,7 @@ from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols
 from lagrangia.frames.planar import ANGLES, LENGTHS, Pose
 from lagrangia.frames.steps import Step
 from lagrangia.language.algorithms import FlatFunction
-from lagrangia.language.consequences import contact_forces_in
+from lagrangia.language.consequences import place_of_contact_forces
 from lagrangia.language.events import level_of, position_of
 from lagrangia.language.flat import Variable, When
 from lagrangia.language.frame_attributes import COMPONENTS
@@ -115,9 +115,9 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
 
     For small motion the places of supports are given functions, too, and all rates of given functions symbols.
     """
-    pressing = contact_forces_in(kinematics.graph.model)
-    if pressing and not is_small:
-        fail("L0914", "not supported yet: equations of forces that depend on a contact force", pressing[0].span,
+    pressing = place_of_contact_forces(kinematics.graph.model)
+    if pressing is not None and not is_small:
+        fail("L0914", "not supported yet: equations of forces that depend on a contact force", pressing,
              "lag simulate and FMUs know it")
     symbolic = SymbolicKinematics(kinematics, is_small=is_small)
     symbolic = symbolic.reduced(constraints)

@@ -1,0 +1,32 @@
+"""What people give to a component of the library and is wrong there is told at their declaration, with the line that reads it."""
+
+from collections.abc import Callable
+
+import pytest
+
+import lagrangia as lag
+
+Write = Callable[[str], lag.Model]
+
+
+@pytest.mark.parametrize(("text", "code", "said"), [
+    ("Rope r(n = 0, L = 2, a = world, b = b.center);", "L0214", "it is read at library/constraints.lag"),
+    ("Rope r(n = -1, L = 2, a = world, b = b.center);", "L0209", "negative size"),
+    ("Rope r(n = 100000000, L = 2, a = world, b = b.center);", "L0209", "elements"),
+    ("Rope r(n = 1000000, L = 2, a = world, b = b.center);", "L0209", "components"),
+    ("Stop s(a = world, b = shift(world, {1, 0}), along = {1, 0});", "L0225", "true or false for good"),
+])
+def test_errors_stand_where_people_wrote(text: str, code: str, said: str, scene: Write) -> None:
+    with pytest.raises(lag.LagError) as found:
+        scene(f"model A PointMass b(m = 1);\n  {text}\nend A;").simulate(at=[1.0])
+    (first, *_) = found.value.diagnostics
+    assert first.code == code and first.span is not None and str(first.span).partition("scene.lag:")[2].startswith("2:")
+    assert said in str(found.value) and "--> library" not in str(found.value)
+
+
+@pytest.mark.parametrize(("torque", "name"), [("-delay(h.phi, 0.2)", "delay"), ("sample(0, 0.1)", "sample")])
+def test_what_is_not_there_yet_is_not_taken_for_something_else(torque: str, name: str, scene: Write) -> None:
+    with pytest.raises(lag.LagError, match=rf"L0901.*not supported yet: {name}") as found:
+        scene(f"model A Revolute h(a = world); Bar b(m = 1, L = 1, a = h.b); AppliedTorque t(on = h.b, torque = {torque}); end A;"
+              ).simulate(at=[1.0])
+    assert "did you mean" not in str(found.value) and " FMU" in str(found.value)
