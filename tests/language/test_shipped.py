@@ -1,5 +1,6 @@
 """What is made when the package is built is found by what it was made of, and is what would be made now."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,18 @@ def test_what_is_shipped_is_found_until_a_file_changes(empty: Path) -> None:
     assert shipped.made_of("thing", [file], lambda: never("it was kept")) == b"made of two"
     file.write_text("one")
     assert shipped.made_of("thing", [file], lambda: never("it is there")) == b"made of one"
+
+
+@pytest.mark.parametrize("damage", [
+    lambda whole: b"", lambda whole: whole[: len(whole) // 2], lambda whole: whole.replace(b"o", b"b", 1),
+], ids=["empty", "cut", "a letter changed"])
+def test_what_was_kept_and_is_damaged_is_made_anew(damage: Callable[[bytes], bytes], empty: Path) -> None:
+    file = empty / "text.lag"
+    file.write_text("one")
+    assert shipped.made_of("thing", [file], lambda: b"made of one") == b"made of one"
+    (kept,) = (empty / "cache" / "syntax").iterdir()
+    kept.write_bytes(damage(kept.read_bytes()))
+    assert shipped.made_of("thing", [file], lambda: b"made again") == b"made again"
 
 
 def test_the_library_is_shipped_as_it_is_parsed(empty: Path) -> None:
