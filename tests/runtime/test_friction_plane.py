@@ -120,3 +120,17 @@ def test_a_dissipation_of_a_speed_is_dry_friction_too(solver: str, scene: Callab
     run = model.simulate(at=[0, 0.4, 2, 100], stop=100, solver=solver, max_steps=5000)
     np.testing.assert_allclose(run["p.center.x"][2:], 2 / 5**0.5, atol=1e-9)
     np.testing.assert_allclose(run["p.center.y"][2:], 1 / 5**0.5, atol=1e-9)
+
+
+@pytest.mark.parametrize(("rubbed", "is_narrow"), [
+    ("Revolute h(a = world); Bar b(m = 1, L = 2, a = h.b); {f}(a = world, b = b.b, mu = 0.3, normal = 10);", True),
+    ("Prismatic s(a = world, along = {{1, 2}}); PointMass p(m = 1, center = s.b);"
+     "{f}(a = world, b = p.center, mu = 1, normal = 1);", True),
+    ("PointMass p(m = 1); Link l(a = world, b = p.center, L = 1); {f}(a = world, b = p.center, mu = 1, normal = 1);", True),
+    ("Revolute h(a = world); Bar b(m = 1, L = 2, a = h.b); Revolute e(a = b.b); Bar c(m = 1, L = 1, a = e.b);"
+     "{f}(a = world, b = c.b, mu = 0.3, normal = 10);", False),
+    ("Body p(m = 1, I = 1); {f}(a = world, b = p.center, mu = 0.3, normal = 10);", False),
+], ids=["arm", "rail", "link", "two bars", "body"])
+def test_a_slip_that_goes_one_way_only_is_pointed_at(rubbed: str, is_narrow: bool, scene: Write) -> None:
+    told = "\n".join(scene(f"model M {rubbed.format(f='SlidingFriction f')} end M;").warnings)
+    assert ("warning[L0608]: the slip of 'f' can only go one way" in told) is is_narrow, told
