@@ -130,7 +130,7 @@ def available(problem: Problem) -> list[Solver]:
 
 
 @pytest.mark.parametrize(("scene", "left_out"), [
-    ("double_pendulum", ()), ("quarter_car", ()),
+    ("double_pendulum", ()), pytest.param("quarter_car", (), marks=pytest.mark.slow),
     ("four_bar", ("casadi:rosenbrock", "casadi:cvodes", "casadi:adams", "scipy:Radau")),
 ])
 def test_every_solver_converges_to_the_reference(scene: str, left_out: tuple[str, ...]) -> None:

@@ -25,12 +25,13 @@ COMMANDS = [
     ["chain_size.py", "--largest", "5"],
     ["rhs_size.py", "--largest", "5"],
     ["rhs_size.py", "--rope", "--largest", "10"],
-    ["hand_written.py"],
-    ["startup.py", "--repeat", "1", "--links", "5"],
+    pytest.param(["hand_written.py"], marks=pytest.mark.slow, id="hand_written.py"),
+    pytest.param(["startup.py", "--repeat", "1", "--links", "5"], marks=pytest.mark.slow, id="startup.py --repeat"),
     ["four_bars.py", "--largest", "2"],
     ["many_runs.py", "--runs", "50", "--repeats", "1"],
     pytest.param(["fmu_steps.py", "--repeats", "2"], marks=pytest.mark.slow, id="fmu_steps.py --repeats"),
-    ["suite.py", "--scenes", "pendulum,four-bar", "--solvers", "erk,casadi:erk,heyoka,mujoco,exudyn,rumoca", *TINY],
+    pytest.param(["suite.py", "--scenes", "pendulum,four-bar", "--solvers", "erk,casadi:erk,heyoka,mujoco,exudyn,rumoca", *TINY],
+                 marks=pytest.mark.slow, id="suite.py --scenes"),
 ]
 
 

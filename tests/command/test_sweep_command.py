@@ -165,6 +165,7 @@ def uninterrupted() -> bytes:
     return Path("whole.csv").read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="kills with SIGKILL")
 def test_a_killed_sweep_goes_on_where_it_was(capsys: pytest.CaptureFixture[str]) -> None:
     process = start(*LONG, "-o", "killed.csv")
@@ -183,6 +184,7 @@ def test_a_killed_sweep_goes_on_where_it_was(capsys: pytest.CaptureFixture[str])
     assert not Path("killed.csv.part").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGINT")
 def test_control_c_keeps_what_is_done(capsys: pytest.CaptureFixture[str]) -> None:
     process = start(*LONG, "-o", "stopped.csv")

@@ -76,6 +76,7 @@ def archives() -> dict[str, Path]:
     return dict(zip("23", model_of(PATH).export_fmu(Path(_FOLDER.name) / "x.fmu", fmi="both", platforms="all"), strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["2", "3"])
 def test_binaries_of_all_platforms(version: str) -> None:
     """Each is of its own kind; in FMI 2 the one of Darwin is of both processors."""

@@ -130,6 +130,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @needs_compiler
+@pytest.mark.slow
 @pytest.mark.skipif(prebuilt.kind_here() == "any", reason="the processor has no registers beyond the usual ones")
 @pytest.mark.parametrize(("file", "solver", "structural"), [
     (EXAMPLES / "double_pendulum.lag", "taylor", {}), (EXAMPLES / "andrews_squeezer.lag", "erk", {}),

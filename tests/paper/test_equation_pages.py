@@ -80,7 +80,9 @@ def test_small_motion_of_what_is_too_large_to_read(capsys) -> None:
 # ---------------------------------------------------------------- every example
 
 
-@pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [
+    pytest.param(path, id=path.stem, marks=pytest.mark.slow if path.stem == "scissor_lift" else ()) for path in ALL
+])
 def test_every_form_of_every_example(path: Path, capsys) -> None:
     for form in ALL_FORMS:
         if form == "linear" and path.stem in RESTLESS:
