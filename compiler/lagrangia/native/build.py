@@ -13,7 +13,6 @@ import os
 import shlex
 import shutil
 import subprocess
-import sys
 import tempfile
 import weakref
 from collections.abc import Iterator, Sequence
@@ -60,7 +59,7 @@ class Compiler:
     def works(self) -> bool:
         """Whether it builds an empty library. A success is remembered in the cache."""
         try:
-            build("probe", "int lag_probe(void);\nint lag_probe(void) { return 0; }\n", compiler=self)
+            build("probe", prebuilt.PROBE, compiler=self)
         except CompilerError:
             return False
         except OSError as error:
@@ -81,11 +80,7 @@ def _candidates() -> Iterator[Compiler]:
         if (words := _words("LAGRANGIA_CC", chosen)) not in ((), ("none",)):
             yield Compiler(words)
         return
-    for words in (_words("CC", os.environ.get("CC", "")), ("cc",), ("gcc",), ("clang",)):
-        if words and shutil.which(words[0]):
-            yield Compiler(words)
-    if _ziglang():
-        yield Compiler((sys.executable, "-m", "ziglang", "cc"))
+    yield from map(Compiler, prebuilt.candidates(_words("CC", os.environ.get("CC", ""))))
 
 
 def _words(variable: str, command: str) -> tuple[str, ...]:

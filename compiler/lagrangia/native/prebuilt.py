@@ -29,6 +29,7 @@ FLAGS = ("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidde
          *(() if sys.platform == "win32" else ("-fPIC",)))
 LIBRARIES = () if sys.platform == "win32" else ("-lm",)
 LEVEL = "-O2"
+PROBE = "int lag_probe(void);\nint lag_probe(void) { return 0; }\n"  # what a compiler that works can build
 _FOLDER = Path(__file__).with_name("prebuilt")
 _PROCESSOR = Path("/proc/cpuinfo")
 _WIDEST = ("avx512f", "avx512dq", "avx512vl")
@@ -96,10 +97,11 @@ def digest(runtime: Path) -> str:
 
 def find_command() -> list[str] | None:
     """The first of $CC, cc, gcc, clang and PyPI's ziglang that builds an empty library."""
-    for words in _candidates():
+    for found in candidates(shlex.split(os.environ.get("CC", ""))):
+        words = [*found, *(("-mcpu=baseline",) if "ziglang" in found and sys.platform != "darwin" else ())]
         with tempfile.TemporaryDirectory() as folder:
             source = Path(folder) / "probe.c"
-            source.write_text("int lag_probe(void);\nint lag_probe(void) { return 0; }\n")
+            source.write_text(PROBE)
             try:
                 _run([*words, *FLAGS, "-shared", str(source), "-o", str(Path(folder) / "probe")], Path(folder))
             except (OSError, RuntimeError):
@@ -108,12 +110,13 @@ def find_command() -> list[str] | None:
     return None
 
 
-def _candidates() -> Iterator[list[str]]:
-    for words in (shlex.split(os.environ.get("CC", "")), ["cc"], ["gcc"], ["clang"]):
+def candidates(own: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """Commands of C compilers that are there, in the order in which they are tried; `own` is what $CC says."""
+    for words in (tuple(own), ("cc",), ("gcc",), ("clang",)):
         if words and shutil.which(words[0]):
             yield words
     if find_spec("ziglang"):
-        yield [sys.executable, "-m", "ziglang", "cc", *(() if sys.platform == "darwin" else ("-mcpu=baseline",))]
+        yield sys.executable, "-m", "ziglang", "cc"
 
 
 def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:

@@ -18,7 +18,7 @@ from lagrangia.base.folders import data_folder
 from lagrangia.native.build import Build, Compiler, CompilerError, find_build, require_compiler, start_build
 from lagrangia.native.c_code import write_c
 from lagrangia.native.tapes import Tape
-from lagrangia.run.library import Runtime, has_runtime, start_runtime
+from lagrangia.run.library import Runtime, find_runtime
 from lagrangia.run.rules import Code, Moment, decide
 from lagrangia.run.runtime import Model, Solver
 from lagrangia.run.scene import Scene
@@ -89,7 +89,7 @@ class Upgrade:
 
 def start_building() -> Runtime | None:
     """The run time, made meanwhile where it has to be; None when there is none, and no C compiler for one."""
-    return start_runtime() if has_runtime() else None
+    return find_runtime()
 
 
 def load_engine(

@@ -68,6 +68,12 @@ def start_runtime(compiler: Compiler | None = None, level: str = prebuilt.LEVEL)
     return _runtime(cache_folder(), compiler or find_compiler(), compiler is not None, level)
 
 
+def find_runtime() -> Runtime | None:
+    """That of `start_runtime`, or None where there is neither a compiler nor a run time that came with the package."""
+    compiler = find_compiler()
+    return None if compiler is None and _prebuilt() is None else _runtime(cache_folder(), compiler, False, prebuilt.LEVEL)
+
+
 def has_runtime() -> bool:
     """Whether scenes can be run here."""
     return find_compiler() is not None or _prebuilt() is not None
