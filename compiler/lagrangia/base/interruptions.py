@@ -13,7 +13,7 @@ _ENDING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGINT"
 def ended_as_by_control_c() -> Iterator[None]:
     """SIGTERM, by which schedulers and `timeout` end a process, and SIGHUP, by which a closed terminal does, act as Ctrl-C;
     what is ignored (`nohup`, shells that start something in the background) stays so."""
-    with _handled(signal.default_int_handler):
+    with _handled(signal.default_int_handler, lambda earlier: earlier != signal.SIG_IGN):
         yield
 
 
@@ -21,10 +21,18 @@ def ended_as_by_control_c() -> Iterator[None]:
 def undisturbed() -> Iterator[None]:
     """What is written here is written as a whole: signals wait, then raise KeyboardInterrupt."""
     came: list[int] = []
-    with _handled(lambda number, frame: came.append(number)):
+    with _handled(lambda number, frame: came.append(number), lambda earlier: earlier != signal.SIG_IGN):
         yield
     if came:
         raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def held_back() -> Iterator[list[int]]:
+    """What would raise KeyboardInterrupt is only noted: who looks at the list ends where nothing is half done."""
+    came: list[int] = []
+    with _handled(lambda number, frame: came.append(number), lambda earlier: earlier is signal.default_int_handler):
+        yield came
 
 
 @contextlib.contextmanager
@@ -50,11 +58,11 @@ def noticed() -> Iterator[list[int]]:
 
 
 @contextlib.contextmanager
-def _handled(handler: Callable[[int, Any], Any]) -> Iterator[None]:
+def _handled(handler: Callable[[int, Any], Any], which: Callable[[Any], bool]) -> Iterator[None]:
     before: dict[int, Any] = {}
     try:
         for number in _ENDING:
-            if signal.getsignal(number) != signal.SIG_IGN:
+            if which(signal.getsignal(number)):
                 with contextlib.suppress(ValueError):  # in a thread of its own nobody ends it
                     before[number] = signal.signal(number, handler)
         yield

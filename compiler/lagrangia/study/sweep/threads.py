@@ -6,6 +6,7 @@ import queue
 import threading
 import time
 
+from lagrangia.base.interruptions import held_back
 from lagrangia.run.batch import Batch
 from lagrangia.run.engines import Engine
 from lagrangia.study.sweep.journal import Ledger
@@ -51,25 +52,25 @@ def run_on_threads(job: Job, engine: Engine, ledger: Ledger, threads: int, watch
         worker.start()
     failure: BaseException | None = None
     working = len(workers)
-    try:
-        while working:
-            try:
-                answer = answers.get(timeout=_PAUSE)
-            except queue.Empty:
-                continue
-            except KeyboardInterrupt as interrupt:
-                failure, stop.value = interrupt, 1
-                continue
-            if answer is None:
-                working -= 1
-            elif isinstance(answer, BaseException):
-                failure, stop.value = failure or answer, 1
-            elif isinstance(answer, tuple):
-                ledger.enter(*answer)
-                if watch is not None:
-                    watch(ledger)
-    finally:
-        stop.value = 1  # also when the ledger's disk is full
-    if failure is not None and not isinstance(failure, KeyboardInterrupt):
+    with held_back() as interrupts:
+        try:
+            while working:
+                if interrupts:
+                    stop.value = 1
+                try:
+                    answer = answers.get(timeout=_PAUSE)
+                except queue.Empty:
+                    continue
+                if answer is None:
+                    working -= 1
+                elif isinstance(answer, BaseException):
+                    failure, stop.value = failure or answer, 1
+                elif isinstance(answer, tuple):
+                    ledger.enter(*answer)
+                    if watch is not None:
+                        watch(ledger)
+        finally:
+            stop.value = 1  # also when the ledger's disk is full
+    if failure is not None:
         raise failure
-    return failure is None
+    return not interrupts
