@@ -7,7 +7,8 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -78,15 +79,18 @@ def room_of(module: str) -> str:
 
 def imported(module: str) -> set[str]:
     """What a module imports, wherever in it the import stands: "room/name" of the package, names of other libraries."""
-    found: set[str] = set()
-    for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
+    return {name for _, name in named(module, ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))))}
+
+
+def named(module: str, nodes: Iterable[ast.AST]) -> Iterator[tuple[int, str]]:
+    """The line and the name of all that the imports among these nodes of a module name."""
+    for node in nodes:
         if isinstance(node, ast.Import):
-            found |= {resolved(alias.name) for alias in node.names}
+            yield from ((node.lineno, resolved(alias.name)) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{module}: imports say where things are from the top"
             inside = [resolved(f"{node.module}.{alias.name}") for alias in node.names]
-            found |= {name if name in MODULES else resolved(node.module or "") for name in inside}
-    return found
+            yield from ((node.lineno, name if name in MODULES else resolved(node.module or "")) for name in inside)
 
 
 def resolved(dotted: str) -> str:
@@ -128,6 +132,29 @@ def test_imports_point_to_rooms_before(room: str) -> None:
 def test_no_circle_in_a_room(room: str) -> None:
     own = {module for module in MODULES if room_of(module) == room}
     graphlib.TopologicalSorter({module: imported(module) & own for module in sorted(own)}).prepare()
+
+
+def parts(module: str) -> tuple[list[ast.AST], list[ast.AST]]:
+    """What runs where a module is imported, and what runs where its functions are called."""
+    tree = ast.parse(MODULES[module].read_text(encoding="utf-8"))
+    late = [node for function in ast.walk(tree) if isinstance(function, ast.FunctionDef) for node in ast.walk(function)]
+    never = [node for test in ast.walk(tree) if isinstance(test, ast.If) and ast.unparse(test.test) == "TYPE_CHECKING"
+             for node in ast.walk(test)]
+    return [node for node in ast.walk(tree) if node not in {*late, *never}], late
+
+
+@cache
+def loads(module: str) -> frozenset[str]:
+    """The libraries that come with a module: by itself, or by what stands at the head of what it imports."""
+    names = {name for _, name in named(module, parts(module)[0])}
+    return frozenset(names - MODULES.keys()).union(*(loads(name) for name in names & MODULES.keys()))
+
+
+def test_imports_wait_for_heavy_libraries_alone() -> None:
+    """Commands and the methods of a model fetch what they are about when asked; elsewhere only weight is a reason."""
+    idle = [f"{module}:{line} fetches {name}" for module in MODULES if room_of(module) not in ("command", "model")
+            for line, name in named(module, parts(module)[1]) if name in MODULES and not loads(name) & HEAVY]
+    assert idle == []
 
 
 @pytest.mark.parametrize("library", HEAVY_HOMES)

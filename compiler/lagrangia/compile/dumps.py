@@ -21,6 +21,7 @@ from lagrangia.language.tree import (
     Time,
     Unary,
 )
+from lagrangia.native.c_code import write_c
 
 _LONGEST = 400
 
@@ -157,8 +158,6 @@ def _needs(compilation: Compilation) -> str:
 
 
 def _c(compilation: Compilation) -> str:
-    from lagrangia.native.c_code import write_c
-
     scene = compilation.scene
     return write_c(scene.name, scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns)
 

@@ -15,6 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import Report, Source, fail, suggest
 from lagrangia.base.result_files import require_file
+from lagrangia.language.classes import build_class_table
+from lagrangia.language.dimensions import check_dimensions
+from lagrangia.language.flattening import flatten
 
 if TYPE_CHECKING:
     from lagrangia.compile.functions import Functions
@@ -68,7 +71,6 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.dynamics.motion import build_motion
     from lagrangia.frames.graph import build_graph
     from lagrangia.frames.kinematics import build_kinematics
-    from lagrangia.language.dimensions import check_dimensions
 
     took: dict[str, float] = {}
     with deep_recursion(), _without_collections():
@@ -157,7 +159,6 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
     from lagrangia.dynamics.energies import build_energies
     from lagrangia.frames.graph import build_graph
     from lagrangia.frames.kinematics import build_kinematics
-    from lagrangia.language.dimensions import check_dimensions
 
     with deep_recursion():
         _, flat = flatten_file(path, model, structural)
@@ -173,9 +174,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
 
 def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> "tuple[Syntax, FlatModel]":
     """Text -> syntax -> flat model. Raises LagError."""
-    from lagrangia.language.classes import build_class_table
     from lagrangia.language.component_library import library
-    from lagrangia.language.flattening import flatten
 
     with deep_recursion():
         syntax, imported = read_files(path)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.base.diagnostics import LagError, RunError, fail
 from lagrangia.native.tapes import Tape
+from lagrangia.run.request import check_values
 from lagrangia.run.scene import Column, Scene
 
 if TYPE_CHECKING:
@@ -119,7 +120,6 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     import numpy as np
 
     from lagrangia.fmu.derivatives import build_derivatives
-    from lagrangia.run.request import check_values
 
     scene = model.scene
     values = check_values(scene, parameters)

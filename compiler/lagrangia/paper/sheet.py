@@ -30,6 +30,7 @@ from lagrangia.paper.pages import PRINTERS
 from lagrangia.paper.symbolic import SymbolicScene, build_symbolic
 from lagrangia.paper.sympy_script import write_script
 from lagrangia.paper.textbook import name_symbols, presentation_of
+from lagrangia.run.request import check_values
 
 ALL_FORMS = (*FORMS, "linear", "worked")
 ALL_FORMATS = (*PRINTERS, "sympy")
@@ -127,7 +128,6 @@ def _page(book: Book, request: Request, begin: Callable[[], Begin]) -> Document:
 def start_of(kinematics: Kinematics, parameters: Mapping[str, float | list[float] | str], path: Path, model: str | None = None,
              structural: Mapping[str, Any] | None = None) -> Begin:
     """The assembled start, from which positions of rest are sought. Raises LagError L0606 where it does not assemble."""
-    from lagrangia.run.request import check_values
     from lagrangia.study.analysis import Study
 
     compilation = compile_file(path, model, structural)

@@ -10,6 +10,7 @@ from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.result_files import Target, cells, quoted
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import Progress, loss, shortcomings
+from lagrangia.view.curves import draw
 
 if TYPE_CHECKING:
     import numpy as np
@@ -121,8 +122,6 @@ class Trajectory:
 
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Any:
         """A picture of the quantities over time (all coordinates by default); saved when a path is given. Returns the figure."""
-        from lagrangia.view.curves import draw
-
         chosen = names or tuple(c.name for c in self.scene.coordinates)
         by_name = {column.name: column for column in self.columns}
         curves = [(by_name.get(name, Column(name, "", "", "")), self[name]) for name in chosen]

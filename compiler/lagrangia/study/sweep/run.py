@@ -12,6 +12,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.run.engines import Engine
 from lagrangia.run.solvers import name_of
+from lagrangia.study.sweep.dask_cluster import run_on_dask
 from lagrangia.study.sweep.journal import Journal, Ledger
 from lagrangia.study.sweep.pieces import Watch
 from lagrangia.study.sweep.plan import Job
@@ -37,8 +38,6 @@ def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None,
     if jobs is not None and a_count("number of jobs", jobs) < 1:
         fail("L0712", f"the number of jobs must be positive, not {jobs}")
     if dask is not None:
-        from lagrangia.study.sweep.dask_cluster import run_on_dask
-
         begin = time.perf_counter()
         is_whole = run_on_dask(job, dask, ledger, watch)
     else:
