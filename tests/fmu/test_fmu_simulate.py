@@ -129,9 +129,10 @@ WRONGS = {
     ("--initial", "m=1"): "give it by -p", ("--initial", "F=1"): "give it by -u", ("--initial", "felt=1"): "computed by the FMU",
     ("-u", "m=1"): "'m' is no input", ("-u", "G=1"): "the FMU has no variable 'G'", ("-u", "none.csv"): "cannot be read",
     ("--outputs", "fell"): "did you mean 'felt'?", ("--plot", "x.doc"): "is no picture", ("--stop", "-1"): "must be later",
-    ("--tolerance", "2"): "between 0 and 1", ("--interval", "0"): "a positive number", ("--interval", "1e-9"): "are more than",
+    ("--tolerance", "2"): "between 0 and 1", ("--interval", "0"): "a positive number",
+    ("--interval", "1e-7"): "are more than", ("--interval", "1e-9"): "rows are asked for",
     ("--at", "1,0"): "finite and rising", ("--at", "0,9", "--stop", "2"): "must lie between", ("--at", "a"): "is no number",
-    ("--stop", "nan"): "must be later", ("-o", "/nowhere/x.csv"): "cannot be written",
+    ("--stop", "nan"): "a finite number", ("-o", "/nowhere/x.csv"): "cannot be written",
 }
 
 

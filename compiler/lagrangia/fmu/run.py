@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -15,11 +15,10 @@ from lagrangia.fmu.build import PLATFORMS, host_platform
 from lagrangia.fmu.description import Description, Quantity, read_description
 from lagrangia.fmu.importer import is_recorded
 from lagrangia.fmu.process import SPOKEN, Inputs, Job, Outcome, require_fmpy, run_job
-from lagrangia.run.request import Request
+from lagrangia.run.request import Default, Request, instead_of
 from lagrangia.run.scene import Column
 
 _USUAL_TOLERANCE = 1e-6
-_ROWS = 500
 _MOST_ROWS = 10_000_000
 _MOST_COLUMNS = 100  # of an FMU without states and outputs
 _SET = ("input", "parameter", "structuralParameter")
@@ -176,40 +175,15 @@ def require_binary(opened: Opened) -> None:
 
 def _plan(opened: Opened, request: Request) -> tuple[list[float], float, float]:
     """Times of the rows, the stop time, the tolerance. Raises LagError L0702."""
-    def chosen(given: float | None, name: str, usual: float) -> float:
-        own = opened.number(name)
-        return given if given is not None else own if own is not None else usual
-
-    at = None if request.at is None else list(request.at)
-    if at is not None and (not at or any(not math.isfinite(t) for t in at) or any(b <= a for a, b in pairwise(at))):
-        fail("L0702", "the output times must be finite and rising")
-    start = chosen(request.start, "startTime", 0.0)
-    stop = chosen(request.stop if request.stop is not None or not request.at else request.at[-1], "stopTime", start + 1.0)
-    tolerance = chosen(request.tolerance, "tolerance", _USUAL_TOLERANCE)
-    if not (math.isfinite(start) and math.isfinite(stop) and stop > start):
-        fail("L0702", f"the stop time {stop:g} must be later than the start time {start:g}")
-    if not 0 < tolerance < 1:
-        fail("L0702", f"the tolerance must lie between 0 and 1, not {tolerance:g}")
-    if at is not None:
-        if at[0] < start or at[-1] > stop:
-            fail("L0702", f"the output times must lie between {start:g} and {stop:g}")
-        return ([] if at[0] == start else [start]) + at, stop, tolerance
-    own = opened.number("stepSize") if request.stop is None else None
-    interval = request.interval if request.interval is not None else own or (stop - start) / _ROWS
-    return _grid(start, stop, interval), stop, tolerance
-
-
-def _grid(start: float, stop: float, interval: float) -> list[float]:
-    """Times `interval` apart, and the stop time. Raises LagError L0702."""
-    if not (math.isfinite(interval) and interval > 0):
-        fail("L0702", f"the interval must be a positive number, not {interval:g}")
-    count = math.floor((stop - start) / interval * (1 + 1e-12))
-    if count > _MOST_ROWS:
-        fail("L0702", f"{count} rows are more than {_MOST_ROWS}", None, "choose a longer interval")
-    times = [start + k * interval for k in range(count + 1)]
-    if stop - times[-1] > 1e-9 * interval:
-        times.append(stop)
-    return [*times[:-1], stop]
+    own = {name: opened.number(name) for name in ("startTime", "stopTime", "tolerance", "stepSize")}
+    start = own["startTime"] or 0.0
+    stop = own["stopTime"] if own["stopTime"] is not None else 1.0 + (start if request.start is None else request.start)
+    default = Default(start, stop, _USUAL_TOLERANCE if own["tolerance"] is None else own["tolerance"], own["stepSize"] or None)
+    experiment = instead_of(default, request)
+    if experiment.count() > _MOST_ROWS:
+        fail("L0702", f"{experiment.count()} rows are more than {_MOST_ROWS}", None, "choose a longer interval")
+    times = list(chain.from_iterable(experiment.times()))
+    return times if times[0] == experiment.start else [experiment.start, *times], experiment.stop, experiment.tolerance
 
 
 def _check_steps(opened: Opened, times: Sequence[float]) -> None:

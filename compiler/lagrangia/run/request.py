@@ -16,6 +16,7 @@ from lagrangia.run.scene import Scene
 from lagrangia.run.solvers import AUTO, is_casadi, number_of
 
 _PORTION = 4096  # rows
+_INTERVALS = 500
 _MOST_ROWS = 100_000_000
 
 
@@ -93,19 +94,34 @@ class Values:
     lost: tuple[float, ...] = ()  # as `scene.lost` places them, NaN where nothing is given
 
 
+@dataclass(frozen=True)
+class Default:
+    """The experiment of who is run, a scene's annotation or an FMU's: s; without an interval there are 500."""
+
+    start: float
+    stop: float
+    tolerance: float
+    interval: float | None = None
+
+
 def plan(scene: Scene, request: Request = USUAL) -> Experiment:
     """The experiment of the annotation with what is asked for instead. Raises LagError L0702."""
+    if not is_casadi(str(request.solver)):
+        number_of(request.solver, scene)
+    return instead_of(Default(scene.start, scene.stop, scene.tolerance, scene.interval), request)
+
+
+def instead_of(default: Default, request: Request) -> Experiment:
+    """What is asked for, the rest by default. Raises LagError L0702."""
     report = Report()
     asked = (("start time", request.start), ("stop time", request.stop), ("tolerance", request.tolerance),
              ("interval", request.interval))
     start, stop, tolerance, interval = (None if value is None else a_number(what, value) for what, value in asked)
     at = None if request.at is None else numbers("output times", request.at)
     max_step, max_steps = a_number("largest step", request.max_step), a_count("number of steps", request.max_steps)
-    begin = scene.start if start is None else start
-    end = (at[-1] if at and stop is None else scene.stop if stop is None else stop) if at is None or len(at) else scene.stop
-    accuracy = scene.tolerance if tolerance is None else tolerance
-    if not is_casadi(str(request.solver)):
-        number_of(request.solver, scene)
+    begin = default.start if start is None else start
+    end = (at[-1] if at and stop is None else default.stop if stop is None else stop) if at is None or len(at) else default.stop
+    accuracy = default.tolerance if tolerance is None else tolerance
     _check_times(at, begin, end, report)
     report.raise_errors()
     for name, value in (("start time", begin), ("stop time", end), ("tolerance", accuracy)):
@@ -116,7 +132,7 @@ def plan(scene: Scene, request: Request = USUAL) -> Experiment:
         report.error("L0702", f"the stop time {end:g} must be later than the start time {begin:g}")
     if not 0 < accuracy < 1:
         report.error("L0702", f"the tolerance must lie between 0 and 1, not {accuracy:g}", None, "1e-6 is loose, 1e-12 is tight")
-    usual = scene.interval if scene.interval is not None and stop is None else (end - begin) / 500
+    usual = default.interval if default.interval is not None and stop is None else (end - begin) / _INTERVALS
     step = usual if interval is None else interval
     if interval is not None and not (math.isfinite(interval) and interval > 0):
         report.error("L0702", f"the interval must be a positive number, not {interval}")
