@@ -17,6 +17,7 @@ from helpers.reference import pendulum_angle
 from lagrangia import __version__
 from lagrangia.command.cli import main
 from lagrangia.compile.pipeline import PHASES
+from lagrangia.run.solvers import WAYS
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "models" / "examples"
 PUSHED = """
@@ -419,6 +420,11 @@ def test_help_lists_topics_and_each_has_a_text(lag: Lag) -> None:
     assert len(topics) >= 3
     for topic in topics:
         assert len(lag("help", topic).out) > 200, topic
+
+
+def test_help_tells_of_every_solver(lag: Lag) -> None:
+    paragraphs = {line.split()[0] for line in lag("help", "solver").out.splitlines() if line[:1].strip()}
+    assert {*WAYS, "auto"} <= paragraphs
 
 
 @pytest.mark.parametrize("arguments", [[], ["fly"], ["simulate"], ["simulate", "x.lag", "--stop", "soon"]])
