@@ -187,6 +187,15 @@ def test_everything_public_says_what_it_is() -> None:
     assert silent == []
 
 
+def test_what_fails_says_so() -> None:
+    """A public function that refuses what it is given names the code of it."""
+    for module, path in MODULES.items():
+        for name, node in public(ast.parse(path.read_text(encoding="utf-8"))):
+            calls = [call for call in ast.walk(node) if isinstance(call, ast.Call) and ast.unparse(call.func) == "fail"]
+            if isinstance(node, ast.FunctionDef) and calls:
+                assert "Raises" in (ast.get_docstring(node) or ""), f"{module}: {name}"
+
+
 def test_a_cached_scene_runs_without_heavy_libraries(tmp_path: Path) -> None:
     """The second run starts at once, because it finds everything compiled."""
     program = "import sys; from lagrangia.command.cli import main; assert main(sys.argv[1:]) == 0; print(*sys.modules, sep='\\n')"

@@ -133,7 +133,7 @@ def open_parameters(scene: Any, given: list[tuple[str, str]]) -> dict[str, float
 
 
 def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> dict[str, float]:
-    """Values in SI units; `world.gravity={0,0}` sets the elements of an array."""
+    """Values in SI units; `world.gravity={0,0}` sets the elements of an array. Raises LagError L0706."""
     found: dict[str, Any] = {}
     for name, text in given:
         elements = [known for known in units if re.fullmatch(rf"{re.escape(name)}\[[\d,]+\]", known)]
@@ -155,7 +155,7 @@ def input_tables(given: list[str]) -> list[str]:
 
 
 def read_inputs(given: list[str], scene: Any) -> Any:
-    """Constants by name, or one table from a CSV file with a column `time`."""
+    """Constants by name, or one table from a CSV file with a column `time`, in SI units. Raises LagError L0703, L0706."""
     files = input_tables(given)
     units = {p.name: p.unit for p in scene.inputs}
     constants = values_with_units([assignment(text, "-u") for text in given if text not in files], units)

@@ -273,7 +273,7 @@ def _timed(seconds: dict[str, float], what: str) -> Iterator[None]:
 
 @contextmanager
 def deep_recursion() -> Iterator[None]:
-    """Expressions are trees, and long sums are deep ones: the parser bounds how deep."""
+    """Expressions are trees, and long sums are deep ones: the parser bounds how deep. Raises LagError L0102."""
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _DEEPEST_RECURSION))
     try:

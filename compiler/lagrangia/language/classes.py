@@ -36,7 +36,8 @@ class ClassTable:
         return found if found is not None and found.kind == "function" else None
 
     def base_type(self, name: str, span: Span) -> tuple[str, tuple[Argument, ...]] | None:
-        """For a type: the builtin it derives from and its attributes, the innermost first. None for a model."""
+        """For a type: the builtin it derives from and its attributes, the innermost first; None for a model. Raises
+        LagError L0206."""
         attributes: tuple[Argument, ...] = ()
         seen: list[str] = []
         while name not in BUILTIN_TYPES:

@@ -24,7 +24,7 @@ def parts_of(node: Flat) -> Iterator[Flat]:
 
 
 def level_of(node: Flat) -> Flat:
-    """Positive where a condition is true: continuous, as what it compares is."""
+    """Positive where a condition is true: continuous, as what it compares is. Raises LagError L0225."""
     match node:
         case Binary(("<" | "<="), left, right, span):
             return Binary("-", right, left, span)
@@ -41,7 +41,7 @@ def level_of(node: Flat) -> Flat:
 
 
 def position_of(reset: Reset, model: FlatModel) -> Flat:
-    """That of which a rate is reset."""
+    """That of which a rate is reset. Raises LagError L0225."""
     node = reset.rate
     while isinstance(node, Ref) and not node.index and (variable := model.variables[node.name]).kind == "variable":
         assert variable.binding is not None

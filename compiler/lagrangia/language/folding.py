@@ -20,7 +20,7 @@ _FOLD_CALLS: Mapping[str, Callable[..., Any]] = {
 
 
 def fold(node: Flat) -> float | bool | None:
-    """The value of a scalar expression of numbers alone, else None."""
+    """The value of a scalar expression of numbers alone, else None. Raises LagError L0217 where it has none."""
     try:
         match node:
             case Number(value) | Boolean(value):

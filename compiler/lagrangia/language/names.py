@@ -111,7 +111,7 @@ class Names:
         return value
 
     def structural_value(self, slot: Slot, span: Span) -> Flat:
-        """The folded value of a constant or of an Integer, Boolean or String parameter."""
+        """The folded value of a constant or of an Integer, Boolean or String parameter. Raises LagError L0210 to L0212."""
         if slot.path in self._structural:
             return self._structural[slot.path]
         if slot.binding is None:
@@ -143,7 +143,7 @@ class Names:
     # ------------------------------------------------------------ expressions
 
     def flatten_bound(self, bound: Bound, shape: tuple[int, ...] = ()) -> Flat:
-        """`shape` is of what it is bound to."""
+        """`shape` is of what it is bound to. Raises LagError L0213."""
         flat = self._flatten_dealt(bound) if bound.selection else self.flatten(bound.expression, bound.scope)
         for index, size in bound.selection:
             flat = self._deal(flat, index, size, shape)
@@ -256,7 +256,8 @@ class Names:
     # ------------------------------------------------------------ loops
 
     def loop(self, iterators: tuple[Iterator, ...], scope: Scope, size: int = 1) -> Iterable[Scope]:
-        """The scopes of all passes of a loop over so many clauses, the last iterator running fastest."""
+        """The scopes of all passes of a loop over so many clauses, the last iterator running fastest. Raises LagError
+        L0209, L0214."""
         scopes = [scope]
         for iterator in iterators:
             if iterator.range is None:

@@ -113,7 +113,8 @@ class SymbolicScene:
 def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: bool = False) -> SymbolicScene:
     """The scene of `kinematics` (those that are left after the linear constraints) once more, in SymPy.
 
-    For small motion the places of supports are given functions, too, and all rates of given functions symbols.
+    For small motion the places of supports are given functions, too, and all rates of given functions symbols. Raises LagError
+    L0914 for forces that depend on a contact force.
     """
     pressing = place_of_contact_forces(kinematics.graph.model)
     if pressing is not None and not is_small:

@@ -32,7 +32,9 @@ _SHARE = 0.001  # of the tolerance, where one takes the place of our own solver:
 def simulate_casadi(
     compilation: Compilation, experiment: Experiment, values: Values, watch: Callable[[Progress], None] | None = None
 ) -> tuple[Progress, Iterator[Sequence[float]]]:
-    """Like simulate.simulate, with an integrator of CasADi: `casadi:cvodes`, `casadi:idas`, ...; others mean cvodes."""
+    """Like simulate.simulate, with an integrator of CasADi: `casadi:cvodes`, `casadi:idas`, ...; others mean cvodes.
+
+    Raises LagError L0704 for one that does not fit, and what simulate.simulate raises."""
     name = experiment.solver.partition(":")[2] or "cvodes"
     if name not in _INTEGRATORS:
         fail("L0704", f"CasADi has no integrator '{name}' that fits", None, f"known here: {', '.join(_INTEGRATORS)}")
