@@ -344,7 +344,9 @@ def _paired(waves: dict[_Wave, Fraction], whole: set[int]) -> list[tuple[Fractio
 def _as_product(p: _Wave, q: _Wave, x: Fraction, y: Fraction, whole: set[int]) -> tuple[Fraction, list[_Wave]] | None:
     if p[1] != q[1] or abs(x) != abs(y) or not p[0] or not q[0]:
         return None
-    half, gap = _halved(_added(p[0], q[0], 1), whole), _halved(_added(p[0], q[0], -1), whole)
+    is_mixed = all(any(n in whole for n, _ in angle) and any(n not in whole for n, _ in angle) for angle in (p[0], q[0]))
+    kept: set[int] = set() if is_mixed else whole  # sin(a + 3t) and sin(a - 3t) are made of sin a cos 3t
+    half, gap = _halved(_added(p[0], q[0], 1), kept), _halved(_added(p[0], q[0], -1), kept)
     if not half or not gap or len(half) + len(gap) >= len(p[0]) + len(q[0]):
         return None
     turned = gap[0][1] < 0

@@ -24,6 +24,9 @@ class SympyAlgebra:
     tiny = 0
     most_points = 100  # nobody reads so many cases, and they take seconds
 
+    def __init__(self) -> None:
+        self.sizes: list[Expr] = []  # squares of what roots and sizes were taken of
+
     def number(self, value: float) -> Scalar:
         """The exact number that was meant."""
         return exact(value)
@@ -34,6 +37,8 @@ class SympyAlgebra:
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         """SymPy's function of that name."""
+        if function in ("sqrt", "abs"):
+            self.sizes.append(sp.sympify(arguments[0]) ** (1 if function == "sqrt" else 2))
         return _FUNCTIONS[function](*(sp.sympify(a) for a in arguments))
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
@@ -94,7 +99,9 @@ def exact(value: float) -> Expr:
 def slope(expression: Expr, x: Expr) -> Expr:
     """d/dx, of minima and maxima by cases, of what jumps zero but at one point."""
     found = sp.sympify(expression).diff(x)
-    return found.replace(lambda e: isinstance(e, sp.Heaviside | sp.DiracDelta | sp.Derivative | sp.Subs), _plain_slope)
+    found = found.replace(lambda e: isinstance(e, sp.Heaviside | sp.DiracDelta | sp.Derivative | sp.Subs), _plain_slope)
+    return found.replace(lambda e: e.is_Mul and any(isinstance(y, sp.sign) for y in e.args), _with_sizes) if found.has(sp.sign) \
+        else found
 
 
 def _plain_slope(e: Expr) -> Expr:
@@ -103,6 +110,18 @@ def _plain_slope(e: Expr) -> Expr:
     inner = e.expr if isinstance(e, sp.Subs) else e  # of a step of a formula
     is_step = isinstance(inner, sp.Derivative) and isinstance(inner.expr, _STEPS)
     return sp.S.Zero if is_step or inner == 0 or isinstance(inner, sp.DiracDelta) else e
+
+
+def _with_sizes(e: Expr) -> Expr:
+    """x sgn x as |x|, |x| sgn x as x."""
+    for s in [y for y in e.args if isinstance(y, sp.sign)]:
+        x = s.args[0]
+        powers = e.as_powers_dict()
+        for here, there in ((x, sp.Abs(x)), (sp.Abs(x), x)):
+            if powers.get(s, 0) == 1 and powers.get(here, sp.S.Zero).is_positive:
+                e = e / s / here * there
+                break
+    return e
 
 
 def exact_throughout(expression: Expr) -> Expr:

@@ -30,7 +30,7 @@ from lagrangia.paper.notation import is_own, own_name
 from lagrangia.paper.presentation import Presentation
 from lagrangia.paper.typeset import line, text
 
-WIDEST_MATRIX = 110
+WIDEST_MATRIX = 96  # with what indents it, a line of 100
 
 
 @dataclass(frozen=True)
@@ -188,7 +188,13 @@ def names_block(book: Book) -> list[Block]:
     for label, x in (*((p.name, p.symbol) for p in scene.parameters), *scene.inputs.items()):
         if x in book.names and not is_own(label, book.names[x]):
             pairs += [", ", book.names[x], f" is {label}"]
-    return [paragraph(*pairs, ".")]
+    return [paragraph(*pairs, "."), *positive_block(book)]
+
+
+def positive_block(book: Book) -> list[Block]:
+    """For which signs of lengths the formulas hold."""
+    conditions = [Relation(book.names[q], total([]), ">") for q in book.equations.scene.positive]
+    return [paragraph("All that follows is for ", *_joined(conditions), ".")] if conditions else []
 
 
 def generic(book: Book) -> Node:
@@ -259,7 +265,9 @@ def _energy_constant(book: Book, c: Constant) -> list[Block]:
     work = [negative(product([book.sum(f), q])) for f, q in zip(e.f, book.q, strict=True) if f != 0]
     left: Node = added(book.own("T"), *([book.own("V")] if V != 0 else []), *work)
     why = "The loads are constant and nothing is lost" if work else "Nothing depends on time and nothing is lost"
-    return [paragraph(f"{why}: the energy is constant."), *display([equal(book.own("E"), Relation(left, book.sum(c.value)))])]
+    energies = e.scene.energies
+    value = book.sum(c.value) if work else book.gentle_sum((*energies.kinetic, *energies.potential), c.value)
+    return [paragraph(f"{why}: the energy is constant."), *display([equal(book.own("E"), Relation(left, value))])]
 
 
 def matrix(name: Node, rows: Sequence[Sequence[Node]], entry: str) -> list[Node]:

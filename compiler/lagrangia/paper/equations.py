@@ -16,7 +16,7 @@ from lagrangia.algebra.with_sympy import Expr, exact, exact_throughout
 from lagrangia.dynamics.energies import Energies, Load, Term
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.mentions import leaves
-from lagrangia.paper.symbolic import GRAVITY, SymbolicScene
+from lagrangia.paper.symbolic import GRAVITY, SymbolicScene, mapped
 
 
 @dataclass(frozen=True)
@@ -168,11 +168,6 @@ def with_values(scene: SymbolicScene, values: Mapping[Expr, float]) -> SymbolicS
     def put(x: Expr) -> Expr:
         return exact_throughout(x).xreplace(numbers)
 
-    def terms(group: tuple[Term, ...]) -> tuple[Term, ...]:
-        return tuple(replace(term, value=put(term.value)) for term in group)
-
-    e = scene.energies
-    loads = tuple(Load(tuple(map(put, x.force)), tuple(map(put, x.position)), x.statement) for x in e.loads)
     given = tuple(replace(g, rate=put(g.rate), acceleration=put(g.acceleration), value=put(g.value)) for g in scene.given)
-    return replace(scene, energies=Energies(terms(e.kinetic), terms(e.potential), terms(e.dissipation), loads), given=given,
+    return replace(scene, energies=mapped(scene.energies, put), given=given,
                    rows=tuple(map(put, scene.rows)), dependents={n: put(x) for n, x in scene.dependents.items()}, parameters=())

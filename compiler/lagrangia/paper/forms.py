@@ -28,6 +28,9 @@ from lagrangia.paper.document import Block, Display, Document, Heading, display,
 from lagrangia.paper.equations import load_force, split_potential
 from lagrangia.paper.layout import Grid, Name, Node, Relation, Total, added, product, total
 from lagrangia.paper.presentation import Presentation
+from lagrangia.paper.typeset import line
+
+_LONGEST_QUOTIENT = 90
 
 
 def title(book: Book) -> str:
@@ -210,8 +213,7 @@ def first_order_form(book: Book) -> Document:
     right = [e.ring.tidy(f - h - r) for f, h, r in zip(e.f, e.h, e.reactions, strict=True)]
     is_diagonal = all(e.M[i][j] == 0 for i in range(e.n) for j in range(i))
     if is_diagonal:
-        lines += [equal(rates[k], p.quotient(right[k], e.M[k][k])) for k in range(e.n)]
-        blocks: list[Block] = [Display(tuple(lines))]
+        blocks = _diagonal(book, p, lines, rates, right)
     elif e.n == 2:
         (a, b), (_, d) = e.M
         delta = e.ring.tidy(a * d - b * b)
@@ -223,11 +225,26 @@ def first_order_form(book: Book) -> Document:
         squares = total([(1, product([M[0][0], M[1][1]])), (-1, p.square(M[0][1]))])
         inside = [equal(r1, p.sum(right[0])), equal(r2, p.sum(right[1])), equal(M[0][0], p.coefficient(a)),
                   equal(M[0][1], p.coefficient(b)), equal(M[1][1], p.coefficient(d)),
-                  equal(Name("Delta"), Relation(squares, p.sum(delta)))]
+                  equal(Name("Delta"), Relation(squares, p.coefficient(delta)))]
         blocks = [Display(tuple(lines)), paragraph("with"), Display(tuple(inside))]
     else:
         blocks = _descriptor(book, p, lines, rates, right)
     return page(book, [*blocks, *constraints_block(book), *where(book)])
+
+
+def _diagonal(book: Book, p: Presentation, lines: list[Node], rates: list[Name], right: list[Expr]) -> list[Block]:
+    """Each rate by its quotient, with names for the parts of one that would not fit on a line."""
+    inside: list[Node] = []
+    for k, rate in enumerate(rates):
+        quotient = p.quotient(right[k], book.equations.M[k][k])
+        if len(line(quotient)) > _LONGEST_QUOTIENT and not isinstance(quotient, Total):
+            label = str(k + 1) if len(rates) > 1 else ""
+            r, M = Name("r", label), Name("M", label * 2)
+            inside += [equal(r, p.sum(right[k])), equal(M, p.coefficient(book.equations.M[k][k]))]
+            quotient = p.over(r, M)
+        lines.append(equal(rate, quotient))
+    more: list[Block] = [paragraph("with"), Display(tuple(inside))] if inside else []
+    return [Display(tuple(lines)), *more]
 
 
 def _descriptor(book: Book, p: Presentation, lines: list[Node], rates: list[Name], right: list[Expr]) -> list[Block]:

@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 _DEEPEST = 3  # brackets in brackets that are opened to break a line
+_INDENT = 4  # of lines that go on
 _LOWER = ("alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho sigmaf sigma tau upsilon phi "
           "chi psi omega").split()
 _SCRIPT = {"D": "𝒟", "E": "ℰ", "H": "ℋ", "L": "ℒ", "T": "𝒯", "V": "𝒱"}
@@ -174,36 +175,53 @@ def broken(node: Node, size: Callable[[Node], int], width: int) -> list[Node]:
         return [node]
     pieces = [*_pieces(node.left, ""), *_pieces(node.right, node.symbol)]
     for _ in range(_DEEPEST):
-        pieces = [part for piece in pieces for part in (_opened(piece, size) if size(piece[1]) > width else [piece])]
+        pieces = [part for piece in pieces
+                  for part in (_opened(piece, size) if _size(piece, size) > width - _INDENT else [piece])]
     lines: list[list[tuple[str, Node]]] = [[]]
     length = 0
     for piece in pieces:
-        this = size(piece[1]) + 3
-        is_left_alone = len(lines) == 1 and len(lines[0]) == 1 and length < width // 2
-        if lines[-1] and length + this > width and not is_left_alone:
+        this = _size(piece, size)
+        if lines[-1] and length + this > width:
             lines.append([])
-            length = 4
+            length = _INDENT
         lines[-1].append(piece)
         length += this
     return [Pieces(tuple(items)) for items in lines]
 
 
+def _size(piece: tuple[str, Node], size: Callable[[Node], int]) -> int:
+    return size(piece[1]) + len(piece[0]) + 2
+
+
 def _opened(piece: tuple[str, Node], size: Callable[[Node], int]) -> list[tuple[str, Node]]:
-    """The longest bracket of a product by its terms."""
+    """The longest bracket of a product, its power or the top of a fraction, by its terms."""
     sign, node = piece
     items = node.items if isinstance(node, Product) else (node,)
-    sums = {k: inside for k, item in enumerate(items)
-            for inside in [item.inside if isinstance(item, Bracket) else item] if isinstance(inside, Total)}
+    sums = {k: found for k, item in enumerate(items) for found in [_sum_in(item)] if found is not None}
     if not sums:
         return [piece]
-    where = max(sums, key=lambda k: size(sums[k]))
+    where = max(sums, key=lambda k: size(sums[k][0]))
+    inside, closing = sums[where]
     before, after = items[:where], items[where + 1 :]
-    (first_sign, first), *rest = _pieces(sums[where], "")
+    (first_sign, first), *rest = _pieces(inside, "")
     opening = f"({first_sign}"
     start = Pieces((("", product(before)), (opening, first))) if before else Pieces(((opening, first),))
     *middle, (last_sign, last) = rest
-    end = Pieces((("", last), (")", product(after) if after else Words(""))))
+    end = Pieces((("", last), (")", product([*closing, *after]) if closing or after else Words(""))))
     return [(sign, start), *middle, (last_sign, end)]
+
+
+def _sum_in(node: Node) -> tuple[Total, list[Node]] | None:
+    """The sum that a bracket, its power or a fraction begins with, and what stands behind its closing bracket."""
+    match node:
+        case Total() | Bracket(Total()):
+            found = node.inside if isinstance(node, Bracket) else node
+            return (found, []) if isinstance(found, Total) else None
+        case Power(Bracket(Total() as inside), exponent):
+            return inside, [Power(Words(""), exponent)]
+        case Quotient(Total() as inside, bottom) | Quotient(Bracket(Total() as inside), bottom):
+            return inside, [Quotient(Words(""), bottom)]
+    return None
 
 
 def _pieces(node: Node, first: str) -> list[tuple[str, Node]]:

@@ -8,11 +8,12 @@ from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.dynamics.energies import Term
 from lagrangia.paper.document import Block, Display, Document, Heading, Inline, Table, display, paragraph
+from lagrangia.paper.grouping import Symbols
 from lagrangia.paper.layout import Grid, Name, Node, Relation, Words, added
 from lagrangia.paper.notation import own_name
-from lagrangia.paper.presentation import Presentation, Symbols
+from lagrangia.paper.presentation import Presentation
 from lagrangia.paper.symbolic import SymbolicScene
-from lagrangia.paper.textbook import parameter_ranks
+from lagrangia.paper.textbook import loads_of, ranks, weights_of
 
 _MOST_SHOWN = 40
 _MOST_LETTERS = 400
@@ -60,7 +61,7 @@ def _terms(scene: SymbolicScene, names: Mapping[Expr, Name], base: str, terms: t
 
 def _stated(scene: SymbolicScene, names: Mapping[Expr, Name], terms: list[Term]) -> Node:
     moving = frozenset({scene.t, *scene.inputs.values(), *(x for g in scene.given for x in g.moving)})
-    symbols = Symbols(names, parameter_ranks(scene), scene.q, scene.v, scene.a, (), moving)
+    symbols = Symbols(names, ranks(scene), scene.q, scene.v, scene.a, (), moving, 0, {}, loads_of(scene), weights_of(scene))
     presentation = Presentation(symbols, _PRODUCTS_OF_A_TERM)
     values = [exact_throughout(term.value) for term in terms]
     try:

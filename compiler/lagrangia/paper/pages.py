@@ -14,7 +14,7 @@ WIDTH = 100
 
 def _lines(formula: Node) -> list[Node]:
     """A formula on as many lines as it needs; one with a matrix stays whole."""
-    return [formula] if _has_grid(formula) else broken(formula, lambda node: len(line(node)), WIDTH)
+    return [formula] if _has_grid(formula) else broken(formula, lambda node: len(line(node)), WIDTH - 2)
 
 
 def _has_grid(node: Node) -> bool:
@@ -40,16 +40,25 @@ def _text_block(block: Block) -> str:
         case Display(formulas):
             return "\n".join(_indented(formula) for formula in formulas)
         case Table(_, rows):
-            cells = [[part if isinstance(part, str) else line(part) for part in row] for row in rows]
-            widths = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))] if cells else []
-            lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)) for row in cells]
-            return "\n".join("  " + row.rstrip() for row in lines)
+            return _text_table([[part if isinstance(part, str) else line(part) for part in row] for row in rows])
 
 
-def _wrapped(words: str) -> str:
+def _text_table(cells: list[list[str]]) -> str:
+    """Columns side by side, the words of the last one wrapped."""
+    widths = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))] if cells else []
+    before = sum(widths[:-1]) + 2 * len(widths)
+    lines = []
+    for row in cells:
+        first, *rest = _wrapped(row[-1], max(20, WIDTH - before)).split("\n")
+        lines.append("  ".join([*(cell.ljust(w) for cell, w in zip(row[:-1], widths, strict=False)), first]))
+        lines += [" " * (before - 2) + words for words in rest]
+    return "\n".join("  " + row.rstrip() for row in lines)
+
+
+def _wrapped(words: str, width: int = WIDTH) -> str:
     lines, here = [], ""
     for word in words.split(" "):
-        if here and len(here) + len(word) + 1 > WIDTH:
+        if here and len(here) + len(word) + 1 > width:
             lines.append(here)
             here = word
         else:

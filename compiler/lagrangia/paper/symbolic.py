@@ -5,7 +5,7 @@ parameter follows its binding (bar.L is L); bound to a number it stays, but for 
 and the formula is told beside. Loads, prescribed coordinates and user functions of time alone become given functions of time.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import count
@@ -14,12 +14,13 @@ from typing import Any, cast
 import sympy as sp
 
 from lagrangia.algebra.duals import Dual, Scalar, rate_of, value_of
+from lagrangia.algebra.normal_form import Ring
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.algebra.with_sympy import TIME, Expr, SympyAlgebra, exact_throughout, slope
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
-from lagrangia.dynamics.energies import Energies, evaluate_energies
+from lagrangia.dynamics.energies import Energies, Term, evaluate_energies
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics, Symbols
@@ -34,6 +35,7 @@ from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Array, Flat, Number, Ref, Unary
 
 GRAVITY = "world.gravity"
+_PRODUCTS_OF_A_SIZE = 2000
 _LONGEST = 1500  # parts of the expression of one variable or function: some 10 s
 
 
@@ -93,6 +95,7 @@ class SymbolicScene:
     rows: tuple[Expr, ...]
     holonomic: int  # the first so many rows are positions, the others rates
     events: tuple[Event, ...] = ()
+    positive: tuple[Expr, ...] = ()  # lengths that start positive, whose sizes were taken for themselves
 
     @property
     def given_rates(self) -> list[tuple[Expr, Expr]]:
@@ -132,7 +135,24 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
     parameters, given = tuple(symbolic.table.parameters.values()), tuple(symbolic.given.values())
     holonomic = sum(row.is_holonomic for row in constraints.rows)
     return SymbolicScene(symbolic, tuple(s.positions), q, v, a, s.time, inputs, parameters, given, symbolic.dependent_values(),
-                         energies, rows, holonomic, events)
+                         energies, rows, holonomic, events, symbolic.positive())
+
+
+def mapped(energies: Energies, change: Callable[[Expr], Expr]) -> Energies:
+    """Every value of energies and loads, exact, changed."""
+    def terms(group: tuple[Term, ...]) -> tuple[Term, ...]:
+        return tuple(replace(term, value=change(exact_throughout(term.value))) for term in group)
+
+    loads = tuple(replace(x, force=tuple(change(exact_throughout(y)) for y in x.force),
+                          position=tuple(change(exact_throughout(y)) for y in x.position)) for x in energies.loads)
+    return Energies(terms(energies.kinetic), terms(energies.potential), terms(energies.dissipation), loads)
+
+
+def _starts_positive(variable: Variable, variables: Mapping[str, Variable]) -> bool:
+    start = variable.start
+    binding = variables[start.name].binding if isinstance(start, Ref) and start.name in variables else start
+    number = None if binding is None else _number(binding)
+    return number is not None and number > 0
 
 
 def _event(symbolic: "SymbolicKinematics", when: When) -> Event:
@@ -143,7 +163,6 @@ def _event(symbolic: "SymbolicKinematics", when: When) -> Event:
         wanted = scalars_of(evaluator.value(reset.value))
         resets += [(exact_throughout(value_of(rate_of(x))), exact_throughout(w)) for x, w in zip(moving, wanted, strict=True)]
     return Event(exact_throughout(evaluator.value(level_of(when.condition))), tuple(resets))
-
 
 
 # -------------------------------------------------------------------- parameters
@@ -278,6 +297,15 @@ class SymbolicKinematics(Kinematics):
             return Dependent((given.symbol, given.rate, given.acceleration), {})
         first = self._rate(constant)
         return Dependent((constant, first, self._rate(first)), slopes)
+
+    def positive(self) -> tuple[Expr, ...]:
+        """Coordinates that were taken for their own sizes, as a distance from an origin is: they start positive."""
+        sizes = cast(SympyAlgebra, self.algebra).sizes
+        taken: set[Expr] = set()
+        for x in sizes:
+            root = Ring(_PRODUCTS_OF_A_SIZE).tidy(sp.sqrt(x))
+            taken |= set() if any(p.exp.is_Rational and p.exp.q == 2 for p in root.atoms(sp.Pow)) else root.free_symbols
+        return tuple(q for q in self.symbols.positions.values() if q.is_positive and q in taken)
 
     def dependent_values(self) -> dict[str, Expr]:
         """Those that others give; a prescribed coordinate is among the given functions."""
@@ -417,7 +445,10 @@ def _symbols(base: Kinematics, names: list[str], table: _ParameterTable) -> Symb
             values[v.name] = table.symbol(v.name, 0)
         elif v.kind == "input":
             values[v.name] = _shaped(v.name, v.shape)
-    return Symbols(TIME, sp.S.One, {n: real(n) for n in names}, {n: real(f"der({n})") for n in names},
+    variables = base.graph.model.variables
+    lengths = {n for n in names if n in variables and variables[n].unit == "m" and _starts_positive(variables[n], variables)}
+    positions = {n: sp.Symbol(n, positive=True) if n in lengths else real(n) for n in names}
+    return Symbols(TIME, sp.S.One, positions, {n: real(f"der({n})") for n in names},
                    {n: real(f"der(der({n}))") for n in names}, values)
 
 
@@ -435,7 +466,9 @@ def _without_dependents(kinematics: Kinematics) -> Kinematics:
 
 def _load_variables(base: Kinematics) -> set[str]:
     variables = base.graph.model.variables
-    named = {node.name for work in base.graph.model.works for node in nodes(work.force) if isinstance(node, Ref)}
+    model = base.graph.model
+    roots = [*(work.force for work in model.works), *(e.value for e in model.energies if e.kind == "potential")]
+    named = {node.name for root in roots for node in nodes(root) if isinstance(node, Ref)}
     return {name for name in named if variables[name].kind == "variable" and variables[name].binding is not None}
 
 

@@ -8,12 +8,13 @@ import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.paper.equations import Equations
+from lagrangia.paper.grouping import Rank, Symbols
 from lagrangia.paper.layout import Name
 from lagrangia.paper.notation import Wanted, name_all
-from lagrangia.paper.presentation import Presentation, Symbols
-from lagrangia.paper.symbolic import SymbolicScene
+from lagrangia.paper.presentation import Presentation
+from lagrangia.paper.symbolic import GRAVITY, SymbolicScene
 
-_RANKS = {"kg": 0, "kg.m2": 0, "N/m": 0, "N.s/m": 0, "N.m/rad": 0, "N.m.s/rad": 0, "N": 0, "N.m": 0, "m/s2": 1, "m": 2}
+_NUMBER, _LOAD, _MASS, _GRAVITY, _LENGTH, _OTHER = range(-2, 4)
 
 
 def used_symbols(scene: SymbolicScene) -> set[Expr]:
@@ -59,14 +60,39 @@ def presentation_of(e: Equations, names: Mapping[Expr, Name], most_products: int
     named = dict(names) | {x: multiplier_name(k, len(e.multipliers)) for k, x in enumerate(e.multipliers)}
     moving = {scene.t, *scene.inputs.values(), *(x for g in scene.given for x in g.moving if g.value.has(scene.t))}
     coordinates = scene.q, scene.v, scene.a
-    symbols = Symbols(named, parameter_ranks(scene), *coordinates, e.multipliers, frozenset(moving), digits,
-                      _lengths(e, set(named.values())))
-    return Presentation(symbols, most_products, e.ring)
+    symbols = Symbols(named, ranks(scene), *coordinates, e.multipliers, frozenset(moving), digits,
+                      _lengths(e, set(named.values())), loads_of(scene), weights_of(scene))
+    presentation = Presentation(symbols, most_products, e.ring)
+    for k in range(e.n):
+        presentation.equation(e.left[k] + e.reactions[k], e.f[k], k)  # as sums of parameters stand here, they stand everywhere
+    return presentation
 
 
-def parameter_ranks(scene: SymbolicScene) -> dict[Expr, int]:
-    """Their order in a product: masses, stiffnesses and loads, then g, then lengths."""
-    return {p.symbol: _RANKS.get(p.unit, 3) for p in scene.parameters} | {g.symbol: 0 for g in scene.given}
+def ranks(scene: SymbolicScene) -> dict[Expr, Rank]:
+    """The order in a product: numbers, loads, masses and stiffnesses, g, lengths; in each as the model declares them."""
+    places = {name: k for k, name in enumerate(scene.kinematics.graph.model.variables)}
+    found = {p.symbol: (_kind(p.name, p.unit), places.get(p.name.partition("[")[0], 0)) for p in scene.parameters}
+    return found | {x: (_LOAD, k) for k, x in enumerate(sorted(loads_of(scene), key=str))}
+
+
+def _kind(name: str, unit: str) -> int:
+    if name.startswith(GRAVITY):
+        return _GRAVITY
+    if unit.startswith(("kg", "N", "J", "W")):
+        return _MASS
+    return _NUMBER if unit in ("", "1") else _LENGTH if unit == "m" else _OTHER
+
+
+def loads_of(scene: SymbolicScene) -> frozenset[Expr]:
+    """The symbols of given forces and torques, and of inputs that are."""
+    variables = scene.kinematics.graph.model.variables
+    inputs = {x for label, x in scene.inputs.items() if variables[label.partition("[")[0]].unit in ("N", "N.m")}
+    return frozenset(inputs | {x for g in scene.given if g.what == "load" for x in g.moving})
+
+
+def weights_of(scene: SymbolicScene) -> frozenset[Expr]:
+    """The symbols of gravity."""
+    return frozenset(p.symbol for p in scene.parameters if p.name.startswith(GRAVITY))
 
 
 def _lengths(e: Equations, taken: set[Name]) -> dict[Expr, Name]:

@@ -171,6 +171,8 @@ def _text_factor(node: Node) -> str:
 
 def is_loose(node: Node) -> bool:
     """Needs brackets before an exponent or under a line."""
+    if isinstance(node, Apply) and node.function == "abs":
+        return False
     return isinstance(node, Total | Product | Quotient | Apply) or (isinstance(node, Numeral) and node.value.denominator != 1)
 
 
