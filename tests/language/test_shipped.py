@@ -1,6 +1,7 @@
 """What is made when the package is built is found by what it was made of, and is what would be made now."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from lagrangia.language import component_library, shipped
 from lagrangia.language.plain_tree import read_trees
 from lagrangia.language.syntax import parse
+from lagrangia.language.tree import Syntax
 
 
 @pytest.fixture
@@ -43,10 +45,18 @@ def test_what_was_kept_and_is_damaged_is_made_anew(damage: Callable[[bytes], byt
     assert shipped.made_of("thing", [file], lambda: b"made again") == b"made again"
 
 
+def undrawn(syntax: Syntax) -> Syntax:
+    return replace(syntax, classes=tuple(replace(c, sections=tuple(s for s in c.sections if s.kind != "drawing"))
+                                         for c in syntax.classes))
+
+
 def test_the_library_is_shipped_as_it_is_parsed(empty: Path) -> None:
     component_library.ship_all()
     (place,) = (empty / "shipped").glob("library-*")
     found = read_trees(place.read_bytes())
     assert [item.source.name for item in found] == [f"library/{file.name}" for file in component_library._files()]
-    assert found == tuple(parse(item.source) for item in found)
+    (drawn,) = (empty / "shipped").glob("drawn-*")
+    whole = read_trees(drawn.read_bytes())
+    assert whole == tuple(parse(item.source) for item in whole)
+    assert found == tuple(undrawn(parse(item.source)) for item in found)
     assert len(list((empty / "shipped").glob("parser-*"))) == 1

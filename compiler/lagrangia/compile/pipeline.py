@@ -172,13 +172,14 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
         return kinematics, constraints
 
 
-def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> "tuple[Syntax, FlatModel]":
-    """Text -> syntax -> flat model. Raises LagError."""
-    from lagrangia.language.component_library import library
+def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None, is_drawn: bool = False
+                 ) -> "tuple[Syntax, FlatModel]":
+    """Text -> syntax -> flat model, with the figures of the library's components where it `is_drawn`. Raises LagError."""
+    from lagrangia.language.component_library import drawn_library, library
 
     with deep_recursion():
         syntax, imported = read_files(path)
-        table = build_class_table(library(), [syntax, *imported])
+        table = build_class_table(drawn_library() if is_drawn else library(), [syntax, *imported])
         definition = _choose(syntax, model)
         return syntax, flatten(table, definition, structural)
 

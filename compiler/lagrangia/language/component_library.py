@@ -1,5 +1,6 @@
 """The syntax of the component library: parsed once, when the package is built."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -8,24 +9,43 @@ from lagrangia.base.folders import data_folder
 from lagrangia.language.plain_tree import read_trees, write_trees
 from lagrangia.language.shipped import made_of, ship
 from lagrangia.language.syntax import grammar_file, parse, parser_tables
-from lagrangia.language.tree import Syntax
+from lagrangia.language.tree import ClassDefinition, Syntax
 
 
 @cache
 def library() -> tuple[Syntax, ...]:
-    """The files of the library, in the order of their names; read once in a process."""
+    """The files of the library, in the order of their names, without their drawing sections; read once in a process."""
     return read_trees(made_of("library", _files(), _parsed))
+
+
+@cache
+def drawn_library() -> tuple[Syntax, ...]:
+    """The files of the library as a whole: a picture alone asks for it."""
+    return read_trees(made_of("drawn", _files(), _parsed_whole))
 
 
 def ship_all() -> None:
     """What `library` and the parser would make at first use, put beside the modules. Raises OSError."""
     ship("parser", [grammar_file()], parser_tables())
     ship("library", _files(), _parsed())
+    ship("drawn", _files(), _parsed_whole())
 
 
 def _files() -> list[Path]:
     return sorted((data_folder("models") / "library").glob("*.lag"))
 
 
+def _parsed_whole() -> bytes:
+    return write_trees(_trees())
+
+
 def _parsed() -> bytes:
-    return write_trees(tuple(parse(Source(f"library/{file.name}", file.read_text(encoding="utf-8"))) for file in _files()))
+    return write_trees(tuple(replace(tree, classes=tuple(map(_undrawn, tree.classes))) for tree in _trees()))
+
+
+def _trees() -> tuple[Syntax, ...]:
+    return tuple(parse(Source(f"library/{file.name}", file.read_text(encoding="utf-8"))) for file in _files())
+
+
+def _undrawn(definition: ClassDefinition) -> ClassDefinition:
+    return replace(definition, sections=tuple(section for section in definition.sections if section.kind != "drawing"))

@@ -19,7 +19,7 @@ SPOKEN = {
 _GROUPS = (
     ("an expression", {"NUMBER", "NAME", "LPAR", "LBRACE"}, {"QUANTITY", "STRING", "TRUE", "FALSE", "ADD", "IF", "NOT"}),
     ("a declaration", {"PREFIX", "NAME"}, {"VISIBILITY", "EXTENDS", "ANNOTATION"}),
-    ("a section", {"EQUATION", "INITIAL", "ALGORITHM"}, {"__ANON_0"}),
+    ("a section", {"EQUATION", "INITIAL", "ALGORITHM"}, {"__ANON_0", "DRAWING"}),
     ("an operator", {"ADD", "MULTIPLY", "COMPARE"}, {"CIRCUMFLEX", "AND", "OR", "COLON"}),
     ("the rest of a declaration", {"SEMICOLON", "ANNOTATION", "STRING"}, {"COMMA", "EQUAL", "IF", "LPAR", "LSQB"}),
 )

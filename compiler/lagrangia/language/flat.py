@@ -9,7 +9,7 @@ from lagrangia.base.diagnostics import Diagnostic, Span
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.names import FRAME_FUNCTIONS
-from lagrangia.language.tree import Call, EnergyKind, Flat, FrameRef
+from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
 
 Kind = Literal["parameter", "input", "coordinate", "variable"]
 
@@ -127,6 +127,21 @@ class When:
 
 
 @dataclass(frozen=True)
+class Figure:
+    """A statement of a drawing section: a word of figures.py with its arguments and options."""
+
+    word: str
+    arguments: tuple[Flat, ...]
+    options: Mapping[str, Flat]
+    component: str
+    span: Span
+
+    def expressions(self) -> tuple[Flat, ...]:
+        """All that it reads."""
+        return (*self.arguments, *self.options.values())
+
+
+@dataclass(frozen=True)
 class Experiment:
     """Times in s and the tolerance that a model declares."""
 
@@ -155,7 +170,16 @@ class FlatModel:
     experiment: Experiment
     span: Span
     warnings: tuple[Diagnostic, ...] = ()
+    figures: tuple[Figure, ...] = ()  # of people's classes; of the library's as well, where a picture is asked for
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
+
+
+def places_of(node: Flat) -> tuple[Flat, ...]:
+    """The places that a word which takes many is given as one: those of an array of frames or of positions."""
+    def is_place(item: Flat) -> bool:
+        return is_frame(item) or isinstance(item, Array) or (isinstance(item, FrameRef) and item.attribute == "r")
+
+    return node.items if isinstance(node, Array) and any(map(is_place, node.items)) else (node,)
 
 
 def is_frame(node: Flat) -> bool:

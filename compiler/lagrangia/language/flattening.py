@@ -9,10 +9,12 @@ from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.language.algorithms import FlatFunction, flatten_function
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.figures import WORDS
 from lagrangia.language.flat import (
     Energy,
     Equation,
     Experiment,
+    Figure,
     FlatModel,
     Frame,
     FrameEquation,
@@ -77,6 +79,7 @@ class _Flattening:
         self.works: list[Work] = []
         self.initial: list[Equation] = []
         self.whens: list[When] = []
+        self.figures: list[Figure] = []
         self.resets: list[Reset] = []  # of the `when` that is being read
         self.structural: dict[str, float | bool | str] = {}
 
@@ -96,7 +99,7 @@ class _Flattening:
             definition.name, definition.description, self.variables, self.frames, tuple(self.frame_equations), bound,
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
-            self._experiment(Scope(root)), definition.name_span, allowed=self._allowed(),
+            self._experiment(Scope(root)), definition.name_span, (), tuple(self.figures), self._allowed(),
         )
         found = [*find_unread(model, root, self.table).diagnostics, *find_idle(model, root, self.table).diagnostics]
         return replace(model, warnings=tuple(found))
@@ -298,6 +301,8 @@ class _Flattening:
                 self._add_equation(*sides, scope.instance.path, place)
             case CallEquation(call, _) if kind == "when":
                 self._add_reset(call, scope, place)
+            case CallEquation(call, _) if kind == "drawing":
+                self._add_figure(call, scope, place)
             case CallEquation(call, _):
                 self._add_call(call, scope, place)
             case EnergyTerm(what, value, _, _):
@@ -338,6 +343,15 @@ class _Flattening:
                 fail("L0221", "connect joins frames, this is none", end.span,
                      "a frame is a port, as bar.a, or shift(...) or turn(...) of one")
         self.frame_equations.append(FrameEquation(ends[0], ends[1], span))
+
+    def _add_figure(self, call: Expression, scope: Scope, place: Span) -> None:
+        if not isinstance(call, Call) or call.function not in WORDS:
+            name = call.function if isinstance(call, Call) else call.span.text
+            fail("L0229", f"'{name}' is nothing that can be drawn", call.span,
+                 suggest(name, WORDS) or f"one of {', '.join(WORDS)}")
+        arguments = tuple(self.names.flatten(argument, scope) for argument in call.arguments)
+        options = {name: self.names.flatten(value, scope) for name, value in call.named}
+        self.figures.append(Figure(call.function, arguments, options, scope.instance.path, place))
 
     def _add_when(self, block: WhenBlock, scope: Scope, place: Span) -> None:
         condition = self.names.flatten(block.condition, scope)

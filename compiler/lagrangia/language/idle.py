@@ -60,6 +60,8 @@ def _expressions(model: FlatModel) -> Iterator[Flat]:
         yield from (work.force, work.position)
     for when in model.whens:
         yield from when.expressions()
+    for figure in model.figures:
+        yield from figure.expressions()
     for frame in model.frames.values():
         yield from frame.starts.values()
     for variable in model.variables.values():

@@ -172,6 +172,7 @@ class Instantiation:
             self.report.error("L0206", f"{definition.name} extends itself", definition.name_span,
                               " > ".join(base.name for base in (*bases, definition)))
             return
+        inherited = len(scope.instance.clauses)
         for element in definition.elements:
             if isinstance(element, Declaration):
                 own = replace(modification_of(element.arguments, scope, element.binding, element.name_span),
@@ -192,6 +193,9 @@ class Instantiation:
                 for name in modification.children.keys() & inner.children.keys():
                     self._refuse_final(name, modification.children[name], inner.children[name])
                 yield from self._members(base, merge(modification, inner), scope, (*bases, definition))
+        if any(section.kind == "drawing" for section in definition.sections):  # in place of what is inherited
+            kept = [(kind, clause) for kind, clause in scope.instance.clauses[inherited:] if kind != "drawing"]
+            scope.instance.clauses[inherited:] = kept
         scope.instance.clauses += [(s.kind, clause) for s in definition.sections for clause in s.clauses]
 
     def _refuse_final(self, name: str, given: Modification, own: Modification) -> None:

@@ -19,13 +19,13 @@ _MOST_TOLD = 10
 _MOST_STOPS = 100  # with those that are passed over
 _BLOCKS = ("for", "if", "when")
 _CLOSERS = (")", "]", "}")
-_SECTIONS = {"VISIBILITY": "public", "EQUATION": "equation", "ALGORITHM": "algorithm", "__ANON_0": "energy"}
+_SECTIONS = {"VISIBILITY": "public", "EQUATION": "equation", "ALGORITHM": "algorithm", "__ANON_0": "energy", "DRAWING": "drawing"}
 # What the text is made of, as far as it says where a statement ends: words, texts and comments as a whole.
 _LANDMARKS = re.compile(
     r"""(?P<skipped>//[^\n]* | /\*.*?\*/ | "(?:[^"\\\n]|\\[^\n])*" | '(?:[^'\\\n]|\\[^\n])+' | \.\s*\w+) | (?P<comment>/\*)
     | (?P<quote>") | (?P<header>\b(?:partial[ \t]+)?(?:model|function|type|record|package)[ \t]+[^\W\d]\w*)
     | (?P<end>\bend[ \t]+(?!(?:for|if|when)\b)(?P<name>[^\W\d]\w*)) | (?P<inner>\bend\b) | (?P<branch>\belse(?:if)?\b)
-    | (?P<section>\b(?:initial(?:\s+equation)?|equation|algorithm|energy|public|protected)\b)
+    | (?P<section>\b(?:initial(?:\s+equation)?|equation|algorithm|energy|drawing|public|protected)\b)
     | (?P<open>[(\[{]) | (?P<close>[)\]}]) | (?P<semicolon>;) | \w+""", re.DOTALL | re.VERBOSE)
 _STRUCTURE = ("header", "end", "inner", "section")
 _NO_STATEMENT = (*_STRUCTURE, "branch")

@@ -56,8 +56,8 @@ _NESTING = re.compile(
     r"""(?P<text>"(?:[^"\\]|\\.)*"? | //[^\n]* | /\*(?:.*?\*/|.*)) | (?P<open>[(\[{]) | (?P<close>[)\]}])
     | (?P<condition>\b(?:else)?if\b) | (?P<done>\bend\s+for\b) | (?P<loop>\bloop\b) | ;""", re.DOTALL | re.VERBOSE)
 _RESERVED = frozenset(
-    "algorithm and annotation coordinate connect constant der each else elseif end energy equation extends false final for "
-    "function if import initial input loop model not or output package parameter partial protected public record then time "
+    "algorithm and annotation coordinate connect constant der drawing each else elseif end energy equation extends false final "
+    "for function if import initial input loop model not or output package parameter partial protected public record then time "
     "true type when".split()
 )
 _LONGEST_CHAIN = 2000  # operands in one unbracketed sum or product
@@ -239,6 +239,9 @@ class _Nodes(Transformer[Token, Any]):
 
     def algorithm_section(self, meta: Any, children: list[Any]) -> Section:
         return Section("algorithm", tuple(children))
+
+    def drawing_section(self, meta: Any, children: list[Any]) -> Section:
+        return Section("drawing", tuple(children))
 
     def equality(self, meta: Any, children: list[Any]) -> Equality:
         left, right, description = children

@@ -317,7 +317,7 @@ Clause: TypeAlias = Equality | CallEquation | EnergyTerm | WorkTerm | Assignment
 class Section:
     """Clauses under their keyword."""
 
-    kind: str  # "equation", "initial", "energy", "algorithm"
+    kind: str  # "equation", "initial", "energy", "algorithm", "drawing"
     clauses: tuple[Clause, ...]
 
 

@@ -1,0 +1,38 @@
+"""The text of `lag help drawing`."""
+
+from textwrap import fill
+
+from lagrangia.language.figures import CHOICES, OPTIONS, WORDS
+
+_HEAD = """\
+A component says how it looks in a section of its own, as `energy` says how it moves. All of the library does; so can yours:
+
+    model Fan
+      parameter Integer blades = 3;
+      parameter Length tip = 0.1 "as drawn";
+      Frame hub;
+    drawing
+      for i in 1:blades loop
+        line(hub, shift(turn(hub, i*120[deg]), {tip, 0}), style = "thick");
+      end for;
+      circle(hub, size = 0.3, fill = "white");
+    end Fan;
+
+A scene may have one as well. A place is a frame (a, shift(a, {x, y}), turn(a, phi)) or a position (a.r + {x, y}). Sizes are
+lengths like all others, any expressions; those that are left out are symbols, whose size suits the picture: `size` and `offset`
+count in those. A class that draws for itself does not draw what it inherits; an empty section draws nothing. A run reads none.
+"""
+_TAIL = """\
+A hatch is drawn where the ground is: at a frame that moves, it is nothing. A rail runs through its base along `along`, as far as
+the slider goes. An arrow in N is as long as the force is large, one in m as long as it says, one without unit shows a direction;
+a curved_arrow in N.m is as long as the torque is large, one of an angle begins at the x axis of its frame. A label is a text, or
+names whose symbols are written as by `lag equations`: label = k, label = {m, L}. Where the ends of a spring are bound to nothing,
+`of` is what it is a function of, and they are found from it: zigzag(a, b, of = stretch), with Spring(stretch = block.s).
+"""
+
+
+def drawing_topic() -> str:
+    """The words with what they take, from their table."""
+    words = "\n".join(f"    {word.usage}" for word in WORDS.values())
+    options = ", ".join(f"{name} = {' | '.join(CHOICES[name]) if name in CHOICES else kind}" for name, kind in OPTIONS.items())
+    return f"{_HEAD}\n{words}\n\n{fill(f'And to any of them: {options}', 128)}\n\n{_TAIL}"
