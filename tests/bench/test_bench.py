@@ -129,10 +129,11 @@ def available(problem: Problem) -> list[Solver]:
     return [s for s in all_solvers() if s.version is not None and s.name not in problem.model.scene.refused]
 
 
+LONG_TO_COMPILE = ("casadi:rosenbrock", "casadi:cvodes", "casadi:adams", "scipy:Radau")
+
+
 @pytest.mark.parametrize(("scene", "left_out"), [
-    ("double_pendulum", ()), pytest.param("quarter_car", (), marks=pytest.mark.slow),
-    ("four_bar", ("casadi:rosenbrock", "casadi:cvodes", "casadi:adams", "scipy:Radau")),
-])
+    ("double_pendulum", ()), ("quarter_car", LONG_TO_COMPILE), ("four_bar", LONG_TO_COMPILE)])
 def test_every_solver_converges_to_the_reference(scene: str, left_out: tuple[str, ...]) -> None:
     """On a smooth scene, one with events and one with a closed loop, whose equations take long to compile for some."""
     problem = build_problem(lag.load(EXAMPLES / f"{scene}.lag"), Request(stop=0.8), points=4)
