@@ -413,6 +413,10 @@ class Model:
         from lagrangia.fmu.export import export_fmus
 
         suited = self.general.suited(check_values(self.scene, parameters))
+        told = suited.scene.notes["balanced"]
+        if (unknown := [name for name in self.scene.notes["balanced"] if name not in told]):
+            fail("L0704", f"the coordinate '{unknown[0]}' moves no mass while a parameter is 0, which an FMU lets change", None,
+                 "write `final` before it, as in PointMass knot(final m = 0)")
         return export_fmus(suited, None if path is None else Path(path), fmi, kind, platforms, sources, parameters, info, tell)
 
     def functions(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":

@@ -31,6 +31,14 @@ class SympyAlgebra:
         """The exact number that was meant."""
         return exact(value)
 
+    def slope(self, f: Scalar, x: Scalar) -> Scalar:
+        """df/dx."""
+        return sp.sympify(f).diff(x)
+
+    def at_rest(self, f: Scalar, rates: Sequence[Scalar]) -> Scalar:
+        """f without these rates."""
+        return sp.sympify(f).xreplace(dict.fromkeys(rates, sp.S.Zero))
+
     def note_length(self, x: Scalar) -> None:
         """Nothing is noted: SymPy keeps corners as they are."""
         pass

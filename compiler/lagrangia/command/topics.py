@@ -192,8 +192,11 @@ multipliers (partition.py, null_space.py) for half to four fifths of the operati
 coordinates, `lag explain` tells. Where these are at a dead point, the linear system takes over. At rows,
 and after steps as they drift, the positions, then the velocities are projected back, so that the residual stays at rounding
 level. Redundant constraints, massless links and singular positions are part of the game. `lag check` tells degrees of freedom,
-loops and what is redundant. --reactions reports the force and torque of every joint and tie, by Lagrange's equations of
-released directions (released_directions.py). Where constraints are redundant, those told as repeated carry nothing. Masses given
+loops and what is redundant. A place without mass between springs, dampers, gears and loads is where their forces are in balance:
+given by others where that is linear, else one more constraint, between positions or, with linear dampers, between rates
+(massless.py); PointMass knot(final m = 0) makes one in the plane.
+--reactions reports the force and torque of every joint and tie, by Lagrange's equations of released directions
+(released_directions.py). Where constraints are redundant, those told as repeated carry nothing. Masses given
 with -p that are far apart or zero in a loop are noticed; the run then takes formulas that bear them (half as long again,
 compiled once).
 A scene that cannot move is statics: its reactions are told without being asked for.

@@ -68,6 +68,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     from lagrangia.constraints.rows import reduce_kinematics
     from lagrangia.dynamics.energies import build_energies
     from lagrangia.dynamics.freedom import is_held_still
+    from lagrangia.dynamics.massless import settle_massless
     from lagrangia.dynamics.motion import build_motion
     from lagrangia.frames.graph import build_graph
     from lagrangia.frames.kinematics import build_kinematics
@@ -79,7 +80,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             flat = check_dimensions(flat)
         with _timed(took, "graph, kinematics, energies"):
             kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
-            graph, energies = kinematics.graph, build_energies(kinematics)
+            kinematics, constraints, energies = settle_massless(kinematics, constraints, build_energies(kinematics))
         with _timed(took, "motion"):
             constraints, initial = _start(kinematics, constraints, is_as_written)
             made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
@@ -88,13 +89,14 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             initial = loosen(initial, motion.momentum, motion.v)
         with _timed(took, "functions"):
             flow, stuck, hamilton = _flow(kinematics, constraints, energies, run)
-            functions = build_functions(hit, run, constraints, initial, hamilton, _reported(graph, outputs))
+            functions = build_functions(hit, run, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
         with _timed(took, "freedom"):
             is_still = is_held_still(kinematics, motion, constraints, initial, functions.table)
         with _timed(took, "scene"):
             scene = build_scene(kinematics, run, constraints, initial, functions, is_still, flow, stuck)
             scene = divide(scene, kinematics, run, initial)
-    return Compilation(syntax, flat, graph, kinematics, constraints, energies, motion, hit, run, initial, functions, scene, took)
+    return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, hit, run, initial, functions,
+                       scene, took)
 
 
 def _start(kinematics: "Kinematics", constraints: "Constraints", is_as_written: bool
@@ -157,6 +159,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
     from lagrangia.constraints.parameters import default_parameters
     from lagrangia.constraints.rows import reduce_kinematics
     from lagrangia.dynamics.energies import build_energies
+    from lagrangia.dynamics.massless import settle_massless
     from lagrangia.frames.graph import build_graph
     from lagrangia.frames.kinematics import build_kinematics
 
@@ -168,7 +171,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
             fail("L0505", "nothing can move: the scene has no coordinate", flat.span,
                  "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
         default_parameters(kinematics)
-        build_energies(kinematics)
+        kinematics, constraints, _ = settle_massless(kinematics, constraints, build_energies(kinematics))
         return kinematics, constraints
 
 

@@ -6,14 +6,14 @@ the others and of time: that coordinate disappears, and the row with it.
 """
 
 from collections import ChainMap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 import casadi as ca
 import numpy as np
 
-from lagrangia.algebra.duals import Scalar, rate_of
+from lagrangia.algebra.duals import Dual, Scalar, plus, rate_of, times
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.constraints.parameters import default_parameters
@@ -38,10 +38,13 @@ class Row:
     component: str = ""  # that states the equation
     is_timed: bool = False  # the equation itself depends on time
     equation: Equation | None = None
+    balanced: str = ""  # the coordinate that moves no mass, whose forces are in balance
 
     @property
     def told(self) -> str:
         """Where it comes from, in words."""
+        if self.balanced:
+            return f"the balance of forces at '{self.balanced}', which moves no mass,"
         return f"the loop {self.loop.around}" if self.loop else f"the equation '{self.span.text}' at {self.span}"
 
     def rate(self, kinematics: Kinematics) -> Scalar:
@@ -88,6 +91,34 @@ def reduce_kinematics(kinematics: Kinematics) -> tuple[Kinematics, Constraints]:
     givers = {name: reduction.givers[name] for name in reduction.solved}
     return reduced, Constraints(tuple(remaining), tuple(reduction.repeated), tuple(reduction.agreements),
                                 tuple(reduction.absorbed), givers)
+
+
+def reduce_further(kinematics: Kinematics, constraints: Constraints, rows: Sequence[Row], among: Collection[str]
+                   ) -> tuple[Kinematics, Constraints]:
+    """The same with more rows, where linear ones give coordinates of these names. Raises LagError L0410."""
+    reduction = _Reduction(kinematics, frozenset(among))
+    left = [row for row in rows if not reduction.absorb(row)]
+    reduction.report.raise_errors()
+    remaining = sorted((*constraints.rows, *left), key=lambda row: not row.is_holonomic)
+    return reduction.reduced(), replace(
+        constraints, rows=tuple(remaining), repeated=(*constraints.repeated, *reduction.repeated),
+        agreements=(*constraints.agreements, *reduction.agreements), absorbed=(*constraints.absorbed, *reduction.absorbed),
+        givers={**constraints.givers, **{name: reduction.givers[name] for name in reduction.solved}})
+
+
+def derived(value: ca.SX, kinematics: Kinematics, level: int) -> Scalar:
+    """What is known as an expression of q, v and t, at a level of the kinematics: its derivatives along the motion by CasADi."""
+    if level == 0:
+        return value
+    rate = _along_motion(value, kinematics)
+    return Dual(value, rate) if level == 1 else Dual(Dual(value, rate), Dual(rate, _along_motion(rate, kinematics)))
+
+
+def _along_motion(value: ca.SX, kinematics: Kinematics) -> ca.SX:
+    symbols = kinematics.symbols
+    state = ca.vertcat(*symbols.positions.values(), *symbols.rates.values(), symbols.time)
+    pace = ca.vertcat(*symbols.rates.values(), *symbols.accelerations.values(), symbols.tau)
+    return ca.jtimes(value, state, pace)
 
 
 def moved_in_time(kinematics: Kinematics, constraints: Constraints) -> list[tuple[str, Span]]:
@@ -151,9 +182,10 @@ def _equation_rows(equation: Equation, kinematics: Kinematics) -> list[Row]:
 class _Reduction:
     """Gaussian elimination of the linear rows, the coefficients kept as expressions of the parameters."""
 
-    def __init__(self, kinematics: Kinematics) -> None:
+    def __init__(self, kinematics: Kinematics, among: frozenset[str] | None = None) -> None:
         symbols, model = kinematics.symbols, kinematics.graph.model
         self.kinematics = kinematics
+        self.among = frozenset(symbols.positions) if among is None else among  # of the coordinates that may be given up
         self.report = Report()
         self.names, self.q = list(symbols.positions), list(symbols.positions.values())
         self.place = {x.__hash__(): k for k, x in enumerate(self.q)}
@@ -200,6 +232,8 @@ class _Reduction:
             self._repeat(row, [constant, *ca.vertsplit(slopes.T)], named)
             return True
         pivot = self._choose(sizes, slopes, places)
+        if pivot is None:
+            return False
         others = slopes[:]
         others[pivot] = 0
         solution = -(constant + ca.dot(others, q.T)) / slopes[pivot]
@@ -241,15 +275,17 @@ class _Reduction:
         values = [self.defaults[x.__hash__()] for x in symbols]
         return ca.evalf(ca.substitute(expression, ca.vertcat(*symbols), ca.DM(values)) if symbols else expression)
 
-    def _choose(self, sizes: list[float], slopes: ca.SX, places: list[int]) -> int:
-        """The coordinate to give up: one with a coefficient of 1 and no start of its own, the last declared among equals."""
+    def _choose(self, sizes: list[float], slopes: ca.SX, places: list[int]) -> int | None:
+        """The coordinate to give up: one with a coefficient of 1 and no start of its own, the last declared among equals. None
+        where none may be given up."""
         largest = max(sizes)
 
         def preference(k: int) -> tuple[bool, bool, int]:
             is_unit = slopes[k].is_constant() and abs(float(slopes[k])) == 1.0
             return (self.names[places[k]] not in self.started, is_unit, k)
 
-        return max((k for k, size in enumerate(sizes) if size > 1e-6 * largest), key=preference)
+        open_ones = (k for k, size in enumerate(sizes) if size > 1e-6 * largest and self.names[places[k]] in self.among)
+        return max(open_ones, key=preference, default=None)
 
     def repeat_motionless(self, rows: list[Row], kinematics: Kinematics) -> list[Row]:
         """Takes in what no motion changes, such as a rod between two points of one body; the rows that are left."""
@@ -312,12 +348,24 @@ class _Reduction:
             dependents[name] = Dependent((constant, _plain(first), _plain(ca.jacobian(first, t))), terms)
         graph = kinematics.graph
         kept = tuple(c for c in graph.coordinates if c.name not in dependents)
-        given = tuple(c for c in graph.coordinates if c.name in dependents)
+        given = (*graph.dependent_coordinates, *(c for c in graph.coordinates if c.name in dependents))
+        dependents = {name: _composed(x, dependents) for name, x in kinematics.dependents.items()} | dependents
         symbols = replace(kinematics.symbols, **{
             field: {n: s for n, s in getattr(kinematics.symbols, field).items() if n not in dependents}
             for field in ("positions", "rates", "accelerations")
         })
         return Kinematics(replace(graph, coordinates=kept, dependent_coordinates=given), symbols, kinematics.algebra, dependents)
+
+
+def _composed(given: Dependent, dependents: Mapping[str, Dependent]) -> Dependent:
+    """The same, where coordinates that it follows are given by others now."""
+    constant, terms = list(given.constant), dict[str, Scalar]()
+    for name, factor in given.terms.items():
+        inner = dependents.get(name, Dependent((0.0, 0.0, 0.0), {name: 1.0}))
+        constant = [plus(c, times(factor, more)) for c, more in zip(constant, inner.constant, strict=True)]
+        for other, slope in inner.terms.items():
+            terms[other] = plus(terms.get(other, 0.0), times(factor, slope))
+    return Dependent((constant[0], constant[1], constant[2]), terms)
 
 
 def _plain(x: ca.SX) -> Scalar:

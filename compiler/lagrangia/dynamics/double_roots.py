@@ -13,14 +13,14 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from lagrangia.algebra.duals import Dual, Scalar
+from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.orthogonal import Vector, independent_columns
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.constraints.assembly import begin
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.parameters import at_declared_values, default_parameters
 from lagrangia.constraints.positions import Positions
-from lagrangia.constraints.rows import Constraints, Row
+from lagrangia.constraints.rows import Constraints, Row, derived
 from lagrangia.dynamics.equilibrium import StaticEquations, ways_at
 from lagrangia.frames.kinematics import Kinematics
 
@@ -140,19 +140,7 @@ def _across(group: list[Row], along: int, k: int, kinematics: Kinematics) -> ca.
 
 
 def _value(build: Build, kinematics: Kinematics, level: int) -> Scalar:
-    """At a level of the kinematics; derivatives along the motion by CasADi, for the slopes are already made by it."""
-    value = build(kinematics)
-    if level == 0:
-        return value
-    rate = _along_motion(value, kinematics)
-    return Dual(value, rate) if level == 1 else Dual(Dual(value, rate), Dual(rate, _along_motion(rate, kinematics)))
-
-
-def _along_motion(value: ca.SX, kinematics: Kinematics) -> ca.SX:
-    symbols = kinematics.symbols
-    state = ca.vertcat(*symbols.positions.values(), *symbols.rates.values(), symbols.time)
-    pace = ca.vertcat(*symbols.rates.values(), *symbols.accelerations.values(), symbols.tau)
-    return ca.jtimes(value, state, pace)
+    return derived(build(kinematics), kinematics, level)
 
 
 def _independent(kinematics: Kinematics, lifted: Constraints, q: Vector, n_kept: int) -> list[int] | None:

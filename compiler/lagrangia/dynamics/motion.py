@@ -42,10 +42,6 @@ _NEARLY = 1.1
 _MOST_FREE, _MOST_HELD = 60, 250
 # Below this ratio fewer operations are worth differences of what the tree would do and what constraints take back.
 _CLEARLY = 0.9
-_BETWEEN_FORCES = ("not supported yet: a place without mass that springs and dampers hold in balance; state the balance as an "
-                   "equation of rates instead, c*der(x) = k*(s - x) with `coordinate Length x`, or give the place a small mass")
-_IN_A_ROW = ("springs in a row are one spring of 1/k = 1/k1 + 1/k2, behind a gear of ratio i with i^2 k2 in place of k2; dampers "
-             "alike")
 Held = tuple[ca.SX, ca.SX, ConstrainedMotion]  # what `constrain` finds
 
 
@@ -114,7 +110,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
             kinematics, bodies, energies, constraints, FreeMotion(q, v, momentum, h, source), for_any_mass, partition)
         way = constrained.way
     else:
-        _require_mass(kinematics, momentum, v, h)
+        _require_mass(kinematics, momentum, v)
         acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, h, v, short)
         if short is not None and way == "collected":
             momentum, h = short.momentum, short.h
@@ -185,14 +181,14 @@ def _stack(kinematics: Kinematics, names: list[str]) -> ca.SX:
     return ca.vertcat(*[x for name in names for x in scalars_of(kinematics.symbols.values[name])])
 
 
-def _require_mass(kinematics: Kinematics, momentum: ca.SX, v: ca.SX, h: ca.SX) -> None:
+def _require_mass(kinematics: Kinematics, momentum: ca.SX, v: ca.SX) -> None:
     """A coordinate whose momentum does not depend on any rate moves no mass, whatever the numbers."""
     massless = [k for k, moves in enumerate(ca.which_depends(momentum, v, 1, True)) if not moves]
     if massless:
         coordinate = kinematics.graph.coordinates[massless[0]]
         others = f" (nor do {', '.join(kinematics.graph.coordinates[k].name for k in massless[1:4])})" if massless[1:] else ""
         fail("L0504", f"the coordinate '{coordinate.name}' moves no mass{others}", coordinate.span,
-             *([_BETWEEN_FORCES, _IN_A_ROW] if ca.symvar(h[massless[0]]) else [_missing_port(kinematics, coordinate.name)]))
+             _missing_port(kinematics, coordinate.name))
 
 
 def _missing_port(kinematics: Kinematics, coordinate: str) -> str:

@@ -252,7 +252,8 @@ def _change(displacements: list[ca.SX], value: Scalar) -> Scalar:
 
 
 def build_kinematics(graph: ComponentGraph, is_general: bool = True) -> Kinematics:
-    """The kinematics of a scene in fresh CasADi symbols. Unless `is_general`, numbers are compiled in; see flat.Variable."""
+    """The kinematics of a scene in fresh CasADi symbols. Numbers are compiled in, see flat.Variable: where it `is_general`, only
+    those that nobody can set."""
     def symbols(names: list[str]) -> dict[str, ca.SX]:
         return {name: symbol(name) for name in names}
 
@@ -264,7 +265,7 @@ def build_kinematics(graph: ComponentGraph, is_general: bool = True) -> Kinemati
     values = {v.name: _shaped(v.name, v.shape, ()) for v in variables}
     inputs = [x for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
     moving = ca.vertcat(*positions.values(), *rates.values(), *accelerations.values(), *inputs)
-    compiled = {} if is_general else {v.name: _compiled(v, values[v.name]) for v in variables if v.is_evaluated}
+    compiled = {v.name: _compiled(v, values[v.name]) for v in variables if v.locked or not is_general}
     return Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values, compiled), CasadiAlgebra(time, moving))
 
 

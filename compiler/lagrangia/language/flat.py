@@ -14,6 +14,9 @@ from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
 Kind = Literal["parameter", "input", "coordinate", "variable"]
 
 
+_MASSES = ("kg", "kg.m2")
+
+
 @dataclass(frozen=True)
 class Variable:
     """A quantity of the flat model; `shape` is () for a scalar. Values are in SI units."""
@@ -36,13 +39,15 @@ class Variable:
     locked: str = ""  # "final" or "protected" where it cannot be set from outside
 
     def compiled(self) -> list[float | None]:
-        """The elements that are compiled in: numbers 0, 1 and -1, with which products fall away, of evaluated parameters."""
-        if not self.is_evaluated or self.binding is None:
+        """The elements that are compiled in: numbers 0, 1 and -1, with which products fall away, of evaluated parameters; masses
+        of 0, for what moves none follows from other equations."""
+        is_mass = self.unit in _MASSES and self.kind == "parameter"
+        if not (self.is_evaluated or is_mass) or self.binding is None:
             return [None] * prod(self.shape)
         values = numbers_of(self.binding, self.shape)
         if len(values) != prod(self.shape):  # told where it is evaluated
             return [None] * prod(self.shape)
-        return [value if value in (0, 1, -1) else None for value in values]
+        return [value if value in ((0, 1, -1) if self.is_evaluated else (0,)) else None for value in values]
 
     def elements(self) -> list[tuple[str, tuple[int, ...]]]:
         """Names and indices of the scalars it is made of."""

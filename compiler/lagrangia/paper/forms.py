@@ -203,7 +203,8 @@ def matrix_form(book: Book) -> Document:
 
 
 def first_order_form(book: Book) -> Document:
-    """q' = v and v' = M^-1 (f - h); with several coordinates and a full M by its determinant, or M v' = f - h."""
+    """q' = v and v' = M^-1 (f - h); with several coordinates and a full M by its determinant, or M v' = f - h, as
+    where M is singular."""
     e = book.equations
     named = {v: Name("v", " ".join(filter(None, (q.base, q.sub)))) for v, q in zip(e.scene.v, book.q, strict=True)}
     names = dict(book.presentation.symbols.names) | named
@@ -212,7 +213,9 @@ def first_order_form(book: Book) -> Document:
     lines: list[Node] = [equal(book.rate(k), named[v]) for k, v in enumerate(e.scene.v)]
     right = [e.ring.tidy(f - h - r) for f, h, r in zip(e.f, e.h, e.reactions, strict=True)]
     is_diagonal = all(e.M[i][j] == 0 for i in range(e.n) for j in range(i))
-    if is_diagonal:
+    if any(e.M[k][k] == 0 for k in range(e.n)):  # a place without mass has no acceleration that follows from forces
+        blocks = _descriptor(book, p, lines, rates, right)
+    elif is_diagonal:
         blocks = _diagonal(book, p, lines, rates, right)
     elif e.n == 2:
         (a, b), (_, d) = e.M

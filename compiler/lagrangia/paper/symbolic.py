@@ -126,14 +126,15 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
     symbolic = SymbolicKinematics(kinematics, is_small=is_small)
     symbolic = symbolic.reduced(constraints)
     energies = evaluate_energies(symbolic)
-    rows = tuple(exact_throughout(row.value(symbolic, 0)) for row in constraints.rows)
+    kept = [row for row in constraints.rows if not row.balanced]  # a balance is Lagrange's equation of its place itself
+    rows = tuple(exact_throughout(row.value(symbolic, 0)) for row in kept)
     events = () if is_small else tuple(_event(symbolic, when) for when in kinematics.graph.model.whens)
     s = symbolic.symbols
     inputs = {label: x for v in kinematics.graph.model.variables.values() if v.kind == "input"
               for label, x in scalars(v.name, s.values[v.name])}
     q, v, a = (tuple(x.values()) for x in (s.positions, s.rates, s.accelerations))
     parameters, given = tuple(symbolic.table.parameters.values()), tuple(symbolic.given.values())
-    holonomic = sum(row.is_holonomic for row in constraints.rows)
+    holonomic = sum(row.is_holonomic for row in kept)
     return SymbolicScene(symbolic, tuple(s.positions), q, v, a, s.time, inputs, parameters, given, symbolic.dependent_values(),
                          energies, rows, holonomic, events, symbolic.positive())
 
@@ -283,10 +284,21 @@ class SymbolicKinematics(Kinematics):
             return self
         whole = SymbolicKinematics(_without_dependents(self), [*self.symbols.positions, *lost], self.table,
                                    given=self.given)
-        unknowns = [whole.symbols.positions[name] for name in lost]
-        solved = _solve_linear([exact_throughout(row.value(whole, 0)) for row in constraints.absorbed], unknowns)
+        balanced = {row.balanced: row for row in constraints.absorbed if row.balanced}
+        places = {name: whole.symbols.positions[name] for name in lost}
+        tied = [name for name in lost if name not in balanced]
+        ties = [row.value(whole, 0) for row in constraints.absorbed if not row.balanced]
+        found = dict(zip(tied, _solve_linear(ties, [places[name] for name in tied]), strict=True))
+        if balanced:  # of what acts on a place with all that equations tie to it
+            between = SymbolicKinematics(whole, None, self.table, {}, self.given)
+            between.dependents = {name: between._dependent_of(name, x) for name, x in found.items()}
+            own = [name for name in lost if name in constraints.givers and name not in found]
+            rows = [row.value(between, 0) for row in balanced.values()]
+            settled = dict(zip(own, _solve_linear(rows, [places[name] for name in own]), strict=True))
+            known = {places[name]: x for name, x in settled.items()}
+            found = {name: sp.expand(x.xreplace(known)) for name, x in found.items()} | settled
         reduced = SymbolicKinematics(self, None, self.table, {}, self.given, self.is_small)
-        reduced.dependents = {name: reduced._dependent_of(name, x) for name, x in zip(lost, solved, strict=True)}
+        reduced.dependents = {name: reduced._dependent_of(name, found[name]) for name in lost}
         return reduced
 
     def _dependent_of(self, name: str, value: Expr) -> Dependent:
@@ -474,7 +486,9 @@ def _load_variables(base: Kinematics) -> set[str]:
 
 def _solve_linear(rows: list[Expr], unknowns: list[Expr]) -> list[Expr]:
     """The unknowns from as many independent linear equations, by SymPy's elimination."""
-    solved = sp.solve(rows, unknowns, dict=True)
+    if not unknowns:
+        return []
+    solved = sp.solve([exact_throughout(row) for row in rows], unknowns, dict=True)
     return [sp.expand(solved[0][x]) for x in unknowns]
 
 
