@@ -124,3 +124,37 @@ def test_what_is_moved_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert "F begins at 2 N, not at 0 N" in said[0][0]
     assert "A.center.x begins at 1 m, not at 2 m" in said[1][0]
     assert [len(lines) for lines in said] == [1, 1, 0]
+
+
+# ---------------------------------------------------------------- equations of accelerations
+
+STEADY = {  # what moves, what is said of its start, and where it begins then
+    "a motor against drag": (
+        "World world(gravity = {0, 0}); Revolute h(a = world); Body r(m = 0, I = 1.5, center = h.b);"
+        "AppliedTorque t(on = h.b, torque = 10 - 2*h.w - 0.1*h.w*abs(h.w));", "der(h.w) = 0;",
+        {"h.phi": 0.0, "der(h.phi)": 10 * (np.sqrt(2) - 1)}),
+    "a weight on a spring": (
+        "Block b(m = 1, base = world, along = {0, 1}); Spring k(k = 100, stretch = b.s);", "der(b.v) = 0;",
+        {"b.s": -0.0981, "der(b.s)": 0.0}),
+    "a wind that holds a pendulum aside": (
+        "PointMass m(m = 1); Link l(a = world, b = m.center, L = 1); AppliedForce w(at = m.center, force = {9.81, 0});",
+        "der(m.center.v[1]) = 0; m.center.v[1] = 0;", {"m.center.x": np.sqrt(0.5), "m.center.y": -np.sqrt(0.5)}),
+    "a force that changes later": (
+        "Block b(m = 1, base = world); Damper d(c = 2, rate = b.v);"
+        "AppliedForce f(at = b.center, force = {if time < 1 then 12 else 10, 0});", "der(b.v) = 0;", {"der(b.s)": 6.0}),
+}
+
+
+@pytest.mark.parametrize("case", STEADY)
+def test_a_steady_start(case: str, scene: Write) -> None:
+    parts, stated, expected = STEADY[case]
+    found = begin(scene(f"model M {parts} initial equation {stated} end M;"))
+    assert {name: found[name] for name in expected} == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_steady_start_that_inputs_or_contacts_decide_is_refused(scene: Write) -> None:
+    block = "input Force u; Block b(m = 1, base = world); AppliedForce f(at = b.center, force = {u - 1[N.s/m]*b.v, 0});"
+    stop = "Stop floor(gap = b.s + 1);"
+    for parts, who in ((block, "inputs"), (block.replace("u -", "-") + stop, "contacts")):
+        with pytest.raises(lag.LagError, match=rf"L0603.*of accelerations that {who}"):
+            scene(f"model M {parts} initial equation der(b.v) = 0; end M;").scene  # noqa: B018

@@ -356,3 +356,16 @@ def test_no_library_outside_is_loaded(identifier: str, tmp_path: Path, capsys: p
     assert "is no C identifier" in told.err and "it was not run" in told.out
     assert main(["simulate", str(target), "-o", str(tmp_path / "x.csv")]) == WRONG
     assert "error[L0735]" in capsys.readouterr().err
+
+
+def test_a_model_that_only_computes_is_an_fmu_without_states(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A torque between two others, of their angles and speeds."""
+    model = tmp_path / "adaptor.lag"
+    model.write_text("""model Adaptor input Angle phi; input AngularVelocity w;
+      parameter TorsionStiffness c = 1e4; parameter TorsionDamping d = 10; output Torque tau = c*phi + d*w; end Adaptor;""")
+    assert main(["export", str(model), "--to", "fmu", "-o", str(tmp_path / "adaptor.fmu")]) == DONE
+    assert main(["fmu", "check", str(tmp_path / "adaptor.fmu")]) == DONE
+    assert "0 states, 2 inputs, 1 output" in capsys.readouterr().out
+    assert main(["simulate", str(model), "--at", "0,1", "-u", "phi=0.5", "-u", "w=2", "-o", str(tmp_path / "a.csv")]) == DONE
+    assert (tmp_path / "a.csv").read_text().splitlines()[-1] == "1.0,5020.0"
+    assert "stands still" not in capsys.readouterr().out

@@ -102,9 +102,9 @@ def tell_reactions(scene: Any, row: Sequence[float], out: Any) -> None:
     """What a scene that cannot move is computed for."""
     if is_static(scene) and row and (straight := scene.notes["touching"]["told"]):
         print(f"  no freedom is left, so it stands still; nothing bounds the forces, for {straight[0]} only just holds", file=out)
-    elif is_static(scene) and row:
+    elif is_static(scene) and row and (table := reaction_table(scene, row)):
         print(f"  no freedom is left, so it stands still; on the port b of each joint act, at t = {row[0]:g} s", file=out)
-        print("\n".join(f"    {line}" for line in reaction_table(scene, row)), file=out)
+        print("\n".join(f"    {line}" for line in table), file=out)
 
 
 def _tell(model: Model, engine: Engine | None, progress: Progress, compiled: float, loaded: float,

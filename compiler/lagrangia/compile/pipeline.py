@@ -63,7 +63,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
     from lagrangia.compile.functions import build_functions
     from lagrangia.compile.scenes import build_scene, divide
-    from lagrangia.constraints.initial import loosen
+    from lagrangia.constraints.initial import with_motion
     from lagrangia.constraints.partition import find_partition
     from lagrangia.constraints.rows import reduce_kinematics
     from lagrangia.dynamics.energies import build_energies
@@ -86,7 +86,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
             made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
             motion = build_motion(kinematics, energies, *made_of)
             hit, run = _with_impacts(kinematics, energies, motion, made_of)
-            initial = loosen(initial, motion.momentum, motion.v)
+            initial = with_motion(initial, kinematics, motion.momentum, motion.acceleration)
         with _timed(took, "functions"):
             flow, stuck, hamilton = _flow(kinematics, constraints, energies, run)
             functions = build_functions(hit, run, constraints, initial, hamilton, _reported(kinematics.graph, outputs))

@@ -1,5 +1,7 @@
 """Start values: `start`, `fixed` and initial equations -> guesses for q and v, and what remains to be solved.
 
+Equations of accelerations, as of a steady state, become such residuals when the motion is known (`with_motion`).
+
 An initial equation that gives one coordinate or rate a value known from parameters is taken as that value. The others are
 residuals g(q, v, p) = 0, solved by the run time from the guesses, nearest to them, values given exactly not moved.
 
@@ -14,10 +16,10 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.duals import rate_of as rate_of_dual
-from lagrangia.base.diagnostics import Report, Span
+from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.constraints.parameters import default_parameters
 from lagrangia.constraints.rows import Constraints
-from lagrangia.frames.evaluation import Value
+from lagrangia.frames.evaluation import Value, scalars_of
 from lagrangia.frames.graph import Coordinate, rate_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Equation
@@ -46,6 +48,7 @@ class InitialConditions:
     residual_spans: tuple[Span, ...]
     residual_loops: tuple[str, ...]  # the components along the loop that a residual closes, "" for an equation
     n_positions: int  # so many residuals come first and depend on positions alone
+    steady: tuple[tuple[ca.SX, Span], ...] = ()  # residuals of accelerations, until these are known
 
     def complaint(self, k: int) -> str:
         """What is wrong when residual k is not zero."""
@@ -60,12 +63,44 @@ def build_initial(kinematics: Kinematics, constraints: Constraints) -> InitialCo
     return _Starts(kinematics).build(constraints)
 
 
-def loosen(initial: InitialConditions, momentum: ca.SX, v: ca.SX) -> InitialConditions:
+def with_motion(initial: InitialConditions, kinematics: Kinematics, momentum: ca.SX, acceleration: ca.SX) -> InitialConditions:
+    """With what is known of the motion: which rates move no mass, and what accelerations are.
+
+    Raises LagError L0603 for equations of accelerations that inputs decide, or contacts.
+    """
+    return _settle(_loosen(initial, momentum, ca.vertcat(*kinematics.symbols.rates.values())), kinematics, acceleration)
+
+
+def _loosen(initial: InitialConditions, momentum: ca.SX, v: ca.SX) -> InitialConditions:
     """Rates that nobody guessed and that move no mass go before all others: that of a lag follows from its equation."""
     n = len(initial.fixed) // 2
     is_massless = [not moves for moves in ca.which_depends(momentum, v, 1, True)]
     loose = {n + k for k, nothing in enumerate(is_massless) if nothing and initial.fixed[n + k] == FREE}
     return replace(initial, fixed=tuple(LOOSE if k in loose else kind for k, kind in enumerate(initial.fixed)))
+
+
+def _settle(initial: InitialConditions, kinematics: Kinematics, acceleration: ca.SX) -> InitialConditions:
+    """Equations of accelerations as equations of positions and rates."""
+    if not initial.steady:
+        return initial
+    symbols, model = kinematics.symbols, kinematics.graph.model
+    inputs = ca.vertcat(ca.SX(0, 1), *[x for name, v in model.variables.items() if v.kind == "input"
+                                       for x in scalars_of(symbols.values[name])])
+    rates = ca.vertcat(*symbols.rates.values())
+    gaps = ca.substitute([gap for gap, _ in initial.steady], [ca.vertcat(*symbols.accelerations.values())],
+                         kinematics.at_start([acceleration]))
+    positions, moving = list[tuple[ca.SX, Span]](), list[tuple[ca.SX, Span]]()
+    for gap, (_, span) in zip(gaps, initial.steady, strict=True):
+        why = "contacts may decide" if model.whens else "inputs decide" if ca.depends_on(gap, inputs) else ""
+        if why:
+            fail("L0603", f"not supported yet: an initial equation of accelerations that {why}", span,
+                 "state the place, or the rate at which it is steady")
+        (moving if ca.depends_on(gap, rates) else positions).append((gap, span))
+    n, known, spans, loops = initial.n_positions, initial.residuals, initial.residual_spans, initial.residual_loops
+    return replace(
+        initial, residuals=ca.vertcat(known[:n], *[x for x, _ in positions], known[n:], *[x for x, _ in moving]), steady=(),
+        residual_spans=(*spans[:n], *[x for _, x in positions], *spans[n:], *[x for _, x in moving]),
+        residual_loops=(*loops[:n], *[""] * len(positions), *loops[n:], *[""] * len(moving)), n_positions=n + len(positions))
 
 
 def start_function(kinematics: Kinematics, initial: InitialConditions) -> ca.Function:
@@ -96,6 +131,7 @@ class _Starts:
         self.values: list[Scalar] = [0.0] * (2 * self.n)
         self.fixed: dict[int, Span | None] = {}
         self.residuals: list[tuple[Scalar, Span]] = []
+        self.steady: list[tuple[ca.SX, Span]] = []
         self.lost_values: list[ca.SX] = []
 
     def build(self, constraints: Constraints) -> InitialConditions:
@@ -129,7 +165,7 @@ class _Starts:
             ca.vertcat(*self.values[:n]), ca.vertcat(*self.values[n:]), self.lost, self.lost_q, self.lost_v,
             ca.vertcat(*self.lost_values), tuple(map(self._freedom, range(2 * n))),
             ca.vertcat(*[self.residuals[k][0] for k in order]), tuple(self.residuals[k][1] for k in order),
-            tuple(loops[k] for k in order), moving.count(False),
+            tuple(loops[k] for k in order), moving.count(False), tuple(self.steady),
         )
 
     def _freedom(self, slot: int) -> int:
@@ -217,9 +253,9 @@ class _Starts:
             gap = ca.SX(a - b)
             accelerations = ca.vertcat(ca.SX(0, 1), *self.kinematics.symbols.accelerations.values())
             if ca.depends_on(gap, accelerations):
-                self.report.error("L0603", "not supported yet: an initial equation of accelerations", equation.span,
-                                  "state the rate at which it is steady; a run that is long enough tells it")
-            elif not ca.depends_on(gap, self._state()):
+                self.steady.append((self._at_start(gap), equation.span))
+                continue
+            if not ca.depends_on(gap, self._state()):
                 self.report.error("L0603", "this initial equation says nothing about positions or velocities", equation.span,
                                   "name a coordinate, its rate or a place: hinge.phi = 0.5; der(hinge.phi) = 2;")
             self.residuals.append((self._at_start(gap), equation.span))

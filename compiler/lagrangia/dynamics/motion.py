@@ -121,11 +121,12 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
 
 
 def _require_coordinates(kinematics: Kinematics) -> None:
-    if not kinematics.symbols.positions and not all_reactions(kinematics.graph):
-        fail("L0505", "nothing can move: the scene has no coordinate", kinematics.graph.model.span,
-             "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates",
-             *(["not supported yet: a model that only computes outputs from inputs; put the force between the bodies it acts on"]
-               if any(v.kind == "input" for v in kinematics.graph.model.variables.values()) else []))
+    """But for models that only compute outputs: without energies and forces."""
+    graph, model = kinematics.graph, kinematics.graph.model
+    only_computes = any(v.is_output for v in model.variables.values()) and not model.energies and not model.works
+    if not (kinematics.symbols.positions or all_reactions(graph) or only_computes):
+        fail("L0505", "nothing can move: the scene has no coordinate", model.span,
+             "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
 
 
 def mass_matrix(motion: Motion) -> ca.SX:
