@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "state/ends.h"
 #include "steps/singular.h"
 #include "steps/turns.h"
 
@@ -99,13 +100,15 @@ static double next_way(LagRun *run, LagAttempts *attempts, double shorter)
     return attempts->planned * WAY[best];
 }
 
-/* Near singular positions at once, with a length that leads across, and for good: there will be more of them. */
+/* Near singular positions at once, with a length that leads across, and for good: there will be more of them. Where time has no
+ * shorter steps (what was held is let go, and begins from nothing), there is nothing to wait for. */
 int lag_attempts_leave(LagRun *run, const LagAttempts *attempts, double h, double error, double shorter)
 {
     const int is_loop = run->model->n_multipliers > 0, leaves = run->methods.table->leaves_trouble;
-    if (!leaves || (is_loop && is_mendable(run, attempts, h, error)))
+    const int is_last = shorter < lag_step_smallest(run->motion.t);
+    if (!leaves || (is_loop && !is_last && is_mendable(run, attempts, h, error)))
         return 0;
-    if (attempts->rejected < HOPELESS && (!is_loop || lag_singularity(run, attempts->planned) < NEARLY))
+    if (attempts->rejected < HOPELESS && !is_last && (!is_loop || lag_singularity(run, attempts->planned) < NEARLY))
         return 0;
     run->step = is_loop ? TO_OTHERS * fmax(attempts->planned, run->calm_step) : shorter;
     run->calm_step *= is_loop ? TO_OTHERS : 1;

@@ -146,3 +146,19 @@ def test_the_first_row_has_the_force_of_the_next_ones(scene: Write) -> None:
         run = model.simulate(at=[0.0, 1e-4], solver=solver)
         assert run["N"][0] == pytest.approx(9.81 + 1 + 4 + 1, abs=1e-9), solver
         assert run["N"][1] == pytest.approx(9.81 + np.cos(1e-3) + 4 + 2 * (1 - np.cos(1e-3)) + 1, abs=1e-7), solver
+
+
+@pytest.mark.parametrize("solver", ["pirk", "adams", "taylor", "auto"])
+def test_what_a_pawl_lets_go_begins_from_nothing(scene: Write, solver: str) -> None:
+    """At t = asin(0.3)/4, where the load turns round: the first steps are no longer than time can resolve."""
+    model = scene("""model Driven
+      Block b(m = 2, base = world);
+      AppliedForce load(at = b.center, force = {1[N]*(sin(4*time) - 0.3), 0});
+    equation
+      when b.v < 0 then reinit(b.v, 0); end when;
+    end Driven;""")
+    begin, t = np.arcsin(0.3) / 4, 0.5
+    speed = (np.cos(4 * begin) - np.cos(4 * t)) / 8 - 0.15 * (t - begin)
+    for tolerance in np.geomspace(1e-8, 1e-10, 12):
+        run = model.simulate(at=[t], tolerance=float(tolerance), solver=solver)
+        assert run["der(b.s)"][-1] == pytest.approx(speed, abs=100 * tolerance), tolerance
