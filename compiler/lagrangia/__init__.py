@@ -26,10 +26,29 @@ To add, beside a test in the room of the same name and a line in CHANGELOG.md:
 - an option of a run: run/request.py, which the command line, Python, sweeps, benchmarks and FMUs hand down.
 """
 
-from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Interrupted, LagError, RunError
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from lagrangia.base.version import VERSION
-from lagrangia.model import Model, load
-from lagrangia.view.trajectory import EnergyAccount, Trajectory
+
+if TYPE_CHECKING:
+    from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Interrupted, LagError, RunError
+    from lagrangia.model import Model, load
+    from lagrangia.view.trajectory import EnergyAccount, Trajectory
 
 __version__ = VERSION
 __all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Interrupted", "LagError", "Model", "RunError", "Trajectory", "load"]
+_PLACES = dict.fromkeys(__all__, "base.diagnostics") | dict.fromkeys(("Model", "load"), "model") | dict.fromkeys(
+    ("EnergyAccount", "Trajectory"), "view.trajectory")
+
+
+def __getattr__(name: str) -> Any:
+    """What is asked for is imported then: the command `lag` needs little of it."""
+    if name not in _PLACES:
+        raise AttributeError(f"module 'lagrangia' has no attribute '{name}'")
+    value = globals()[name] = getattr(import_module(f"lagrangia.{_PLACES[name]}"), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, names, numbers
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
-from lagrangia.native.build import find_compiler
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine, start_building
 from lagrangia.run.interpret import evaluate, evaluate_each
-from lagrangia.run.library import Runtime, has_runtime
+from lagrangia.run.library import Runtime, has_compiler, has_runtime
 from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import simulate
@@ -305,12 +304,9 @@ class Model:
             return None
         if solver == "islands" and self.engine is not None:
             self._engine = divided(self.engine, self.scene, self.native)
-        if solver == "taylor" and self.native is False:
-            fail("L0704", "the solver 'taylor' is C that is written for each scene: engine 'tape' cannot run it", None,
-                 "leave --engine out")
-        if (solver == "taylor" or self.native) and has_runtime() and find_compiler() is None:
-            self._refuse(solver, "--engine tape" if self.native else "pirk")
-        if solver not in ("implicit", "taylor"):
+        if self.native and has_runtime() and not has_compiler():
+            self._refuse(solver, "--engine tape")
+        if solver != "implicit":
             return self.engine
         if solver not in self._engines:
             self._engines[solver] = load_engine(self.scene, self._runtime, self.native, WAYS[solver].number)

@@ -10,6 +10,8 @@
 #include "numbers/extremes.h"
 #include "numbers/lanes.h"
 #include "methods/taylor_long.h"
+#include "model/function.h"
+#include "model/jet_tape.h"
 #include "numbers/rough_power.h"
 #include "steps/rounding.h"
 #include "steps/segment.h"
@@ -47,11 +49,15 @@ static double *power_jet(const LagModel *model, double *jets, int i)
 static void layout(void *self, const LagMotion *motion, LagArena *arena)
 {
     LagTaylor *s = self;
-    const size_t size = (size_t)motion->n_jets * LAG_JET_STRIDE;
+    const LagModel *model = ((const LagRun *)motion->context)->model;
+    const size_t size = lag_jet_room(model) * LAG_JET_STRIDE;
     s->jets = lag_take(arena, size);
     s->old_jets = lag_take(arena, size);
     s->unit = lag_take(arena, 2 * (size_t)motion->n + LAG_LANES);
     s->share = lag_take(arena, 2 * (size_t)motion->n + 2 * LAG_LANES);
+    s->numbers = lag_take(arena, model->series.n_out > 0 ? (size_t)model->series.out_size[0] : 0);
+    s->work = lag_take(arena, model->series.n_work);
+    s->scratch = lag_take(arena, lag_jet_scratch(model));
 }
 
 static double cost_of(const LagModel *model, int order)
@@ -125,13 +131,18 @@ static void place_known(LagRun *run, double *jets)
 
 /* The coefficients of everything from order `first` to before `end`, and those of the state of order `end`. Returns 1 when the
  * last of them are finite: what is not, at a lower order, makes them NaN. */
-static int expand(LagRun *run, double *jets, int first, int end)
+static int expand(LagRun *run, const LagTaylor *s, double *jets, int first, int end)
 {
     const LagModel *model = run->model;
     const double *in[] = {run->d, run->c};
     double probe = 0;
     const int n = model->n, pitch = model->jet_pitch, is_long = model->is_long_state;
-    model->taylor(first, end, in, jets);
+    if (model->taylor) {
+        model->taylor(first, end, in, jets);
+    } else {
+        lag_call(&model->series, in, (double *[]){s->numbers}, s->work);
+        lag_jet_tape_run(model, first, end, s->numbers, jets, s->scratch);
+    }
     for (int i = 0; i < (is_long ? 0 : n) + model->n_power; ++i)
         probe += 0 * jet(model, jets, model->jet_places[i])[(end - 1) * pitch];
     for (int i = 0; i < (is_long ? n : 0); ++i)
@@ -151,7 +162,7 @@ static int build(LagRun *run, LagTaylor *s, int order)
     }
     const int first = s->begun;
     s->begun = order;
-    return first >= order || expand(run, s->jets, first, order);
+    return first >= order || expand(run, s, s->jets, first, order);
 }
 
 /* sum of c_k h^k from k = 0 to the order: Horner in four chains, so that hardly one multiplication waits for another. */
@@ -287,7 +298,7 @@ static int look_ahead(LagRun *run, LagTaylor *s, double t_new)
     for (int i = 0; i < 2 * m->n; ++i)
         *jet(run->model, s->old_jets, 1 + i) = m->other[i];
     ++m->evaluations;
-    return expand(run, s->old_jets, 0, 1);
+    return expand(run, s, s->old_jets, 0, 1);
 }
 
 /* Whether the step of this length to m->other is good; *wrong: by how much the last one tried was not. */

@@ -11,6 +11,7 @@ typedef struct {
     double last, before_last; /* what the last two coefficients may be worth in a step, in units of error */
     double *jets;     /* n_jets * LAG_JET_STRIDE: those of the step that begins at the present state */
     double *old_jets; /* those of the latest step */
+    double *numbers, *work, *scratch; /* of series without code of their own */
     double *unit, *share; /* of a long state: units of error; scratch, in which the slope at the end of a step waits for its check */
     int begun;        /* orders of `jets` that are known */
     int is_fresh;     /* there was no step since the state or the equations changed */

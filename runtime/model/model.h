@@ -141,6 +141,13 @@ struct LagModel {
     int is_long_state;     /* jets lie order by order, and accelerations are not kept: the rates of one order more tell them */
     int series_may_hide;   /* terms may be too faint for any coefficient to tell of them, and large within a step */
     LagJets taylor;
+    /* The same as instructions, which are run where `taylor` is not there: jet_tape.h. */
+    int n_jet_instructions;
+    int n_jet_slots;       /* jets, with those of which only the present coefficient is asked for */
+    int n_angles;          /* coordinates whose sines and cosines are computed together */
+    const int *jet_code;
+    const int *jet_rates;  /* n: the slots of the accelerations */
+    LagFunction series;    /* d, c -> numbers that are constant in a step */
 
     LagWideCode wide; /* NULL: states are evaluated one by one */
 };

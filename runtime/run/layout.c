@@ -4,6 +4,7 @@
 #include "choice/choice.h"
 #include "run/batch.h"
 #include "run/run.h"
+#include "model/jet_tape.h"
 #include "model/tape.h"
 
 #define SIZE_OF(type) {#type, (int32_t)sizeof(type)}
@@ -25,6 +26,7 @@ const LagSize lag_sizes[] = {
     COUNT_OF("LagStatus", LAG_NO_PROGRESS),
     COUNT_OF("LAG_SOLVER", LAG_SOLVERS - 1),
     COUNT_OF("LagOp", LAG_OP_COUNT - 1),
+    COUNT_OF("LagJetOp", LAG_JET_COUNT - 1),
     COUNT_OF("LAG_REDUCE", LAG_REDUCE_LAST_BELOW),
     COUNT_OF("LAG_RUN", LAG_RUN_OPEN),
     {NULL, 0},

@@ -68,7 +68,6 @@ static void connect_parts(LagRun *run, const LagModel *model)
     run->inputs.n = model->n_inputs;
     run->motion.n = model->n;
     run->motion.size = 2 * model->n + model->n_power;
-    run->motion.n_jets = model->jet_pitch > 1 ? model->jet_pitch : model->n_jets;
     run->motion.rhs = lag_accelerations;
     run->motion.flow = lag_flow;
     run->motion.context = run;

@@ -15,7 +15,6 @@ typedef int (*LagFlow)(void *context, LagFlowPart part, const double *q, const d
 
 typedef struct {
     int n, size; /* size = 2 n + n_power */
-    int n_jets; /* room for so many: more than the model has where they lie order by order, padded */
     LagRhs rhs;
     LagFlow flow;
     void *context;

@@ -99,9 +99,9 @@ def test_loops_change_no_digit(part: str, scene: Callable[[str], lag.Model], mon
         loops.extend(found)
         return found
 
-    def rows() -> np.ndarray:
+    def rows(native: bool = True) -> np.ndarray:
         model = scene(ROW % PARTS[part])
-        model.native = True
+        model.native = native
         return model.simulate(stop=1, interval=0.05, tolerance=1e-9, solver="taylor").rows
 
     monkeypatch.setattr(taylor, "find_loops", finding)
@@ -109,3 +109,4 @@ def test_loops_change_no_digit(part: str, scene: Callable[[str], lag.Model], mon
     assert sum(loop.count for loop in loops) >= 2 * 12  # of order 0 and of the others
     monkeypatch.setattr(taylor, "find_loops", lambda *_: [])
     np.testing.assert_array_equal(rolled, rows())
+    np.testing.assert_array_equal(rolled, rows(native=False))

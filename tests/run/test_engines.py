@@ -1,4 +1,4 @@
-"""Native code, tapes, and the change from one to the other in a run."""
+"""Tapes, native code, and the change from one to the other in a run."""
 
 import time
 from pathlib import Path
@@ -8,14 +8,17 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.model import Model
-from lagrangia.run import engines, rules
+from lagrangia.native.build import find_compiler
+from lagrangia.run import engines
+from lagrangia.run.library import start_runtime
 
-CHAIN = Path(__file__).parents[2] / "models" / "examples" / "chain.lag"
+EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
+CHAIN, PENDULUM, ISLANDS = (EXAMPLES / f"{name}.lag" for name in ("chain", "double_pendulum", "free_bar"))
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
 
 @pytest.fixture
 def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """With the run time in it, but no scene."""
     monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path))
     return tmp_path
 
@@ -37,56 +40,73 @@ def test_tape_and_native_code_give_the_same_digits() -> None:
         assert np.array_equal(runs[0][name], runs[1][name])
 
 
-def test_a_small_scene_is_compiled_at_once() -> None:
-    assert how(chain(n=2)) == "native"
-
-
-def test_a_large_scene_starts_on_its_tape() -> None:
-    model = chain(n=300)
+@pytest.mark.parametrize("n", [2, 300])
+def test_every_scene_starts_on_its_tape_and_compiles_nothing_for_a_short_run(n: int, empty_cache: Path) -> None:
+    model = chain(n=n)
+    model.simulate(stop=1e-3)
     assert how(model) == "tape"
     assert "pays from" in engines.describe(model.scene)
+    assert {path.name for path in empty_cache.iterdir()} == {"scenes", ".pruned"}, "not even whether a compiler works is tried"
 
 
-def test_a_run_changes_over_when_it_pays(empty_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rules, "_AT_ONCE", -1.0)
-    monkeypatch.setattr(engines, "_LOOK", 0.0)
-    monkeypatch.setattr(engines, "_START", 0.0)
-    monkeypatch.setattr(engines, "_COMPILE", 0.0)
-    model = chain()
+@pytest.fixture
+def eager(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compiling costs nothing, so that it pays at once."""
+    for name in ("_LOOK", "_START", "_COMPILE", "_SERIES", "_SEEK"):
+        monkeypatch.setattr(engines, name, 0.0)
+
+
+@needs_compiler
+@pytest.mark.parametrize("solver", ["auto", "taylor"])
+def test_a_run_changes_over_when_it_pays(solver: str, empty_cache: Path, eager: None) -> None:
+    model, other = (lag.load(PENDULUM) for _ in range(2))
+
+    def run() -> lag.Trajectory:
+        return model.simulate(stop=3, tolerance=1e-10, solver=solver)
+
     assert how(model) == "tape"
-    run = wanted = model.simulate(stop=0.3, tolerance=1e-10)
+    found = wanted = run()
     limit = time.monotonic() + 60  # the compiler needs its time, on a busy machine more than 400 runs take
     while how(model) == "tape" and time.monotonic() < limit:
-        run = model.simulate(stop=0.3, tolerance=1e-10)
+        found = run()
     assert how(model) == "tape, then native"
-    after = model.simulate(stop=0.3, tolerance=1e-10)
-    for found in (run, after):
-        assert np.array_equal(found["hinge[12].phi"], wanted["hinge[12].phi"])
-        assert np.array_equal(found.energy.total, wanted.energy.total)
-    assert how(chain()) == "native", "the library is in the cache"
+    after = run()
+    for again in (found, after):
+        assert np.array_equal(again.rows, wanted.rows)
+    other.simulate(stop=3)
+    assert how(other) == "native", "the library is in the cache"
 
 
-def test_a_short_run_compiles_nothing(empty_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rules, "_AT_ONCE", -1.0)
-    model = chain()
-    model.simulate(stop=0.01)
-    assert how(model) == "tape"
-    assert not list(empty_cache.glob("scene-*")) and not list(empty_cache.glob(".scene-*"))
+@needs_compiler
+def test_islands_change_over_together(empty_cache: Path, eager: None) -> None:
+    model = lag.load(ISLANDS)
+    assert model.scene.islands
+    wanted = model.simulate(stop=1, solver="islands")
+    limit = time.monotonic() + 60
+    while how(model) == "tape" and time.monotonic() < limit:
+        model.simulate(stop=1, solver="islands")
+    assert model.engine is not None
+    assert model.engine.how == "tape, then native"
+    assert len(list(empty_cache.glob("scene-*"))) >= 2
+    assert np.array_equal(model.simulate(stop=1, solver="islands").rows, wanted.rows)
 
 
-def test_what_a_change_costs_is_counted_over_all_runs() -> None:
+def test_what_a_change_costs_is_counted_over_all_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     """Many short runs make compiling pay as one long one does."""
-    scene = chain(n=300).scene
-    upgrade = engines.Upgrade(scene, None)  # type: ignore[arg-type]
-    model = None
-    for _ in range(3):
-        for elapsed in (0.1, 0.15):
-            assert not upgrade.look(model, elapsed, 0.5)  # type: ignore[arg-type]
-    assert upgrade.spent == pytest.approx(2 * 0.15)
+    scene, begun = chain(n=12).scene, []
+    monkeypatch.setattr(engines.Upgrade, "_make", lambda self: begun.append(self.spent))
+    monkeypatch.setattr(engines.Upgrade, "_seek", lambda self: None)
+    upgrade = engines.Upgrade(start_runtime(), [(scene, None)])  # type: ignore[list-item]
+    runs = 0
+    while not begun and runs < 1000:
+        assert not upgrade.look(0.01, 0.0)
+        runs += 1
+    assert upgrade.spent == pytest.approx(0.01 * runs)
+    assert upgrade.compiling < upgrade.spent < upgrade.compiling + 0.02
 
 
 def test_a_build_that_is_given_up_leaves_nothing(empty_cache: Path) -> None:
-    from lagrangia.native.build import find_compiler, start_build
+    from lagrangia.native.build import start_build
 
     compiler = find_compiler()
     assert compiler is not None

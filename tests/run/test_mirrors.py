@@ -23,8 +23,10 @@ from lagrangia.run.mirrors import check_mirrors
 
 FOLDER = data_folder("runtime")
 MIRRORS = runtime.MIRRORS | batch.MIRRORS
-PREFIXES = {"LagStatus": "LAG_", "LagOp": "LAG_OP_"}  # of the numbers; those of enumerations without a name begin with it
-HEADERS = "\n".join(f'#include "{name}.h"' for name in ("model/tape", "run/batch", "run/run", "choice/choice", "start/metric"))
+# Of the numbers; those of enumerations without a name begin with it.
+PREFIXES = {"LagStatus": "LAG_", "LagOp": "LAG_OP_", "LagJetOp": "LAG_JET_"}
+_NAMES = ("model/tape", "model/jet_tape", "run/batch", "run/run", "choice/choice", "start/metric")
+HEADERS = "\n".join(f'#include "{name}.h"' for name in _NAMES)
 
 
 def members(mirror: Any) -> dict[str, int]:
@@ -68,11 +70,11 @@ def test_every_number_has_the_value_it_has_in_c(name: str) -> None:
     assert isinstance(mirror, type) and issubclass(mirror, IntEnum)
     kinds = [kind for kind in mirror if kind >= 0]
     assert numbers([f"{PREFIXES.get(name, name + '_')}{kind.name}" for kind in kinds]) == [int(kind) for kind in kinds]
-    header = {"LagStatus": "base/status", "LagOp": "model/tape", "LAG_SOLVER": "state/settings", "LAG_REDUCE": "run/reduce",
-              "LAG_RUN": "run/batch"}[name]
+    header = {"LagStatus": "base/status", "LagOp": "model/tape", "LagJetOp": "model/jet_tape", "LAG_SOLVER": "state/settings",
+              "LAG_REDUCE": "run/reduce", "LAG_RUN": "run/batch"}[name]
     text = re.sub(r"/\*.*?\*/", "", (FOLDER / f"{header}.h").read_text(), flags=re.S)
     (block,) = (body for body in re.findall(r"enum \{(.*?)\}", text, re.S) if kinds[0].name in body)
-    counts = name in ("LAG_SOLVER", "LagOp")  # whose last number is how many there are
+    counts = name in ("LAG_SOLVER", "LagOp", "LagJetOp")  # whose last number is how many there are
     assert len(re.findall(r"\bLAG_\w+", block)) == len(kinds) + counts
 
 

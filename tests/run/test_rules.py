@@ -13,8 +13,7 @@ KNOWN: dict[Moment, dict[str, Any]] = {
     Moment.LINEAR: {"coordinates": 2, "radians": 100.0, "own": 20.0, "has_events": False},
     Moment.SWEEP: {"has_islands": False, "has_long_steps": False},
     Moment.FMU: {"is_linear": False},
-    Moment.ENGINE: {"has_compiler": True, "compiling": 0.6},
-    Moment.UPGRADE: {"spent": 0.1, "saved": 0.2, "compiling": 0.6},
+    Moment.UPGRADE: {"is_built": False, "looks": True, "spent": 0.1, "saved": 0.2, "compiling": 0.6},
 }
 
 
@@ -45,11 +44,11 @@ def test_a_row_is_there_for_everything(moment: Moment) -> None:
         (Moment.SWEEP, {"has_long_steps": True}, Solver.STEPWISE, "looks between rows"),
         (Moment.FMU, {}, Solver.AUTO, "FMU"),
         (Moment.FMU, {"is_linear": True}, Solver.LINEAR, "linear FMU"),
-        (Moment.ENGINE, {}, Code.TAPE, "tape"),
-        (Moment.ENGINE, {"compiling": 0.5}, Code.NATIVE, "compiled at once"),
-        (Moment.ENGINE, {"compiling": 0.1, "has_compiler": False}, Code.TAPE, "tape"),
         (Moment.UPGRADE, {}, Code.TAPE, "still the tape"),
         (Moment.UPGRADE, {"saved": 0.51}, Code.NATIVE, "compiled beside"),
+        (Moment.UPGRADE, {"saved": 0.51, "looks": False}, Code.TAPE, "still the tape"),
+        (Moment.UPGRADE, {"spent": 0.61, "saved": 0.0}, Code.NATIVE, "compiled beside"),
+        (Moment.UPGRADE, {"is_built": True}, Code.NATIVE, "compiled before"),
     ],
 )
 def test_the_first_row_that_holds_decides(moment: Moment, changed: dict[str, Any], takes: Solver | Code, rule: str) -> None:

@@ -5,8 +5,9 @@ operators cannot say (functions, conditions) goes through the methods of an Alge
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
+
+from lagrangia.base.records import dataclass
 
 Scalar = Any  # float | ca.SX | Dual
 

@@ -7,11 +7,12 @@ w*w. Sums in a denominator, roots and other functions are left as they are, quan
 
 import math
 from collections.abc import Callable, Mapping, Sequence, Set
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import casadi as ca
 
 from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, symbols_in
+from lagrangia.base.records import dataclass
 
 _MOST_PRODUCTS = 2_500  # of two terms, some 2 us each: a chain of six takes 1 500
 _ROUNDING = 1e-14

@@ -8,13 +8,13 @@ count of products, never by a clock.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import TIME, Expr, exact, slope
+from lagrangia.base.records import dataclass
 
 Powers = tuple[tuple[int, Fraction], ...]  # of atoms, by their numbers
 Angle = tuple[tuple[int, Fraction], ...]  # sum of coefficient x atom

@@ -1,12 +1,13 @@
 """Numbers for the values of expressions: what is the same has one number, however its expression was built."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import islice
 
 import casadi as ca
 
 from lagrangia.algebra.scalars import Expression, as_expression, operate
+from lagrangia.base.records import dataclass
 
 _COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
 _Key = tuple[float, ...]

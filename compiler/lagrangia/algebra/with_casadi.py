@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property, partial, reduce
 from itertools import accumulate, pairwise
 from typing import Any
@@ -13,6 +13,7 @@ from lagrangia.algebra.duals import TINY, Scalar, is_zero, minus, nested_lines, 
 from lagrangia.algebra.numbering import Numbering
 from lagrangia.algebra.scalars import apply, apply_to_one, as_expression, symbols_in
 from lagrangia.algebra.scalars import symbol as make_symbol
+from lagrangia.base.records import dataclass
 
 _NUMBERS = (float, int)
 

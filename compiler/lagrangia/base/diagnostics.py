@@ -8,14 +8,15 @@ Code ranges, one a phase:
     L03xx  units and dimensions            L09xx  not supported yet
 """
 
-import difflib
 import re
 from bisect import bisect_right
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from math import isfinite
 from typing import Any, Literal, NoReturn
+
+from lagrangia.base.records import dataclass
 
 Severity = Literal["error", "warning", "note"]
 _LONGEST_LINE = 160
@@ -178,6 +179,8 @@ def tell_miss(gap: float, unit: str) -> str:
 
 def nearest(word: str, known: Iterable[str]) -> str | None:
     """The known word that differs in capitals only, else the most similar one."""
+    import difflib
+
     names = sorted(set(known))
     near = [name for name in names if name.lower() == word.lower()] or difflib.get_close_matches(word, names, n=1, cutoff=0.6)
     return near[0] if near else None

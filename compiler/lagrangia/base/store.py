@@ -10,11 +10,11 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_use
+from lagrangia.base.records import dataclass
 
 _KINDS = ("scenes", "syntax", "objects")  # folders of files
 _DAY = 86_400.0  # seconds

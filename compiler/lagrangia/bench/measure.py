@@ -7,9 +7,9 @@ process, so that other work on the machine counts little; the median of several 
 import statistics
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 
+from lagrangia.base.records import dataclass
 from lagrangia.bench.heyoka_peer import prepare_heyoka
 from lagrangia.bench.peers import (
     CASADI_METHODS,

@@ -10,13 +10,14 @@ import shlex
 import time
 from array import array
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
+from lagrangia.base.records import dataclass
 from lagrangia.bench.problem import Piece, Problem
 from lagrangia.native.build import build, find_compiler
 from lagrangia.run.request import check_values

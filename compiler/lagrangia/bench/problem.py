@@ -5,7 +5,7 @@ such piece has a slope of its own, and solvers without events of their own start
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.switches import live
 from lagrangia.model import Model
 from lagrangia.run.request import USUAL, Experiment, Request, check_values, plan

@@ -11,7 +11,6 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9
 import ctypes
 import math
 import time
-from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +18,7 @@ import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.with_casadi import CORNERS, uses
+from lagrangia.base.records import dataclass
 from lagrangia.bench.peers import prepare_scipy
 from lagrangia.bench.problem import Piece, Problem
 from lagrangia.native.build import build

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.command.arguments import assignment, load_model, split_names, tell_warnings, values_with_units
-from lagrangia.compile.pipeline import ALL_REACTIONS
 from lagrangia.native.build import CompilerError
+from lagrangia.run.scene import ALL_REACTIONS
 from lagrangia.view.statics import tells_reactions
 
 if TYPE_CHECKING:

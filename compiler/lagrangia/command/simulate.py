@@ -23,9 +23,9 @@ from lagrangia.command.arguments import (
     values_with_units,
 )
 from lagrangia.command.summary import summarise, tell_assembly, tell_moved, tell_reactions
-from lagrangia.compile.pipeline import ALL_REACTIONS
 from lagrangia.model import NO_COMPILER, Model
 from lagrangia.run.request import Experiment, check_values, plan
+from lagrangia.run.scene import ALL_REACTIONS
 from lagrangia.run.simulate import Progress, loss
 from lagrangia.view.statics import tells_reactions
 from lagrangia.view.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names

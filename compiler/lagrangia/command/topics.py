@@ -211,10 +211,11 @@ whose place jumps (step) takes along what is told in its frame, and dampers that
 its way: the limit of ever steeper ramps. A tolerance below 1e-14 is raised to it, and steps that missed
 theirs are counted. A result file holds finite numbers alone: where an output has none (the square root of what became negative),
 its cell is empty, with a warning; NumPy arrays have nan there.
-A small scene is compiled to native code, a large one runs on a tape of instructions; --stats says
-which, and what it took. Compiled scenes are kept in a cache folder ($LAGRANGIA_CACHE, or the system's place for caches).
+A scene starts on a tape of instructions; where it runs so long that it pays, it is compiled to native code meanwhile, with the
+same digits; --stats says which, and what it took. Compiled scenes are kept in a cache folder ($LAGRANGIA_CACHE, or the system's
+place for caches).
 
-The run time comes with the package; without a C compiler scenes run on tapes, by all solvers but taylor.
+The run time comes with the package; without a C compiler scenes run on tapes.
 
 Environment: LAGRANGIA_CACHE, LAGRANGIA_CC (a C compiler's command, or none), CC, NO_COLOR, LAGRANGIA_TRACEBACK=1; at install
 LAGRANGIA_KINDS=all, for a run time with all widths of registers.

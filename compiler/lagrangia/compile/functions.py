@@ -5,13 +5,13 @@ For the run time, in the order that runtime/model/model.h states, with everythin
 """
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 from itertools import islice
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.with_casadi import Mode
+from lagrangia.base.records import dataclass
 from lagrangia.compile.hoisting import hoist
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.parameters import all_parameters, at_start, parameters_of, scalars

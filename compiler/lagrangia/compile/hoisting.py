@@ -6,12 +6,13 @@ parameters change sign and factor, and cost nothing until a sum needs the value.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import pairwise
 
 import casadi as ca
 
 from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, operate, symbol, symbols_in
+from lagrangia.base.records import dataclass
 
 _MOST_OPERATIONS = 6_000  # 25 us each, and saves 5 % of a chain: large scenes are better compiled sooner
 _MOVES = (ca.OP_INPUT, ca.OP_CONST)

@@ -9,15 +9,16 @@ import sys
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import Report, Source, fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import require_file
 from lagrangia.language.classes import build_class_table
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
+from lagrangia.run.scene import ALL_REACTIONS
 
 if TYPE_CHECKING:
     from lagrangia.compile.functions import Functions
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from lagrangia.run.scene import Scene
 
 PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")
-ALL_REACTIONS = "*.reaction"  # among outputs: the reactions of all joints
 _DEEPEST_RECURSION = 50_000
 
 
@@ -61,40 +61,47 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
                  outputs: tuple[str, ...] = (), for_any_mass: bool = False, is_general: bool = False,
                  is_as_written: bool = False) -> Compilation:
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
-    from lagrangia.compile.functions import build_functions
-    from lagrangia.compile.scenes import build_scene, divide
-    from lagrangia.constraints.initial import with_motion
-    from lagrangia.constraints.partition import find_partition
-    from lagrangia.constraints.rows import reduce_kinematics
-    from lagrangia.dynamics.energies import build_energies
-    from lagrangia.dynamics.freedom import is_held_still
-    from lagrangia.dynamics.massless import settle_massless
-    from lagrangia.dynamics.motion import build_motion
-    from lagrangia.frames.graph import build_graph
-    from lagrangia.frames.kinematics import build_kinematics
-
     took: dict[str, float] = {}
     with deep_recursion(), _without_collections():
         with _timed(took, "syntax, flat"):
             syntax, flat = flatten_file(path, model, structural)
             flat = check_dimensions(flat)
-        with _timed(took, "graph, kinematics, energies"):
-            kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
-            kinematics, constraints, energies = settle_massless(kinematics, constraints, build_energies(kinematics))
-        with _timed(took, "motion"):
-            constraints, initial = _start(kinematics, constraints, is_as_written)
-            made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
-            motion = build_motion(kinematics, energies, *made_of)
-            hit, run = _with_impacts(kinematics, energies, motion, made_of)
-            initial = with_motion(initial, kinematics, motion.momentum, motion.acceleration)
-        with _timed(took, "functions"):
-            flow, stuck, hamilton = _flow(kinematics, constraints, energies, run)
-            functions = build_functions(hit, run, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
-        with _timed(took, "freedom"):
-            is_still = is_held_still(kinematics, motion, constraints, initial, functions.table)
-        with _timed(took, "scene"):
-            scene = build_scene(kinematics, run, constraints, initial, functions, is_still, flow, stuck)
-            scene = divide(scene, kinematics, run, initial)
+        return _compile(syntax, flat, outputs, for_any_mass, is_general, is_as_written, took)
+
+
+def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], for_any_mass: bool, is_general: bool,
+             is_as_written: bool, took: dict[str, float]) -> Compilation:
+    """What needs CasADi, which is not loaded for a text that is wrong."""
+    with _timed(took, "libraries"):
+        from lagrangia.compile.functions import build_functions
+        from lagrangia.compile.scenes import build_scene, divide
+        from lagrangia.constraints.initial import with_motion
+        from lagrangia.constraints.partition import find_partition
+        from lagrangia.constraints.rows import reduce_kinematics
+        from lagrangia.dynamics.energies import build_energies
+        from lagrangia.dynamics.freedom import is_held_still
+        from lagrangia.dynamics.massless import settle_massless
+        from lagrangia.dynamics.motion import build_motion
+        from lagrangia.frames.graph import build_graph
+        from lagrangia.frames.kinematics import build_kinematics
+
+    with _timed(took, "graph, kinematics, energies"):
+        kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
+        kinematics, constraints, energies = settle_massless(kinematics, constraints, build_energies(kinematics))
+    with _timed(took, "motion"):
+        constraints, initial = _start(kinematics, constraints, is_as_written)
+        made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
+        motion = build_motion(kinematics, energies, *made_of)
+        hit, run = _with_impacts(kinematics, energies, motion, made_of)
+        initial = with_motion(initial, kinematics, motion.momentum, motion.acceleration)
+    with _timed(took, "functions"):
+        flow, stuck, hamilton = _flow(kinematics, constraints, energies, run)
+        functions = build_functions(hit, run, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
+    with _timed(took, "freedom"):
+        is_still = is_held_still(kinematics, motion, constraints, initial, functions.table)
+    with _timed(took, "scene"):
+        scene = build_scene(kinematics, run, constraints, initial, functions, is_still, flow, stuck)
+        scene = divide(scene, kinematics, run, initial)
     return Compilation(syntax, flat, kinematics.graph, kinematics, constraints, energies, motion, hit, run, initial, functions,
                        scene, took)
 

@@ -25,7 +25,7 @@ from lagrangia.language.dimensions import unit_of
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
-from lagrangia.native.c_code import may_hide, usual_rhs, write_motion_series
+from lagrangia.native.c_code import jet_tape, may_hide, usual_rhs
 from lagrangia.native.tapes import Tape
 from lagrangia.needs.islands import MOST_COORDINATES, MOST_ISLANDS, find_islands, island_motion, weigh_islands
 from lagrangia.run.rules import Moment, decide
@@ -57,7 +57,7 @@ def build_scene(
         "is_separable": int(not no_momenta and "velocity" not in functions.table),
         "is_swing": int(not flow and _is_of_one_freedom(motion)),
     }
-    return Scene(
+    return _with_series(Scene(
         name=model.name, description=model.description, structural=dict(model.structural),
         coordinates=coordinates, rates=rates, outputs=outputs, parameters=parameters, inputs=inputs, aliases=aliases,
         start=experiment.start, stop=experiment.stop, tolerance=experiment.tolerance, interval=experiment.interval,
@@ -66,8 +66,8 @@ def build_scene(
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
         notes=_notes(motion, tapes) | {"form": functions.form.why if functions.form else ""}
         | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions.patterns),
-        refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {}), **_no_series(tapes)},
-    )
+        refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {})},
+    ))
 
 
 def _is_of_one_freedom(motion: Motion) -> bool:
@@ -116,12 +116,12 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
     given = scene.sizes["n_parameters"], scene.sizes["n_inputs"]
     sizes = _sizes(len(group), *given, len(algebra.modes), functions, motion, tapes)
     fixed = tuple(scene.fixed[k] for k in (*group, *(len(scene.coordinate_kind) + k for k in group)))
-    return replace(
+    return _with_series(replace(
         scene, coordinates=tuple(scene.coordinates[k] for k in group), rates=tuple(scene.rates[k] for k in group), outputs=(),
         aliases={}, sizes=sizes, coordinate_kind=tuple(scene.coordinate_kind[k] for k in group), fixed=fixed,
         event_kind=functions.event_kinds, initial_places=(), notes=_notes(motion, tapes), patterns=functions.patterns,
         refused=functions.refused, tapes=tapes, islands=(), evenness=None, lost={},
-    )
+    ))
 
 
 def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Functions, motion: Motion, tapes: dict[str, Tape]
@@ -176,9 +176,13 @@ def _evenness(motion: Motion) -> Tape | None:
     return tape_of(ca.Function("evenness", [motion.p], [held.evenness]))
 
 
-def _no_series(tapes: Mapping[str, Tape]) -> dict[str, str]:
-    series = write_motion_series(tapes)
-    return {"taylor": series} if isinstance(series, str) else {}
+def _with_series(scene: Scene) -> Scene:
+    """With Taylor coefficients of its motion, or the reason why there are none."""
+    found = jet_tape(scene.tapes)
+    if isinstance(found, str):
+        return replace(scene, refused={**scene.refused, "taylor": found})
+    sizes, patterns, tapes = found
+    return replace(scene, sizes={**scene.sizes, **sizes}, patterns={**scene.patterns, **patterns}, tapes={**scene.tapes, **tapes})
 
 
 def _initial_places(initial: InitialConditions) -> tuple[tuple[str, str], ...]:

@@ -6,13 +6,12 @@ solved from many starts, by Levenberg and Marquardt's method, all starts at once
 taken over, and what depends on it is solved again. The work is bounded: so many starts, so many blocks.
 """
 
-from dataclasses import dataclass
-
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector, independent_columns
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.assembly import Assembly
 from lagrangia.constraints.initial import FIXED, FREE, InitialConditions
 from lagrangia.constraints.parameters import at_declared_values

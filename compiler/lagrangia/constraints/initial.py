@@ -9,7 +9,7 @@ A coordinate that others give, by a loop or a linear constraint, is a value like
 rate: s, with the residuals s - s(q) and der(s) - ds/dt.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import casadi as ca
@@ -17,6 +17,7 @@ import casadi as ca
 from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.duals import rate_of as rate_of_dual
 from lagrangia.base.diagnostics import Report, Span, fail
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters
 from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.evaluation import Value, scalars_of

@@ -1,13 +1,13 @@
 """Equations of start values solved from guesses: the algorithm of runtime/start/newton.c, which states what it does and why."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import Vector, nearest
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.metric import Metric, Momenta, Way
 from lagrangia.constraints.parameters import default_parameters

@@ -8,12 +8,13 @@ Generalized coordinate partitioning, J. Mech. Des. 104 (1982).
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import islice, takewhile
 
 import casadi as ca
 import numpy as np
 
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.assembly import begin
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.positions import Positions, Vector

@@ -7,7 +7,7 @@ the others and of time: that coordinate disappears, and the row with it.
 
 from collections import ChainMap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 
 import casadi as ca
@@ -16,6 +16,7 @@ import numpy as np
 from lagrangia.algebra.duals import Dual, Scalar, plus, rate_of, times
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters
 from lagrangia.frames.closures import gaps
 from lagrangia.frames.edges import Closure

@@ -10,12 +10,12 @@ Source: the second-order analysis of kinematic bifurcation (S. Kumar and S. Pell
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import independent_columns
+from lagrangia.base.records import dataclass
 
 Matrix = NDArray[np.float64]
 _FLAT = 1e-7  # of second derivatives of normalised rows: positions are known to half the digits where constraints are singular

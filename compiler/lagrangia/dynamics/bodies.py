@@ -5,11 +5,11 @@ the body is moved and turned, is that body's inertia: mass, first moment and sec
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Energies, Term
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.graph import ComponentGraph

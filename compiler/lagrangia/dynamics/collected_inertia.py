@@ -9,7 +9,7 @@ accelerations of a double pendulum take 33 operations so, 84 along the tree.
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import reduce
 from itertools import pairwise
 
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.harmonics import Angle, Harmonics, Key, Powers, Sum, TooLarge, combined
 from lagrangia.algebra.scalars import Expression, apply_to_one, as_expression, symbols_in
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Term
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics

@@ -1,10 +1,11 @@
 """Constraints, M and h -> accelerations and multipliers from the index-1 system, and the corrections onto the constraints."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import casadi as ca
 
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.partition import Partition
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.kkt import KKT, diagonal_of, factor

@@ -12,13 +12,14 @@ Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7.
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Dual, Scalar, dot, is_zero, minus, plus, times
 from lagrangia.algebra.scalars import scalars_in
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.forces import Forces, find_forces

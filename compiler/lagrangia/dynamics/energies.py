@@ -1,13 +1,13 @@
 """Kinematics -> T, V, D and the virtual work, term by term as the components state them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression
 from lagrangia.base.diagnostics import Report, Span
+from lagrangia.base.records import dataclass
 from lagrangia.frames.evaluation import Value, scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Energy, Work

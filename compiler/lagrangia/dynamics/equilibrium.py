@@ -7,13 +7,14 @@ scene is let down, by steps that turn back in directions of negative stiffness, 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.singular_positions import Ways, find_ways
 
 Vector = NDArray[np.float64]

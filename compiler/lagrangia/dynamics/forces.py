@@ -7,13 +7,14 @@ others.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression, scalars_in, symbol
 from lagrangia.algebra.with_casadi import CasadiAlgebra
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.energies import Energies

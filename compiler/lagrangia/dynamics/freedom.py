@@ -6,7 +6,7 @@ singular position is not known better.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -14,6 +14,7 @@ import numpy as np
 
 from lagrangia.algebra.orthogonal import Vector
 from lagrangia.base.diagnostics import Diagnostic, tell_miss
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.assemblies import Alternatives, find_alternatives
 from lagrangia.constraints.assembly import Assembly, begin
 from lagrangia.constraints.initial import InitialConditions

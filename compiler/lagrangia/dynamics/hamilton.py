@@ -6,10 +6,9 @@ Symplectic steps are taken in (q, p); only scenes have them whose equations know
 (q, v) serve as well, and nothing more is needed than accelerations.
 """
 
-from dataclasses import dataclass
-
 import casadi as ca
 
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.rows import Constraints, moved_in_time
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.motion import Motion, solve_mass

@@ -2,13 +2,13 @@
 now or for ever, or belong to one rigid body."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 from lagrangia.algebra.orthogonal import Vector
 from lagrangia.base.diagnostics import Report
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.parameters import at_declared_values, at_start, default_parameters, usual_parameters
 from lagrangia.frames.evaluation import origin_of, scalars_of

@@ -13,7 +13,7 @@ there by a force on x that only pushes.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import accumulate
 
 import casadi as ca
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from lagrangia.algebra.duals import Scalar, rate_of, value_of
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.dynamics.energies import Load
 from lagrangia.frames.evaluation import scalars_of

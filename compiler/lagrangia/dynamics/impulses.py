@@ -11,12 +11,12 @@ damping: they add nothing here.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import usual_parameters
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.energies import evaluate_energies

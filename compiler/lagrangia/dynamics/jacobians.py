@@ -14,10 +14,10 @@ for sparse Gaussian elimination with partial pivoting, SIAM J. Sci. Stat. Comput
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import casadi as ca
 
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.motion import Motion, coupled_pairs
 from lagrangia.frames.kinematics import Kinematics
 

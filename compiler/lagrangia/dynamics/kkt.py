@@ -13,11 +13,12 @@ after all coordinates at all where M is sparse (rounding at singular positions i
 has filled M in. Source: Vanderbei, Symmetric quasi-definite matrices (1995); Golub and Van Loan, section 3.5.
 """
 
-from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from itertools import pairwise
 
 import casadi as ca
+
+from lagrangia.base.records import dataclass
 
 SMALL = 1e-10  # of E, relative to the diagonal of J M^-1 J^T
 DOUBTFUL = 1e-6  # pivots without E below this, relative to the same: with E and a refinement they keep more digits

@@ -11,7 +11,6 @@ dampers do not resist): such a sum takes the place of one of its balances.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, NoReturn
 
 import casadi as ca
@@ -22,6 +21,7 @@ from lagrangia.algebra.orthogonal import Vector
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.assembly import begin
 from lagrangia.constraints.initial import build_initial, initial_function, start_function
 from lagrangia.constraints.parameters import at_declared_values, usual_parameters

@@ -7,7 +7,7 @@ dT/dv. The accelerations come from the dense M, or by elimination along the tree
 in which everything is collected that cancels; what counts fewer nodes is taken.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 
 import casadi as ca
@@ -15,6 +15,7 @@ import casadi as ca
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import Span, fail
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.partition import Partition
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.bodies import Bodies, find_bodies

@@ -7,11 +7,11 @@ are needed: for a mechanism of one degree of freedom one division is left beside
 (Kim and Vanderploeg 1986), N found by back substitution.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
 
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.partition import Group, Partition
 
 _DOUBTFUL = 1e-2  # sine of a transmission angle: other ways keep more digits below

@@ -9,12 +9,13 @@ where constraints repeat each other or a mechanism passes a singular position, a
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, reduce
 
 import casadi as ca
 
 from lagrangia.algebra.duals import is_zero
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.elimination import ArticulatedBodies
 from lagrangia.dynamics.forces import Forces
 from lagrangia.dynamics.kkt import DOUBTFUL, SMALL, count_operations

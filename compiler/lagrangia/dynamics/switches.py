@@ -12,13 +12,14 @@ friction that holds more than it rubs.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, uses
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.held_switches import RELATIONS, SIGNS, Holding, Pair, direction_in, ordered, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
 

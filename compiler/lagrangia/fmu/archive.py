@@ -5,11 +5,11 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 
 from lagrangia.base.diagnostics import Diagnostic, Severity, fail
+from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import require_file
 from lagrangia.fmu.xmltree import Element, read_xml
 

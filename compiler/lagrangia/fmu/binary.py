@@ -7,7 +7,8 @@ short is said to be none.
 import re
 import struct
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+
+from lagrangia.base.records import dataclass
 
 _ELF_MACHINES = {3: "x86", 0x3E: "x86_64", 0x28: "aarch32", 0xB7: "aarch64", 0xF3: "riscv64"}
 _PE_MACHINES = {0x14C: "x86", 0x8664: "x86_64", 0xAA64: "aarch64", 0x1C4: "aarch32"}

@@ -15,12 +15,12 @@ import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.folders import cache_folder
+from lagrangia.base.records import dataclass
 from lagrangia.base.store import find_kept, keep
 from lagrangia.native.build import CompilerError, find_compiler
 

@@ -1,10 +1,11 @@
 """`lag fmu check`: all that can be found wrong with an FMU, by reading it and by running it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from lagrangia.base.diagnostics import Diagnostic, LagError
+from lagrangia.base.records import dataclass
 from lagrangia.fmu.archive import DESCRIPTION, archive_rules
 from lagrangia.fmu.compare import Load, compare, experiment_of
 from lagrangia.fmu.parts import part_rules

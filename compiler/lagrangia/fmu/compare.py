@@ -3,11 +3,11 @@
 import json
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.base.diagnostics import LagError, RunError
+from lagrangia.base.records import dataclass
 from lagrangia.fmu.export import EXTRA, SCENE
 from lagrangia.fmu.process import SPOKEN, Job, Outcome, run_job
 from lagrangia.fmu.run import Opened

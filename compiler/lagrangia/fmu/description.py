@@ -2,10 +2,10 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 from lagrangia.fmu.xmltree import Element
 
 INTERFACES = {"ModelExchange": "me", "CoSimulation": "cs", "ScheduledExecution": "se"}

@@ -10,12 +10,13 @@ import time
 import unicodedata
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 
 from lagrangia.base.checked_values import by_name
 from lagrangia.base.diagnostics import LagError, fail
 from lagrangia.base.folders import data_folder
+from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, keep_apart
 from lagrangia.base.version import VERSION
 from lagrangia.compile.pipeline import read_files

@@ -7,9 +7,10 @@ their derivative is 0.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import casadi as ca
+
+from lagrangia.base.records import dataclass
 
 CONSTANT, TUNABLE, DEPENDENT = "constant", "tunable", "dependent"
 _SUMS = (ca.OP_ASSIGN, ca.OP_NEG, ca.OP_TWICE, ca.OP_ADD, ca.OP_SUB)

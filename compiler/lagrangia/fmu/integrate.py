@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from lagrangia.base.records import dataclass
 from lagrangia.fmu.importer import DISCARD, FmuError, Importer, Table
 
 _LONGEST = 1 / 50  # step of Model Exchange, of the time to simulate: events between two steps are overlooked

@@ -13,13 +13,14 @@ import sys
 import threading
 from array import array
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, field
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 
 KINDS = {"me": "ModelExchange", "cs": "CoSimulation"}
 SPOKEN = {"me": "Model Exchange", "cs": "Co-Simulation"}

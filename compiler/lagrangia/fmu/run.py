@@ -3,13 +3,13 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from itertools import chain, pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.fmu.archive import DESCRIPTION, Archive, open_archive
 from lagrangia.fmu.build import PLATFORMS, host_platform
 from lagrangia.fmu.description import Description, Quantity, read_description

@@ -5,12 +5,12 @@ The groups of value references, and their order, are those of runtime/fmi/fmu.h.
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.base.diagnostics import LagError, RunError, fail
+from lagrangia.base.records import dataclass
 from lagrangia.native.tapes import Tape
 from lagrangia.run.request import check_values
 from lagrangia.run.scene import Column, Scene

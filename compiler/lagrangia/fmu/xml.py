@@ -1,10 +1,11 @@
 """What the model descriptions of both versions of the standard have in common: elements, units, who is to be named."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import isclose
 from xml.sax.saxutils import quoteattr
 
+from lagrangia.base.records import dataclass
 from lagrangia.fmu.factors import CONSTANT, DEPENDENT
 from lagrangia.fmu.variables import FmuModel, Variable
 from lagrangia.language.units import parse_unit

@@ -8,9 +8,9 @@ cut as a weld: its coordinates stay, and three equations close it.
 
 from collections import deque
 from collections.abc import Iterable, Mapping, Set
-from dataclasses import dataclass
 
 from lagrangia.base.diagnostics import Span
+from lagrangia.base.records import dataclass
 from lagrangia.frames.planar_joints import WORTH_CUTTING, cut_as
 from lagrangia.frames.steps import Step
 from lagrangia.language.mentions import nodes

@@ -6,10 +6,10 @@ coordinates of its own; a part without mass is an error, or is left out when not
 
 from collections import Counter, deque
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 from lagrangia.base.diagnostics import Report, Span, fail
+from lagrangia.base.records import dataclass
 from lagrangia.frames.edges import Closure, Edge, choose_tree, close
 from lagrangia.frames.steps import Step
 from lagrangia.language.consequences import keep_consequences_out

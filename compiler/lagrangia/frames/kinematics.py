@@ -4,7 +4,7 @@ The poses (planar.py) are evaluated with Duals, so the velocities come with the 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -14,6 +14,7 @@ from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, plus, times, v
 from lagrangia.algebra.scalars import symbol
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 from lagrangia.frames import planar
 from lagrangia.frames.closures import cut_coordinate
 from lagrangia.frames.edges import Edge

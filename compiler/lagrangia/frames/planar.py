@@ -5,10 +5,10 @@ velocity along x and y of the world, m/s, and an angular velocity, rad/s; a wren
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 from lagrangia.algebra.duals import Algebra, Dual, Scalar, minus, plus, rate_of, times, value_of
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 from lagrangia.frames.steps import Step
 from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS
 

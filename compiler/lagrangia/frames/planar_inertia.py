@@ -5,12 +5,12 @@ L = J w + b x v. Of symmetric matrices the upper triangle is kept.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar, dot, minus, plus, rate_of, times, value_of
 from lagrangia.algebra.scalars import scalars_in, symbol
+from lagrangia.base.records import dataclass
 from lagrangia.frames.planar import SIZE, Pose, Value
 
 Vector = list[Scalar]  # (SIZE,): vx, vy, w or fx, fy, torque

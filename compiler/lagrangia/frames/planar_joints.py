@@ -5,11 +5,11 @@ s = d . (R_a^T (r_b - r_a) - o)/|d|^2;  weld: r_b = r_a, phi_b = phi_a.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
+from lagrangia.base.records import dataclass
 from lagrangia.frames.planar import Pose
 from lagrangia.frames.steps import Step
 from lagrangia.language.mentions import is_linear

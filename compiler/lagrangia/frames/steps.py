@@ -1,7 +1,6 @@
 """The parts of the way from one frame to another, as the language writes it: shifts and turns."""
 
-from dataclasses import dataclass
-
+from lagrangia.base.records import dataclass
 from lagrangia.language.tree import Flat
 
 

@@ -5,13 +5,13 @@ sqrt(r . r) has none. Others pass through zero by chance alone.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar
+from lagrangia.base.records import dataclass
 
 _MOST_SYMBOLS = 40  # in larger vectors nothing is looked for
 _SAME = 1e-12  # relative difference of what is the same but for rounding

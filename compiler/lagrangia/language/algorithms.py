@@ -1,10 +1,10 @@
 """User functions -> FlatFunction: a list of assignments, loops unrolled and branches merged into if expressions."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from lagrangia.base.diagnostics import Span, fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.language.instances import Instance, Scope
 from lagrangia.language.names import Names, read_unit
 from lagrangia.language.tree import (

@@ -1,9 +1,10 @@
 """Syntax trees -> ClassTable: which class a name means, and what a quantity type stands for."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from lagrangia.base.diagnostics import Report, Source, Span, fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.language.tree import Argument, ClassDefinition, Declaration, Extends, Syntax
 
 _FOREIGN = {"double": "Real", "float": "Real", "int": "Integer", "long": "Integer", "bool": "Boolean", "string": "String"}

@@ -5,10 +5,11 @@ way where another one is wanted (`sin(3*time)`, `torque = 0.5*sin(2*time)`); an 
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 from lagrangia.base.diagnostics import LagError, Report, Span, fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.elements import length
 from lagrangia.language.figures import CHOICES, OPTIONS, WORDS

@@ -5,7 +5,8 @@ picture wants them.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+
+from lagrangia.base.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

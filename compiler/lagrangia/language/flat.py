@@ -1,11 +1,11 @@
 """FlatModel: one list of variables, frames, equations and energy terms, with names like `link[2].phi`."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import prod
 from typing import Literal
 
 from lagrangia.base.diagnostics import Diagnostic, Span
+from lagrangia.base.records import dataclass
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.names import FRAME_FUNCTIONS

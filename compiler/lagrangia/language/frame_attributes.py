@@ -5,9 +5,9 @@ A frame of the plane has three of each: x and y along the world's axes, and abou
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 
+from lagrangia.base.records import dataclass
 from lagrangia.language.units import Dimension, parse_unit
 
 

@@ -4,11 +4,12 @@ A modification is kept with the scope it was written in (`Bound`), so that names
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import prod
 from typing import Any, Protocol, TypeAlias
 
 from lagrangia.base.diagnostics import Report, Span, fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.frame_attributes import OF_ANY_FRAME
 from lagrangia.language.suggestions import explain

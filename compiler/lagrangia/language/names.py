@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import reduce
 from typing import Any, NoReturn, cast
 
 from lagrangia.base.diagnostics import Diagnostic, Report, Span, TooMuchError, fail, nearest, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.elements import element, length
 from lagrangia.language.folding import fold, folded

@@ -12,16 +12,16 @@ from lagrangia.base.diagnostics import Source, Span
 from lagrangia.language import tree
 from lagrangia.language.tree import Syntax
 
-_CLASSES = [Span, *sorted((c for c in vars(tree).values() if isinstance(c, type) and hasattr(c, "__dataclass_fields__")
+_CLASSES = [Span, *sorted((c for c in vars(tree).values() if isinstance(c, type) and "__dataclass_fields__" in vars(c)
                            and c.__module__ == tree.__name__), key=lambda c: c.__name__)]
 _NUMBERS = {node: k for k, node in enumerate(_CLASSES)}
-_FIELDS = [tuple(field.name for field in fields(node)) for node in _CLASSES]
 
 
 def write_trees(files: Sequence[Syntax]) -> bytes:
     """Files of syntax as bytes that marshal reads back."""
     sources = [file.source for file in files]
     places = {id(source): k for k, source in enumerate(sources)}
+    named = [tuple(field.name for field in fields(node)) for node in _CLASSES]
 
     def plain(node: Any) -> Any:
         if isinstance(node, tuple):
@@ -29,7 +29,7 @@ def write_trees(files: Sequence[Syntax]) -> bytes:
         if isinstance(node, Source):
             return ["source", places[id(node)]]
         number = _NUMBERS.get(type(node))
-        return node if number is None else [number, *(plain(getattr(node, name)) for name in _FIELDS[number])]
+        return node if number is None else [number, *(plain(getattr(node, name)) for name in named[number])]
 
     return marshal.dumps(([(source.name, source.text) for source in sources], plain(tuple(files))))
 

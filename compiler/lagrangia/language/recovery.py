@@ -6,7 +6,7 @@ Better too few stops than a wrong one: what may be a consequence of an earlier s
 import re
 from collections.abc import Iterator
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import product
 
 from lark import Lark, Token
@@ -14,6 +14,7 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedToken
 from lark.parsers.lalr_interactive_parser import InteractiveParser
 
 from lagrangia.base.diagnostics import Source, Span
+from lagrangia.base.records import dataclass
 
 _MOST_TOLD = 10
 _MOST_STOPS = 100  # with those that are passed over

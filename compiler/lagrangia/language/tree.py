@@ -4,10 +4,10 @@ Operators, calls, conditions and arrays are generic in their children: an `Expre
 are resolved, whose loops are unrolled and whose structural values are put in (names.py).
 """
 
-from dataclasses import dataclass
 from typing import Generic, Literal, TypeAlias, TypeVar
 
 from lagrangia.base.diagnostics import Source, Span
+from lagrangia.base.records import dataclass
 
 E = TypeVar("E", covariant=True)
 

@@ -4,10 +4,11 @@ The radian counts as 1, as in the SI. Source: BIPM, The International System of 
 """
 
 import re
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from operator import add, sub
+
+from lagrangia.base.records import dataclass
 
 _BASES = ("kg", "m", "s", "A", "K", "mol", "cd")
 Dimension = tuple[int | Fraction, ...]

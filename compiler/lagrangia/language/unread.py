@@ -5,11 +5,12 @@ Mostly another value was given in place of the expression that reads it, as in S
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import cached_property
 from typing import Any
 
 from lagrangia.base.diagnostics import Report, Source, Span
+from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Slot

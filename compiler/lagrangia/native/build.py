@@ -16,16 +16,17 @@ import subprocess
 import tempfile
 import weakref
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from sysconfig import get_platform
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.folders import cache_folder, has_room, is_trusted, note_use
+from lagrangia.base.records import dataclass
 from lagrangia.native import prebuilt
 
 _MOST_LINES = 20
+_NO_COMPILER = ((), ("none",))  # what LAGRANGIA_CC says then
 _ATTEMPTS = 10  # to put a library in its place, where others put it or damage it at the same time
 
 
@@ -74,10 +75,16 @@ def _ziglang() -> str | None:
     return spec.origin if spec else None
 
 
+def is_compiler_named() -> bool:
+    """Whether LAGRANGIA_CC asks for a compiler. Raises LagError L0706 where it, or CC, holds no command."""
+    _words("CC", os.environ.get("CC", ""))
+    return _words("LAGRANGIA_CC", os.environ.get("LAGRANGIA_CC", "")) not in _NO_COMPILER
+
+
 def _candidates() -> Iterator[Compiler]:
     chosen = os.environ.get("LAGRANGIA_CC")
     if chosen is not None:
-        if (words := _words("LAGRANGIA_CC", chosen)) not in ((), ("none",)):
+        if (words := _words("LAGRANGIA_CC", chosen)) not in _NO_COMPILER:
             yield Compiler(words)
         return
     yield from map(Compiler, prebuilt.candidates(_words("CC", os.environ.get("CC", ""))))
@@ -299,6 +306,11 @@ def require_compiler() -> Compiler:
     if compiler is None:
         raise CompilerError(["cc"], "no C compiler was found; `pip install ziglang` brings one")
     return compiler
+
+
+def has_builds(name: str) -> bool:
+    """Whether any library of this name was ever built."""
+    return next(cache_folder().glob(f"{name}-*"), None) is not None
 
 
 def find_build(

@@ -6,8 +6,9 @@ A long function is cut into pieces that share the work vector: compilers take ti
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from lagrangia.native.series_code import NoSeriesError, Series, sines_together, write_series
-from lagrangia.native.tapes import EXPONENTIALS, SINES, Op, Tape
+from lagrangia.native.series import NoSeriesError, Series, find_series
+from lagrangia.native.series_code import sines_together, write_series
+from lagrangia.native.tapes import BINARY, EXPONENTIALS, SINES, Op, Tape
 from lagrangia.native.wide_code import write_wide
 
 _DATA = ("linear", "waves")  # the functions that stay tapes: the run time evaluates them in double-doubles
@@ -17,6 +18,7 @@ _QUICK, _SINE, _SLOWEST = 2, 15, 50  # _SINE: together with others
 _SLOW = dict.fromkeys((Op.DIV, Op.INV, Op.SQRT), 12) | dict.fromkeys(
     (op for op in Op if Op.SIN <= op <= Op.CONSTPOW or Op.SINH <= op <= Op.ERF), _SLOWEST)
 _LONGEST_SERIES = 2000  # instructions
+_OF_JET_TAPES = ("n_jet_instructions", "n_jet_slots", "n_angles", "jet_code", "jet_rates", "series")  # members of LagModel
 _PIECE = 3000  # instructions in one C function
 
 _TEMPLATES: Mapping[int, str] = {
@@ -31,7 +33,6 @@ _TEMPLATES: Mapping[int, str] = {
     Op.IF_ELSE_ZERO: "({a} != 0.0 ? {b} : 0.0)", Op.SINH: "sinh({a})", Op.COSH: "cosh({a})", Op.TANH: "tanh({a})",
     Op.ASINH: "asinh({a})", Op.ACOSH: "acosh({a})", Op.ATANH: "atanh({a})", Op.ERF: "erf({a})",
 }
-_BINARY = frozenset(op for op, template in _TEMPLATES.items() if "{b}" in template)
 
 
 def write_c(
@@ -41,6 +42,11 @@ def write_c(
 ) -> str:
     """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once."""
     data = {*_DATA, *interpreted}
+    series = motion_series(tapes) if "rhs" not in data else ""
+    if isinstance(series, Series):  # in C, not as instructions
+        sizes = {name: size for name, size in sizes.items() if name not in _OF_JET_TAPES} | _sizes(series, tapes)
+        patterns = {name: given for name, given in patterns.items() if name not in _OF_JET_TAPES} | {"jet_places": series.places}
+        tapes = {name: tape for name, tape in tapes.items() if name not in _OF_JET_TAPES}
     lines = [f"/* {_comment(name)}: generated, do not edit. */", *INCLUDES]
     lines += ['#include "numbers/jets.h"', '#include "numbers/wide.h"']
     wide = write_wide(usual_rhs(tapes), "regular" in tapes, _expression, _number) if "rhs" not in data else []
@@ -48,20 +54,14 @@ def write_c(
     lines += ["", *functions]
     lines += [_ints(name, places) for name, places in patterns.items()]
     lines += wide
-    series = write_motion_series(tapes) if "rhs" not in data else ""
-    lines += [] if isinstance(series, str) else [series.source, _ints("jet_places", series.places)]
+    lines += [write_series(series, _expression, _number)] if isinstance(series, Series) else []
     lines += [_ints("coordinate_kind", coordinate_kind), _ints("fixed_start", fixed), _ints("event_kind", event_kind), ""]
     lines += ["LAG_API extern const LagModel lag_model;", "const LagModel lag_model = {"]
     lines += [f"    .{key} = {value}," for key, value in sizes.items()]
     lines += ["    .coordinate_kind = coordinate_kind,", "    .fixed = fixed_start,", "    .event_kind = event_kind,"]
     lines += [f"    .{name} = {name}," for name in patterns]
     lines += [f"    .{label} = {value}," for label, value in initializers.items()]
-    if not isinstance(series, str):
-        lines += [f"    .n_jets = {series.n_jets},", f"    .jet_pitch = {series.pitch},"]
-        cost = _cost(usual_rhs(tapes))
-        lines += [f"    .n_products = {series.n_products},", f"    .series_rhs_cost = {cost},"]
-        lines += ["    .jet_places = jet_places,", f"    .is_long_state = {int(series.is_long_state)},"]
-        lines += [f"    .series_may_hide = {int(series.may_hide)},", "    .taylor = taylor,"]
+    lines += ["    .taylor = taylor,"] if isinstance(series, Series) else []
     lines += ["    .wide = wide,"] if wide else []
     return "\n".join([*lines, "};", ""])
 
@@ -101,14 +101,28 @@ def may_hide(tape: Tape) -> bool:
     return any(op in EXPONENTIALS for op in tape.code[::4])
 
 
-def write_motion_series(tapes: Mapping[str, Tape]) -> Series | str:
-    """C for Taylor coefficients of the motion, or why there is none."""
+def motion_series(tapes: Mapping[str, Tape]) -> Series | str:
+    """Taylor coefficients of the motion, or why there are none."""
     if len(tapes["rhs"].code) // 4 > _LONGEST_SERIES:
         return f"not supported yet beyond {_LONGEST_SERIES} operations"
     try:
-        return write_series(tapes["rhs"], _expression, _number)
+        return find_series(tapes["rhs"])
     except NoSeriesError as error:
         return str(error)
+
+
+def jet_tape(tapes: Mapping[str, Tape]) -> tuple[dict[str, int], dict[str, tuple[int, ...]], dict[str, Tape]] | str:
+    """Taylor coefficients of the motion as instructions, by the members of LagModel: integers, lists and functions; or why there
+    are none."""
+    series = motion_series(tapes)
+    if isinstance(series, str):
+        return series
+    sizes, lists, numbers = series.as_tape(tapes["rhs"].in_sizes[4:])
+    return {**sizes, **_sizes(series, tapes)}, {**lists, "jet_places": series.places}, {"series": numbers}
+
+
+def _sizes(series: Series, tapes: Mapping[str, Tape]) -> dict[str, int]:
+    return {**series.sizes, "series_rhs_cost": _cost(usual_rhs(tapes))}
 
 
 def _expression(op: int, a: str, b: str) -> str:
@@ -179,7 +193,7 @@ def _operands(op: int, a: int, b: int) -> tuple[int, ...]:
     """The places that an instruction reads."""
     if op in (Op.INPUT, Op.CONST):
         return ()
-    return (a, b) if op in _BINARY else (a,)
+    return (a, b) if op in BINARY else (a,)
 
 
 def _body(tape: Tape, start: int, stop: int, later: set[int]) -> list[str]:

@@ -11,17 +11,10 @@ with and without wide registers take turns, implicit steps take twice as long.
 
 import hashlib
 import os
-import shlex
-import shutil
-import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
-from platform import machine
 
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 # No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
@@ -44,7 +37,15 @@ _KINDS: Mapping[str, tuple[tuple[str, ...], frozenset[str]]] = {
 
 def kinds() -> tuple[str, ...]:
     """Of processors on this platform, the best first."""
-    return tuple(_KINDS) if machine() in ("x86_64", "AMD64") else ("any",)
+    return tuple(_KINDS) if _machine() in ("x86_64", "AMD64") else ("any",)
+
+
+def _machine() -> str:
+    if hasattr(os, "uname"):
+        return os.uname().machine
+    import platform
+
+    return platform.machine()
 
 
 def flags_of(kind: str) -> tuple[str, ...]:
@@ -97,6 +98,9 @@ def digest(runtime: Path) -> str:
 
 def find_command() -> list[str] | None:
     """The first of $CC, cc, gcc, clang and PyPI's ziglang that builds an empty library."""
+    import shlex
+    import tempfile
+
     for found in candidates(shlex.split(os.environ.get("CC", ""))):
         words = [*found, *(("-mcpu=baseline",) if "ziglang" in found and sys.platform != "darwin" else ())]
         with tempfile.TemporaryDirectory() as folder:
@@ -112,6 +116,9 @@ def find_command() -> list[str] | None:
 
 def candidates(own: Sequence[str]) -> Iterator[tuple[str, ...]]:
     """Commands of C compilers that are there, in the order in which they are tried; `own` is what $CC says."""
+    import shutil
+    from importlib.util import find_spec
+
     for words in (tuple(own), ("cc",), ("gcc",), ("clang",)):
         if words and shutil.which(words[0]):
             yield words
@@ -121,6 +128,10 @@ def candidates(own: Sequence[str]) -> Iterator[tuple[str, ...]]:
 
 def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
     """The libraries, and the digest of what they were built from. Raises RuntimeError, OSError."""
+    import shutil
+    import tempfile
+    from concurrent.futures import ThreadPoolExecutor
+
     files = sorted(sources(runtime), key=lambda file: -file.stat().st_size)
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="lagrangia-") as temporary, ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -148,6 +159,9 @@ def _level(kind: str) -> str:
 
 
 def _run(command: Sequence[str], folder: Path) -> None:
+    import shlex
+    import subprocess
+
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise RuntimeError(f"{shlex.join(command)}\n{done.stdout}{done.stderr}"[:4000])

@@ -7,8 +7,10 @@ of their statements. What two neighbours share is computed for both; the operati
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import islice
+
+from lagrangia.base.records import dataclass
 
 _JET = re.compile(r"J\((\d+)\)\[[0k]\]")
 _CONSTANT = re.compile(r"c\[(\d+)\]")

@@ -1,12 +1,13 @@
-"""Functions as instructions, as runtime/model/tape.h runs them.
+"""Functions as instructions, as runtime/model/tape.h and jet_tape.h run them.
 
 Only the standard library is used: what was compiled before is read without CasADi.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
+
+from lagrangia.base.records import dataclass
 
 
 class Op(IntEnum):
@@ -61,10 +62,42 @@ class Op(IntEnum):
     ERF = 46
 
 
+class JetOp(IntEnum):
+    """LagJetOp of jet_tape.h."""
+
+    NUMBER = 0
+    DERIVATIVE = 1
+    NEG = 2
+    TWICE = 3
+    ADD = 4
+    SUB = 5
+    ADD_NUMBER = 6
+    SUB_NUMBER = 7
+    NUMBER_SUB = 8
+    SCALE = 9
+    OVER_NUMBER = 10
+    IF = 11
+    PRODUCT = 12
+    SQUARE = 13
+    QUOTIENT = 14
+    NUMBER_OVER = 15
+    SQRT = 16
+    POWER = 17
+    INTEGRAL = 18
+    MINUS_INTEGRAL = 19
+    SINE = 20
+    COSINE = 21
+    ANGLE = 22
+
+
 # Too faint, perhaps, to tell of themselves where they are large a little later.
 EXPONENTIALS = (int(Op.EXP), int(Op.SINH), int(Op.COSH), int(Op.TANH))
 # Their b says how many that go together, this one among them, are still to come. Plain numbers: members are slow to compare.
 SINES = (int(Op.SIN), int(Op.COS))
+BINARY = frozenset(map(int, (
+    Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.POW, Op.CONSTPOW, Op.ATAN2, Op.FMIN, Op.FMAX, Op.FMOD, Op.COPYSIGN, Op.LT, Op.LE, Op.EQ,
+    Op.NE, Op.AND, Op.OR, Op.IF_ELSE_ZERO,
+)))
 
 
 @dataclass(frozen=True)

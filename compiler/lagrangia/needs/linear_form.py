@@ -3,10 +3,9 @@
 The powers of the energy account are x' Q x with x = (q, v, w). runtime/methods/linear_system.h states how the numbers lie.
 """
 
-from dataclasses import dataclass
-
 import casadi as ca
 
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.needs.linearity import Degree, NotLinear, Rewritten, rewrite

@@ -4,12 +4,12 @@ h = C v + K q - b(t, u), with C and K of parameters alone, and powers that are q
 walk is structural: what it accepts is linear for all values; sin, abs, conditions, products of what moves are never accepted.
 """
 
-from dataclasses import dataclass
 from enum import IntEnum
 
 import casadi as ca
 
 from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression
+from lagrangia.base.records import dataclass
 
 
 class Degree(IntEnum):

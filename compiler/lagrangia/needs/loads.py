@@ -7,11 +7,11 @@ the same conditions (c = 1 there). Other factors that change at time events go i
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import casadi as ca
 
 from lagrangia.algebra.scalars import apply
+from lagrangia.base.records import dataclass
 from lagrangia.needs.waves import DEPTH, Sum, Waves
 
 _DEEPEST, _MOST_TERMS = 16, 8  # of conditions inside conditions; of what is 0 but under some

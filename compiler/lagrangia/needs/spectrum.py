@@ -1,11 +1,11 @@
 """The spectrum of the motion near its start: how fast its fastest and slowest parts are."""
 
 import math
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.parameters import default_parameters
 from lagrangia.dynamics.motion import Motion

@@ -4,12 +4,13 @@ Costs are operations of the accelerations, counted by building them without the 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import casadi as ca
 
 from lagrangia.base.diagnostics import Span
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.partition import is_too_large
 from lagrangia.constraints.rows import Constraints, moved_in_time

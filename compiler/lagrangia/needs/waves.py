@@ -6,12 +6,13 @@ what is made of pieces of them.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import casadi as ca
 
 from lagrangia.algebra.scalars import apply, apply_to_one
+from lagrangia.base.records import dataclass
 
 _LARGEST_DEGREE = 8
 DEPTH = 12  # of the comparison of two expressions

@@ -1,11 +1,12 @@
 """What all forms share: the equations with their layouts, and the parts that stand in several of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Term
 from lagrangia.language.frame_attributes import component_named
 from lagrangia.paper.document import Block, Display, Heading, Inline, Table, display, paragraph

@@ -1,9 +1,9 @@
 """A page of formulas: headings, paragraphs, displayed formulas and tables, printed by pages.py."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from lagrangia.base.records import dataclass
 from lagrangia.paper.layout import Node
 
 Inline: TypeAlias = str | Node

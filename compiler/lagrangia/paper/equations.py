@@ -6,13 +6,14 @@ Every expression is brought to its normal form (normal_form.py) as soon as it is
 """
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import sympy as sp
 
 from lagrangia.algebra.normal_form import Ring, TooLarge
 from lagrangia.algebra.with_sympy import Expr, exact, exact_throughout
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Energies, Load, Term
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.mentions import leaves

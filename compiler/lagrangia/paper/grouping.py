@@ -5,7 +5,7 @@ then products of rates, rates, positions, weights, multipliers, given functions.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -13,6 +13,7 @@ import sympy as sp
 
 from lagrangia.algebra.normal_form import Ring, Term
 from lagrangia.algebra.with_sympy import Expr
+from lagrangia.base.records import dataclass
 from lagrangia.paper.layout import Name
 from lagrangia.paper.shapes import Polynomial, Powers, factored_out
 

@@ -4,9 +4,10 @@ SymPy orders sums and products to its own liking; here the order is kept. typese
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
+
+from lagrangia.base.records import dataclass
 
 _DEEPEST = 3  # brackets in brackets that are opened to break a line
 _INDENT = 4  # of lines that go on

@@ -9,13 +9,13 @@ loads and given displacements do. With q = N x + X e, J N = 0, J X = 1, the mult
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact, slope
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 from lagrangia.paper.equations import Equations
 from lagrangia.paper.rest_points import Begin, Point, Statics, point_given, point_of_rest, put
 from lagrangia.paper.symbolic import Given, SymbolicScene

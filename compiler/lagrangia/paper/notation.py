@@ -2,10 +2,10 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from itertools import chain, count
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.paper.layout import LETTERS, Name
 
 _ATTRIBUTES = {"force": ("F", ""), "torque": ("M", ""), "s_rel0": ("s", "0"), "phi_rel0": ("phi", "0"), "gravity": ("g", ""),

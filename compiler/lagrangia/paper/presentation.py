@@ -1,11 +1,12 @@
 """Equations, momenta, quotients and energies -> layouts: what stands in which place of a sum; see terms.py for its terms."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr
+from lagrangia.base.records import dataclass
 from lagrangia.paper.grouping import Group, Symbols
 from lagrangia.paper.layout import ONE, Bracket, Node, Numeral, Power, Product, Quotient, Relation, Total, product, total
 from lagrangia.paper.shapes import Powers, merged

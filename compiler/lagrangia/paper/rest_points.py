@@ -6,7 +6,6 @@ Angles are tried at quarter turns, the other unknowns then follow from linear eq
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from itertools import product as combinations
 from typing import Any
 
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.with_sympy import Expr, exact, slope
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.equilibrium import Rest, StaticEquations, find_rest, onto_constraints, starts
 from lagrangia.paper.equations import Equations
 

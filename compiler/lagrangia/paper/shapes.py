@@ -6,7 +6,6 @@ Powers may be negative or fractions. Signs of sums are not decided here: who lay
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
 from typing import TypeAlias
@@ -14,6 +13,7 @@ from typing import TypeAlias
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr
+from lagrangia.base.records import dataclass
 
 Powers: TypeAlias = tuple[tuple[Expr, Fraction], ...]
 Polynomial: TypeAlias = tuple[tuple[Fraction, Powers], ...]

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import casadi as ca
 from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import compile_energies, compile_file, deep_recursion
 from lagrangia.constraints.parameters import all_parameters, scalars
 from lagrangia.dynamics.impulses import rates_jump

@@ -6,7 +6,7 @@ and the formula is told beside. Loads, prescribed coordinates and user functions
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from itertools import count
 from typing import Any, cast
@@ -18,6 +18,7 @@ from lagrangia.algebra.normal_form import Ring
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.algebra.with_sympy import TIME, Expr, SympyAlgebra, exact_throughout, slope
 from lagrangia.base.diagnostics import Span, fail
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.energies import Energies, Term, evaluate_energies

@@ -6,13 +6,14 @@ one way wherever it stands: R - r, never also r - R.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 
 import sympy as sp
 
 from lagrangia.algebra.normal_form import Ring
 from lagrangia.algebra.with_sympy import Expr
+from lagrangia.base.records import dataclass
 from lagrangia.paper.grouping import Group, Grouping, Symbols
 from lagrangia.paper.layout import (
     Apply,

@@ -1,9 +1,9 @@
 """Layout -> Unicode text for a terminal."""
 
-from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
+from lagrangia.base.records import dataclass
 from lagrangia.paper.layout import (
     LETTERS,
     Apply,

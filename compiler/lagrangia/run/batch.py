@@ -6,11 +6,11 @@ While a batch advances the interpreter is free (ctypes lets go of its lock), so 
 import ctypes as c
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from lagrangia.base.records import dataclass
 from lagrangia.run.library import Runtime
 from lagrangia.run.mirrors import Mirrored, check_mirrors
 from lagrangia.run.runtime import Model, Run, Settings

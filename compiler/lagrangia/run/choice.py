@@ -3,8 +3,10 @@
 import ctypes as c
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from string import Formatter
+
+from lagrangia.base.records import dataclass
 
 _MEASURED = (
     "tolerance", "coordinates", "constraints", "islands", "rhs_cost", "erk_cost", "series_cost", "series_share", "pirk_cost",

@@ -1,37 +1,43 @@
-"""Scene -> run time with the scene in it: as native code, as a tape, or as a tape until the native code is ready.
+"""Scene -> run time with the scene in it: as a tape of instructions, as native code, or as a tape until the native code is ready.
 
-Compiling costs seconds once, interpreting nanoseconds for each operation of each evaluation. Small scenes are compiled at
-once: it takes a moment, and they are run again and again. A large scene starts on its tape; when what the tape has cost and
-will cost in the run exceeds what compiling costs, the compiler is started beside the run, and the run changes over when it is
-done: the operations are the same in the same order, and so are the results, to the last digit. The library stays in the cache.
+Compiling costs tenths of a second and more once, interpreting nanoseconds for each operation of each evaluation. So every scene
+starts on its tape. When what the tape has cost, over all runs, and will cost in this one exceeds what compiling costs, the
+compiler is started beside the run, and the run changes over when it is done; what an earlier process has had compiled is there
+soon. The operations are the same in the same order, and so are the results, to the last digit. The library stays in the cache.
 """
 
 import contextlib
 import threading
 import time
 import weakref
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import field, replace
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lagrangia.base.folders import data_folder
-from lagrangia.native.build import Build, Compiler, CompilerError, find_build, require_compiler, start_build
-from lagrangia.native.c_code import write_c
+from lagrangia.base.records import dataclass
 from lagrangia.native.tapes import Tape
 from lagrangia.run.library import Runtime, find_runtime
 from lagrangia.run.rules import Code, Moment, decide
 from lagrangia.run.runtime import Model, Solver
 from lagrangia.run.scene import Scene
 
-# The model of costs, measured with gcc 12 on a chain of 2 to 1000 links: seconds to start a compiler, and for each instruction at
-# -O1 (-O2 takes half as long again and gives the same speed); seconds for each operation of one evaluation.
-_START, _COMPILE = 0.05, 1.2e-4
+if TYPE_CHECKING:
+    from lagrangia.native.build import Build, Compiler
+
+# The model of costs, measured with gcc 12 on the examples and on a chain of 2 to 1000 links: seconds to start a compiler, for
+# each instruction at -O1 (-O2 takes half as long again and gives the same speed), and for each statement of series in all orders;
+# seconds for each operation of one evaluation.
+_START, _COMPILE, _SERIES = 0.08, 1e-4, 1.8e-4
 _TAPE, _NATIVE = 2.0e-9, 0.6e-9
 _SHORT = 2_000  # instructions for which -O2 takes no longer
 _SEEN = 50_000  # instructions that are written out in no time, to see whether they were compiled before
-_LOOK = 0.2  # seconds of a run before its length can be told
+# Seconds of all runs that are worth writing the scene out, to see whether it was compiled before; before their lengths are told.
+_SEEK, _LOOK = 0.015, 0.1
 # Called once for each set of parameters, or data: not worth compiling in a large scene.
-_RARE = ("parameters", "hoist", "start", "initial", "momentum", "events", "linear", "waves")
+_RARE = ("parameters", "hoist", "start", "initial", "momentum", "events", "linear", "waves", "series")
 _LARGEST_JACOBIAN = 400  # instructions
 
 
@@ -45,46 +51,77 @@ class Engine:
     seconds: float  # spent on compiling and loading before the run could start
     upgrade: "Upgrade | None" = None
 
-    def look(self, elapsed: float, done: float) -> None:
-        """Between two portions of a run: so many seconds took it to this share of the whole, from 0 to 1."""
-        if self.upgrade is not None and self.upgrade.look(self.model, elapsed, done):
-            self.how, self.upgrade = "tape, then native", None
+    def look(self, spent: float, left: float) -> None:
+        """Between two portions of a run, or of runs: seconds of a processor since the last look, and about so many to come."""
+        upgrade = self.upgrade
+        if upgrade is not None and upgrade.look(spent, left):
+            self.how, self.upgrade = "tape, then native" if upgrade.is_late else "native", None
 
 
 @dataclass
 class Upgrade:
-    """Native code for a model that runs on its tapes: whether to make it, and its making."""
+    """Native code for models that run on their tapes, a scene and its islands: whether to make it, and its making."""
 
-    scene: Scene
-    compiler: Compiler
+    runtime: Runtime
+    parts: Sequence[tuple[Scene, Model]]
     is_implicit: bool = False
-    spent: float = 0.0  # in runs before this one
-    last: float = 0.0
+    spent: float = 0.0  # in all runs so far
+    is_late: bool = False  # something was computed on the tapes that is worth mentioning
+    _is_sought: bool = False
     _thread: threading.Thread | None = None
-    _built: list[Model] = field(default_factory=list)
+    _built: list[Sequence[Path]] = field(default_factory=list)
+    _lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def look(self, model: Model, elapsed: float, done: float) -> bool:
-        """Starts the compiler when it pays; puts the native functions into the model when they are there."""
-        if self._built:
-            model.adopt(self._built[0])
+    def look(self, spent: float, left: float) -> bool:
+        """Starts the compiler when it pays; puts the native functions into the models when they are there. True: they are."""
+        with self._lock:
+            self.spent += spent
+            if not self._built and self._thread is None and self.spent > _SEEK:
+                self._begin(left)
+            if not self._built:
+                return False
+            for (_, model), library in zip(self.parts, self._built[0], strict=True):
+                model.adopt(Model.from_library(library))
             return True
-        if elapsed < self.last:
-            self.spent += self.last  # another run
-        self.last = elapsed
-        if self._thread is None and elapsed > _LOOK and done > 0:
-            left = elapsed / done - elapsed
-            facts = {"spent": self.spent + elapsed, "saved": left * (1 - _NATIVE / _TAPE),
-                     "compiling": compile_seconds(self.scene, self.is_implicit)}
-            if decide(Moment.UPGRADE, facts).takes is Code.NATIVE:
-                self._thread = threading.Thread(target=self._make, daemon=True)
-                self._thread.start()
-        return False
+
+    @cached_property
+    def compiling(self) -> float:
+        """Seconds."""
+        return sum(compile_seconds(scene, self.is_implicit) for scene, _ in self.parts)
+
+    def _begin(self, left: float) -> None:
+        if not self._is_sought:
+            self._is_sought = True
+            self._seek()
+        facts = {"is_built": bool(self._built), "looks": self.spent > _LOOK, "spent": self.spent,
+                 "saved": left * (1 - _NATIVE / _TAPE), "compiling": self.compiling}
+        if decide(Moment.UPGRADE, facts).takes is Code.NATIVE and not self._built and self.runtime.compiler is not None:
+            self.is_late = True
+            self._thread = threading.Thread(target=self._make, daemon=True)
+            self._thread.start()
+
+    def _seek(self) -> None:
+        """What an earlier process has had compiled. Where none has, no compiler is looked for."""
+        from lagrangia.native.build import has_builds
+
+        if not has_builds("scene") or (compiler := self.runtime.compiler) is None:
+            return
+        found = [_find_library(scene, compiler, self.is_implicit) for scene, _ in self.parts]
+        libraries = [library for library in found if library is not None]
+        if len(libraries) == len(found):
+            self._built.append(libraries)
 
     def _make(self) -> None:
-        build = _start_scene_build(self.scene, self.compiler, _often(self.scene, self.is_implicit), self.is_implicit)
-        weakref.finalize(self.scene, build.cancel)  # also when Python ends
+        from lagrangia.native.build import CompilerError
+
+        compiler, libraries = self.runtime.compiler, []
+        assert compiler is not None
         with contextlib.suppress(CompilerError, OSError):  # the tape does as well
-            self._built.append(Model.from_library(build.finish()))
+            for scene, _ in self.parts:
+                build = _start_scene_build(scene, compiler, _often(scene, self.is_implicit), self.is_implicit)
+                weakref.finalize(scene, build.cancel)  # also when Python ends
+                libraries.append(build.finish())
+            self._built.append(libraries)
 
 
 def start_building() -> Runtime | None:
@@ -97,12 +134,9 @@ def load_engine(
 ) -> Engine | None:
     """The run time with the scene in it. None when there is neither a run time nor a C compiler.
 
-    Without a compiler scenes run on their tapes. `native` decides instead of the model of costs (True: raises CompilerError where
-    there is none). `solver` is sure to be run: series are C in any case, and Jacobians are compiled for implicit steps however
-    long they are.
+    `native`: True compiles it as a whole first (raises CompilerError where there is no compiler), False never compiles it.
+    `solver` is sure to be run: Jacobians are compiled for implicit steps however long they are.
     """
-    if native is None and solver is Solver.TAYLOR:
-        native = True
     engine = _load_whole(scene, runtime, native, solver is Solver.IMPLICIT)
     return divided(engine, scene, native) if engine is not None and scene.sizes.get("solver") == Solver.ISLANDS else engine
 
@@ -111,8 +145,13 @@ def divided(engine: Engine, scene: Scene, native: bool | None = None) -> Engine:
     """The engine with the scene's islands in it."""
     if engine.model.struct.n_islands:
         return engine
-    parts = [(places, _load_whole(island, engine.runtime, native, False)) for places, island in scene.islands]
-    return replace(engine, model=engine.model.divided([(places, part.model) for places, part in parts if part is not None]))
+    parts = [(places, island, _load_whole(island, engine.runtime, native, False)) for places, island in scene.islands]
+    islands = [(places, island, part.model) for places, island, part in parts if part is not None]
+    model = engine.model.divided([(places, own) for places, _, own in islands])
+    upgrade = None
+    if native is None:
+        upgrade = Upgrade(engine.runtime, [(scene, model), *((island, own) for _, island, own in islands)])
+    return replace(engine, model=model, upgrade=upgrade)
 
 
 def _load_whole(
@@ -122,39 +161,34 @@ def _load_whole(
     runtime = runtime or start_building()
     if runtime is None:
         return None
-    compiler = runtime.compiler
-    facts = {"has_compiler": compiler is not None, "compiling": compile_seconds(scene, is_implicit)}
-    if native if native is not None else decide(Moment.ENGINE, facts).takes is Code.NATIVE:
-        scene_build = _start_scene_build(scene, compiler or require_compiler(), scene.tapes, is_implicit)
-        return _engine(runtime, Model.from_library(scene_build.finish()), "native", begin)
-    model = Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns)
-    if native is not None or compiler is None:
-        return _engine(runtime, model, "tape", begin)
-    if (compiled := _find_library(scene, compiler, is_implicit)) is not None:
-        model.adopt(Model.from_library(compiled))
-        return _engine(runtime, model, "native", begin)
-    return _engine(runtime, model, "tape", begin, Upgrade(scene, compiler, is_implicit))
+    if native:
+        from lagrangia.native.build import require_compiler
 
-
-def _engine(runtime: Runtime, model: Model, how: str, begin: float, upgrade: Upgrade | None = None) -> Engine:
+        build = _start_scene_build(scene, runtime.compiler or require_compiler(), scene.tapes, is_implicit)
+        model = Model.from_library(build.finish())
+    else:
+        model = Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns)
     _ = runtime.library  # built and loaded now
-    return Engine(runtime, model, how, time.perf_counter() - begin, upgrade)
+    upgrade = Upgrade(runtime, [(scene, model)], is_implicit) if native is None else None
+    return Engine(runtime, model, "native" if native else "tape", time.perf_counter() - begin, upgrade)
 
 
 def compile_seconds(scene: Scene, is_implicit: bool = False) -> float:
     """What the model of costs says of the functions that a run calls often."""
-    return _START + _COMPILE * _instructions(_often(scene, is_implicit))
+    from lagrangia.native.series import statements_in_all
+
+    series = statements_in_all(scene.sizes.get("n_products", 0), scene.sizes.get("n_jet_instructions", 0))
+    return _START + _COMPILE * _instructions(_often(scene, is_implicit)) + _SERIES * series
 
 
 def describe(scene: Scene) -> str:
     """The model of costs, for people."""
     operations = scene.notes["rhs_operations"]
     seconds = compile_seconds(scene)
-    is_native = decide(Moment.ENGINE, {"has_compiler": True, "compiling": seconds}).takes is Code.NATIVE
     gain = operations * (_TAPE - _NATIVE)
     return (f"{_instructions(_often(scene))} instructions compile in about {seconds:.2g} s; an evaluation takes about "
             f"{operations * _TAPE * 1e6:.3g} us on the tape, {operations * _NATIVE * 1e6:.3g} us natively: "
-            + ("compiled at once" if is_native else f"pays from {seconds / gain:.2g} evaluations"))
+            + (f"pays from {seconds / gain:.2g} evaluations" if gain > 0 else "never pays"))
 
 
 def _often(scene: Scene, is_implicit: bool = False) -> Mapping[str, Tape]:
@@ -172,8 +206,10 @@ def _instructions(tapes: Mapping[str, Tape]) -> int:
     return sum(len(tape.code) // 4 for tape in tapes.values())
 
 
-def _find_library(scene: Scene, compiler: Compiler, is_implicit: bool) -> Path | None:
+def _find_library(scene: Scene, compiler: "Compiler", is_implicit: bool) -> Path | None:
     """The functions called often, where an earlier run had them compiled."""
+    from lagrangia.native.build import find_build
+
     tapes = _often(scene, is_implicit)
     if _instructions(tapes) > _SEEN:
         return None
@@ -181,12 +217,16 @@ def _find_library(scene: Scene, compiler: Compiler, is_implicit: bool) -> Path |
     return find_build("scene", source, include=[data_folder("runtime")], level=_level(tapes), compiler=compiler)
 
 
-def _start_scene_build(scene: Scene, compiler: Compiler, tapes: Mapping[str, Tape], is_implicit: bool) -> Build:
+def _start_scene_build(scene: Scene, compiler: "Compiler", tapes: Mapping[str, Tape], is_implicit: bool) -> "Build":
+    from lagrangia.native.build import start_build
+
     source = _source(scene, tapes, is_implicit)
     return start_build("scene", source, include=[data_folder("runtime")], level=_level(tapes), compiler=compiler)
 
 
 def _source(scene: Scene, tapes: Mapping[str, Tape], is_implicit: bool) -> str:
+    from lagrangia.native.c_code import write_c
+
     return write_c(scene.name, scene.sizes, tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
                    _long_jacobians(scene, is_implicit))
 

@@ -10,23 +10,32 @@ from ctypes import CDLL
 from functools import cache
 from pathlib import Path
 from threading import Lock
+from typing import TYPE_CHECKING
 
 from lagrangia.base.folders import cache_folder, data_folder
+from lagrangia.base.records import dataclass
 from lagrangia.native import prebuilt
-from lagrangia.native.build import Build, Compiler, Objects, build, find_compiler, require_compiler, start_build
 from lagrangia.run.runtime import Model, Run, Settings, load_runtime
+
+if TYPE_CHECKING:
+    from lagrangia.native.build import Build, Compiler, Objects
 
 
 class Runtime:
-    """The run time, made and loaded when it is needed. `compiler` is what scenes are compiled with; None where there is none."""
+    """The run time, made and loaded when it is needed: what is `ready`, or what a compiler makes of the sources."""
 
-    def __init__(self, compiler: Compiler | None, level: str = prebuilt.LEVEL, ready: Path | None = None) -> None:
-        self.compiler = compiler
+    def __init__(self, compiler: "Compiler | None", level: str = prebuilt.LEVEL, ready: Path | None = None) -> None:
+        self._compiler = compiler
         self._lock = Lock()
         self._library: CDLL | None = None
         self._path = ready
         self._level = level
-        self._work: Build | Objects | None = None if ready is not None else self._start()
+        self._work: Build | _Linked | None = None if ready is not None else self._start()
+
+    @property
+    def compiler(self) -> "Compiler | None":
+        """What scenes are compiled with, looked for when it is first asked for; None where there is none."""
+        return self._compiler if self._work is not None or self._compiler is not None else _find_compiler()
 
     def run(self, model: Model, settings: Settings) -> Run:
         """A run that can be started. Raises CompilerError, MemoryError."""
@@ -44,46 +53,87 @@ class Runtime:
         """The file of the library. Raises CompilerError."""
         if self._path is None:
             assert self._work is not None
-            self._path = self._work.finish() if isinstance(self._work, Build) else self._linked(self._work)
+            self._path = self._work.finish()
         return self._path
 
-    def _start(self) -> Build | Objects:
-        compiler, folder = self.compiler or require_compiler(), data_folder("runtime")
+    def _start(self) -> "Build | _Linked":
+        from lagrangia.native.build import Objects, require_compiler, start_build
+
+        compiler, folder = self._compiler or require_compiler(), data_folder("runtime")
         files = prebuilt.sources(folder)
         if compiler.is_zig:
             return start_build("runtime", files, include=[folder], level=self._level, compiler=compiler)
         objects = Objects(files, [folder], self._level, compiler)
         objects.start()
-        return objects
-
-    def _linked(self, objects: Objects) -> Path:
-        return build("runtime", [], level=self._level, compiler=self.compiler, objects=[objects])
+        return _Linked(objects, self._level, compiler)
 
 
-def start_runtime(compiler: Compiler | None = None, level: str = prebuilt.LEVEL) -> Runtime:
+@dataclass(frozen=True)
+class _Linked:
+    """A library of objects in the making."""
+
+    objects: "Objects"
+    level: str
+    compiler: "Compiler"
+
+    def finish(self) -> Path:
+        """Raises CompilerError."""
+        from lagrangia.native.build import build
+
+        return build("runtime", [], level=self.level, compiler=self.compiler, objects=[self.objects])
+
+
+def start_runtime(compiler: "Compiler | None" = None, level: str = prebuilt.LEVEL) -> Runtime:
     """A process makes it once, however many scenes ask for it meanwhile.
 
     Raises CompilerError when there is neither a compiler nor a run time that came with the package.
     """
-    return _runtime(cache_folder(), compiler or find_compiler(), compiler is not None, level)
+    if compiler is None and level == prebuilt.LEVEL and (ready := _ready()) is not None:
+        return _taken(cache_folder(), ready)
+    from lagrangia.native.build import require_compiler
+
+    return _made(cache_folder(), compiler or require_compiler(), level)
 
 
 def find_runtime() -> Runtime | None:
     """That of `start_runtime`, or None where there is neither a compiler nor a run time that came with the package."""
-    compiler = find_compiler()
-    return None if compiler is None and _prebuilt() is None else _runtime(cache_folder(), compiler, False, prebuilt.LEVEL)
+    return start_runtime() if has_runtime() else None
 
 
 def has_runtime() -> bool:
     """Whether scenes can be run here."""
-    return find_compiler() is not None or _prebuilt() is not None
+    return _ready() is not None or _find_compiler() is not None
 
 
-def _prebuilt() -> Path | None:
-    return prebuilt.find(data_folder("runtime"))
+def has_compiler() -> bool:
+    """Whether scenes can be compiled here."""
+    return _find_compiler() is not None
+
+
+def _ready() -> Path | None:
+    """What came with the package, unless a compiler is asked for by name. Raises LagError L0706 for a name that is none."""
+    return None if _is_compiler_named() and _find_compiler() is not None else prebuilt.find(data_folder("runtime"))
+
+
+def _is_compiler_named() -> bool:
+    if "LAGRANGIA_CC" not in os.environ and "CC" not in os.environ:
+        return False  # at once
+    from lagrangia.native.build import is_compiler_named
+
+    return is_compiler_named()
+
+
+def _find_compiler() -> "Compiler | None":
+    from lagrangia.native.build import find_compiler
+
+    return find_compiler()
 
 
 @cache
-def _runtime(_cache: Path, compiler: Compiler | None, is_asked_for: bool, level: str) -> Runtime:
-    is_named = is_asked_for or (compiler is not None and "LAGRANGIA_CC" in os.environ)
-    return Runtime(compiler, level, None if is_named or level != prebuilt.LEVEL else _prebuilt())
+def _taken(_cache: Path, ready: Path) -> Runtime:
+    return Runtime(None, ready=ready)
+
+
+@cache
+def _made(_cache: Path, compiler: "Compiler", level: str) -> Runtime:
+    return Runtime(compiler, level)

@@ -6,12 +6,12 @@ runs are chosen, which kind of FMU) stands beside it.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 from lagrangia.base.checked_values import a_count, a_number, by_name, numbers
 from lagrangia.base.diagnostics import Report, fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.run.scene import Scene
 from lagrangia.run.solvers import AUTO, is_casadi, number_of
 

@@ -6,10 +6,10 @@ compare. Limits stand above the table, with what they were measured on.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from enum import Enum
 from string import Formatter
 
+from lagrangia.base.records import dataclass
 from lagrangia.run.choice import figure
 from lagrangia.run.runtime import Solver
 
@@ -23,7 +23,6 @@ class Moment(Enum):
     LINEAR = "a scene is linear"
     SWEEP = "a sweep looks at motions between rows"
     FMU = "an FMU is written"
-    ENGINE = "a scene is loaded"
     UPGRADE = "it runs on its tapes"
 
 
@@ -41,8 +40,6 @@ _UNLIKE = 4.0
 _RADIANS, _RADIANS_WITH_EVENTS = 130, 1500
 # Coordinates; beyond, rows of exponentials are summed up as series and cost like steps.
 MOST_LINEAR = 100
-# Seconds of compiling that are not worth a thought.
-_AT_ONCE = 0.5
 
 
 @dataclass(frozen=True)
@@ -99,12 +96,8 @@ RULES = (
         "communication steps and tolerances are the importer's choice: exponentials serve all"),
     Row("FMU", Moment.FMU, Solver.AUTO, _always, "as `lag simulate`, in one piece: islands have no place in an FMU yet"),
 
-    Row("compiled at once", Moment.ENGINE, Code.NATIVE, lambda f: f["has_compiler"] and f["compiling"] <= _AT_ONCE,
-        "its code compiles in {compiling} s, at most {limit}", lambda _: _AT_ONCE),
-    Row("tape", Moment.ENGINE, Code.TAPE, _always, "there is no C compiler, or {compiling} s of compiling are more than {limit}",
-        lambda _: _AT_ONCE),
-
-    Row("compiled beside", Moment.UPGRADE, Code.NATIVE, lambda f: f["spent"] + f["saved"] > f["compiling"],
+    Row("compiled before", Moment.UPGRADE, Code.NATIVE, lambda f: f["is_built"], "its native code is there"),
+    Row("compiled beside", Moment.UPGRADE, Code.NATIVE, lambda f: f["looks"] and f["spent"] + f["saved"] > f["compiling"],
         "tapes have cost {spent} s, and will cost {saved} s more than native code: more than {limit} s of compiling",
         lambda f: f["compiling"]),
     Row("still the tape", Moment.UPGRADE, Code.TAPE, _always, "the run will be over before compiling pays"),

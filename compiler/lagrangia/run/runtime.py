@@ -8,13 +8,14 @@ import ctypes as c
 import math
 from array import array
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import IntEnum
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from lagrangia.native.tapes import Op, Tape
+from lagrangia.base.records import dataclass
+from lagrangia.native.tapes import JetOp, Op, Tape
 from lagrangia.run.choice import Choice, Decision, Facts, Rule, told
 from lagrangia.run.mirrors import Mirrored, check_mirrors
 
@@ -200,14 +201,15 @@ class _Model(c.Structure):
         ("island", _Ints),
         ("islands", c.c_void_p),
         *((name, _Function) for name in _FUNCTIONS),
-        ("n_jets", c.c_int),
-        ("jet_pitch", c.c_int),
-        ("n_products", c.c_int),
-        ("series_rhs_cost", c.c_int),
+        *((name, c.c_int) for name in ("n_jets", "jet_pitch", "n_products", "series_rhs_cost")),
         ("jet_places", _Ints),
         ("is_long_state", c.c_int),
         ("series_may_hide", c.c_int),
         ("taylor", c.c_void_p),
+        *((name, c.c_int) for name in ("n_jet_instructions", "n_jet_slots", "n_angles")),
+        ("jet_code", _Ints),
+        ("jet_rates", _Ints),
+        ("series", _Function),
         ("wide", c.c_void_p),
     )
 
@@ -260,7 +262,7 @@ class _Failure(c.Structure):
 MIRRORS: Mapping[str, Mirrored] = {
     "LagTape": _Tape, "LagFunction": _Function, "LagModel": _Model, "LagSettings": _Settings, "LagStatistics": _Statistics,
     "LagFacts": Facts, "LagDecision": Decision, "LagRule": Rule,
-    "LagFailure": _Failure, "LagStatus": Status, "LAG_SOLVER": Solver, "LagOp": Op,
+    "LagFailure": _Failure, "LagStatus": Status, "LAG_SOLVER": Solver, "LagOp": Op, "LagJetOp": JetOp,
 }  # fmt: skip
 _RUN = c.c_void_p
 _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
@@ -340,7 +342,7 @@ class Model:
 
     def check_tapes(self, runtime: c.CDLL) -> None:
         """Raises ValueError when a tape reaches outside its vectors or holds an unknown op."""
-        for name in _FUNCTIONS:
+        for name in (*_FUNCTIONS, "series"):
             function = getattr(self.struct, name)
             if function.tape and not runtime.lag_tape_valid(c.byref(function)):
                 raise ValueError(f"the tape of {name!r} is not valid")
@@ -360,7 +362,7 @@ class Model:
             code = getattr(other.struct, name).code
             if code:
                 getattr(self.struct, name).code = code
-        self.struct.wide = other.struct.wide
+        self.struct.wide, self.struct.taylor = other.struct.wide, other.struct.taylor
         self._kept = (self._kept, other)
 
 

@@ -4,10 +4,12 @@ import base64
 import json
 from array import array
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
+from lagrangia.base.records import dataclass
 from lagrangia.native.tapes import Tape
+
+ALL_REACTIONS = "*.reaction"  # among outputs that are asked for: the reactions of all joints
 
 
 @dataclass(frozen=True)

@@ -6,16 +6,17 @@ The run time itself is C (runtime/); rows come in portions, so that memory stays
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, RunError, tell_miss
+from lagrangia.base.records import dataclass
 from lagrangia.run.engines import Engine
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Failure, Run, Settings, Statistics, Status
 from lagrangia.run.scene import Scene
 from lagrangia.run.solvers import number_of
 
-_PAUSE = 0.1  # seconds between two looks at the clock and the keyboard
+_PAUSE, _FIRST = 0.1, 0.02  # seconds between two looks at the clock and the keyboard; before the first one on a tape
 _MANY_STEPS, _MUCH = 100, 100.0
 DOUBTFUL = 0.1  # of all energy: an account that misses by more
 _LITTLE = 1e-9  # J: less may be rounding of energies that cancel
@@ -80,20 +81,20 @@ def _rows(
     scene: Scene, engine: Engine, run: Run, progress: Progress, watch: Callable[[Progress], None] | None
 ) -> Iterator[Sequence[float]]:
     begin = time.perf_counter()
-    start, span = progress.experiment.start, progress.experiment.stop - progress.experiment.start
+    looks = _Looks(engine, progress)
     with run:
         for times in progress.experiment.times():
             done = 0
             while done < len(times):
+                pause = looks.pause()
                 try:
-                    rows = run.advance(times[done:], _PAUSE)
+                    rows = run.advance(times[done:], pause)
                 except KeyboardInterrupt:
                     progress.interrupted = True
                     return
                 finally:
                     progress.seconds, progress.statistics, progress.time = time.perf_counter() - begin, run.statistics, run.time
-                engine.look(progress.seconds, (progress.time - start) / span if span > 0 else 1.0)
-                progress.engine = engine.how
+                looks.look()
                 done += rows.count
                 progress.rows += rows.count
                 if rows.count:
@@ -102,6 +103,29 @@ def _rows(
                     watch(progress)
                 if rows.status not in (Status.OK, Status.PAUSED):
                     raise RunError(explain(scene, run.failure))
+
+
+@dataclass
+class _Looks:
+    """Tells an engine between portions what a run has taken, and will take."""
+
+    engine: Engine
+    progress: Progress
+    spent: float = 0.0
+    _begin: float = 0.0
+
+    def pause(self) -> float:
+        """Seconds until the next look: soon at first, as native code may be there."""
+        self._begin = time.thread_time()
+        return _FIRST if self.engine.upgrade is not None and not self.spent else _PAUSE
+
+    def look(self) -> None:
+        progress, seconds = self.progress, time.thread_time() - self._begin
+        self.spent += seconds
+        span = progress.experiment.stop - progress.experiment.start
+        done = (progress.time - progress.experiment.start) / span if span > 0 else 1.0
+        self.engine.look(seconds, self.spent / done - self.spent if done > 0 else 0.0)
+        progress.engine = self.engine.how
 
 
 def _fail_start(scene: Scene, failure: Failure) -> None:

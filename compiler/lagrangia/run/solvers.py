@@ -1,9 +1,9 @@
 """The ways to run a scene, by the names that `--solver` takes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.run.choice import Choice
 from lagrangia.run.runtime import Solver
 from lagrangia.run.scene import Scene

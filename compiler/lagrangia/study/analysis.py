@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from lagrangia.algebra.duals import value_of
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.assembly import Assembly
 from lagrangia.constraints.initial import FIXED, FREE
 from lagrangia.constraints.newton import start_equations

@@ -9,7 +9,6 @@ import math
 import time
 from array import array
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -17,6 +16,7 @@ import numpy as np
 
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.interruptions import noticed
+from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.dynamics.switches import has_dry_friction, live
 from lagrangia.run.request import Experiment, Values, check_parameters

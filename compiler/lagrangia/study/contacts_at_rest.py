@@ -10,12 +10,13 @@ cutting-plane method for solving convex programs, 1960).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.nonnegative_least_squares import nonnegative
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.equilibrium import Rest, StaticEquations, find_rest, find_rest_near, onto_constraints, starts
 
 Vector = NDArray[np.float64]

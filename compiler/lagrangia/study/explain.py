@@ -3,9 +3,10 @@
 import json
 import textwrap
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
+from lagrangia.base.records import dataclass
 from lagrangia.run.engines import Engine
 from lagrangia.run.runtime import Settings, Solver, first_choice
 from lagrangia.run.scene import Scene

@@ -10,7 +10,6 @@ names: those whose columns of J are not needed to solve for the others. Works wi
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.orthogonal import independent_columns
 from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, write_text
 
 Matrix = NDArray[np.float64]

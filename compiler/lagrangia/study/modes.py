@@ -1,12 +1,13 @@
 """Natural modes: undamped, K phi = omega^2 M phi, and the eigenvalues of the damped motion, s = -zeta omega +- i omega_d."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.records import dataclass
 from lagrangia.study.linearization import Linearization, no_mass
 from lagrangia.view.mechanism import Mechanism
 

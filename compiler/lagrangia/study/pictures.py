@@ -2,7 +2,6 @@
 
 import math
 import os
-from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.records import dataclass
 from lagrangia.frames.planar import ANGLES, LENGTHS
 from lagrangia.view.curves import require_format, save
 from lagrangia.view.mechanism import Mechanism

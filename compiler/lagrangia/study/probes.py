@@ -5,12 +5,13 @@ prescribed coordinate (the `to` of a Motion), or the place of a frame (road.y) t
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Dual, Scalar
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.evaluation import Value, scalars_of

@@ -5,13 +5,13 @@
 
 import csv
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target
 from lagrangia.study.linearization import Linearization
 

@@ -4,12 +4,12 @@ Rows stand in this order: constraints on positions, contacts that press, constra
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.records import dataclass
 from lagrangia.dynamics.equilibrium import StaticEquations
 from lagrangia.study.contacts_at_rest import Grip, GripEquations, Look
 from lagrangia.study.linearization import TangentParts

@@ -7,7 +7,6 @@ but loads depends on time it goes on (pace 1): a frame that turns steadily keeps
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -17,6 +16,7 @@ from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression
 from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
 from lagrangia.dynamics.energies import Energies, Load, evaluate_energies
 from lagrangia.dynamics.held_switches import Holding, Pair

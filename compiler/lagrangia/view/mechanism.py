@@ -1,12 +1,12 @@
 """A scene as lines to be drawn: bodies, springs and links between the places of their frames."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.records import dataclass
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.joints import component_of
 from lagrangia.frames.planar import LENGTHS

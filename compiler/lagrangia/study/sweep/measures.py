@@ -3,9 +3,9 @@
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.language.units import parse_unit, spell
 from lagrangia.language.values import read_value
 from lagrangia.run.batch import Kind, Reduction

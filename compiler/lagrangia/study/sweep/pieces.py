@@ -20,6 +20,11 @@ class Pieces:
         self._workers = workers
         self._lock = threading.Lock()
 
+    @property
+    def left(self) -> int:
+        """Runs that are still to be handed out."""
+        return self._left
+
     def take(self, most: int) -> tuple[int, int] | None:
         """At most so many; shorter towards the end, so that all workers end together."""
         with self._lock:

@@ -5,12 +5,13 @@ import json
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.checked_values import a_count, a_number, by_name
 from lagrangia.base.diagnostics import LagError, Report, fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.run.batch import Kind, Reduction, Sweep
 from lagrangia.run.request import Request, check_values, plan
 from lagrangia.run.rules import Moment, solver_by

@@ -4,12 +4,12 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, cells, quoted
 from lagrangia.run.batch import Ending
 from lagrangia.run.runtime import Failure, Status

@@ -34,9 +34,11 @@ class _Worker(threading.Thread):
             with Batch(self.engine.runtime, self.engine.model, self.job.sweep) as batch:
                 pace = Pace(_PIECE)
                 while not self.stop.value and (piece := self.pieces.take(pace.count)) is not None:
-                    begin = time.perf_counter()
+                    begin, busy = time.perf_counter(), time.thread_time()
                     self.answers.put((piece[0], *batch.advance(self.job.variations.values(*piece), self.stop)))
                     pace.learn(piece[1] - piece[0], time.perf_counter() - begin)
+                    seconds = time.thread_time() - busy
+                    self.engine.look(seconds, seconds / (piece[1] - piece[0]) * self.pieces.left)
         except BaseException as error:
             self.answers.put(error)
         self.answers.put(None)

@@ -8,12 +8,12 @@ import csv
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import open_with_care
 from lagrangia.language.values import read_value
 from lagrangia.study.sweep.measures import cut_list, split_list
