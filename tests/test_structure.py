@@ -35,6 +35,7 @@ ROOMS = """
     view
     study
     paper
+    draw
     fmu
     model
     bench
@@ -47,9 +48,9 @@ RESERVED = {"grammar", "runtime", "models"}  # folders of data in a wheel
 HEAVY_HOMES = {
     "lark": {"language"},
     "casadi": {"algebra", "frames", "constraints", "dynamics", "needs", "compile", "study", "fmu", "model", "bench",
-               "paper/sheet", "command/scene_export"},
+               "paper/sheet", "command/scene_export", "draw"},
     "sympy": {"algebra/with_sympy", "algebra/normal_form", "paper"},
-    "matplotlib": {"view/curves", "study/pictures", "fmu/pictures", "bench/plot"},
+    "matplotlib": {"view/curves", "study/pictures", "fmu/pictures", "bench/plot", "draw/paint"},
 }
 LONGEST_WELCOME = 8  # lines of what a room says about itself
 TOP_LEVEL = {"pyproject.toml", "grammar", "compiler", "runtime", "models", "tests", "README.md", "LICENSE", "CHANGELOG.md"}
@@ -220,7 +221,7 @@ ASK_THE_KIND = """
     frames/closures frames/edges frames/evaluation frames/kinematics
     dynamics/bodies dynamics/driven_joints dynamics/elimination dynamics/forces dynamics/motion dynamics/reactions
     dynamics/released_directions
-    view/mechanism study/analysis study/pictures study/probes paper/derivation paper/symbolic
+    draw/scenery draw/values view/mechanism study/analysis study/pictures study/probes paper/derivation paper/symbolic
 """.split()
 OF_THE_PLANE = {"phi", "xy", "vx", "vy", "reaction_torque"}  # names of components and attributes, where these are no text
 # Beside the table of attributes: symbols on paper, residuals, which are called phi as well, and angles of bodies that add up.

@@ -18,7 +18,7 @@ from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
-from lagrangia.view.trajectory import Trajectory, collect
+from lagrangia.view.trajectory import Trajectory, collect, moments
 
 if TYPE_CHECKING:
     import casadi
@@ -326,11 +326,7 @@ class Model:
             fail("L0908", f"'{name}' depends on what friction and contacts hold: only the run knew", None,
                  f"declare it as an output, or ask for it beforehand: lagrangia.Model(path, outputs=['{name}'])")
         labels, function = observer(compilation.kinematics, compilation.motion, compilation.constraints, (name,))
-        n = self.scene.n
-        t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
-        u = np.array([_interpolated(t[0], values, k) for k in range(len(self.scene.inputs))]).reshape(-1, t.size)
-        p = parameters.reshape(-1, 1)
-        found = np.array(function(t, q, v, u, p))
+        found = np.array(function(*moments(self.scene, parameters, values, rows)))
         return found[0] if len(labels) == 1 else found.T
 
     def __reduce__(self) -> "tuple[Any, ...]":
@@ -394,6 +390,16 @@ class Model:
 
         request = Request(form, format, names or {}, dict(parameters or {}), numbers, force)
         return write_equations(self.path, request, self.model, self.structural)
+
+    def draw(self, path: str | os.PathLike[str] | None = None, *, at: float | None = None, names: Mapping[str, str] | None = None,
+             parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None, inputs: Any = None
+             ) -> str:
+        """The scene as a textbook draws it, at the start or at the time `at` (s): an SVG's text; a path (.svg, .pdf, .png) is
+        written as well. `names` maps names of the model to symbols, {"tilt.phi": "theta"}. Raises LagError, RunError."""
+        from lagrangia.draw.drawing import draw_scene
+
+        request = Request(at=None if at is None else [at], parameters=parameters, initial=initial, inputs=inputs)
+        return draw_scene(self, path, request, names or {})
 
     def export_fmu(
         self, path: str | os.PathLike[str] | None = None, *, fmi: str | int = "2", kind: str = "me,cs", platforms: str = "host",
@@ -477,14 +483,6 @@ class Model:
 def _chosen(excitations: Any, outputs: Any) -> tuple[tuple[str, ...] | None, tuple[str, ...] | None]:
     return (None if excitations is None else names("excitations", excitations),
             None if outputs is None else names("outputs", outputs))
-
-
-def _interpolated(t: "np.ndarray", values: Any, k: int) -> "np.ndarray":
-    import numpy as np
-
-    count = len(values.input_values) // len(values.input_times)
-    column: np.ndarray = np.interp(t, values.input_times, np.asarray(values.input_values).reshape(-1, count)[:, k])
-    return column
 
 
 def _interrupted(result: Any, when: str) -> Interrupted:

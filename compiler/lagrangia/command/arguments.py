@@ -110,6 +110,15 @@ def assignment(text: str, option: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
+def named_pairs(text: str, option: str) -> dict[str, str]:
+    """`NAME=VALUE,NAME=VALUE`, each name once. Raises LagError L0706."""
+    pairs = [assignment(item, option) for item in split_names(text)]
+    names = [name for name, _ in pairs]
+    if len(set(names)) < len(names):
+        fail("L0706", f"{option}: '{next(n for n in names if names.count(n) > 1)}' is given twice")
+    return dict(pairs)
+
+
 def number(text: str, option: str) -> float:
     """A number after an option. Raises LagError L0706."""
     try:

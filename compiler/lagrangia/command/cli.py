@@ -142,6 +142,12 @@ def _equations(options: argparse.Namespace) -> int:
     return equations_command(options)
 
 
+def _draw(options: argparse.Namespace) -> int:
+    from lagrangia.command.draw import draw_command
+
+    return draw_command(options)
+
+
 def _analysis(options: argparse.Namespace) -> int:
     from lagrangia.command import analysis as analysis_commands
 
@@ -197,6 +203,7 @@ def _parser() -> argparse.ArgumentParser:
     explain.add_argument("--json", action="store_true", help="the same for programs")
     _add_bench(_add(commands, "bench", _bench, "measure run time against error, beside other solvers"))
     _add_equations(_add(commands, "equations", _equations, "write the equations of motion for people"))
+    _add_draw(_add(commands, "draw", _draw, "draw the scene as a textbook does"))
     _add_equilibrium(_add(commands, "equilibrium", _analysis, "find positions of rest, their stability and reactions"))
     _add_linearize(_add(commands, "linearize", _analysis, "give the matrices of small motion"))
     _add_modes(_add(commands, "modes", _analysis, "find natural frequencies, damping ratios and mode shapes"))
@@ -377,6 +384,26 @@ def _add_fmu(parser: argparse.ArgumentParser) -> None:
     check.add_argument("files", nargs="+", type=Path, metavar="FILE")
     check.add_argument("--run", action=argparse.BooleanOptionalAction, default=True,
                        help="load and run its binary, which is to trust it")
+
+
+def _add_draw(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    _add_start(parser)
+    add("--at", metavar="T", help="the time at which it is drawn; the start by default")
+    add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
+    add("-o", "--output", metavar="FILE",
+        help="the picture (.svg, .pdf, .png; - for the SVG on standard output); by default NAME.svg in this folder")
+
+
+def _add_start(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("file", type=Path, metavar="FILE")
+    add("--model", metavar="NAME", help="the model; the last of the file by default")
+    add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter: -p L=2 -p n=3")
+    add("--initial", action="append", default=[], metavar="NAME=VALUE",
+        help="a start value of a coordinate or rate: --initial hinge.phi=1.2")
+    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv",
+        help="an input: a constant, or a table with a column time")
 
 
 def _add_equations(parser: argparse.ArgumentParser) -> None:

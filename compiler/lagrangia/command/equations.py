@@ -3,9 +3,8 @@
 from argparse import Namespace
 from pathlib import Path
 
-from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import write_text
-from lagrangia.command.arguments import assignment, keep_inputs, part_structural, split_names
+from lagrangia.command.arguments import assignment, keep_inputs, named_pairs, part_structural
 
 
 def equations_command(options: Namespace) -> int:
@@ -14,8 +13,8 @@ def equations_command(options: Namespace) -> int:
 
     keep_inputs(options, options.output)
     structural, parameters = part_structural(options, [assignment(text, "-p") for text in options.parameter])
-    about = None if options.about is None else _pairs(options.about, "--about")
-    names = _pairs(options.names or "", "--names")
+    about = None if options.about is None else named_pairs(options.about, "--about")
+    names = named_pairs(options.names or "", "--names")
     request = Request(options.form, options.format, names, parameters, options.numbers, options.force, about)
     text = write_equations(options.file, request, options.model, structural)
     if options.output in (None, "-"):
@@ -24,11 +23,3 @@ def equations_command(options: Namespace) -> int:
         write_text(Path(options.output), text + "\n")
         print(f"written to {options.output}")
     return 0
-
-
-def _pairs(text: str, option: str) -> dict[str, str]:
-    pairs = [assignment(item, option) for item in split_names(text)]
-    names = [name for name, _ in pairs]
-    if len(set(names)) < len(names):
-        fail("L0706", f"{option}: '{next(n for n in names if names.count(n) > 1)}' is given twice")
-    return dict(pairs)

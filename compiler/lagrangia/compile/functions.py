@@ -262,11 +262,16 @@ def observer(
 ) -> tuple[tuple[str, ...], ca.Function]:
     """Any quantities as a function of t, q, v, u, p; vectors give one row an element."""
     labels, y = _outputs(kinematics, names)
-    y = _solved(with_reactions(y, kinematics, motion, constraints), motion)
+    return labels, observer_of(kinematics, motion, constraints, y)
+
+
+def observer_of(kinematics: Kinematics, motion: Motion, constraints: Constraints, y: ca.SX) -> ca.Function:
+    """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p."""
+    y = _solved(with_reactions(ca.substitute(y, kinematics.symbols.tau, ca.SX(1)), kinematics, motion, constraints), motion)
     modes = kinematics.algebra.modes
     if modes and y.numel():
         y = ca.substitute(y, ca.vertcat(*[m.symbol for m in modes]), ca.vertcat(*[m.value for m in modes]))
-    return labels, ca.Function("observe", [motion.t, motion.q, motion.v, motion.u, motion.p], [y])
+    return ca.Function("observe", [motion.t, motion.q, motion.v, motion.u, motion.p], [y])
 
 
 def depends_on_forces(kinematics: Kinematics, motion: Motion, name: str) -> bool:

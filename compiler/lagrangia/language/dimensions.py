@@ -83,6 +83,11 @@ def check_dimensions(model: FlatModel) -> FlatModel:
     return replace(model, warnings=(*model.warnings, *checker.report.diagnostics))
 
 
+def dimension_of_value(model: FlatModel, node: Flat) -> Dimension | None:
+    """Of an expression that was checked; None where any will do."""
+    return _Checker(model).quantity(node).dimension
+
+
 def unit_of(model: FlatModel, node: Flat) -> str:
     """The unit of an observable as text, "" when none is known."""
     match node:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, cells, quoted
+from lagrangia.run.request import Values
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import Progress, loss, shortcomings
 from lagrangia.view.curves import draw
@@ -181,6 +182,17 @@ def csv_lines(values: Sequence[float], shown: int, empty: EmptyCells) -> list[st
             for column in (column for column, cell in enumerate(line.split(",")) if not cell):
                 empty.note(column, values[k])
     return lines
+
+
+def moments(scene: Scene, parameters: "np.ndarray", values: Values, rows: "np.ndarray") -> "tuple[np.ndarray, ...]":
+    """t, q, v and u, (., T) each, and p, (n_p, 1), of rows of results."""
+    import numpy as np
+
+    n, count = scene.n, len(values.input_values) // len(values.input_times)
+    t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
+    table = np.asarray(values.input_values).reshape(len(values.input_times), count)
+    u = np.array([np.interp(t[0], values.input_times, table[:, k]) for k in range(len(scene.inputs))]).reshape(-1, t.size)
+    return t, q, v, u, parameters.reshape(-1, 1)
 
 
 def collect(scene: Scene, portions: Iterable[Sequence[float]]) -> "np.ndarray":

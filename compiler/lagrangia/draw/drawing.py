@@ -1,0 +1,92 @@
+"""`Model.draw` and `lag draw`: a run to the moment that is asked for, its page, files."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.result_files import Target, write_text
+from lagrangia.compile.pipeline import Compilation, flatten_file
+from lagrangia.draw.page import Page
+from lagrangia.draw.picture import draw_page
+from lagrangia.draw.svg import write_svg
+from lagrangia.draw.values import States
+from lagrangia.language.dimensions import check_dimensions
+from lagrangia.language.flat import Figure
+from lagrangia.run.request import Request, check_values
+from lagrangia.run.scene import Scene
+from lagrangia.view.trajectory import Trajectory, moments
+
+if TYPE_CHECKING:
+    from lagrangia.run.request import Values
+
+FORMATS = (".svg", ".pdf", ".png")
+
+
+class Drawable(Protocol):
+    """What a picture needs of a Model."""
+
+    path: Path
+    model: str | None
+    structural: dict[str, Any]
+    scene: Scene
+
+    @property
+    def compilation(self) -> Compilation:
+        """What each phase of the compiler made."""
+    def run(self, request: Request) -> Trajectory:
+        """The motion. Raises LagError, RunError."""
+
+
+def draw_scene(model: Drawable, path: str | os.PathLike[str] | None, request: Request, names: Mapping[str, str]) -> str:
+    """The text of an SVG, at the request's last time; the file as well where a path is given. Raises LagError, RunError."""
+    if path is not None:
+        require_picture(path)
+    page = page_of(model, request, names)
+    text = write_svg(page)
+    if path is not None:
+        save_page(page, text, Path(path))
+    return text
+
+
+def page_of(model: Drawable, request: Request, names: Mapping[str, str]) -> Page:
+    """The page of a scene where the request's last time is, or at its start."""
+    begin = model.scene.start if request.at is None else request.at[-1]
+    asked = Request(at=[begin], parameters=request.parameters, initial=request.initial, inputs=request.inputs)
+    run = model.run(asked)
+    values = check_values(model.scene, request.parameters, request.initial, request.inputs)
+    return draw_page(model.compilation, figures_of(model), states_of(model, run, values), names)
+
+
+def figures_of(model: Drawable) -> tuple[Figure, ...]:
+    """All figures of a scene, those of the library as well. Raises LagError."""
+    flat = flatten_file(model.path, model.model, model.structural, is_drawn=True)[1]
+    return check_dimensions(flat).figures
+
+
+def states_of(model: Drawable, run: Trajectory, values: "Values") -> States:
+    """The moments of a run."""
+    return States(*moments(model.scene, np.array(run.progress.parameters), values, run.rows))
+
+
+def require_picture(path: str | os.PathLike[str]) -> None:
+    """Raises LagError L0004, L0918 for a file whose name ends in no format of drawings."""
+    suffix = Path(path).suffix.lower()
+    if suffix == ".tex":
+        fail("L0918", "not supported yet: drawings as TikZ", None, "LaTeX takes .pdf by \\includegraphics")
+    if suffix not in FORMATS:
+        fail("L0004", f"'{path}' is no drawing that can be written", None, f"its name should end in {', '.join(FORMATS)}")
+
+
+def save_page(page: Page, text: str, path: Path) -> None:
+    """Writes the file, as its name ends. Raises LagError L0004 where it cannot be written."""
+    if path.suffix.lower() == ".svg":
+        write_text(path, text)
+        return
+    from lagrangia.draw.paint import paint_page
+
+    with Target(path, binary=True) as target:
+        paint_page(page).savefig(target.stream, dpi=300, format=path.suffix[1:].lower())

@@ -1,0 +1,50 @@
+"""A page as SVG: plain text, which any browser and any writer of papers reads."""
+
+from html import escape
+
+from lagrangia.draw.page import FONT, Label, Page
+from lagrangia.draw.strokes import Stroke
+
+LINES = {"normal": 0.35, "round": 0.35, "thin": 0.2, "dashed": 0.2, "thick": 0.6}  # mm
+FILLS = {"none": "none", "white": "#fff", "grey": "#c8c8c8", "black": "#000"}
+FAMILY = "'STIX Two Text','Times New Roman',Times,serif"
+LOWERED = 0.28  # of the font: how far a subscript is set below
+
+
+def write_svg(page: Page) -> str:
+    """The whole file."""
+    width, height = _number(page.width), _number(page.height)
+    head = (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}" '
+            f'fill="none" stroke="#000" stroke-width="{LINES["normal"]}" stroke-linecap="round" stroke-linejoin="round">')
+    title = [f"<title>{escape(page.title)}</title>"] if page.title else []
+    paths = [_path(path, page.height) for path in page.paths]
+    labels = [_label(label, page.height) for label in page.labels]
+    words = [f'<g fill="#000" stroke="none" font-family="{FAMILY}" font-size="{FONT}" text-anchor="middle">', *labels, "</g>"]
+    return "\n".join([head, *title, *paths, *(words if labels else []), "</svg>"]) + "\n"
+
+
+def _path(path: Stroke, height: float) -> str:
+    looks = f' stroke-width="{LINES[path.line]}"' if LINES[path.line] != LINES["normal"] else ""
+    looks += ' stroke-dasharray="1.2 0.8"' if path.line == "dashed" else ""
+    looks += f' fill="{FILLS[path.fill]}"' if path.fill != "none" else ""
+    if path.radius > 0:
+        x, y = path.points[0]
+        return f'<circle cx="{_number(x)}" cy="{_number(height - y)}" r="{_number(path.radius)}"{looks}/>'
+    points = " ".join(f"{_number(x)},{_number(height - y)}" for x, y in path.points)
+    return f'<{"polygon" if path.is_closed else "polyline"} points="{points}"{looks}/>'
+
+
+def _label(label: Label, height: float) -> str:
+    x, y = label.at
+    pieces, low = [], False
+    for text, is_italic, is_lowered in label.words.pieces:
+        shift = "" if is_lowered == low else f' dy="{_number((1 if is_lowered else -1) * LOWERED * FONT)}"'
+        looks = (' font-style="italic"' if is_italic else "") + (f' font-size="{_number(0.7 * FONT)}"' if is_lowered else "")
+        pieces.append(f"<tspan{shift}{looks}>{escape(text)}</tspan>")
+        low = is_lowered
+    return f'<text x="{_number(x)}" y="{_number(height - y + 0.33 * FONT)}">{"".join(pieces)}</text>'
+
+
+def _number(x: float) -> str:
+    text = f"{x:.3f}".rstrip("0").rstrip(".")
+    return "0" if text in ("-0", "") else text
