@@ -221,7 +221,8 @@ ASK_THE_KIND = """
     frames/closures frames/edges frames/evaluation frames/kinematics
     dynamics/bodies dynamics/driven_joints dynamics/elimination dynamics/forces dynamics/motion dynamics/reactions
     dynamics/released_directions
-    draw/scenery draw/values view/mechanism study/analysis study/pictures study/probes paper/derivation paper/symbolic
+    draw/scenery draw/values view/mechanism study/analysis study/pictures study/probes paper/points paper/symbolic
+    paper/virtual_steps
 """.split()
 OF_THE_PLANE = {"phi", "xy", "vx", "vy", "reaction_torque"}  # names of components and attributes, where these are no text
 # Beside the table of attributes: symbols on paper, residuals, which are called phi as well, and angles of bodies that add up.

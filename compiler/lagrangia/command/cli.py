@@ -411,7 +411,11 @@ def _add_equations(parser: argparse.ArgumentParser) -> None:
     add("file", type=Path, metavar="FILE")
     add("--model", metavar="NAME", help="the model; the last of the file by default")
     add("--form", default="lagrange", metavar="FORM",
-        help="lagrange, lagrangian, elastic, energies, matrix, first-order, linear, or worked: the whole derivation")
+        help="lagrange, energies, matrix, first-order, linear, worked (the whole derivation), 5.16 ... 5.32: lag help equations")
+    add("--sources", default="auto", metavar="SIDE", help="potential: loads of time stand in V; force: on the right-hand side")
+    add("--level", default="full", metavar="LEVEL", help="of the derivation: short, full or lecture")
+    add("--sections", metavar="NAME,...", help="of the derivation, these alone: kinetic,potential,equations")
+    add("--first-letter", default="a", metavar="LETTER", help="of the derivation's formulas, to go on from another page")
     add("--format", default="text", metavar="FORMAT", help="text, markdown, latex, html, or sympy: a Python script")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
     add("--numbers", action="store_true", help="put the values of the parameters in")

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from lagrangia.base.result_files import write_text
-from lagrangia.command.arguments import assignment, keep_inputs, named_pairs, part_structural
+from lagrangia.command.arguments import assignment, keep_inputs, named_pairs, part_structural, split_names
 
 
 def equations_command(options: Namespace) -> int:
@@ -15,7 +15,8 @@ def equations_command(options: Namespace) -> int:
     structural, parameters = part_structural(options, [assignment(text, "-p") for text in options.parameter])
     about = None if options.about is None else named_pairs(options.about, "--about")
     names = named_pairs(options.names or "", "--names")
-    request = Request(options.form, options.format, names, parameters, options.numbers, options.force, about)
+    request = Request(options.form, options.format, names, parameters, options.numbers, options.force, about, options.sources,
+                      options.level, split_names(options.sections), options.first_letter)
     text = write_equations(options.file, request, options.model, structural)
     if options.output in (None, "-"):
         print(text)

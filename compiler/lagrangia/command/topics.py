@@ -311,12 +311,22 @@ lag equations FILE [--form FORM] [--format FORMAT]
 Lagrange's equations as a textbook writes them, derived with SymPy from the same energies that are simulated.
 
 forms     lagrange      d/dt dT/dv - dT/dq + dV/dq + dD/dv = f, written out for every coordinate (the default)
-          lagrangian    by L = T - V               elastic      by L_e = T - V_e, all sources on the right
           energies      T, V = V_e + V_f, D and the generalised forces, by component and in all
+          5.16 total        d/dt dT/dv - dT/dq = f               5.20 potential    ... + dV/dq = f_nc
+          5.21 lagrangian   by L = T - V, f_nc on the right      5.22 conservative the same, where f_nc is 0
+          5.23 balance      f_in + f_c + f_nc = 0                5.26 sources      V_e and f_nc on the left, f_f on the right
+          5.27 elastic      by L_e = T - V_e, f_nc left          5.31 elastic-dissipation  by L_e and D
+          5.32 dissipation  by T, V_e and D: each by its number or its word, with its general formula, the scene's functions and
+                        the equations. Loads of time alone stand in V by their potential -F . r; --sources force: as forces
           matrix        M(q) q'' + h = f           first-order  q' = v, v' = M^-1 (f - h)
           linear        M, C, K and the load of small motion about an equilibrium, or --about NAME=VALUE,...; with constraints
                         their Jacobian and multipliers, and then the same without; motion of supports on the right-hand side
-          worked        the whole derivation: coordinates, positions, velocities, energies, every partial derivative
+          worked        the whole derivation: positions and virtual displacements, the principle of virtual work, T body by body
+                        and in all, V, D, generalised forces both ways, Lagrange's equation of each coordinate derivative by
+                        derivative, small motion, matrices, constants. Formulas have letters; --first-letter f goes on from
+                        another page. --level short (results), full, lecture (more); --sections kinetic,potential,equations of
+                        system, coordinates, data, positions, principle, kinetic, potential, dissipation, forces, constraints,
+                        equations, small, matrices, constants
 formats   text, markdown (formulas between dollars), latex, html (one page that needs no network and prints well),
           sympy (a Python script that builds the expressions of the form lagrange)
 

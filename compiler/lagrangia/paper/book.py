@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import sympy as sp
 
@@ -28,6 +29,7 @@ from lagrangia.paper.layout import (
     total,
 )
 from lagrangia.paper.notation import is_own, own_name
+from lagrangia.paper.parts import Parts, parts_of
 from lagrangia.paper.presentation import Presentation
 from lagrangia.paper.typeset import line, text
 
@@ -45,6 +47,15 @@ class Book:
     values: Mapping[str, float]
     has_numbers: bool
     has_kicks: bool = False  # supports jump, or their rates
+    has_source_potentials: bool = False  # loads that depend on time alone are told by -F . r in V_f
+    level: str = "full"  # of the derivation: short, full or lecture
+    sections: tuple[str, ...] = ()  # of the derivation, all if none is named
+    first_letter: str = "a"
+
+    @cached_property
+    def parts(self) -> Parts:
+        """What acts, told apart."""
+        return parts_of(self.equations, self.has_source_potentials)
 
     @property
     def q(self) -> tuple[Name, ...]:
@@ -264,7 +275,8 @@ def _energy_constant(book: Book, c: Constant) -> list[Block]:
         return [paragraph("Nothing depends on time and nothing is lost: Jacobi's integral is constant."),
                 *display([equal(book.own("H"), book.sum(c.value))])]
     work = [negative(product([book.sum(f), q])) for f, q in zip(e.f, book.q, strict=True) if f != 0]
-    left: Node = added(book.own("T"), *([book.own("V")] if V != 0 else []), *work)
+    has_V = V != 0 or bool(work and book.has_source_potentials)
+    left: Node = added(book.own("T"), *([book.own("V")] if has_V else []), *([] if book.has_source_potentials else work))
     why = "The loads are constant and nothing is lost" if work else "Nothing depends on time and nothing is lost"
     energies = e.scene.energies
     value = book.sum(c.value) if work else book.gentle_sum((*energies.kinetic, *energies.potential), c.value)

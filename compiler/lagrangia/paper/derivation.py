@@ -1,13 +1,8 @@
-"""The whole derivation, step by step, as a textbook writes it."""
+"""The whole derivation as a textbook develops it: from virtual work to Lagrange's equations, a section a step."""
 
-import sympy as sp
+from collections.abc import Callable, Mapping
 
-from lagrangia.algebra.with_sympy import Expr, exact_throughout
-from lagrangia.frames.planar import ANGLES, LENGTHS
-from lagrangia.language.flat import Energy, Work
-from lagrangia.language.frame_attributes import COMPONENTS
-from lagrangia.language.mentions import leaves
-from lagrangia.language.tree import FrameRef
+from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.paper.book import (
     Book,
     constants_block,
@@ -15,145 +10,110 @@ from lagrangia.paper.book import (
     coordinates_table,
     equal,
     events_block,
-    generic,
     given_functions,
     lengths,
     parameters_table,
-    time_derivative,
+    positive_block,
 )
-from lagrangia.paper.document import Block, Display, Document, Heading, display, paragraph
-from lagrangia.paper.forms import component_sub, energy_blocks, force_blocks, force_name, matrix_blocks, opening, title
+from lagrangia.paper.document import Block, Display, Document, Heading, Inline, display, lettered, paragraph
+from lagrangia.paper.energy_steps import dissipation, kinetic, potential
+from lagrangia.paper.equation_steps import equations_of_motion, forces
+from lagrangia.paper.forms import matrix_blocks, opening, title
 from lagrangia.paper.layout import Name, Node, Slope
+from lagrangia.paper.linear_matrices import Linear
+from lagrangia.paper.small_steps import small_motion
+from lagrangia.paper.virtual_steps import positions, principle
+
+Section = Callable[[Book, "Linear | None"], list[Block]]
 
 
-def worked_form(book: Book) -> Document:
-    """The derivation step by step: coordinates, positions, energies, equations."""
+def worked_form(book: Book, linear: Linear | None) -> Document:
+    """The derivation; `linear` is its small motion, where there is one. Raises LagError L0704 for an unknown section."""
+    for name in book.sections:
+        if name not in SECTIONS:
+            fail("L0704", f"--sections: there is no section '{name}'", None, *filter(None, [suggest(name, SECTIONS)]),
+                 f"the sections are {', '.join(SECTIONS)}")
+    wanted = book.sections or [name for name in SECTIONS if book.level != "short" or name not in _LONG]
+    blocks = [block for name in SECTIONS if name in wanted for block in SECTIONS[name](book, linear)]
+    return lettered(Document(f"{title(book)}: the equations of motion", tuple(blocks)), book.first_letter)
+
+
+def _system(book: Book, _: Linear | None) -> list[Block]:
+    """What it is, and what is assumed."""
+    e, p = book.equations, book.parts
+    weights = bool(book.presentation.symbols.weights & _used(book))
+    words: list[Inline] = [f"Assumed: {'' if weights else 'no '}gravity acts; joints are ideal, their forces do no virtual work"]
+    if p.sources:
+        names = ", ".join(dict.fromkeys(load.statement.component for load, _ in p.sources))
+        words += [f"; {names}, given in time, {'have potentials' if len(p.sources) > 1 else 'has a potential'}"]
+    others = list(dict.fromkeys(x.statement.component or "a force of the model" for x in (*p.applied, *p.drags)))
+    words += [f"; {', '.join(others)}: by virtual work alone"] if others else []
+    unit = [paragraph("Events: between them the equations hold.")] if e.scene.events else []
+    return [Heading("System", 2), *opening(book), paragraph(*words, "."), *positive_block(book), *unit]
+
+
+def _used(book: Book) -> set[object]:
     e = book.equations
-    blocks = [*opening(book), *_coordinates(book), *_parameters(book), *_positions(book), *energy_blocks(book)]
-    roots = lengths(book)
-    if roots:
-        blocks += [paragraph("with"), Display(tuple(roots))]
-    blocks += force_blocks(book)
-    if e.rows:
-        blocks += [Heading("Constraints", 2), *constraints_block(book), *_jacobian(book)]
-    blocks += [Heading("Lagrange's equations", 2), Display((generic(book),))]
-    for k in range(e.n):
-        blocks += _coordinate(book, k)
-    blocks += [Heading("The equations of motion", 2), Display(tuple(_equation(book, k) for k in range(e.n)))]
-    blocks += [Heading("In matrix form", 2), *matrix_blocks(book), *events_block(book), *constants_block(book)]
-    return Document(f"{title(book)}: the equations of motion", tuple(blocks))
+    return set(e.V_field.free_symbols) | {x for f in e.f for x in f.free_symbols}
 
 
-def _coordinates(book: Book) -> list[Block]:
-    """The coordinates that are left, those that others give, and what is prescribed."""
+def _coordinates(book: Book, _: Linear | None) -> list[Block]:
+    """The coordinates that are left, those that others give, and how many degrees of freedom there are."""
     e = book.equations
     degrees = e.n - len(e.rows)
-    many = "one coordinate" if e.n == 1 else f"{e.n} coordinates"
-    left = f" and {len(e.rows)} constraint{'s' if len(e.rows) > 1 else ''}" if e.rows else ""
-    freedom = f", {degrees} degree{'s' if degrees != 1 else ''} of freedom" if e.rows and degrees > 0 else ""
-    blocks: list[Block] = [Heading("Coordinates", 2), paragraph(f"The system has {many}{left}{freedom}.")]
-    blocks += coordinates_table(book)
-    functions = given_functions(book)
-    return [*blocks, *([paragraph("Given:"), *display(functions)] if functions else [])]
+    many = "one generalised coordinate" if e.n == 1 else f"{e.n} generalised coordinates"
+    if e.rows:
+        held = "a constraint" if len(e.rows) == 1 else f"{len(e.rows)} constraints"
+        why = f"{many} under {held} leave {degrees} degree{'s' if degrees != 1 else ''} of freedom."
+    else:
+        why = f"The position is known by {many}, which nothing ties: {degrees} degree{'s' if degrees > 1 else ''} of freedom."
+    why = why[0].upper() + why[1:]
+    names: list[Inline] = []
+    for k, q in enumerate(book.q):
+        names += [", " if k else "", Name(q.base, q.sub, prefix="δ")]
+    return [Heading("Coordinates", 2), paragraph(why), *coordinates_table(book),
+            paragraph("The virtual displacements ", *names, " are arbitrary, simultaneous, and taken at a fixed time",
+                      ", but for the constraints." if e.rows else ".")]
 
 
-def _parameters(book: Book) -> list[Block]:
-    table = parameters_table(book)
-    return [Heading("Parameters", 2), *table] if table else []
+def _data(book: Book, _: Linear | None) -> list[Block]:
+    table, functions = parameters_table(book), given_functions(book)
+    found: list[Block] = [*table, *([paragraph("Given:")] if functions else []), *display(functions)]
+    return [Heading("Data", 2), *found] if found else []
 
 
-# -------------------------------------------------------------------- positions
-
-
-def _positions(book: Book) -> list[Block]:
-    """Where the frames are that energies and loads speak of, and how they move; frames that coincide share a row."""
-    kinematics = book.equations.scene.kinematics
-    model = kinematics.graph.model
-    statements: list[Energy | Work] = [*model.energies, *model.works]
-    places: dict[tuple[Expr, ...], list[str]] = {}
-    for name in _frames(book, statements):
-        pose = kinematics.pose(name, 0)
-        key = tuple(book.equations.ring.tidy(exact_throughout(x)) for x in pose.place)
-        places.setdefault(key, []).append(name)
-    moving = {key: names for key, names in places.items() if any(book.presentation.symbols.moves(x) for x in key)}
-    if not moving:
-        return []
-    blocks: list[Block] = [Heading("Positions and velocities", 2)]
-    for names in moving.values():
-        blocks += _place(book, names)
-    return blocks
-
-
-def _place(book: Book, names: list[str]) -> list[Block]:
-    """The place of frames that share it, and its rate: lengths and their rates, then angles that are not 0."""
-    kinematics, tidy = book.equations.scene.kinematics, book.equations.ring.tidy
-    place = [tidy(exact_throughout(x)) for x in kinematics.pose(names[0], 0).place]
-    twist = [exact_throughout(x) for x in kinematics.pose(names[0], 1).twist]
-    sub = component_sub(names[0].removesuffix(".center"))
-    labels = [component.name for component in COMPONENTS]
-    lines: list[Node] = [equal(Name(label, sub, 0), book.sum(x))
-                         for label, x in zip(labels[LENGTHS], place[LENGTHS], strict=True)]
-    lines += [equal(Name(label, sub, 1), book.presentation.motion(x))
-              for label, x in zip(labels[LENGTHS], twist[LENGTHS], strict=True)]
-    lines += [equal(Name(label, sub, marks), book.sum(x))
-              for label, phi, w in zip(labels[ANGLES], place[ANGLES], twist[ANGLES], strict=True) if phi != 0
-              for marks, x in ((0, phi), (1, tidy(w)))]
-    return [paragraph(f"{', '.join(names)}:"), Display(tuple(lines))]
-
-
-def _frames(book: Book, statements: "list[Energy | Work]") -> list[str]:
-    model = book.equations.scene.kinematics.graph.model
-    bindings = {name: v.binding for name, v in model.variables.items() if v.kind == "variable"}
-    roots = [x for s in statements for x in ((s.value,) if isinstance(s, Energy) else (s.force, s.position))]
-    found = [leaf.name for leaf in leaves(roots, bindings) if isinstance(leaf, FrameRef)]
-    return sorted(dict.fromkeys(found), key=list(model.frames).index)
-
-
-# -------------------------------------------------------------------- steps
-
-
-def _coordinate(book: Book, k: int) -> list[Block]:
-    """Every partial derivative of one coordinate's equation, and the equation."""
-    e, q, rate = book.equations, book.q[k], book.rate(k)
-    step = time_derivative(book.partial("T", rate))
-    lines: list[Node] = [equal(book.partial("T", rate), book.presentation.momentum(e.momenta[k])),
-                         equal(step, book.presentation.kept(e.momentum_rates[k], sp.S.Zero, k).left),
-                         equal(book.partial("T", q), book.sum(e.dT_dq[k]))]
-    if e.V_elastic != 0 or e.V_field != 0:
-        lines.append(equal(book.partial("V", q), book.sum(e.dV_dq[k])))
-    if e.D != 0:
-        lines.append(equal(book.partial("D", rate), book.sum(e.dD_dv[k])))
-    if any(f != 0 for f in e.f):
-        lines.append(equal(force_name(book, k), book.sum(e.f[k])))
-    lines += _reaction(book, k)
-    return [paragraph("For ", q, ":"), Display(tuple(lines)), paragraph("so that"), Display((_equation(book, k),))]
-
-
-def _reaction(book: Book, k: int) -> list[Node]:
+def _constraints(book: Book, _: Linear | None) -> list[Block]:
     e = book.equations
-    found: list[Node] = []
+    if not e.rows:
+        return []
+    slopes: list[Node] = []
     for i, row in enumerate(e.J):
-        name = Name("Phi", str(i + 1) if len(e.rows) > 1 else "")
-        if row[k] != 0 and i < e.scene.holonomic:
-            found.append(equal(Slope(name, book.q[k]), book.sum(row[k])))
-        elif row[k] != 0:
-            found.append(equal(Slope(name, book.rate(k)), book.sum(row[k])))
-    return found
+        label = str(i + 1) if len(e.rows) > 1 else ""
+        for k, x in enumerate(row):
+            if x != 0:
+                name, q = Name("Phi", label), book.q[k] if i < e.scene.holonomic else book.rate(k)
+                slopes.append(equal(Slope(name, q), book.sum(x)))
+    return [Heading("Constraints", 2), *constraints_block(book), paragraph("with the slopes"), Display(tuple(slopes)),
+            paragraph("Each multiplier is the generalised force that keeps its constraint.")]
 
 
-def _equation(book: Book, k: int) -> Node:
-    e = book.equations
-    return book.presentation.equation(e.left[k] + e.reactions[k], e.f[k], k)
+def _matrices(book: Book, _: Linear | None) -> list[Block]:
+    return [Heading("In matrix form", 2), *matrix_blocks(book), *events_block(book)]
 
 
-def _jacobian(book: Book) -> list[Block]:
-    e = book.equations
-    rows = range(e.scene.holonomic)
-    if not rows:
-        return []
-    count = len(e.rows)
-    rates: list[Node] = []
-    for i in rows:
-        name = Name("Phi", str(i + 1) if count > 1 else "", 1)
-        rates.append(equal(name, equal(book.sum(e.ring.tidy(e.scene.time_rate(e.rows[i]))), book.sum(sp.S.Zero))))
-    return [paragraph("and so for the rates"), Display(tuple(rates))]
+def _constants(book: Book, _: Linear | None) -> list[Block]:
+    return constants_block(book)
+
+
+def _potential(book: Book, _: Linear | None) -> list[Block]:
+    roots = lengths(book)
+    return [*potential(book), *([paragraph("with")] if roots else []), *display(roots)]
+
+
+SECTIONS: Mapping[str, Section] = {
+    "system": _system, "coordinates": _coordinates, "data": _data, "positions": lambda b, _: positions(b),
+    "principle": lambda b, _: principle(b), "kinetic": lambda b, _: kinetic(b), "potential": _potential,
+    "dissipation": lambda b, _: dissipation(b), "forces": lambda b, _: forces(b), "constraints": _constraints,
+    "equations": lambda b, _: equations_of_motion(b), "small": small_motion, "matrices": _matrices, "constants": _constants,
+}
+_LONG = ("positions", "principle", "forces", "small")  # left out of the short derivation

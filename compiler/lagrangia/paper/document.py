@@ -1,10 +1,13 @@
 """A page of formulas: headings, paragraphs, displayed formulas and tables, printed by pages.py."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+from string import ascii_lowercase
 from typing import TypeAlias
 
 from lagrangia.base.records import dataclass
-from lagrangia.paper.layout import Node
+from lagrangia.paper.layout import Letter, Node, Words
 
 Inline: TypeAlias = str | Node
 
@@ -26,9 +29,14 @@ class Paragraph:
 
 @dataclass(frozen=True)
 class Display:
-    """Formulas on lines of their own."""
+    """Formulas on lines of their own; `labels` of those that have a letter, else "": first names, then the letters themselves."""
 
     formulas: tuple[Node, ...]
+    labels: tuple[str, ...] = ()
+
+    def lettered(self) -> Sequence[tuple[Node, str]]:
+        """Each formula with its letter."""
+        return list(zip(self.formulas, self.labels or ("",) * len(self.formulas), strict=True))
 
 
 @dataclass(frozen=True)
@@ -55,6 +63,26 @@ def paragraph(*parts: Inline) -> Paragraph:
     return Paragraph(tuple(parts))
 
 
-def display(formulas: Sequence[Node]) -> list[Block]:
+def display(formulas: Sequence[Node], labels: Sequence[str] = ()) -> list[Block]:
     """Nothing for no formulas."""
-    return [Display(tuple(formulas))] if formulas else []
+    return [Display(tuple(formulas), tuple(labels))] if formulas else []
+
+
+def lettered(document: Document, first: str = "a") -> Document:
+    """With letters from `first` on in place of the labels, in the order of the formulas; what refers to them follows."""
+    names = [*ascii_lowercase, *("".join(pair) for pair in product(ascii_lowercase, repeat=2))]
+    free = iter(names[names.index(first) :])
+    letters: dict[str, str] = {}
+    for block in document.blocks:
+        for label in block.labels if isinstance(block, Display) else ():
+            if label and label not in letters:
+                letters[label] = next(free)
+
+    def put(block: Block) -> Block:
+        if isinstance(block, Display):
+            return replace(block, labels=tuple(letters.get(label, "") for label in block.labels))
+        if isinstance(block, Paragraph):
+            return Paragraph(tuple(Words(f"({letters[x.label]})") if isinstance(x, Letter) else x for x in block.parts))
+        return block
+
+    return replace(document, blocks=tuple(map(put, document.blocks)))

@@ -19,9 +19,7 @@ from lagrangia.paper.book import (
     events_block,
     generic,
     matrix,
-    multiplier_term,
     names_block,
-    time_derivative,
     where,
 )
 from lagrangia.paper.document import Block, Display, Document, Heading, display, paragraph
@@ -137,45 +135,6 @@ def lagrange_form(book: Book) -> Document:
                        Display(tuple(equations_of(book))), *constraints_block(book), *where(book), *constants_block(book)])
 
 
-def lagrangian_form(book: Book) -> Document:
-    """L = T - V."""
-    e, rate, k = book.equations, Name("q", "k", 1), Name("q", "k")
-    L = e.ring.tidy(e.T - e.V_elastic - e.V_field)
-    items = [(1, time_derivative(book.partial("L", rate))), (-1, book.partial("L", k))]
-    items += [(1, book.partial("D", rate))] if e.D != 0 else []
-    items += multiplier_term(book)
-    right: Node = Name("f", "k") if any(f != 0 for f in e.f) else book.sum(sp.S.Zero)
-    V: list[tuple[int, Node]] = [(-1, book.own("V"))] if e.V_elastic != 0 or e.V_field != 0 else []
-    head = equal(book.own("L"), Relation(total([(1, book.own("T")), *V]), book.sum(L)))
-    D = [equal(book.own("D"), book.gentle_sum(e.scene.energies.dissipation, e.D))] if e.D != 0 else []
-    forces = [equal(force_name(book, i), book.sum(f)) for i, f in enumerate(e.f) if f != 0]
-    return page(book, [paragraph("Lagrange's function is"), Display((head, *D, *forces)), paragraph("and its equations"),
-                       Display((equal(total(items), right),)), paragraph("give"), Display(tuple(equations_of(book))),
-                       *constraints_block(book), *where(book), *constants_block(book)])
-
-
-def elastic_form(book: Book) -> Document:
-    """L_e = T - V_e on the left, all that is a source on the right."""
-    e, rate, k = book.equations, Name("q", "k", 1), Name("q", "k")
-    L = e.ring.tidy(e.T - e.V_elastic)
-    left = total([(1, time_derivative(book.partial("L", rate, "e"))), (-1, book.partial("L", k, "e"))])
-    sources: list[tuple[int, Node]] = [(1, Name("f", "k"))] if any(f != 0 for f in e.f) else []
-    sources += [(-1, book.partial("V", k, "f"))] if e.V_field != 0 else []
-    sources += [(-1, book.partial("D", rate))] if e.D != 0 else []
-    sources += [(-sign, node) for sign, node in multiplier_term(book)]
-    lines = []
-    for i in range(e.n):
-        own = e.ring.tidy(e.momentum_rates[i] - e.dT_dq[i] + e.dVe_dq[i])
-        field = e.ring.tidy(e.dV_dq[i] - e.dVe_dq[i])
-        right = e.ring.tidy(e.f[i] - field - e.dD_dv[i] - e.reactions[i])
-        lines.append(book.presentation.kept(own, right, i))
-    has_elastic = e.V_elastic != 0
-    energies: list[tuple[int, Node]] = [(1, book.own("T")), *([(-1, book.own("V", "e"))] if has_elastic else [])]
-    head = equal(book.own("L", "e"), Relation(total(energies), book.sum(L)))
-    return page(book, [Display((head,)), Display((equal(left, Relation(Name("Q", "k"), total(sources))),)), paragraph("give"),
-                       Display(tuple(lines)), *constraints_block(book), *where(book)])
-
-
 # -------------------------------------------------------------------- matrices
 
 
@@ -259,7 +218,6 @@ def _descriptor(book: Book, p: Presentation, lines: list[Node], rates: list[Name
 
 
 FORMS: Mapping[str, Callable[[Book], Document]] = {
-    "energies": energies_form, "lagrange": lagrange_form, "lagrangian": lagrangian_form, "elastic": elastic_form,
-    "matrix": matrix_form, "first-order": first_order_form,
+    "energies": energies_form, "lagrange": lagrange_form, "matrix": matrix_form, "first-order": first_order_form,
 }
 __all__ = ["FORMS", "Grid", "Total", "coordinates_table"]

@@ -25,7 +25,7 @@ from lagrangia.paper.layout import (
 )
 from lagrangia.paper.typeset import FUNCTIONS, decimal, is_loose, sign_text
 
-_LATEX_GREEK = {"ell": r"\ell", "phi": r"\varphi", "epsilon": r"\varepsilon", "omicron": "o"}
+_LATEX_GREEK = {"·": r"\cdot ", "δ": r"\delta ", "ell": r"\ell", "phi": r"\varphi", "epsilon": r"\varepsilon", "omicron": "o"}
 _DOTS = {0: "%s", 1: r"\dot{%s}", 2: r"\ddot{%s}", 3: r"\dddot{%s}"}
 
 
@@ -35,7 +35,7 @@ def latex(node: Node) -> str:
         case Name(base, sub, marks, argument, is_bold, prefix):
             word = rf"\boldsymbol{{{_latex_word(base)}}}" if base in LETTERS else rf"\mathbf{{{base}}}"
             shown = _DOTS[marks] % (word if is_bold else _latex_word(base))
-            shown = prefix.replace("Δ", r"\Delta ") + shown + (f"_{{{_latex_sub(sub)}}}" if sub else "")
+            shown = prefix.replace("Δ", r"\Delta ").replace("δ", r"\delta ") + shown + (f"_{{{_latex_sub(sub)}}}" if sub else "")
             return shown + (f"({argument})" if argument else "")
         case Words(words):
             return rf"\text{{{latex_escape(words)}}}"
@@ -54,7 +54,7 @@ def latex(node: Node) -> str:
             if function == "abs":
                 return rf"\left|{latex(argument)}\right|"
             raised = f"^{{{power}}}" if power != 1 else ""
-            name = rf"\{function}" if function in FUNCTIONS else rf"\operatorname{{{function}}}"
+            name = rf"\{function}" if function in FUNCTIONS else r"\delta" if function == "δ" else rf"\operatorname{{{function}}}"
             inside = latex(argument if isinstance(argument, Name | Bracket | Listing) else Bracket(argument))
             return f"{name}{raised} {inside}"
         case Root(inside):
@@ -95,7 +95,7 @@ def _latex_signs(signs: str) -> str:
 
 
 def _latex_word(base: str) -> str:
-    if base in LETTERS:
+    if base in LETTERS or base in _LATEX_GREEK:
         if base.startswith("script "):
             return rf"\mathcal{{{base[-1]}}}"
         return _LATEX_GREEK.get(base, f"\\{base}")
@@ -108,7 +108,7 @@ def _latex_sub(sub: str) -> str:
 
 
 _ESCAPES = {"_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "$": r"\$", "{": r"\{", "}": r"\}", "^": r"\^{}", "~": r"\~{}",
-            "\\": r"\textbackslash{}"}
+            "\\": r"\textbackslash{}", "δ": r"$\delta$", "−": "$-$", "∂": r"$\partial$", "≈": r"$\approx$"}
 
 
 def latex_escape(words: str) -> str:

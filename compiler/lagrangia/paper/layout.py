@@ -39,6 +39,13 @@ class Words:
 
 
 @dataclass(frozen=True)
+class Letter:
+    """The letter of another formula, by the label that it has until document.lettered puts the letter in: (a)."""
+
+    label: str
+
+
+@dataclass(frozen=True)
 class Numeral:
     """An exact number, or with `digits` a decimal one of so many significant digits."""
 
@@ -145,8 +152,8 @@ class Pieces:
     items: tuple[tuple[str, "Node"], ...]
 
 
-Node: TypeAlias = (Name | Words | Numeral | Product | Total | Quotient | Power | Apply | Root | Bracket | Grid | Cases | Slope
-                   | Relation | Pieces | Listing)
+Node: TypeAlias = (Name | Words | Letter | Numeral | Product | Total | Quotient | Power | Apply | Root | Bracket | Grid | Cases
+                   | Slope | Relation | Pieces | Listing)
 
 ZERO, ONE = Numeral(Fraction(0)), Numeral(Fraction(1))
 
@@ -197,13 +204,15 @@ def _size(piece: tuple[str, Node], size: Callable[[Node], int]) -> int:
 def _opened(piece: tuple[str, Node], size: Callable[[Node], int]) -> list[tuple[str, Node]]:
     """The longest bracket of a product, its power or the top of a fraction, by its terms."""
     sign, node = piece
+    if isinstance(node, Pieces):
+        return _opened_within(sign, node, size)
     items = node.items if isinstance(node, Product) else (node,)
     sums = {k: found for k, item in enumerate(items) for found in [_sum_in(item)] if found is not None}
     if not sums:
         return [piece]
-    where = max(sums, key=lambda k: size(sums[k][0]))
-    inside, closing = sums[where]
-    before, after = items[:where], items[where + 1 :]
+    where = max(sums, key=lambda k: size(sums[k][1]))
+    leading, inside, closing = sums[where]
+    before, after = (*items[:where], *leading), items[where + 1 :]
     (first_sign, first), *rest = _pieces(inside, "")
     opening = f"({first_sign}"
     start = Pieces((("", product(before)), (opening, first))) if before else Pieces(((opening, first),))
@@ -212,16 +221,29 @@ def _opened(piece: tuple[str, Node], size: Callable[[Node], int]) -> list[tuple[
     return [(sign, start), *middle, (last_sign, end)]
 
 
-def _sum_in(node: Node) -> tuple[Total, list[Node]] | None:
-    """The sum that a bracket, its power or a fraction begins with, and what stands behind its closing bracket."""
+def _opened_within(sign: str, node: Pieces, size: Callable[[Node], int]) -> list[tuple[str, Node]]:
+    """The longest of some pieces opened; the others stay where they are."""
+    where = max(range(len(node.items)), key=lambda k: size(node.items[k][1]))
+    first, *rest = _opened(node.items[where], size)
+    before, after = (*node.items[:where], first), node.items[where + 1 :]
+    if not rest:
+        return [(sign, node)]
+    *middle, (last_sign, last) = rest
+    return [(sign, Pieces(before)), *middle, (last_sign, Pieces((("", last), *after)) if after else last)]
+
+
+def _sum_in(node: Node) -> tuple[list[Node], Total, list[Node]] | None:
+    """What leads to the sum of a bracket, its power or a fraction, the sum, and what stands behind its closing bracket."""
     match node:
         case Total() | Bracket(Total()):
             found = node.inside if isinstance(node, Bracket) else node
-            return (found, []) if isinstance(found, Total) else None
+            return ([], found, []) if isinstance(found, Total) else None
         case Power(Bracket(Total() as inside), exponent):
-            return inside, [Power(Words(""), exponent)]
+            return [], inside, [Power(Words(""), exponent)]
         case Quotient(Total() as inside, bottom) | Quotient(Bracket(Total() as inside), bottom):
-            return inside, [Quotient(Words(""), bottom)]
+            return [], inside, [Quotient(Words(""), bottom)]
+        case Apply("δ", Bracket(Total() as inside)):
+            return [Name("δ")], inside, []
     return None
 
 

@@ -16,13 +16,22 @@ from lagrangia.paper.linear_matrices import Linear, Table
 
 def linear_form(book: Book, linear: Linear) -> Document:
     """M, C, K and the load about the point; of one coordinate the equation itself."""
-    prefix = "Δ" if any(x != 0 for x in linear.point) else ""
-    book = _deviations(book, linear, prefix)
-    about = _about(book, linear)
+    return page(book, [*about_point(book, linear), *linear_blocks(book, linear)])
+
+
+def about_point(book: Book, linear: Linear) -> list[Block]:
+    """About which point the motion is small."""
+    return _about(deviations(book, linear), linear)
+
+
+def linear_blocks(book: Book, linear: Linear, label: str = "", has_where: bool = True) -> list[Block]:
+    """The equation and its matrices, which get a letter of the label, and what it is without multipliers."""
+    where_ = _where(deviations(book, linear), linear) if has_where else []
+    prefix = _prefix(linear)
+    book = deviations(book, linear)
     if book.equations.n == 1 and not linear.J:
         system = linear.M, linear.C, linear.K, linear.load
-        return page(book, [*about, Display((_single(book, system, book.q[0], prefix),)), *_standstill(linear),
-                           *_where(book, linear)])
+        return [Display((_single(book, system, book.q[0], prefix),), (label,)), *_standstill(linear), *where_]
     has_C, has_K = (_is_there(A) for A in (linear.C, linear.K))
     q, names = replace(bold("q"), prefix=prefix), [replace(x, prefix=prefix) for x in book.q]
     lines: list[Node] = [equal(q, column(names)), *_matrices(book, (linear.M, linear.C, linear.K), has_C, has_K)]
@@ -35,13 +44,17 @@ def linear_form(book: Book, linear: Linear) -> Document:
     if linear.J:
         is_rate = not book.equations.scene.holonomic
         whole.append(equal(product([bold("J"), replace(q, marks=int(is_rate))]), bold("e") if has_push else p.sum(sp.S.Zero)))
-    blocks: list[Block] = [*about, Display(tuple(whole)), paragraph("with"), Display(tuple(lines))]
-    return page(book, [*blocks, *_without(book, linear, prefix), *_standstill(linear), *_where(book, linear)])
+    blocks: list[Block] = [Display(tuple(whole), (label, *[""] * (len(whole) - 1))), paragraph("with"), Display(tuple(lines))]
+    return [*blocks, *_without(book, linear, prefix), *_standstill(linear), *where_]
 
 
-def _deviations(book: Book, linear: Linear, prefix: str) -> Book:
+def _prefix(linear: Linear) -> str:
+    return "Δ" if any(x != 0 for x in linear.point) else ""
+
+
+def deviations(book: Book, linear: Linear) -> Book:
     """The book in whose formulas the symbols of coordinates and supports stand for what they deviate from the point."""
-    symbols = book.presentation.symbols
+    symbols, prefix = book.presentation.symbols, _prefix(linear)
     moved = dict.fromkeys((*symbols.coordinates, *symbols.rates, *symbols.accelerations), prefix)
     for g in book.equations.scene.given:
         if linear.resting.get(g.symbol, 0) != 0:

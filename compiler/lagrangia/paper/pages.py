@@ -12,9 +12,10 @@ from lagrangia.paper.typeset import line, text
 WIDTH = 100
 
 
-def _lines(formula: Node) -> list[Node]:
-    """A formula on as many lines as it needs; one with a matrix stays whole."""
-    return [formula] if _has_grid(formula) else broken(formula, lambda node: len(line(node)), WIDTH - 2)
+def _lines(formula: Node, letter: str = "") -> list[Node]:
+    """A formula on as many lines as it needs, with room for its letter; one with a matrix stays whole."""
+    room = len(letter) + 4 if letter else 0
+    return [formula] if _has_grid(formula) else broken(formula, lambda node: len(line(node)), WIDTH - 2 - room)
 
 
 def _has_grid(node: Node) -> bool:
@@ -37,8 +38,8 @@ def _text_block(block: Block) -> str:
             return f"{words}\n{'-' * len(words)}" if level <= 2 else f"{words}:"
         case Paragraph(parts):
             return _wrapped("".join(part if isinstance(part, str) else line(part) for part in parts))
-        case Display(formulas):
-            return "\n".join(_indented(formula) for formula in formulas)
+        case Display():
+            return "\n".join(_indented(formula, letter) for formula, letter in block.lettered())
         case Table(_, rows):
             return _text_table([[part if isinstance(part, str) else line(part) for part in row] for row in rows])
 
@@ -66,10 +67,12 @@ def _wrapped(words: str, width: int = WIDTH) -> str:
     return "\n".join([*lines, here])
 
 
-def _indented(formula: Node) -> str:
+def _indented(formula: Node, letter: str) -> str:
     found = []
-    for k, part in enumerate(_lines(formula)):
+    for k, part in enumerate(_lines(formula, letter)):
         found += ["  " + "    " * (k > 0) + row.rstrip() for row in text(part).lines]
+    if letter:
+        found[-1] = found[-1].ljust(WIDTH - len(letter) - 2) + f"({letter})"
     return "\n".join(found)
 
 
@@ -87,8 +90,8 @@ def _markdown_block(block: Block) -> str:
             return f"{'#' * max(2, level)} {_markdown_words(words)}"
         case Paragraph(parts):
             return "".join(_markdown_words(part) if isinstance(part, str) else f"${latex(part)}$" for part in parts)
-        case Display(formulas):
-            return "\n\n".join(f"$$\n{_aligned(_lines(formula))}\n$$" for formula in formulas)
+        case Display():
+            return "\n\n".join(f"$$\n{_aligned(_lines(formula))}{_tag(letter)}\n$$" for formula, letter in block.lettered())
         case Table(head, rows):
             def cell(part: Inline) -> str:
                 return _markdown_words(part) if isinstance(part, str) else f"${latex(part)}$"
@@ -119,8 +122,10 @@ def _latex_block(block: Block) -> str:
             return f"\\{'section' if level <= 2 else 'subsection' if level == 3 else 'paragraph'}*{{{latex_escape(words)}}}"
         case Paragraph(parts):
             return "".join(_latex_inline(part) for part in parts)
-        case Display(formulas):
-            return "\n".join(f"\\[\n{_aligned(_lines(formula))}\n\\]" for formula in formulas)
+        case Display():
+            lines = [_aligned(_lines(formula)) + _tag(letter, is_labelled=True) for formula, letter in block.lettered()]
+            body = " \\\\\n".join(lines)
+            return f"\\begin{{gather*}}\n{body}\n\\end{{gather*}}"
         case Table(head, rows):
             body = " \\\\\n".join(" & ".join(_latex_inline(part) for part in row) for row in rows)
             titles = " & ".join(latex_escape(words) for words in head)
@@ -130,6 +135,10 @@ def _latex_block(block: Block) -> str:
 
 def _latex_inline(part: Inline) -> str:
     return latex_escape(part) if isinstance(part, str) else f"${latex(part)}$"
+
+
+def _tag(letter: str, is_labelled: bool = False) -> str:
+    return f" \\tag{{{letter}}}" + (f"\\label{{lag:{letter}}}" if is_labelled else "") if letter else ""
 
 
 def _aligned(lines: list[Node]) -> str:
@@ -152,6 +161,7 @@ _STYLE = """
   p { margin: .6rem 0; }
   .formula { margin: .7rem 0 .7rem 1.6rem; overflow-x: auto; break-inside: avoid; }
   .formula .more { margin-left: 2.2rem; }
+  .formula .letter { float: right; }
   .formula > div { margin: .5rem 0; }
   table.list { border-collapse: collapse; margin: .8rem 0 .8rem 1.2rem; }
   table.list td, table.list th { padding: .18rem 1.1rem .18rem 0; text-align: left; vertical-align: baseline;
@@ -180,8 +190,8 @@ def _html_block(block: Block) -> str:
             return f"<h{max(2, level)}>{escape(words)}</h{max(2, level)}>"
         case Paragraph(parts):
             return f"<p>{''.join(_html_inline(part) for part in parts)}</p>"
-        case Display(formulas):
-            return f'<div class="formula">{"".join(_html_formula(formula) for formula in formulas)}</div>'
+        case Display():
+            return f'<div class="formula">{"".join(_html_formula(*pair) for pair in block.lettered())}</div>'
         case Table(head, rows):
             titles = "".join(f"<th>{escape(words)}</th>" for words in head)
             cells = ["".join(f"<td>{_html_cell(part, k)}</td>" for k, part in enumerate(row)) for row in rows]
@@ -197,9 +207,14 @@ def _html_inline(part: Inline) -> str:
     return escape(part) if isinstance(part, str) else f"<math>{mathml(part)}</math>"
 
 
-def _html_formula(formula: Node) -> str:
-    return "".join(f'<div{" class=more" if k else ""}><math displaystyle="true">{mathml(part)}</math></div>'
-                   for k, part in enumerate(_lines(formula)))
+def _html_formula(formula: Node, letter: str) -> str:
+    lines = _lines(formula)
+    found = []
+    for k, part in enumerate(lines):
+        mark = f'<span class="letter">({letter})</span>' if letter and k == len(lines) - 1 else ""
+        place = f' id="{letter}"' if mark else ""
+        found.append(f'<div{" class=more" if k else ""}{place}>{mark}<math displaystyle="true">{mathml(part)}</math></div>')
+    return "".join(found)
 
 
 PRINTERS: Mapping[str, Callable[[Document], str]] = {

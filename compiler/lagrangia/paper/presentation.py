@@ -1,6 +1,5 @@
 """Equations, momenta, quotients and energies -> layouts: what stands in which place of a sum; see terms.py for its terms."""
 
-from dataclasses import replace
 from fractions import Fraction
 
 import sympy as sp
@@ -8,19 +7,19 @@ import sympy as sp
 from lagrangia.algebra.with_sympy import Expr
 from lagrangia.base.records import dataclass
 from lagrangia.paper.grouping import Group, Symbols
-from lagrangia.paper.layout import ONE, Bracket, Node, Numeral, Power, Product, Quotient, Relation, Total, product, total
-from lagrangia.paper.shapes import Powers, merged
-from lagrangia.paper.terms import Signed, Terms, positive_first
+from lagrangia.paper.layout import Bracket, Node, Numeral, Power, Quotient, Relation, Total, product, total
+from lagrangia.paper.stated import StatedTerms, opened, pulled_out
+from lagrangia.paper.terms import Signed, positive_first
 from lagrangia.paper.typeset import line
 
 
 @dataclass
-class Presentation(Terms):
+class Presentation(StatedTerms):
     """Lays the formulas of a scene out."""
 
     def equation(self, left: Expr, right: Expr = sp.S.Zero, own: int | None = None) -> Relation:
         """left = right, what depends on neither coordinates nor rates on the right, the acceleration of `own` first."""
-        stays, goes = self._parted(left)
+        stays, goes = self._sides(left)
         if not stays:
             stays, goes = goes, []
         stretches, goes = self._stretches(stays, goes)
@@ -28,7 +27,7 @@ class Presentation(Terms):
         items = [*opened(here), *(item for _, item in stretches)] if stretches else opened(here)
         return Relation(total(items), self.sum(right - sp.Add(*goes)))
 
-    def _parted(self, left: Expr) -> tuple[list[Expr], list[Expr]]:
+    def _sides(self, left: Expr) -> tuple[list[Expr], list[Expr]]:
         s = self.symbols
         kept = {*s.coordinates, *s.rates, *s.accelerations, *s.multipliers}
         terms = [term.expression() for term in self.ring.terms(left)]
@@ -67,7 +66,8 @@ class Presentation(Terms):
 
     def motion(self, expression: Expr) -> Node:
         """A velocity as the kinematics made it, sums of rates kept together."""
-        return self.sum(expression, self.gathered)
+        found = self.sum(expression, self.gathered)
+        return found.inside if isinstance(found, Bracket) else found
 
     def quotient(self, top: Expr, bottom: Expr) -> Node:
         """top/bottom in lowest terms; divided out where the bottom is one term and that is no longer."""
@@ -138,75 +138,10 @@ class Presentation(Terms):
         groups = sorted(groups, key=lambda g: not g.is_constant)
         return total(positive_first([item for g in groups for item in self.items(g)]))
 
-    # ------------------------------------------------------------ as stated
-
-    def gentle(self, expression: Expr) -> Node:
-        """As the component stated it, with no sums of sums; or collected, where that is shorter."""
-        plain, stated = self.sum(expression), self.stated(expression, is_nested=False)
-        return stated if len(line(stated)) < len(line(plain)) else plain
-
-    def stated(self, expression: Expr, is_nested: bool = True) -> Node:
-        """Not multiplied out: brackets and squares of sums stay, in brackets too if `is_nested`; their insides are collected."""
-        items = [item for addend in sp.Add.make_args(expression) for item in self._stated_term(addend, is_nested)]
-        return total(positive_first(items))
-
-    def _stated_term(self, addend: Expr, is_nested: bool) -> Signed:
-        factors = sp.Mul.make_args(addend)
-        sums = [x for x in factors if _is_sum(x) and self.symbols.moves(x)]
-        groups = self._groups(sp.Mul(*(x for x in factors if x not in sums)))
-        if not sums or len(groups) != 1:
-            return opened(self.sum(addend, self.gathered))
-        sign, brackets, (outside,) = 1, [], groups
-        for x in sums:
-            inside, power = (x.base, int(x.exp)) if x.is_Pow else (x, 1)
-            layout, pulled = self._inside(inside, is_nested, is_pulled=power == 1)
-            if not isinstance(layout, Total):
-                return opened(self.sum(addend, self.gathered))
-            if all(s < 0 for s, _ in layout.items):
-                layout, sign = Total(tuple((1, node) for _, node in layout.items)), sign * (-1) ** power
-            outside = replace(outside, common=merged(outside.common, pulled))
-            brackets.append(Bracket(layout) if power == 1 else Power(Bracket(layout), Numeral(Fraction(power))))
-        outer, node = self.term(outside, brackets)
-        if len(sums) == 1 and node == brackets[0] and isinstance(brackets[0], Bracket):
-            return [(s * outer * sign, x) for s, x in opened(brackets[0].inside)]
-        return [(outer * sign, node)]
-
-    def _inside(self, expression: Expr, is_nested: bool, is_pulled: bool) -> tuple[Node, Powers]:
-        if is_nested and any(_is_sum(x) and x.is_Pow for x in sp.preorder_traversal(expression)):
-            return self.stated(expression), ()
-        groups = self.grouping.groups(expression, self.gathered)
-        pulled, groups = pulled_out(groups) if is_pulled else ((), groups)
-        return total(positive_first([item for group in groups for item in self.items(group)])), pulled
-
-
-def opened(node: Node) -> Signed:
-    """The terms of a sum, or the one that it is."""
-    return list(node.items) if isinstance(node, Total) else [] if node == Numeral(Fraction(0)) else [(1, node)]
-
-
-def _is_sum(x: Expr) -> bool:
-    return bool(x.is_Add or (x.is_Pow and x.base.is_Add and x.exp.is_Integer and x.exp > 0))
-
 
 def _is_offset(x: Expr) -> bool:
     """A single parameter, or a part of one."""
     return isinstance(x.as_coeff_Mul()[1], sp.Symbol)
 
 
-def pulled_out(groups: list[Group]) -> tuple[Powers, list[Group]]:
-    """The parameters that all groups share, and the groups without them."""
-    common = dict(groups[0].common) if len(groups) > 1 else {}
-    for g in groups[1:]:
-        here = dict(g.common)
-        common = {x: min(k, here[x]) for x, k in common.items() if x in here and k > 0 and here[x] > 0}
-    common = {x: k for x, k in common.items() if k > 0}
-    if not common:
-        return (), groups
-
-    def less(powers: Powers) -> Powers:
-        return tuple((x, k - common.get(x, Fraction(0))) for x, k in powers if k != common.get(x))
-
-    return tuple(common.items()), [replace(g, common=less(g.common)) for g in groups]
-
-
-__all__ = ["ONE", "Presentation", "Product", "Symbols"]
+__all__ = ["Presentation", "Symbols"]

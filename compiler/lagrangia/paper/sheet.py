@@ -1,8 +1,9 @@
 """`lag equations`: from a file to a page. Imports SymPy, so only what asks for equations imports this."""
 
 import math
+import re
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import casadi as ca
 
 from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.base.checked_values import a_number
-from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.diagnostics import LagError, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import compile_energies, compile_file, deep_recursion
 from lagrangia.constraints.parameters import all_parameters, scalars
@@ -24,8 +25,9 @@ from lagrangia.paper.derivation import worked_form
 from lagrangia.paper.document import Document
 from lagrangia.paper.equations import constants_of_motion, derive, with_values
 from lagrangia.paper.forms import FORMS
-from lagrangia.paper.linear_matrices import Begin, linearize
+from lagrangia.paper.linear_matrices import Begin, Linear, linearize
 from lagrangia.paper.linear_page import linear_form, values_of
+from lagrangia.paper.numbered import NUMBERED, WORDS, numbered_form
 from lagrangia.paper.overview import structure_page
 from lagrangia.paper.pages import PRINTERS
 from lagrangia.paper.symbolic import SymbolicScene, build_symbolic
@@ -33,7 +35,9 @@ from lagrangia.paper.sympy_script import write_script
 from lagrangia.paper.textbook import name_symbols, presentation_of
 from lagrangia.run.request import check_values
 
-ALL_FORMS = (*FORMS, "linear", "worked")
+ALL_FORMS = (*FORMS, *NUMBERED, "linear", "worked")
+SOURCES = ("auto", "potential", "force")
+LEVELS = ("short", "full", "lecture")
 ALL_FORMATS = (*PRINTERS, "sympy")
 MOST_TERMS, MOST_WORKED_TERMS = 700, 300  # of equations that fill two pages, and whose derivation fills six
 MOST_KINETIC_TERMS = 250
@@ -54,11 +58,25 @@ class Request:
     has_numbers: bool = False
     is_forced: bool = False
     about: Mapping[str, str] | None = None
+    sources: str = "auto"  # whether loads of time stand in V_f, "potential", or on the right, "force"
+    level: str = "full"
+    sections: tuple[str, ...] = ()
+    first_letter: str = "a"
+
+    @property
+    def has_source_potentials(self) -> bool:
+        """By themselves, numbered forms and the derivation have them."""
+        return self.sources == "potential" or (self.sources == "auto" and self.form in (*NUMBERED, "worked"))
 
 
 def write_equations(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> str:
     """The page. Raises LagError: L0704 for an unknown form or format, L0711 names, L0712 too large, L0713 no equilibrium."""
+    request = replace(request, form=WORDS.get(request.form, request.form))
     _choose("form", request.form, ALL_FORMS)
+    _choose("sources", request.sources, SOURCES)
+    _choose("level", request.level, LEVELS)
+    if not re.fullmatch("[a-z]{1,2}", request.first_letter):
+        fail("L0704", f"--first-letter: '{request.first_letter}' is no letter", None, "one or two small letters: f, ab")
     _choose("format", request.format, ALL_FORMATS)
     if request.format == "sympy" and request.form != _FORM_OF_SCRIPTS:
         fail("L0704", f"there is no script of the form '{request.form}'", None,
@@ -97,33 +115,62 @@ def _check_size(kinematics: Kinematics, request: Request) -> None:
 
 def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, begin: Callable[[], Begin],
              has_kicks: bool) -> str:
-    values = parameter_values(kinematics, request.parameters)
     printer = PRINTERS.get(request.format)
-    limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
-    names = name_symbols(scene, request.names)
-    numbered = with_values(scene, {p.symbol: values[p.name] for p in scene.parameters}) if request.has_numbers else scene
     try:
-        is_bound = not request.is_forced and request.form != "linear"  # whose matrices are small, or numbers
-        e = derive(numbered, limit, MOST_KINETIC_TERMS if is_bound else None)
-        if is_bound and e.terms > (MOST_WORKED_TERMS if request.form == "worked" else MOST_TERMS):
-            raise TooLarge(e.terms, e.T)
-        presentation = presentation_of(e, names, 20 * limit, _DIGITS if request.has_numbers else 0)
-        book = Book(e, presentation, names, constants_of_motion(e), values, request.has_numbers, has_kicks)
+        book = _book(kinematics, scene, request, has_kicks)
         return write_script(book) if printer is None else printer(_page(book, request, begin))
     except TooLarge as large:
         if not request.is_forced:
-            return _too_large(scene, names, printer, large)
+            return _too_large(scene, name_symbols(scene, request.names), printer, large)
         fail("L0712", f"the equations are too large even when forced: more than {large.terms} terms in one product", None,
              "the energies and their structure are printed without --force")
 
 
+def _book(kinematics: Kinematics, scene: SymbolicScene, request: Request, has_kicks: bool) -> Book:
+    """Raises TooLarge."""
+    values = parameter_values(kinematics, request.parameters)
+    limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
+    names = name_symbols(scene, request.names)
+    numbered = with_values(scene, {p.symbol: values[p.name] for p in scene.parameters}) if request.has_numbers else scene
+    is_bound = not request.is_forced and request.form != "linear"  # whose matrices are small, or numbers
+    e = derive(numbered, limit, MOST_KINETIC_TERMS if is_bound else None)
+    if is_bound and e.terms > (MOST_WORKED_TERMS if request.form == "worked" else MOST_TERMS):
+        raise TooLarge(e.terms, e.T)
+    presentation = presentation_of(e, names, 20 * limit, _DIGITS if request.has_numbers else 0)
+    return Book(e, presentation, names, constants_of_motion(e), values, request.has_numbers, has_kicks,
+                request.has_source_potentials, request.level, request.sections, request.first_letter)
+
+
+def page_of(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None
+            ) -> tuple[Book, Document]:
+    """The page before it is printed, and what it was made of. Raises LagError, and TooLarge for what is too large to read."""
+    kinematics, constraints = compile_energies(path, model, structural)
+    with deep_recursion():
+        scene = build_symbolic(kinematics, constraints, request.form == "linear")
+        begin = cache(lambda: start_of(kinematics, request.parameters, path, model, structural))
+        book = _book(kinematics, scene, request, rates_jump(kinematics, constraints))
+        return book, _page(book, request, begin)
+
+
 def _page(book: Book, request: Request, begin: Callable[[], Begin]) -> Document:
     if request.form == "worked":
-        return worked_form(book)
+        return worked_form(book, _small(book, begin))
     if request.form == "linear":
         about = None if request.about is None else _point(book, request.about)
         return linear_form(book, linearize(book.equations, values_of(book), begin, about))
-    return FORMS[request.form](book)
+    return numbered_form(book, request.form) if request.form in NUMBERED else FORMS[request.form](book)
+
+
+def _small(book: Book, begin: Callable[[], Begin]) -> Linear | None:
+    """The small motion that the derivation ends with, where nothing jumps and there is a position of rest."""
+    if book.equations.scene.events or book.has_kicks:
+        return None
+    try:
+        return linearize(book.equations, values_of(book), begin)
+    except LagError as error:
+        if any(d.code in ("L0912", "L0713") for d in error.diagnostics):
+            return None
+        raise
 
 
 def start_of(kinematics: Kinematics, parameters: Mapping[str, float | list[float] | str], path: Path, model: str | None = None,

@@ -175,7 +175,7 @@ class _ParameterTable:
 
     def __init__(self, kinematics: Kinematics, algebra: SympyAlgebra) -> None:
         self.model = kinematics.graph.model
-        self.evaluator = _ReadableEvaluator(self.model, algebra, self)
+        self.evaluator = ReadableEvaluator(self.model, algebra, self)
         self.parameters: dict[str, Parameter] = {}
         self.known: dict[str, Value] = {}
 
@@ -410,7 +410,7 @@ class SymbolicKinematics(Kinematics):
         return self._lift(given, level)
 
 
-class _ReadableEvaluator(Evaluator):
+class ReadableEvaluator(Evaluator):
     """Refuses what SymPy, which shares no sub-expressions when it differentiates or prints, would work on without end."""
 
     @cached_property
@@ -439,7 +439,7 @@ class _ReadableEvaluator(Evaluator):
         return known[1]
 
 
-class _TimeEvaluator(_ReadableEvaluator):
+class _TimeEvaluator(ReadableEvaluator):
     """Keeps what a user function makes of time under the function's name."""
 
     kinematics: SymbolicKinematics

@@ -54,7 +54,7 @@ class Terms:
         self.gathered = Ring(self.most_products, frozenset(self.symbols.rates))
         self.grouping = Grouping(self.symbols)
         self._shapes: dict[object, Shaped] = {}
-        self._turned: dict[frozenset[Shaped], bool] = {}  # sums of parameters by how they have stood so far
+        self.turned: dict[frozenset[Shaped], bool] = {}  # sums of parameters by how they have stood so far
 
     def sum(self, expression: Expr, ring: Ring | None = None) -> Node:
         """The expression as a sum of collected terms, a positive one first where there is one."""
@@ -126,12 +126,12 @@ class Terms:
 
     def _bracket(self, s: Sum, is_odd: bool, sign: int) -> tuple[int, Node]:
         """The sum turned as it stood before; at first so that no sign is outside, and begins with what is declared first."""
-        if s.key not in self._turned:
+        if s.key not in self.turned:
             is_mixed = len({x.number < 0 for x in s.items}) == 2
             first = min(s.items, key=lambda x: self._key(Shaped(abs(x.number), x.factors)))
             turned = is_mixed and (sign < 0 if is_odd else first.number < 0)
-            self._turned[s.key], self._turned[s.negated.key] = turned, not turned
-        turned = self._turned[s.key]
+            self.turned[s.key], self.turned[s.negated.key] = turned, not turned
+        turned = self.turned[s.key]
         items = (s.negated if turned else s).items
         laid = [self._laid(x) for x in sorted(items, key=self._key)]
         return -1 if turned and is_odd else 1, total(positive_first(laid))

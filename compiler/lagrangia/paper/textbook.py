@@ -14,6 +14,7 @@ from lagrangia.paper.notation import Wanted, name_all
 from lagrangia.paper.presentation import Presentation
 from lagrangia.paper.symbolic import GRAVITY, SymbolicScene
 
+_MOST_SEEN = 700  # terms of equations that are laid out to see how their brackets stand
 _NUMBER, _LOAD, _MASS, _GRAVITY, _LENGTH, _OTHER = range(-2, 4)
 
 
@@ -63,7 +64,7 @@ def presentation_of(e: Equations, names: Mapping[Expr, Name], most_products: int
     symbols = Symbols(named, ranks(scene), *coordinates, e.multipliers, frozenset(moving), digits,
                       _lengths(e, set(named.values())), loads_of(scene), weights_of(scene))
     presentation = Presentation(symbols, most_products, e.ring)
-    for k in range(e.n):
+    for k in range(e.n if e.terms <= _MOST_SEEN else 0):
         presentation.equation(e.left[k] + e.reactions[k], e.f[k], k)  # as sums of parameters stand here, they stand everywhere
     return presentation
 

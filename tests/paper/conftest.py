@@ -1,0 +1,39 @@
+"""Pages of one scene share its derivation: most of the time of this room's tests went into deriving the same equations again."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from lagrangia.paper import sheet
+
+
+@pytest.fixture(scope="session", autouse=True)
+def shared_derivations() -> Iterator[None]:
+    """The three expensive steps of a page are remembered by what they are made of."""
+    known: dict[object, object] = {}
+    compile_energies, build_symbolic, derive = sheet.compile_energies, sheet.build_symbolic, sheet.derive
+
+    def compiled(path, model=None, structural=None):
+        key = path, path.stat().st_mtime_ns if path.exists() else 0, model, tuple(sorted((structural or {}).items()))
+        if key not in known:
+            known[key] = compile_energies(path, model, structural)
+        return known[key]
+
+    def symbolic(kinematics, constraints, is_small=False):
+        key = id(kinematics), is_small
+        if key not in known:
+            known[key] = build_symbolic(kinematics, constraints, is_small), kinematics  # kept, as its id must stay its own
+        return known[key][0]
+
+    def derived(scene, most_products, most_terms=None):
+        key = id(scene), most_products, most_terms
+        if key not in known:
+            known[key] = derive(scene, most_products, most_terms), scene
+        equations = known[key][0]
+        equations.ring.products = 0  # each page has its own bound
+        return equations
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name, replacement in (("compile_energies", compiled), ("build_symbolic", symbolic), ("derive", derived)):
+            patch.setattr(sheet, name, replacement)
+        yield

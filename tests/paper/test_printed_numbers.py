@@ -1,0 +1,143 @@
+"""Every formula of every form, read back from its text, has at 20 random points the numbers of CasADi, to 1e-12 of its terms."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from helpers.casadi_numbers import POINTS, Reference, reference
+from helpers.reading import Motion, NotRead, read
+from helpers.symbolic_scenes import EXAMPLES
+from lagrangia.algebra.normal_form import TooLarge
+from lagrangia.base.diagnostics import LagError
+from lagrangia.paper.document import Display, Document, Heading
+from lagrangia.paper.numbered import NUMBERED
+from lagrangia.paper.sheet import Request, page_of
+from lagrangia.paper.typeset import line
+
+QUICK = ("suspended_bar", "disc_and_block_damped", "slider_crank", "cart_pole")
+ELSEWHERE = ("Small motion",)  # its matrices are compared with those of lag linearize
+BESIDE, ROUNDED = 1e-12, 1e-5  # of formulas with a decimal that is printed to six digits
+
+
+@pytest.mark.parametrize("path", [pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.slow)
+                                  for path in sorted(EXAMPLES.glob("*.lag"))])
+def test_every_printed_formula_has_its_value(path: Path) -> None:
+    structural = (("n", 3),) if path.stem == "chain" else ()
+    for form in ("worked", "lagrange", "energies", *NUMBERED):
+        try:
+            book, page = page_of(path, Request(form, level="lecture"), None, dict(structural))
+        except TooLarge:
+            continue
+        except LagError as error:
+            assert form == "conservative" and "not conservative" in str(error)
+            continue
+        known = reference(path, book, structural)
+        _of_form(form, known, book)
+        checker = Checker(known)
+        for formula in formulas(page):
+            checker.check(formula)
+        assert checker.wrong == []
+        assert checker.compared, checker.skipped
+
+
+def _of_form(form: str, known: Reference, book) -> None:
+    """What f_nc and f_f mean in a form."""
+    if form not in NUMBERED:
+        return
+    has_D, is_whole = any(kind == "D" for _, kind in NUMBERED[form].left), not any(k == "f_f" for _, k in NUMBERED[form].right)
+    for key in [key for key in known.values if key.startswith("f_nc,")]:
+        q = key.removeprefix("f_nc,")
+        D, a, d = (known.values[f"{kind},{q}"] for kind in ("f_nc", "f_a", "f_d"))
+        V_f = known.values[f"f_c,{q}"] - known.values[f"f_e,{q}"]
+        known.values[key] = (0 if has_D else D) + d + (a if is_whole else 0)
+        known.values[f"f_f,{q}"] = V_f + a
+        known.values[f"f_{q}"] = known.values[f"f_c,{q}"] + known.values[key]
+
+
+def formulas(page: Document) -> Iterator[str]:
+    heading = ""
+    for block in page.blocks:
+        if isinstance(block, Heading):
+            heading = block.text
+        if isinstance(block, Display) and heading not in ELSEWHERE:
+            yield from (line(formula) for formula in block.formulas)
+
+
+class Checker:
+    """Members of a row of equal signs agree; what stands alone on the left is known, or is known from there on."""
+
+    def __init__(self, known: Reference) -> None:
+        self.known, self.wrong, self.skipped, self.compared = known, [], [], 0
+        self.motion = Motion(known.rates, known.virtual)
+
+    def check(self, formula: str) -> None:
+        if re.search("[⎡⎢⎣\\[{⎰⎧]|Σ|q_k|𝐪|for |otherwise|>", formula):
+            self.skipped.append(formula)
+            return
+        parts = [part.strip() for part in re.split(r" = ", formula)]
+        if formula.startswith(("Φ", "f_in,")) and parts[-1] == "0":
+            parts.pop()  # what the random states do not keep
+        try:
+            read_ = [read(part, self.motion) for part in parts]
+            sides = [self.numbers(x) for x in read_]
+        except (NotRead, KeyError) as error:
+            self.skipped.append(f"{formula}: {error!r}")
+            self.define(parts)
+            return
+        is_equation = not read_[0].is_Symbol
+        if is_equation:
+            self.equation(formula, sides)
+            return
+        for x, size in sides[1:]:
+            self.same(formula, sides[0], (x, size))
+
+    def define(self, parts: list[str]) -> None:
+        """A name that is not known yet: T_bar, V, L, E."""
+        try:
+            name = read(parts[0], self.motion)
+            if name.is_Symbol and str(name) not in self.known.values:
+                sides = [self.numbers(read(part, self.motion)) for part in parts[1:]]
+                self.known.values[str(name)] = sides[-1][0]
+                self.compared += 1
+                for side in sides[:-1]:
+                    self.same(" = ".join(parts), sides[-1], side)
+        except (NotRead, KeyError):
+            pass
+
+    def equation(self, formula: str, sides) -> None:
+        (left, a), (right, b) = sides[0], sides[-1]
+        gap, near = left - right, _near(formula)
+        ok = any(np.all(np.abs(gap - sign * r) <= near * (a + b + np.abs(r))) for r in self.known.residuals for sign in (1, -1))
+        is_inertial = "∂" in formula or formula.startswith("f_in,")
+        zero = np.all(np.abs(gap) <= near * (a + b))
+        self.compared += 1
+        if not (ok or (zero and is_inertial)):
+            self.wrong.append(f"{formula}: {gap[:3]}")
+
+    def same(self, formula: str, one, other) -> None:
+        self.compared += 1
+        if not np.all(np.abs(one[0] - other[0]) <= _near(formula) * (one[1] + other[1])):
+            self.wrong.append(f"{formula}: {one[0][:3]} and {other[0][:3]}")
+
+    def numbers(self, x: sp.Expr) -> tuple[np.ndarray, np.ndarray]:
+        """Values, and the sum of the sizes of terms."""
+        free = sorted(x.free_symbols, key=str)
+        values = [self.known.values[str(s)] for s in free]
+        whole = np.zeros(POINTS)
+        size = np.zeros(POINTS)
+        terms = list(sp.Add.make_args(x))
+        function = sp.lambdify([sp.Symbol(f"x{k}") for k in range(len(free))],
+                               [t.xreplace({s: sp.Symbol(f"x{k}") for k, s in enumerate(free)}) for t in terms], "numpy")
+        for term in function(*values):
+            whole = whole + term
+            size = size + np.abs(term)
+        of_slope = np.abs(self.known.values["T"]) if "∂" in str(x) else 0.0  # of whose terms CasADi tells nothing
+        return whole, size + of_slope + 1e-300
+
+
+def _near(formula: str) -> float:
+    return ROUNDED if re.search(r"\d\.\d{3}|·10", formula) else BESIDE
