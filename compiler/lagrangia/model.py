@@ -156,7 +156,7 @@ class Model:
         except KeyboardInterrupt:  # between two portions
             progress.interrupted = True
         trajectory = Trajectory(self.scene, collect(self.scene, kept), progress,
-                                suited.observer(np.array(progress.parameters), values))
+                                suited.observer(np.array(progress.parameters), values), partial(suited._animate, values))
         if failure is not None:
             failure.trajectory = trajectory
             raise failure
@@ -400,6 +400,14 @@ class Model:
 
         request = Request(at=None if at is None else [at], parameters=parameters, initial=initial, inputs=inputs)
         return draw_scene(self, path, request, names or {})
+
+    def _animate(self, values: Values, run: Trajectory, path: Any, **asked: Any) -> str:
+        from lagrangia.draw.film import animate_run
+
+        return animate_run(self, run, values, path, **asked)
+
+    def _repr_html_(self) -> str:
+        return self.draw()
 
     def export_fmu(
         self, path: str | os.PathLike[str] | None = None, *, fmi: str | int = "2", kind: str = "me,cs", platforms: str = "host",

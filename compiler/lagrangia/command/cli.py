@@ -148,6 +148,12 @@ def _draw(options: argparse.Namespace) -> int:
     return draw_command(options)
 
 
+def _animate(options: argparse.Namespace) -> int:
+    from lagrangia.command.animate import animate_command
+
+    return animate_command(options)
+
+
 def _analysis(options: argparse.Namespace) -> int:
     from lagrangia.command import analysis as analysis_commands
 
@@ -204,6 +210,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_bench(_add(commands, "bench", _bench, "measure run time against error, beside other solvers"))
     _add_equations(_add(commands, "equations", _equations, "write the equations of motion for people"))
     _add_draw(_add(commands, "draw", _draw, "draw the scene as a textbook does"))
+    _add_animate(_add(commands, "animate", _animate, "show the motion of a scene"))
     _add_equilibrium(_add(commands, "equilibrium", _analysis, "find positions of rest, their stability and reactions"))
     _add_linearize(_add(commands, "linearize", _analysis, "give the matrices of small motion"))
     _add_modes(_add(commands, "modes", _analysis, "find natural frequencies, damping ratios and mode shapes"))
@@ -393,6 +400,20 @@ def _add_draw(parser: argparse.ArgumentParser) -> None:
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
     add("-o", "--output", metavar="FILE",
         help="the picture (.svg, .pdf, .png; - for the SVG on standard output); by default NAME.svg in this folder")
+
+
+def _add_animate(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    _add_start(parser)
+    add("--start", type=float, metavar="T", help="start time in s")
+    add("--stop", type=float, metavar="T", help="stop time in s")
+    add("--tolerance", type=float, metavar="TOL", help="error allowed, relative to the size of each coordinate (1e-8)")
+    add("--interval", type=float, metavar="DT", help="time between two positions that are shown")
+    add("--trace", metavar="FRAME,...", help="frames whose ways are drawn: --trace lower.b")
+    add("--curves", metavar="NAME,...", help="quantities beside the picture; the coordinates and outputs by default")
+    add("--stroboscope", type=int, metavar="N", help="so many positions in one picture (.svg, .pdf, .png)")
+    add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
+    add("-o", "--output", metavar="FILE", help="the page or film (.html, .gif, .webp); by default NAME.html in this folder")
 
 
 def _add_start(parser: argparse.ArgumentParser) -> None:

@@ -28,6 +28,12 @@ the slider goes. An arrow in N is as long as the force is large, one in m as lon
 a curved_arrow in N.m is as long as the torque is large, one of an angle begins at the x axis of its frame. A label is a text, or
 names whose symbols are written as by `lag equations`: label = k, label = {m, L}. Where the ends of a spring are bound to nothing,
 `of` is what it is a function of, and they are found from it: zigzag(a, b, of = stretch), with Spring(stretch = block.s).
+
+`lag draw` shows a scene at its start or --at T: forces by their directions, coordinates as arrows, what several things would
+do in one place (blocks, discs, shafts that numbers alone tie) side by side along what joins them. `lag animate` writes one
+HTML file that plays: space plays, arrows step, Home and End, + and - change the speed, L loops, T shows traces, N names, D
+light or dark; times are those of the run's rows (--interval). --stroboscope N puts N positions into one picture. Films are
+.gif and .webp.
 """
 
 

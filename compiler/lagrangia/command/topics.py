@@ -286,6 +286,7 @@ run.energy.total, run.energy.residual, run.statistics, run.warnings
 many = model.simulate_many(parameters={"link[1].m": [1, 2, 5]}, outputs=["max(hinge[1].phi)"])   # lag help sweep
 many["link[1].m"], many["max(hinge[1].phi)"], many.failures; many.to_pandas(); many.to_parquet("x.parquet")
 run.plot("hinge[1].phi", path="chain.png"); run.to_pandas(); run.to_csv("x.csv")
+model.draw("chain.svg", at=1); run.animate("chain.html", traces=["link[20].b"])     # lag help drawing
 model.functions()                                      # CasADi: M, h, rhs, energies, outputs, jacobian of t, q, v, u, p
 model.parameter_names, model.parameter_values()        # p; what is bound to others follows them: its entry is not read
 model.functions(given=["link[1].m"])                   # but for what is named here

@@ -194,9 +194,9 @@ def _circle(g: Given) -> Shape:
     radius = 0.5 * g.size if radius is None else abs(radius)
     at = g.places[0, :2]
     layer = HINGES if radius <= 0.3 * g.symbol else BODIES
-    inside = (0.9 * radius, 0.45 * radius) if radius > g.symbol and g.fill != "black" else (0.0, 0.0)
+    inside = (0.8 * radius, 0.4 * radius) if radius > g.symbol and g.fill != "black" else (0.0, 0.0)
     far = radius * np.array([0.6, 0.8])
-    spot = Spot(at if inside[0] else at + far, far, inside)
+    spot = Spot(at + 0.45 * radius * np.array([0.0, 1.0]) if inside[0] else at + far, far, inside)  # clear of the hub
     return Shape([Stroke(g.places[:1, :2], layer, g.line, g.fill, True, radius)], spot)
 
 
@@ -229,7 +229,7 @@ def _box(g: Given) -> Shape:
                                  for side, begin in ((1.0, -np.pi / 2), (-1.0, np.pi / 2))])
     world = at + np.outer(points[:, 0], way) + np.outer(points[:, 1], left_of(way))
     line = "normal" if g.line == "round" else g.line
-    beside = at + left_of(way) * half[1]
+    beside = at + left_of(way) * half[1] + 0.3 * half[0] * way  # in the middle a joint may be
     room = (half[0], half[1]) if not is_slim else (0.0, 0.0)
     return Shape([Stroke(world, BODIES, line, g.fill, True)], Spot(at if room[0] else beside, left_of(way), room))
 
@@ -254,7 +254,8 @@ def _arrow(g: Given) -> Shape:
     up = left_of(way) if way[0] > 0 else -left_of(way)
     at = at + (0.5 * g.symbol * up if g.trims[0] > 0 and abs(way[0]) > 0.5 else 0.0)  # clear of what pulls at the middle
     begin = at + free if vector[1] >= -0.5 * value else at - free - way * length  # what pushes down stands above
-    return _headed(begin, begin + way * length, g.symbol, "thick")
+    shape = _headed(begin, begin + way * length, g.symbol, "thick")
+    return Shape(shape.strokes, Spot(begin + way * length / 2, left_of(way)))
 
 
 def _headed(a: Vector, b: Vector, symbol: float, line: str, has_foot: bool = False) -> Shape:

@@ -1,7 +1,8 @@
 """Rows of results -> Trajectory: NumPy columns by name, tables and pictures."""
 
+import html
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +52,7 @@ class Trajectory:
     rows: "np.ndarray"  # (rows, width)
     progress: Progress
     observe: Callable[[str, "np.ndarray"], "np.ndarray"] | None = None
+    show: Callable[..., str] | None = None  # as an animation
 
     def __repr__(self) -> str:
         names = self.names[1:]
@@ -127,6 +129,25 @@ class Trajectory:
         by_name = {column.name: column for column in self.columns}
         curves = [(by_name.get(name, Column(name, "", "", "")), self[name]) for name in chosen]
         return draw(self.scene.description or self.scene.name, self.time, curves, path)
+
+
+    def animate(self, path: str | os.PathLike[str] | None = None, *, traces: Sequence[str] = (), quantities: Sequence[str] = (),
+                names: Mapping[str, str] | None = None) -> str:
+        """The motion as a page of its own: the text of the HTML; a path (.html, .gif, .webp) is written as well.
+
+        `traces` are frames whose ways are drawn, `quantities` the curves beside the picture (the coordinates and outputs by
+        default), `names` symbols of your own. Raises LagError.
+        """
+        if self.show is None:
+            fail("L0918", "not supported yet: the animation of a run without its model", None, "animate what simulate returned")
+        return self.show(self, path, traces=traces, quantities=quantities, names=names)
+
+    def _repr_html_(self) -> str | None:
+        """In a notebook: its animation."""
+        if self.show is None or not len(self.rows):
+            return None
+        page = html.escape(self.animate(), quote=True)
+        return f'<iframe srcdoc="{page}" style="width:100%;height:560px;border:0" title="{html.escape(repr(self))}"></iframe>'
 
 
 def columns(scene: Scene) -> tuple[Column, ...]:

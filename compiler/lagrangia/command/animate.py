@@ -1,0 +1,84 @@
+"""`lag animate`: a run, and a page or a film that shows it."""
+
+import sys
+from argparse import Namespace
+
+from lagrangia.base.checked_values import a_count_within
+from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.command.arguments import (
+    assignment,
+    keep_inputs,
+    load_model,
+    named_pairs,
+    open_parameters,
+    read_inputs,
+    split_names,
+    tell_inputs,
+    tell_warnings,
+    values_with_units,
+)
+from lagrangia.draw.drawing import require_picture
+from lagrangia.draw.film import animate_run, draw_stroboscope, require_film
+from lagrangia.model import Model
+from lagrangia.run.request import Request, check_values, plan
+from lagrangia.view.trajectory import Trajectory
+
+_MOST_POSITIONS = 200
+
+
+def animate_command(options: Namespace) -> int:
+    """`lag animate`: writes the file; of a run that fails what was computed. Raises LagError, RunError."""
+    target = _target(options)
+    given = [assignment(text, "-p") for text in options.parameter]
+    model = load_model(options, given, ())
+    tell_warnings(options, model)
+    initial = values_with_units([assignment(text, "--initial") for text in options.initial], model.scene.start_units)
+    request = Request(options.start, options.stop, options.tolerance, options.interval, initial=initial,
+                      parameters=open_parameters(model.scene, given), inputs=read_inputs(options.input, model.scene))
+    tell_inputs(options, model, plan(model.scene, request), request.inputs)
+    failure: RunError | None = None
+    try:
+        run = model.run(request)
+    except RunError as error:
+        if error.trajectory is None or not len(error.trajectory.rows):
+            raise
+        run, failure = error.trajectory, error
+    _write(options, model, run, request, target)
+    print(f"written to {target}")
+    if failure is not None:
+        raise RunError(f"{failure}\nwhat was computed before is shown in {target}")
+    return 0
+
+
+def _target(options: Namespace) -> str:
+    target: str = options.output or options.file.stem + (".html" if options.stroboscope is None else ".svg")
+    if options.stroboscope is not None:
+        a_count_within("number of positions", options.stroboscope, 1, _MOST_POSITIONS)
+        for option, value in (("--curves", options.curves), ("--names", options.names)):
+            if value is not None:
+                fail("L0706", f"{option} has no place in a picture of many positions", None, "leave it out")
+        require_picture(target)
+    else:
+        require_film(target)
+        for option, value in (("--curves", options.curves), ("--names", options.names), ("--trace", options.trace)):
+            if value is not None and not target.lower().endswith(".html"):
+                fail("L0918", f"not supported yet: {option} in a film", None, "write .html")
+    keep_inputs(options, target)
+    return target
+
+
+def _write(options: Namespace, model: Model, run: Trajectory, request: Request, target: str) -> None:
+    values = check_values(model.scene, request.parameters, request.initial, request.inputs)
+    traces = split_names(options.trace)
+    if options.stroboscope is not None:
+        draw_stroboscope(model, run, values, options.stroboscope, target, traces)
+        return
+    animate_run(model, run, values, target, names=named_pairs(options.names or "", "--names"), traces=traces,
+                quantities=split_names(options.curves), tell=_tell if sys.stderr.isatty() else None)
+
+
+def _tell(done: int, whole: int) -> None:
+    sys.stderr.write(f"\r[{'#' * (30 * done // whole):.<30}] {done} of {whole} pictures")
+    if done == whole:
+        sys.stderr.write("\r" + " " * 60 + "\r")
+    sys.stderr.flush()

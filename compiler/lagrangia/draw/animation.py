@@ -1,0 +1,90 @@
+"""A reel -> one HTML file that plays it: no network, no library, the numbers beside the page's own script."""
+
+import base64
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangia.draw.reel import Caption, Moving, Reel
+from lagrangia.draw.strokes import Stroke
+
+Vector = NDArray[np.float64]
+_GONE, _LAST = 65535, 65534  # of sixteen bits: nothing there; the far corner
+_WATCHED = 8.0  # s: a motion is played so that it takes about as long, by a round factor
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A quantity over time, in the unit it is shown in."""
+
+    name: str
+    unit: str
+    values: Vector
+
+
+def write_animation(reel: Reel, title: str, curves: Sequence[Curve], energies: Sequence[Curve]) -> str:
+    """The whole file."""
+    page = Path(__file__).with_name("animation.html").read_text(encoding="utf-8")
+    data = json.dumps(_data(reel, curves, energies), separators=(",", ":"), allow_nan=False)
+    data = data.replace("<", "\\u003c")  # a name cannot end the script
+    return page.replace("@TITLE@", escape(title)).replace("@DATA@", data)
+
+
+def _data(reel: Reel, curves: Sequence[Curve], energies: Sequence[Curve]) -> dict[str, Any]:
+    span = float(np.max(reel.high - reel.low)) or 1.0
+    order = sorted(reel.strokes, key=lambda moving: (moving.stroke.layer, -_extent(moving.stroke)))
+    least = [float(np.nanmin(curve.values, initial=0.0)) for curve in energies]
+    total = sum((curve.values - low for curve, low in zip(energies, least, strict=True)), np.zeros(len(reel.t)))
+    length = float(reel.t[-1] - reel.t[0]) if len(reel.t) > 1 else 0.0
+    return {
+        "t": _text(reel.t.astype("<f8")), "low": _plain(reel.low), "high": _plain(reel.high), "span": span, "symbol": reel.symbol,
+        "speed": length / _WATCHED if length and not 2.0 <= length <= 2 * _WATCHED else 1.0,
+        "strokes": [_stroke(moving, reel, span) for moving in order],
+        "captions": [_caption(caption, reel, span) for caption in reel.captions],
+        "traces": [{"name": name, "at": _small(points, reel, span)} for name, points in reel.traces],
+        "curves": [_curve(curve) for curve in curves],
+        "energies": [{**_curve(curve), "least": low} for curve, low in zip(energies, least, strict=True)],
+        "most": float(np.nanmax(total, initial=0.0)) if len(energies) else 0.0,
+    }
+
+
+def _caption(caption: Caption, reel: Reel, span: float) -> dict[str, Any]:
+    return {"words": [[text, int(is_italic), int(is_lowered)] for text, is_italic, is_lowered in caption.words.pieces],
+            "at": _small(caption.at, reel, span), "side": _text(np.nan_to_num(caption.aside).astype("<f4"))}
+
+
+def _extent(stroke: Stroke) -> float:
+    return 2 * stroke.radius + (float(np.ptp(stroke.points, axis=0).max()) if stroke.fill != "none" else 0.0)
+
+
+def _stroke(moving: Moving, reel: Reel, span: float) -> dict[str, Any]:
+    s = moving.stroke
+    found: dict[str, Any] = {"l": s.line, "f": s.fill, "c": int(s.is_closed), "r": float(f"{s.radius:.7g}"), "n": len(s.points)}
+    if moving.points is not None:
+        return found | {"n": moving.points.shape[1], "points": _small(moving.points, reel, span)}
+    found["p"] = _plain(s.points.ravel())
+    return found if moving.poses is None else found | {"poses": _text(moving.poses.astype("<f4"))}
+
+
+def _small(points: Vector, reel: Reel, span: float) -> str:
+    """Places in sixteen bits each: a step is a 65534th of the scene's size."""
+    scaled = np.clip(np.round((points - reel.low) / span * _LAST), 0, _LAST)
+    return _text(np.where(np.isfinite(points), scaled, _GONE).astype("<u2"))
+
+
+def _curve(curve: Curve) -> dict[str, Any]:
+    return {"name": curve.name, "unit": curve.unit, "y": _text(curve.values.astype("<f4"))}
+
+
+def _text(values: Any) -> str:
+    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
+
+
+def _plain(values: Vector) -> list[float]:
+    return [float(f"{x:.7g}") for x in values]

@@ -1,0 +1,113 @@
+"""Pages that play: their numbers are the run's; films have a picture for each position; what fails is shown as far as it went."""
+
+import base64
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.base.folders import data_folder
+from lagrangia.command.cli import FAILED, WRONG, main
+
+EXAMPLES = data_folder("models") / "examples"
+
+
+def data_of(page: str) -> dict:
+    found = re.search(r'<script id="data" type="application/json">(.*?)</script>', page, re.DOTALL)
+    assert found is not None
+    return json.loads(found[1])
+
+
+def numbers(text: str, kind: str) -> np.ndarray:
+    return np.frombuffer(base64.b64decode(text), dtype=kind)
+
+
+def test_the_numbers_of_a_page_are_those_of_the_run() -> None:
+    run = lag.load(EXAMPLES / "pendulum.lag").simulate(stop=2, interval=0.05)
+    page = run.animate(traces=["bob.center"], quantities=["hinge.phi", "bob.center.y"])
+    data = data_of(page)
+    assert np.array_equal(numbers(data["t"], "<f8"), run.time)
+    phi, y = data["curves"]
+    assert (phi["name"], phi["unit"], y["name"]) == ("hinge.phi", "deg", "bob.center.y")
+    assert np.allclose(numbers(phi["y"], "<f4"), np.degrees(run["hinge.phi"]), atol=1e-4)
+    way = numbers(data["traces"][0]["at"], "<u2").reshape(-1, 2) * data["span"] / 65534 + np.array(data["low"])
+    assert np.allclose(way, run["bob.center.r"], atol=data["span"] / 60000)
+    (bob,) = [s for s in data["strokes"] if s["f"] == "grey"]
+    assert np.allclose(numbers(bob["poses"], "<f4").reshape(-1, 3)[:, :2], run["bob.center.r"], atol=1e-6)
+    assert len(page) < 500_000
+    assert not re.search(r"https?://(?!www\.w3\.org)|src=|@[A-Z]+@", page), "it needs nothing but itself"
+
+
+def test_a_spring_is_drawn_where_its_ends_are() -> None:
+    run = lag.load(EXAMPLES / "spring_pendulum.lag").simulate(stop=3, interval=0.1)
+    data = data_of(run.animate())
+    coils = max((s for s in data["strokes"] if "points" in s), key=lambda s: s["n"])
+    points = numbers(coils["points"], "<u2").reshape(len(run.time), -1, 2) * data["span"] / 65534 + np.array(data["low"])
+    assert np.allclose(points[:, 0], 0.0, atol=data["span"] / 60000)
+    ahead = run["bob.center.r"] - points[:, -1]
+    assert np.allclose(np.linalg.norm(ahead, axis=1), 0.5 * data["symbol"], rtol=1e-2), "it ends at the bob"
+
+
+def test_names_are_text(scene: Callable[[str], lag.Model]) -> None:
+    model = scene('model A "</script><b>" Revolute h(a = world); Bar bar(m = 1, L = 1, a = h.b);\n'
+                  'drawing text(bar.b, "</script>"); end A;')
+    page = model.simulate(stop=1, interval=0.5).animate()
+    assert page.count("</script>") == 2 and "<b>" not in page
+    assert [["</script>", 0, 0]] in [c["words"] for c in data_of(page)["captions"]]
+
+
+@pytest.mark.parametrize(("suffix", "kind"), [("gif", "GIF"), ("webp", "WEBP")])
+def test_films_have_a_picture_for_each_position(suffix: str, kind: str, tmp_path: Path, monkeypatch) -> None:
+    from PIL import Image, features
+
+    if suffix == "webp" and not features.check("webp"):
+        pytest.skip("this Pillow knows no WebP")
+    monkeypatch.chdir(tmp_path)
+    assert main(["animate", str(EXAMPLES / "pendulum.lag"), "--stop", "1", "--interval", "0.25", "-o", f"x.{suffix}"]) == 0
+    with Image.open(f"x.{suffix}") as film:
+        assert (film.format, getattr(film, "n_frames", 1)) == (kind, 5)
+        assert max(film.size) > 300
+
+
+def test_many_positions_in_one_picture(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    asked = ["--stop", "1", "--stroboscope", "7", "--trace", "bob.center", "-o", "x.svg"]
+    assert main(["animate", str(EXAMPLES / "pendulum.lag"), *asked]) == 0
+    root = ElementTree.parse("x.svg").getroot()
+    radii = [c.attrib["r"] for c in root.iter("{http://www.w3.org/2000/svg}circle")]
+    assert radii.count(max(radii, key=float)) == 7
+    assert "dasharray" in Path("x.svg").read_text()
+
+
+def test_a_run_that_fails_is_shown_as_far_as_it_went(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("x.lag").write_text("model X Block b(m = 1, base = world, s(start = 1), v(start = 1));\n"
+                             "GeneralSpring s(V = -1[N/m2]*b.s^3, stretch = b.s); annotation(experiment(StopTime = 10)); end X;")
+    assert main(["animate", "x.lag"]) == FAILED
+    assert "what was computed before is shown in x.html" in capsys.readouterr().err
+    data = data_of(Path("x.html").read_text())
+    assert 0 < numbers(data["t"], "<f8")[-1] < 10
+
+
+@pytest.mark.parametrize(("given", "code"), [
+    (["-o", "x.mp4"], "L0918"), (["-o", "x.svg"], "L0918"), (["-o", "x.csv"], "L0004"), (["--trace", "bob"], "L0701"),
+    (["--curves", "theta"], "L0701"), (["--stroboscope", "0"], "L0702"),
+    (["--stroboscope", "3", "--curves", "hinge.phi"], "L0706"),
+    (["-o", "x.gif", "--trace", "bob.center"], "L0918"),
+])
+def test_what_cannot_be_shown_is_told(given: list[str], code: str, tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["animate", str(EXAMPLES / "pendulum.lag"), "--stop", "0.5", *given]) == WRONG
+    assert f"error[{code}]" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_notebooks_show_models_and_runs() -> None:
+    model = lag.load(EXAMPLES / "pendulum.lag")
+    assert model._repr_html_().startswith("<svg")
+    assert model.simulate(stop=0.5)._repr_html_().startswith("<iframe srcdoc=")
