@@ -67,3 +67,11 @@ def test_what_resists_from_one_place_on(scene: Write, force: str, start: float, 
     """The direction is that of the motion: closed forms for a unit mass after 1 s."""
     model = scene(LOOSE % (f", center(v(start = {{{start}, 0}}))", force))
     assert model.simulate(at=[1.0], tolerance=1e-10)["b.center.x"][-1] == pytest.approx(end, abs=1e-9)
+
+
+def test_starts_of_coordinates_that_others_give_are_no_places(scene: Write) -> None:
+    """As once was a crash."""
+    run = scene("""model M Revolute p(a = world, phi(start = 0.2)), q(a = shift(world, {1, 0}), phi(start = 0.4));
+      Bar b(m = 1, L = 1, a = p.b), c(m = 1, L = 1, a = q.b); Coupler tie(a = q.phi, b = p.phi, ratio = 2);
+      Spring s(a = b.b, b = c.b, k = 10); end M;""").simulate(stop=0.1)
+    assert run["p.phi"][0] == pytest.approx(2 * run["q.phi"][0])

@@ -1,6 +1,7 @@
 """Runs random models and random command lines, each in a process of its own, and says what no command may do.
 
-As a program: `python tests/helpers/fuzz_commands.py FIRST COUNT` prints the faults of these seeds, each kind once.
+As a program: `python tests/helpers/fuzz_commands.py FIRST COUNT` prints the faults of these seeds, each kind once; with `valid`
+before them, of models that are right.
 """
 
 import contextlib
@@ -19,6 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzz_models import random_model
+from fuzz_valid import valid_model
 
 WALL, CPU = 60.0, 20  # seconds that one command may take
 _LEAKS = re.compile(r"Traceback|^bug:|RuntimeWarning|UserWarning|DeprecationWarning|site-packages|File \"|casadi\."
@@ -117,6 +119,13 @@ def random_case(seed: int) -> Case:
         return Case(random_model(seed), chance.choice(ORDINARY[:2]) if chance.random() < 0.5 else chance.choice(ORDINARY))
     text = SCENE if chance.random() < 0.7 else random_model(seed)
     return Case(text, _command(chance), 300_000_000 if chance.random() < 0.05 else 0)
+
+
+def valid_case(seed: int) -> Case:
+    """A model that is right, mostly to be simulated."""
+    chance = random.Random(-seed)
+    run = ("simulate", "scene.lag", "--interval", "0.1", "--engine", "tape", "-o", "out.csv")
+    return Case(valid_model(seed), run if chance.random() < 0.7 else chance.choice(ORDINARY))
 
 
 SCENE = ("model M\n  parameter Mass m = 1; parameter Length L = 1; parameter Integer n = 1; input Torque u(start = 0);\n"
@@ -287,17 +296,19 @@ def warm() -> None:
         main(["check", str(scene) + "missing"])
 
 
-def fuzz(seeds: Sequence[int], seconds: float = float("inf"), report: bool = False) -> dict[str, list[tuple[int, str]]]:
+def fuzz(seeds: Sequence[int], seconds: float = float("inf"), report: bool = False, is_valid: bool = False
+         ) -> dict[str, list[tuple[int, str]]]:
     """The faults of these seeds by kind, until the time is over."""
     warm()
     known: dict[str, list[tuple[int, str]]] = {}
-    began, count = time.monotonic(), 0
+    began, count, done = time.monotonic(), 0, 0
     for seed in seeds:
         if time.monotonic() - began > seconds:
             break
-        case = random_case(seed)
+        case = valid_case(seed) if is_valid else random_case(seed)
         count += 1
         outcome = run(case)
+        done += outcome.code == 0
         if report and sys.argv[1] == "-v":
             print(seed, case.command, outcome.code, round(outcome.seconds, 2), first(outcome.err))
         for fault in faults(case, outcome):
@@ -307,7 +318,7 @@ def fuzz(seeds: Sequence[int], seconds: float = float("inf"), report: bool = Fal
                 print(f"{seed}: {' '.join(map(ascii, case.command))}: {fault}", flush=True)
     if report:
         total = sum(map(len, known.values()))
-        print(f"{count} commands in {time.monotonic() - began:.0f} s, {total} faults of {len(known)} kinds")
+        print(f"{done} done; {count} commands in {time.monotonic() - began:.0f} s, {total} faults of {len(known)} kinds")
     return known
 
 
@@ -324,4 +335,4 @@ if __name__ == "__main__":
         warm()
         outcomes = [judged(text, *command) for text, command in json.loads(sys.argv[2])]
         print(json.dumps([(outcome.code, outcome.out + outcome.err, found) for outcome, found in outcomes]))
-    fuzz(range(first_seed, first_seed + count), report=True)
+    fuzz(range(first_seed, first_seed + count), report=True, is_valid=sys.argv[1] == "valid")

@@ -148,3 +148,17 @@ def test_the_account_of_what_is_put_back_closes(name: str, scene: Write) -> None
     for solver in ("erk", "implicit"):
         run = model.simulate(at=[0.1, 1e5], solver=solver, tolerance=1e-3)
         assert np.abs(run.energy.residual).max() < 1e-9, solver
+
+
+# ---------------------------------------------------------------- accounts of what never moves
+
+CLAMPED = """model Jaws World world(gravity = {0, 0}); Block jaw(m = 1, base = world, along = {0, 1}); Body b(m = 1, I = 1);
+  RoughStop low(mu = 0.5, gap = b.center.y, slip = b.center.v[1]);
+  RoughStop high(mu = 0.5, gap = jaw.s - b.center.y, slip = b.center.v[1]);
+  AppliedForce press(at = jaw.center, force = {0, -10[N/s]*time}), push(at = b.center, force = {5[N/s]*time, 0}); end Jaws;"""
+
+
+def test_the_account_of_what_never_moves_is_rounding(scene: Write) -> None:
+    """All energies are rounding of forces that hold: their account may miss by as much."""
+    run = scene(CLAMPED).simulate(stop=2, interval=0.05)
+    assert np.abs(run.rows[:, 1:5]).max() < 1e-15

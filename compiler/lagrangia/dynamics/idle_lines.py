@@ -127,7 +127,8 @@ class _Places:
         self.kinematics, self.bodies = kinematics, _bodies(kinematics)
         self.q, self.v = (ca.vertcat(ca.SX(0, 1), *s.values()) for s in (kinematics.symbols.positions, kinematics.symbols.rates))
         p, values = default_parameters(kinematics)
-        self.start, self.rates = (np.array(ca.evalf(ca.substitute(x, p, values))).ravel() for x in (initial.q, initial.v))
+        n = self.q.numel()  # behind these stand those that are given by others
+        self.start, self.rates = (np.array(ca.evalf(ca.substitute(x[:n], p, values))).ravel() for x in (initial.q, initial.v))
         ends = list(dict.fromkeys(ends for line in lines for ends in line.ends))
         between = [self._between(pair) for pair in ends]
         apart = ca.Function("apart", [self.q, p], at_start(kinematics, [ca.vertcat(*between)]))

@@ -169,8 +169,8 @@ class _Places:
         V, D = energies.total(energies.potential), energies.total(energies.dissipation)
         self.balances = ca.densify(ca.gradient(V, self.q) + ca.gradient(D, self.v))
         if energies.loads:
-            positions = ca.vertcat(*[x for load in energies.loads for x in load.position])
-            forces = ca.vertcat(*[x for load in energies.loads for x in load.force])
+            positions = ca.vertcat(ca.SX(0, 1), *[x for load in energies.loads for x in load.position])
+            forces = ca.vertcat(ca.SX(0, 1), *[x for load in energies.loads for x in load.force])
             self.balances -= ca.jtimes(positions, self.q, forces, True)
 
     def require_nothing_else(self) -> None:
@@ -209,7 +209,7 @@ class _Places:
         own, model = _symbols_of(self.kinematics, coordinate.name), self.kinematics.graph.model
 
         def acts(load: Load) -> bool:
-            return not own.isdisjoint(symbols_in(ca.vertcat(*load.position)))
+            return not own.isdisjoint(symbols_in(ca.vertcat(ca.SX(0, 1), *load.position)))
 
         return any(acts(load) and speaks_of_contact_forces(model, load.statement.force) for load in self.energies.loads)
 
