@@ -8,10 +8,15 @@
 
 #include "numbers/extremes.h"
 #include "events/sliding.h"
+#include "state/evaluate.h"
 #include "state/state.h"
 
 static const double NEAR = 0.95; /* of the time in which a slip would stop */
 static const double FAINT = 1e-6; /* of what friction slows down: rounding, where it is torn off */
+static const double NO_TIME = 1e-6; /* of what is left of a run; of a second, where that has no end */
+static const double LEFT = 1e-6; /* of all that there is: enough to hold */
+static const double COARSE = 20; /* tolerances of an importer: errors of rates that are next to none */
+static const double KNOWN = 16; /* times rounding: a slip has a direction */
 static const double KICK = 0.5;  /* of a slip that is taken for none */
 
 static const int *cone(const LagRun *run, int k) { return run->model->cones + 2 * k; }
@@ -39,13 +44,45 @@ static double margin(const LagRun *run, const int *places)
     return 1 - x * x - y * y;
 }
 
-/* What a slip is less than, to be taken for none. */
-static double least_slip(const LagRun *run, const int *places)
+/* The slip that what rubs gives in no time. */
+static double faintest_slip(const LagRun *run, const int *places)
 {
-    return lag_min(lag_sliding_drift(run, places[0]), lag_sliding_drift(run, places[1]));
+    const double end = lag_min(run->segment_end, run->settings.t_stop), whole = isfinite(end) ? end - run->motion.t : 1;
+    const double jump = lag_max(run->sliding.most_jump[places[0]], run->sliding.most_jump[places[1]]);
+    return run->scale.tolerance * NO_TIME * whole * jump;
+}
+
+/* The slip of rates that are errors of an importer's steps: their sizes are nominal values then. */
+static double coarse_slip(LagRun *run, const int *places)
+{
+    LagSwitches *s = &run->switches;
+    const int n = run->model->n;
+    const double *y = run->motion.y;
+    double slip = 0;
+    for (int i = 0; i < n; ++i)
+        s->state[i] = y[n + i] + COARSE * run->settings.tolerance * run->scale.largest[n + i];
+    lag_conditions_by(run, run->motion.t, y, y + n, s->slope + n, s->g_begin, s->rate_begin);
+    lag_conditions_by(run, run->motion.t, y, s->state, s->slope + n, s->g_inside, s->rate_inside);
+    for (int j = 0; j < 2; ++j)
+        slip = hypot(s->g_inside[places[j]] - s->g_begin[places[j]], slip);
+    return slip;
+}
+
+/* What a slip is less than, to be taken for none. */
+static double least_slip(LagRun *run, const int *places)
+{
+    const double drift = lag_min(lag_sliding_drift(run, places[0]), lag_sliding_drift(run, places[1]));
+    const double known = lag_max(faintest_slip(run, places), drift); /* nothing tells of errors before the first step */
+    return run->impacts.coarse > 0 ? lag_max(coarse_slip(run, places), known) : known;
 }
 
 int lag_cones_have(const LagRun *run, int i) { return cone_of(run, i) >= 0; }
+
+int lag_cones_partner(const LagRun *run, int i)
+{
+    const int k = cone_of(run, i);
+    return k < 0 ? -1 : cone(run, k)[0] + cone(run, k)[1] - i;
+}
 
 int lag_cones_hold(const LagRun *run, int i)
 {
@@ -56,7 +93,9 @@ int lag_cones_hold(const LagRun *run, int i)
 int lag_cones_break(const LagRun *run, int i)
 {
     const int k = cone_of(run, i);
-    return k >= 0 && (run->sliding.leaves[k] || !(margin(run, cone(run, k)) >= 0));
+    const int may_share = run->sliding.system.n_untold > 0; /* what others hold now is not torn off */
+    const double most = k >= 0 && run->sliding.leaves[k] ? may_share ? LEFT : INFINITY : 0;
+    return k >= 0 && !(margin(run, cone(run, k)) >= most);
 }
 
 void lag_cones_note_torn(LagRun *run)
@@ -70,14 +109,16 @@ void lag_cones_note_torn(LagRun *run)
     }
 }
 
-double lag_cones_kick(const LagRun *run, int i)
+double lag_cones_kick(LagRun *run, int i)
 {
     const int k = cone_of(run, i);
     if (k < 0 || !run->sliding.is_lenient || !lag_cones_break(run, i))
         return 0;
     const int *places = cone(run, k);
-    const double speed = hypot(run->sliding.g[places[0]], run->sliding.g[places[1]]), most = KICK * least_slip(run, places);
-    const double kick = run->sliding.leaves[k] || speed == 0 ? most : lag_min(speed, most);
+    const double unknown = lag_max(run->switches.unknown[places[0]], run->switches.unknown[places[1]]);
+    const double speed = hypot(run->sliding.g[places[0]], run->sliding.g[places[1]]), most = lag_max(KICK * least_slip(run, places), KNOWN * unknown);
+    const double slow = lag_max(speed, faintest_slip(run, places));
+    const double kick = run->sliding.leaves[k] || run->impacts.coarse > 0 ? most : lag_min(slow, most);
     return kick * component(run, i) / hypot(component(run, places[0]), component(run, places[1]));
 }
 

@@ -8,6 +8,9 @@
 /* Whether switch i is a component of a slip in the plane. */
 int lag_cones_have(const LagRun *run, int i);
 
+/* The other component; -1: it is none. */
+int lag_cones_partner(const LagRun *run, int i);
+
 /* The same, of which both are held. */
 int lag_cones_hold(const LagRun *run, int i);
 
@@ -19,7 +22,7 @@ int lag_cones_break(const LagRun *run, int i);
 void lag_cones_note_torn(LagRun *run);
 
 /* The component of a slip with which it leaves, against the force that would hold it: less than can be told, and a direction. */
-double lag_cones_kick(const LagRun *run, int i);
+double lag_cones_kick(LagRun *run, int i);
 
 /* How far shares of what is so held are from the circle, into g (n_switches) of both. */
 void lag_cones_margins(const LagRun *run, double *g);

@@ -127,6 +127,9 @@ void lag_jumps_find(LagRun *run, double t, const double *y, int count, LagJumpsA
         const double size = fabs(*jump) * s->unit[k], most = lag_max(size, s->most_jump[s->which[k]]);
         if (where != LAG_ELSEWHERE)
             s->most_jump[s->which[k]] = most;
+        const int other = s->partner[s->which[k]]; /* both components are one slip's */
+        if (where != LAG_ELSEWHERE && other >= 0)
+            s->most_jump[other] = lag_max(most, s->most_jump[other]);
         const int rests = run->switches.slides[s->which[k]] && size + fabs(s->middle[k]) < LAG_VANISHED * most;
         *jump = rests ? -LAG_VANISHED * most / s->unit[k] : *jump; /* nothing holds it, or need to: friction may come again */
     }

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "events/candidates.h"
 #include "events/cones.h"
 #include "numbers/extremes.h"
 #include "events/jams.h"
@@ -18,7 +19,6 @@
 #include "events/contact_friction.h"
 #include "state/state.h"
 
-enum { LOW, HIGH, SLIDES, GIVEN }; /* states of candidates; given: it does not act on its own g */
 enum { BLOCKS = 8, MOST_SINGLE = 3, MOST_TURNS = 20, LOOKS = 16 };
 /* What of dg/dt is rounding, by its terms: in the choice, and while they slide. */
 static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON;
@@ -41,78 +41,44 @@ static int gather(LagRun *run, const int *candidates)
     return count;
 }
 
-/* Those that nothing is known of: whether they act on their own g. */
+/* Whether candidate k acts on its own g, or as a component of a force that acts on the other one. */
+static int acts(const LagSliding *s, int count, int k)
+{
+    const int other = lag_candidates_place(s, count, s->partner[s->which[k]]);
+    return s->jump[k + k * count] < 0 || (other >= 0 && s->jump[other + other * count] < 0);
+}
+
+/* Those that nothing is known of. */
 static void begin_states(LagSliding *s, int count, int is_first)
 {
     for (int k = 0; k < count; ++k)
-        if (is_first || s->state[k] == GIVEN || s->jump[k + k * count] >= 0)
-            s->state[k] = s->jump[k + k * count] < 0 ? SLIDES : GIVEN;
-}
-
-/* dg/dt of candidate k by those that do not slide alone, or by all. */
-static double rate_of(const LagSliding *s, int count, int k, int by_all)
-{
-    double rate = s->middle[k];
-    for (int j = 0; j < count; ++j)
-        if (by_all || s->state[j] != SLIDES)
-            rate += s->jump[k + j * count] * (s->share[j] - s->base[j]);
-    return rate;
-}
-
-/* The size of its terms, which tells what of it is rounding. */
-static double size_of(const LagSliding *s, int count, int k)
-{
-    double size = fabs(s->middle[k]);
-    for (int j = 0; j < count; ++j)
-        size += fabs(s->jump[k + j * count] * s->unit[j]);
-    return size;
-}
-
-/* Shares of those that slide. */
-static void solve(LagSliding *s, int count)
-{
-    int free = 0;
-    for (int k = 0; k < count; ++k)
-        free += s->state[k] == SLIDES;
-    s->lu.size = free;
-    for (int k = 0, row = 0; k < count; ++k) {
-        if (s->state[k] != SLIDES)
-            continue;
-        s->change[row] = -rate_of(s, count, k, 0);
-        for (int j = 0, column = 0; j < count; ++j)
-            if (s->state[j] == SLIDES)
-                s->lu.re[row + free * column++] = s->jump[k + j * count];
-        ++row;
-    }
-    lag_dense_lu_factor(&s->lu);
-    lag_dense_lu_solve(&s->lu, s->change, NULL);
-    for (int k = 0, row = 0; k < count; ++k)
-        if (s->state[k] == SLIDES)
-            s->share[k] = s->base[k] + s->change[row++];
+        if (is_first || s->state[k] == LAG_GIVEN || s->jump[k + k * count] >= 0)
+            s->state[k] = acts(s, count, k) ? LAG_SLIDES : LAG_GIVEN;
 }
 
 /* The state that candidate k should have instead of its own; the same where it is right. */
 static int better(const LagSliding *s, int count, int k)
 {
-    const double rate = rate_of(s, count, k, 1), rounding = ROUNDING * size_of(s, count, k);
+    const double rate = lag_candidates_rate(s, count, k, 1), rounding = ROUNDING * lag_candidates_size(s, count, k);
     switch (s->state[k]) {
-    case LOW: return rate > rounding ? SLIDES : LOW;
-    case HIGH: return rate < -rounding ? SLIDES : HIGH;
-    case SLIDES:
+    case LAG_LOW: return rate > rounding ? LAG_SLIDES : LAG_LOW;
+    case LAG_HIGH: return rate < -rounding ? LAG_SLIDES : LAG_HIGH;
+    case LAG_SLIDES:
         if (fabs(rate) > rounding) /* others hold what it would: its own velocity is to be another one */
-            return rate < 0 ? LOW : s->limit[k] < INFINITY ? HIGH : SLIDES;
-        return s->share[k] < s->least[k] ? LOW : s->share[k] > s->limit[k] ? HIGH : SLIDES;
-    default: return GIVEN;
+            return rate < 0 ? LAG_LOW : s->limit[k] < INFINITY ? LAG_HIGH : LAG_SLIDES;
+        return s->share[k] < s->least[k] ? LAG_LOW : s->share[k] > s->limit[k] ? LAG_HIGH : LAG_SLIDES;
+    default: return LAG_GIVEN;
     }
 }
 
 /* Finds the states and shares; returns whether they are right. */
-static int pivot(LagSliding *s, int count)
+static int pivot(LagRun *run, int count)
 {
+    LagSliding *s = &run->sliding;
     const int most = BLOCKS + MOST_SINGLE * count;
     int changes = 1;
     for (int turn = 0; changes > 0 && turn < most; ++turn) {
-        solve(s, count);
+        lag_candidates_solve(run, count);
         changes = 0;
         for (int k = 0; k < count; ++k) {
             s->next[k] = turn < BLOCKS || changes == 0 ? better(s, count, k) : s->state[k];
@@ -120,8 +86,8 @@ static int pivot(LagSliding *s, int count)
         }
         for (int k = 0; k < count; ++k) {
             s->state[k] = s->next[k];
-            if (s->state[k] == LOW || s->state[k] == HIGH)
-                s->share[k] = s->state[k] == HIGH;
+            if (s->state[k] == LAG_LOW || s->state[k] == LAG_HIGH)
+                s->share[k] = s->state[k] == LAG_HIGH;
         }
     }
     return changes == 0;
@@ -132,19 +98,11 @@ static void let_go(LagRun *run, int count)
 {
     LagSliding *s = &run->sliding;
     for (int k = 0; k < count; ++k) {
-        const double rate = rate_of(s, count, k, 1), g = s->g[s->which[k]];
-        const int goes = fabs(rate) > ROUNDING * size_of(s, count, k);
-        if (s->state[k] == GIVEN)
+        const double rate = lag_candidates_rate(s, count, k, 1), g = s->g[s->which[k]];
+        const int goes = fabs(rate) > ROUNDING * lag_candidates_size(s, count, k);
+        if (s->state[k] == LAG_GIVEN)
             s->share[k] = s->limit[k] == INFINITY ? 0 : goes ? rate > 0 : g != 0 ? g > 0 : run->switches.held[s->which[k]];
     }
-}
-
-/* Shares into d. */
-static void set_shares(const LagRun *run, int count)
-{
-    const LagSliding *s = &run->sliding;
-    for (int k = 0; k < count; ++k)
-        *lag_share(run, s->which[k]) = lag_max(lag_min(0, s->least[k]), lag_min(s->limit[k], s->share[k]));
 }
 
 /* Whether rates at the shares in d are what jumps make them out to be: they are not where friction presses with the force of a contact,
@@ -154,7 +112,7 @@ static int is_linear(LagRun *run, double t, const double *y, int count)
     const LagSliding *s = &run->sliding;
     lag_sliding_rates(run, t, y);
     for (int k = 0; k < count; ++k)
-        if (fabs(s->rate[s->which[k]] - rate_of(s, count, k, 1)) > NEARLY * size_of(s, count, k))
+        if (fabs(s->rate[s->which[k]] - lag_candidates_rate(s, count, k, 1)) > NEARLY * lag_candidates_size(s, count, k))
             return 0;
     return 1;
 }
@@ -166,10 +124,10 @@ static int choose(LagRun *run, double t, const double *y, int count)
     for (int turn = 1;; ++turn) { /* Newton's iterations, where shares are multiplied: what rubs has no jump before contacts press */
         const int may_end = turn > 1 || run->model->n_rubs == 0;
         begin_states(s, count, turn == 1);
-        const int is_right = pivot(s, count);
+        const int is_right = pivot(run, count);
         if (may_end)
             let_go(run, count);
-        set_shares(run, count);
+        lag_candidates_set(run, count);
         if (!is_right || turn == MOST_TURNS)
             return 0;
         if (may_end && is_linear(run, t, y, count)) {
@@ -187,9 +145,9 @@ static int choose(LagRun *run, double t, const double *y, int count)
 static int presses(const LagSliding *s, int count)
 {
     for (int k = 0; k < count; ++k) {
-        const double rounding = ROUNDING * size_of(s, count, k);
-        const int is_jam = s->state[k] == GIVEN && s->jump[k + k * count] * s->unit[k] > rounding;
-        if (is_jam && s->limit[k] == INFINITY && rate_of(s, count, k, 1) > rounding)
+        const double rounding = ROUNDING * lag_candidates_size(s, count, k);
+        const int is_jam = s->state[k] == LAG_GIVEN && s->jump[k + k * count] * s->unit[k] > rounding;
+        if (is_jam && s->limit[k] == INFINITY && lag_candidates_rate(s, count, k, 1) > rounding)
             return 1;
     }
     return 0;
@@ -199,20 +157,20 @@ static int presses(const LagSliding *s, int count)
 static int choose_together(LagRun *run, double t, const double *y, int count)
 {
     LagSliding *s = &run->sliding;
-    static const int states[] = {SLIDES, LOW, HIGH};
+    static const int states[] = {LAG_SLIDES, LAG_LOW, LAG_HIGH};
     if (!lag_jams_solve(run, t, y, count))
         return 0;
     for (int k = 0; k < count; ++k) {
-        s->state[k] = lag_jams_may_act(run, k) ? states[run->impacts.problem.state[k]] : s->limit[k] == INFINITY ? LOW : GIVEN;
-        if (s->state[k] == SLIDES && s->limit[k] == INFINITY)
+        s->state[k] = lag_jams_may_act(run, k) ? states[run->impacts.problem.state[k]] : s->limit[k] == INFINITY ? LAG_LOW : LAG_GIVEN;
+        if (s->state[k] == LAG_SLIDES && s->limit[k] == INFINITY)
             s->unit[k] = lag_max(s->share[k], s->unit[k]);
     }
-    set_shares(run, count);
+    lag_candidates_set(run, count);
     lag_jumps_find(run, t, y, count, LAG_PRESENT);
     s->lu.dependent = run->impacts.problem.lu.dependent;
-    solve(s, count);
+    lag_candidates_solve(run, count);
     let_go(run, count);
-    set_shares(run, count);
+    lag_candidates_set(run, count);
     return is_linear(run, t, y, count);
 }
 
@@ -223,22 +181,13 @@ static int choose_any(LagRun *run, double t, const double *y, int count)
 
 /* -------- what holds more than it rubs */
 
-/* The place among `count` candidates of the switch of rest k; -1: it is none. */
-static int place_of(const LagRun *run, int count, int k)
-{
-    for (int j = 0; j < count; ++j)
-        if (run->sliding.which[j] == run->model->rests[k])
-            return j;
-    return -1;
-}
-
 /* Whether candidate k stays at 0: it slides, or what slides holds it. */
 static int is_held(const LagSliding *s, int count, int k)
 {
     int is_acted_on = 0;
     for (int j = 0; j < count; ++j)
-        is_acted_on |= s->state[j] == SLIDES && s->jump[k + j * count] != 0;
-    return s->state[k] == SLIDES || (is_acted_on && fabs(rate_of(s, count, k, 1)) <= ROUNDING * size_of(s, count, k));
+        is_acted_on |= s->state[j] == LAG_SLIDES && s->jump[k + j * count] != 0;
+    return s->state[k] == LAG_SLIDES || (is_acted_on && fabs(lag_candidates_rate(s, count, k, 1)) <= ROUNDING * lag_candidates_size(s, count, k));
 }
 
 /* Whether there is enough of what holds candidate j, where that is in the plane. */
@@ -248,7 +197,7 @@ static int may_hold(const LagRun *run, int j) { return run->sliding.is_lenient |
 static void begin_rests(LagRun *run, int count)
 {
     for (int k = 0; k < run->model->n_rests; ++k)
-        *lag_rest(run, k) = place_of(run, count, k) >= 0;
+        *lag_rest(run, k) = lag_candidates_place(&run->sliding, count, run->model->rests[k]) >= 0;
 }
 
 /* Which of them hold: those that do not have less force, which may set others in motion, or else hold after all. */
@@ -258,8 +207,9 @@ static int choose_rests(LagRun *run, double t, const double *y, int count, int i
     int changes = run->model->n_rests > 0;
     for (int turn = 0; changes && is_right; ++turn) {
         changes = 0;
+        lag_candidates_balance(run, count);
         for (int k = 0; k < run->model->n_rests; ++k) {
-            const int j = place_of(run, count, k), may_act = j >= 0 && s->state[j] == GIVEN && s->jump[j + j * count] == 0;
+            const int j = lag_candidates_place(&run->sliding, count, run->model->rests[k]), may_act = j >= 0 && s->state[j] == LAG_GIVEN && s->jump[j + j * count] == 0;
             const int holds = j >= 0 && (may_act || (is_held(s, count, j) && may_hold(run, j)));
             if (*lag_rest(run, k) == holds || (holds && turn > count)) /* in the end what has let go stays so */
                 continue;
@@ -278,7 +228,7 @@ static int choose_rests(LagRun *run, double t, const double *y, int count, int i
 static void end_rests(LagRun *run, int count)
 {
     for (int k = 0; k < run->model->n_rests; ++k) {
-        const int j = place_of(run, count, k);
+        const int j = lag_candidates_place(&run->sliding, count, run->model->rests[k]);
         *lag_rest(run, k) *= j >= 0 && is_held(&run->sliding, count, j);
     }
 }
@@ -293,15 +243,15 @@ static int hold(LagRun *run, int count)
     for (int k = 0; k < count; ++k) {
         const int i = s->which[k];
         run->switches.held[i] = *lag_share(run, i);
-        run->switches.slides[i] = s->state[k] == SLIDES;
-        run->switches.is_idle[i] = s->state[k] == GIVEN && s->jump[k + k * count] == 0 && lag_rubs_alone(run->model, i);
-        if (s->state[k] == SLIDES && s->limit[k] == INFINITY && s->share[k] > LARGE * s->unit[k])
+        run->switches.slides[i] = s->state[k] == LAG_SLIDES;
+        run->switches.is_idle[i] = s->state[k] == LAG_GIVEN && s->jump[k + k * count] == 0 && lag_rubs_alone(run->model, i);
+        if (s->state[k] == LAG_SLIDES && s->limit[k] == INFINITY && s->share[k] > LARGE * s->unit[k])
             s->unit[k] = s->share[k];
     }
     for (int k = 0; k < count; ++k)
-        s->noise[k] = NOISE * size_of(s, count, k);
+        s->noise[k] = NOISE * lag_candidates_size(s, count, k);
     for (int k = 0; k < count; ++k)
-        if (s->state[k] == SLIDES) {
+        if (s->state[k] == LAG_SLIDES) {
             s->noise[sliding] = s->noise[k];
             s->unit[sliding] = s->unit[k];
             memmove(s->way + sliding * n, s->way + k * n, (size_t)n * sizeof *s->way);
@@ -320,7 +270,7 @@ enum { TOLD, NOTHING_ACTS, JUST_HOLDS };
 static int find_openness(const LagSliding *s, int count, int k, int is_jump, double size)
 {
     const double jump = is_jump ? fabs(s->jump[k + k * count]) : 0, rate = fabs(s->rate[s->which[k]]);
-    const int is_at_end = s->state[k] == HIGH || (is_jump && s->state[k] == LOW), slides = s->state[k] == SLIDES;
+    const int is_at_end = s->state[k] == LAG_HIGH || (is_jump && s->state[k] == LAG_LOW), slides = s->state[k] == LAG_SLIDES;
     if (is_at_end)
         return rate <= TIE * jump ? JUST_HOLDS : TOLD;
     return (is_jump || !slides) && jump + rate <= FAINT * size ? NOTHING_ACTS : TOLD;
@@ -335,7 +285,9 @@ static int find_open(LagRun *run, int count)
     for (int k = 0; k < count; ++k) {
         const int i = s->which[k], is_jump = lag_may_have_all(run, i), may_press = touches || !lag_rubs_alone(run->model, i);
         const double size = is_jump && s->is_new[k] ? INFINITY : s->most_jump[i];
-        s->open[k] = may_press ? find_openness(s, count, k, is_jump, size) : TOLD;
+        const int other = lag_candidates_place(s, count, s->partner[i]);
+        const int acts_aside = other >= 0 && fabs(s->jump[other + other * count]) > fabs(s->jump[k + k * count]);
+        s->open[k] = may_press && !acts_aside ? find_openness(s, count, k, is_jump, size) : TOLD;
         some |= s->open[k] != TOLD;
     }
     return some;
@@ -385,15 +337,15 @@ static int take_over(LagRun *run, int count, int is_right)
     for (int k = 0; k < count; ++k) {
         const int i = s->which[k], is_jump = lag_may_have_all(run, i);
         const double size = fabs(s->jump[k + k * count]) * (is_jump ? 1 : s->share[k]);
-        const int acts = is_right && s->state[k] != GIVEN && s->known_rate[k] <= FAINT * size && size > 0;
-        const int holds = is_right && s->state[k] == SLIDES && s->open[k] == JUST_HOLDS;
+        const int acts = is_right && s->state[k] != LAG_GIVEN && s->known_rate[k] <= FAINT * size && size > 0;
+        const int holds = is_right && s->state[k] == LAG_SLIDES && s->open[k] == JUST_HOLDS;
         s->open[k] = s->open[k] == NOTHING_ACTS && acts ? NOTHING_ACTS : TOLD;
         if (s->open[k] == NOTHING_ACTS) {
             s->share[k] = is_jump ? s->share[k] : 0;
             s->most_jump[i] = lag_max(size, s->most_jump[i]);
             some = 1;
         } else {
-            s->state[k] = holds ? SLIDES : s->known[k];
+            s->state[k] = holds ? LAG_SLIDES : s->known[k];
             s->share[k] = s->known_share[k];
         }
     }
@@ -411,15 +363,15 @@ static void choose_open(LagRun *run, double t, const double *y, int count)
     lag_jumps_begin(run, count);
     lag_jumps_find(run, t + moment, s->state_before, count, LAG_ELSEWHERE);
     s->grows |= take_over(run, count, choose(run, t + moment, s->state_before, count));
-    set_shares(run, count);
+    lag_candidates_set(run, count);
     if (s->grows)
         note_sizes_to_come(run, t, y, count);
     lag_jumps_find(run, t, y, count, LAG_ELSEWHERE);
     for (int k = 0; k < count; ++k)
         if (s->open[k] == NOTHING_ACTS && lag_may_have_all(run, s->which[k]))
             s->jump[k + k * count] = -LAG_VANISHED * s->most_jump[s->which[k]];
-    solve(s, count);
-    set_shares(run, count);
+    lag_candidates_solve(run, count);
+    lag_candidates_set(run, count);
 }
 
 void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candidates)
@@ -488,8 +440,8 @@ void lag_sliding_refresh(LagRun *run, double t, const double *y)
     call_back(run, count);
     lag_jumps_find(run, t, y, count, LAG_ELSEWHERE);
     for (int k = 0; k < count; ++k)
-        s->state[k] = SLIDES;
-    solve(s, count);
+        s->state[k] = LAG_SLIDES;
+    lag_candidates_solve(run, count);
     for (int k = 0; k < count; ++k)
         *lag_share(run, s->which[k]) = s->share[k];
     s->count = count;

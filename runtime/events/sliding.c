@@ -16,6 +16,7 @@
  * a change is not as large as the one before. */
 static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, MOST_RATIO = 0.9, MANY = 1000, REPEATED = 1e-8, MOST_FORCE = 3;
 static const double MOMENT = 1e-6, DRIFT = 10; /* of a step; of tolerances */
+static const double LEAST = 1e-6; /* change of a share of which accelerations have digits */
 static const double MOVED = 2; /* times as far from 0 as before an impact: it was moved */
 /* Where equations contradict each other those of contacts, which come first, are kept. */
 static const double EARLY = 0.1;
@@ -46,6 +47,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->state = lag_take_ints(arena, most);
     s->next = lag_take_ints(arena, most);
     s->leaves = lag_take_ints(arena, (size_t)model->n_cones);
+    s->partner = lag_take_ints(arena, count);
     s->is_new = lag_take_ints(arena, most);
     s->open = lag_take_ints(arena, most);
     s->known = lag_take_ints(arena, most);
@@ -74,14 +76,20 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     lag_dense_lu_layout(&s->lu, s->most, 0, arena);
     s->lu.dependent = LAG_SLIDING_DEPENDENT;
     s->lu.early = EARLY;
+    lag_shares_layout(&s->system, model, s->most, arena);
     lay_out_holds(s, model, count, arena);
 }
 
-/* What is held in the plane is let go by a slip that is less than can be told: it is left as it is. */
+static void find_partners(LagRun *run)
+{
+    for (int i = 0; i < run->model->n_switches && run->model->switches_need_acceleration; ++i)
+        run->sliding.partner[i] = lag_cones_partner(run, i);
+}
+
 static void forget_holds(LagRun *run)
 {
     for (int i = 0; i < run->model->n_switches && run->model->switches_need_acceleration; ++i)
-        run->sliding.holds[i] = lag_cones_have(run, i) ? LAG_HELD_NEITHER : LAG_HELD_UNKNOWN;
+        run->sliding.holds[i] = LAG_HELD_UNKNOWN;
 }
 
 void lag_sliding_reset(LagRun *run)
@@ -93,6 +101,8 @@ void lag_sliding_reset(LagRun *run)
     s->latest = s->first = 0;
     s->grows = s->is_lenient = 0;
     s->stops = INFINITY;
+    lag_shares_reset(run);
+    find_partners(run);
     forget_holds(run);
     if (size > 0) {
         memset(s->error, 0, size);
@@ -151,16 +161,16 @@ void lag_sliding_forget_impact(LagRun *run)
         run->sliding.before[i] = INFINITY;
 }
 
-/* Whether at rates that differ by slope_before no more is left of the g of those that slide. */
-static int mends(LagRun *run, int count, double most)
+/* Whether at rates that differ by that share of slope_before no more is left of the g of those that slide, but for rounding. */
+static int mends(LagRun *run, int count, double share, double most)
 {
     LagSliding *s = &run->sliding;
     const LagMotion *m = &run->motion;
     for (int i = 0; i < m->n; ++i)
-        s->state_here[i] = m->y[m->n + i] + s->slope_before[i];
+        s->state_here[i] = m->y[m->n + i] + share * s->slope_before[i];
     lag_conditions_by(run, m->t, m->y, s->state_here, run->switches.slope + m->n, s->g, s->rate);
     for (int k = 0; k < count; ++k)
-        if (!(fabs(s->g[s->which[k]]) <= most))
+        if (!(fabs(s->g[s->which[k]]) <= (1 + FAINT) * most))
             return 0;
     return 1;
 }
@@ -179,22 +189,26 @@ void lag_sliding_stop(LagRun *run)
         s->change[k] = lag_cones_kick(run, s->which[k]) - s->g[s->which[k]];
         largest = lag_max(fabs(s->change[k]), largest);
         const int comes_to_rest = !lag_may_have_all(run, s->which[k]) && run->switches.turned[s->which[k]] == LAG_CHANGES;
-        jumps |= !comes_to_rest && fabs(s->change[k]) > LAG_SLIDING_FAR * lag_sliding_drift(run, s->which[k]);
+        jumps |= !comes_to_rest && fabs(s->g[s->which[k]]) > LAG_SLIDING_FAR * lag_sliding_drift(run, s->which[k]);
     }
-    lag_dense_lu_solve(&s->lu, s->change, NULL);
-    for (int k = 0; k < count; ++k)
+    lag_shares_solve(run, s->change);
+    double most = 0;
+    for (int k = 0; k < count; ++k) {
         jumps |= !isfinite(s->change[k]);
+        most = lag_max(fabs(s->change[k]) / s->unit[k], most);
+    }
+    const double times = lag_max(1, LEAST / most); /* accelerations are linear, and tell no less */
     const int has_rest = largest > 0 && !jumps;
     for (int with = 0; with <= 1 && has_rest; ++with) {
         for (int k = 0; k < count; ++k)
-            *lag_share(run, s->which[k]) = s->share_here[k] + with * s->change[k];
+            *lag_share(run, s->which[k]) = s->share_here[k] + with * times * s->change[k];
         lag_sliding_rates(run, m->t, m->y);
         for (int i = 0; i < m->n; ++i)
             s->slope_before[i] = run->switches.slope[m->n + i] - with * s->slope_before[i];
     }
-    const int is_mended = has_rest && mends(run, count, largest);
+    const int is_mended = has_rest && mends(run, count, 1 / times, largest);
     for (int i = 0; i < m->n && is_mended; ++i)
-        m->y[m->n + i] += s->slope_before[i];
+        m->y[m->n + i] += s->slope_before[i] / times;
     for (int k = 0; k < count; ++k)
         *lag_share(run, s->which[k]) = s->share_here[k];
     s->count = count;
@@ -212,7 +226,7 @@ static double find_change(LagRun *run, double t, const double *q, const double *
         s->change[k] = fabs(rate) <= s->noise[k] ? 0 : -rate; /* the jump may be rounding, too */
         s->left = lag_max(fabs(s->change[k]) / s->most_jump[s->which[k]], s->left);
     }
-    lag_dense_lu_solve(&s->lu, s->change, NULL);
+    lag_shares_solve(run, s->change);
     for (int k = 0; k < s->count; ++k) {
         const double change = fabs(s->change[k]) / s->unit[k];
         largest = change <= largest ? largest : change; /* what is no number stays */
@@ -270,7 +284,8 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
     const double ratio = s->change[0] / s->first;
     s->latest = change;
     const int is_far = tries == 0 && change > 1; /* shares that are multiplied are not looked for where they are of nothing */
-    if (was_lost || is_far || is_settled || (!is_known && tries > 0) || (is_slow && !learn(s, ratio))) {
+    const int is_untold = tries == 0 && lag_shares_are_untold(run); /* by accelerations: ways turn */
+    if (was_lost || is_far || is_untold || is_settled || (!is_known && tries > 0) || (is_slow && !learn(s, ratio))) {
         /* the jumps that are known may be those of nowhere */
         memcpy(s->state_here, q, size);
         memcpy(s->state_here + run->model->n, v, size);
@@ -304,7 +319,7 @@ void lag_sliding_margins(const LagRun *run, int is_held, double *g)
         const int is_jump = lag_may_have_all(run, s->which[k]), is_beyond = !is_held && is_jump == jumps;
         g[s->which[k]] = is_beyond ? -1 : is_jump ? margin(share) : share / s->unit[k];
     }
-    if (is_held)
+    if (is_held && s->count > 0)
         lag_cones_margins(run, g);
 }
 

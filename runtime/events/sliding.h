@@ -3,6 +3,7 @@
 #ifndef LAG_SLIDING_H
 #define LAG_SLIDING_H
 
+#include "events/shares.h"
 #include "numbers/dense_lu.h"
 #include "model/model.h"
 #include "state/settings.h"
@@ -24,6 +25,7 @@ typedef struct {
     double *jump;    /* most x most, column-major: change of dg/dt by a share */
     double *middle;  /* most: dg/dt at the shares `base` */
     LagDenseLu lu;   /* of the jump of those that slide */
+    LagShareSystem system; /* that it is of */
     double *change;  /* most: of the shares */
     double *base, *least, *limit; /* most: the share that jumps are measured from; the least and the largest that slide */
     double *unit;    /* most: what shares are measured by; 1 but for contacts */
@@ -40,6 +42,7 @@ typedef struct {
     double left;     /* of the rates that they are to end, by jumps: the largest */
     int jams;        /* no forces hold contacts that close, since friction presses them further */
     int is_lenient;  /* what is held in the plane may take more than there is: it is being stopped */
+    int *partner;    /* n_switches: the other component of a slip in the plane; -1: there is none */
     int *leaves;     /* n_cones: torn off at the present time */
     double stops;    /* the time up to which the next step may go, so that it does not pass where a slip in the plane stops */
     int grows;       /* something that slides had no force when it began to */

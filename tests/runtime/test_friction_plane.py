@@ -83,7 +83,7 @@ def test_a_puck_is_held_in_any_direction(scene: Write, law: str) -> None:
     """By less than 5 N: components of up to 4.9 N each, not both, would be held by two brakes."""
     run = scene(puck(law, load("4.9*sin(1[rad/s]*time)", "4.9*cos(1[rad/s]*time)"))).simulate(stop=20, tolerance=1e-8)
     assert max(np.abs(run["p.center.x"]).max(), np.abs(run["p.center.y"]).max()) < 1e-10
-    assert run.statistics.rhs_evaluations < 1000
+    assert run.statistics.rhs_evaluations < 2000
 
 
 @pytest.mark.parametrize(("static", "torn"), [(0.5, 1.0), (0.7, 1.4)])
@@ -122,15 +122,94 @@ def test_a_dissipation_of_a_speed_is_dry_friction_too(solver: str, scene: Callab
     np.testing.assert_allclose(run["p.center.y"][2:], 1 / 5**0.5, atol=1e-9)
 
 
-@pytest.mark.parametrize(("rubbed", "is_narrow"), [
-    ("Revolute h(a = world); Bar b(m = 1, L = 2, a = h.b); {f}(a = world, b = b.b, mu = 0.3, normal = 10);", True),
-    ("Prismatic s(a = world, along = {{1, 2}}); PointMass p(m = 1, center = s.b);"
-     "{f}(a = world, b = p.center, mu = 1, normal = 1);", True),
-    ("PointMass p(m = 1); Link l(a = world, b = p.center, L = 1); {f}(a = world, b = p.center, mu = 1, normal = 1);", True),
-    ("Revolute h(a = world); Bar b(m = 1, L = 2, a = h.b); Revolute e(a = b.b); Bar c(m = 1, L = 1, a = e.b);"
-     "{f}(a = world, b = c.b, mu = 0.3, normal = 10);", False),
-    ("Body p(m = 1, I = 1); {f}(a = world, b = p.center, mu = 0.3, normal = 10);", False),
-], ids=["arm", "rail", "link", "two bars", "body"])
-def test_a_slip_that_goes_one_way_only_is_pointed_at(rubbed: str, is_narrow: bool, scene: Write) -> None:
-    told = "\n".join(scene(f"model M {rubbed.format(f='SlidingFriction f')} end M;").warnings)
-    assert ("warning[L0608]: the slip of 'f' can only go one way" in told) is is_narrow, told
+ARM = """model Arm parameter Angle at = 0; parameter Torque tau = 0;
+  World world(gravity = {{0, 0}}); Frame table = turn(world, {turning}); Revolute h(a = table, phi(start = at)); Bar d(m = 1, L = 2, a = h.b);
+  AppliedTorque t(on = h.b, torque = {torque});
+  SlidingFriction f(mu = 0.3, normal = 10, a = table, b = d.b); end Arm;"""
+
+
+@pytest.mark.parametrize("at", [0.0, 1e-9, 0.5, np.pi / 4, np.pi / 2, -2.5])
+def test_the_tip_of_an_arm_holds_along_its_only_way(at: float, scene: Write) -> None:
+    """mu N L = 6 N.m, wherever it points: both components of the slip are one rate."""
+    model = scene(ARM.format(turning="0", torque="tau"))
+    for tau in (5.9999, -5.9999, 6.0001, -7):
+        for solver in ("auto", "implicit"):
+            run = model.simulate(at=[0.3, 1.0], parameters={"at": at, "tau": tau}, solver=solver)
+            way = np.sign(tau) * max(abs(tau) - 6, 0) / (4 / 3) / 2
+            np.testing.assert_allclose(run["h.phi"] - at, [0.09 * way, way], rtol=1e-11, atol=1e-14)
+
+
+@pytest.mark.parametrize("solver", ["auto", "implicit"])
+def test_an_arm_on_a_turntable_is_torn_off_in_time(solver: str, scene: Write) -> None:
+    """The only way turns with the table: 3 t reaches 6 N.m at t = 2."""
+    model = scene(ARM.format(turning="2[rad/s]*time", torque="3[N.m/s]*time"))
+    run = model.simulate(at=[1.999, 3.0], solver=solver, tolerance=1e-10)
+    np.testing.assert_allclose(run["h.phi"], [0, 3 / (4 / 3) / 6], rtol=0, atol=1e-9)
+
+
+def test_what_runs_on_a_rail_passes_rest(scene: Write) -> None:
+    model = scene("""model Rail World world(gravity = {0, 0}); Prismatic s(a = world, along = {0.6, 0.8}, v(start = 1));
+      PointMass p(m = 1, center = s.b); SlidingFriction f(a = world, b = p.center, mu = 1, normal = 2);
+      AppliedForce q(at = p.center, force = {-3, -4}); end Rail;""")
+    for tolerance in (1e-6, 1e-10, 1e-12):
+        run = model.simulate(at=[1 / 7, 1.0], tolerance=tolerance, solver="erk")
+        np.testing.assert_allclose(run["s.s"], [1 / 14, 1 / 14 - 1.5 * (6 / 7) ** 2], rtol=0, atol=tolerance)
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk", "implicit"])
+@pytest.mark.parametrize("force", [5.1, 50.0])
+def test_a_puck_starts_from_rest(force: float, solver: str, scene: Write) -> None:
+    run = scene(puck(COMPONENT, load(f"0.6*{force}", f"0.8*{force}"))).simulate(at=[1.0], tolerance=1e-9, solver=solver)
+    way = (force - 5) / 4
+    np.testing.assert_allclose([run["p.center.x"], run["p.center.y"]], [[0.6 * way], [0.8 * way]], rtol=2e-9)
+
+
+def test_one_of_two_pucks_is_torn_off(scene: Write) -> None:
+    model = scene("""model Two World world(gravity = {0, 0}); PointMass p(m = 1), q(m = 1);
+      SlidingFriction f(a = world, b = p.center, mu = 0.5, normal = 10), g(a = world, b = q.center, mu = 0.5, normal = 10);
+      AppliedForce u(at = p.center, force = {4[N/s]*time, 3[N/s]*time}), w(at = q.center, force = {2[N/s]*time, 1[N/s]*time});
+    initial equation q.center.x = 1; end Two;""")
+    run = model.simulate(at=[1.0, 2.0], tolerance=1e-8)
+    np.testing.assert_allclose(run["p.center.x"], [0, 0.8 * 5 / 6], rtol=0, atol=1e-7)
+    np.testing.assert_allclose([run["q.center.x"], run["q.center.y"]], [[1, 1], [0, 0]], rtol=0, atol=1e-14)
+
+
+PLATE = """model Plate parameter Force P = 0, Q = 0; parameter Torque tau = 0; parameter Real rise = 0, turn = 0;
+  World world(gravity = {0, 0}); Body b(m = 1, I = 1); Frame p = shift(b.center, {1, 0}), q = shift(b.center, {-1, 0});
+  AppliedForce l(at = b.center, force = {P + rise*1[N/s]*time, Q}); AppliedTorque t(on = b.center, torque = tau + turn*1[N.m/s]*time);
+  SlidingFriction f(a = world, b = p, mu = 0.3, normal = 10), g(a = world, b = q, mu = 0.3, normal = 20); end Plate;"""
+
+
+@pytest.mark.parametrize("load", [{"P": 8.99}, {"Q": 5.9}, {"tau": 5.99}, {"P": 3.0, "Q": 4.5, "tau": -1.4}])
+def test_two_pads_hold_a_plate_together(load: dict[str, float], scene: Write) -> None:
+    """Of 3 N and 6 N: motion tells only what both do along the line through them."""
+    model = scene(PLATE)
+    for solver in ("auto", "implicit"):
+        run = model.simulate(at=[10.0], parameters=load, solver=solver)
+        assert max(abs(run[f"b.center.{x}"][0]) for x in ("x", "y", "phi")) < 1e-12
+
+
+@pytest.mark.parametrize("solver", ["auto", "implicit"])
+def test_two_pads_are_torn_off(solver: str, scene: Write) -> None:
+    """Pushed along by 9 N; turned by 6 N.m about the stronger one, which stays, with an inertia of 2 kg m2."""
+    model = scene(PLATE)
+    along = model.simulate(at=[0.89, 1.0], parameters={"rise": 10.0}, solver=solver)
+    np.testing.assert_allclose(along["b.center.x"], [0, 10 / 6 * 0.1**3], rtol=0, atol=3e-9)
+    turned = model.simulate(at=[0.59, 1.0], parameters={"turn": 10.0}, solver=solver)
+    phi = 10 / 6 * 0.4**3 / 2
+    np.testing.assert_allclose(turned["b.center.phi"], [0, phi], rtol=0, atol=3e-9)
+    np.testing.assert_allclose([turned["b.center.x"][1], turned["b.center.y"][1]], [np.cos(phi) - 1, np.sin(phi)], rtol=0, atol=3e-9)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_what_is_held_under_loads_that_change_stays(tolerance: float, scene: Write) -> None:
+    """A place of its own in the body that it is held on: a puck went 1e-8 in 1e4 s, and on a turntable 3e-5 in 1e3 s."""
+    alone = scene(puck(COMPONENT, load("4.9*sin(1[rad/s]*time)", "4.9*cos(1[rad/s]*time)"))).simulate(at=[1e4], tolerance=tolerance)
+    assert max(abs(alone["p.center.x"][0]), abs(alone["p.center.y"][0])) < 1e-15
+    table = scene("""model Table World world(gravity = {0, 0}); Revolute t(a = world, w(start = 2)); Disc d(m = 10, r = 1, center = t.b);
+      AppliedTorque e(on = t.b, torque = 1[N.m]*sin(3[rad/s]*time)); PointMass p(m = 1);
+      SlidingFriction f(a = t.b, b = p.center, mu = 0.5, normal = 10);
+    initial equation p.center.x = 0.3; p.center.y = 0; p.center.v[1] = 0; p.center.v[2] = 0.6; end Table;""")
+    run = table.simulate(at=[100.0], tolerance=tolerance)
+    place = run["p.center.x"] + 1j * run["p.center.y"]
+    np.testing.assert_allclose(place, 0.3 * np.exp(1j * run["t.phi"]), rtol=0, atol=1e-12)

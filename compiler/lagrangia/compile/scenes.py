@@ -14,10 +14,8 @@ from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion
 from lagrangia.dynamics.double_roots import touching_notes
-from lagrangia.dynamics.energies import build_energies
 from lagrangia.dynamics.idle_lines import find_idle_lines
 from lagrangia.dynamics.motion import Motion
-from lagrangia.dynamics.narrow_slips import find_narrow_slips
 from lagrangia.dynamics.switches import corners_remain
 from lagrangia.frames.graph import rate_of
 from lagrangia.frames.kinematics import Kinematics
@@ -65,7 +63,7 @@ def build_scene(
         coordinate_kind=tuple(kinds[c.unit] for c in started), fixed=tuple(map(int, initial.fixed)),
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
         notes=_notes(motion, tapes) | {"form": functions.form.why if functions.form else ""}
-        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, constraints, initial, functions.patterns),
+        | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, initial),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {})},
     ))
 
@@ -210,15 +208,11 @@ def _freedom(kinematics: Kinematics, motion: Motion, constraints: Constraints, i
             "balanced": sorted(row.balanced for row in constraints.all_rows if row.balanced)}
 
 
-def _told(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions,
-          patterns: Mapping[str, tuple[int, ...]]) -> dict[str, object]:
+def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, object]:
     """As text: the scene outlives the source it points at."""
     model = kinematics.graph.model
     contacts = [f"the contact {f'of {when.component} ' if when.component else ''}({when.span})" for when in model.whens]
-    found = find_idle_lines(kinematics, initial)
-    if patterns.get("cones"):
-        found.add(find_narrow_slips(kinematics, constraints, build_energies(kinematics)).diagnostics)
-    told = [warning.render() for warning in (*model.warnings, *found.diagnostics)
+    told = [warning.render() for warning in (*model.warnings, *find_idle_lines(kinematics, initial).diagnostics)
             if warning.code not in model.allowed]
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts}
 

@@ -43,16 +43,16 @@ def build_derivatives(
     compilation: Compilation, outputs: tuple[str, ...], settable: Sequence[bool], stabilisation: float
 ) -> Derivatives:
     """The derivatives of slopes, outputs and held rates by all that an importer can set; `stabilisation` in 1/s."""
-    kinematics, (t, q, v, u, d, p), (slope, y, rates, shares) = _equations(compilation, outputs, stabilisation)
+    kinematics, (t, q, v, u, d, p), (slope, y, rates, shares, rests) = _equations(compilation, outputs, stabilisation)
     given, mask, values = all_parameters(kinematics, p.numel())
     values = ca.densify(ca.substitute(values, mask, ca.DM([float(x) for x in settable]))) if p.numel() else ca.SX(0, 1)
     slope, y, rates = ca.substitute([slope, y, rates], [p], [values]) if p.numel() else (slope, y, rates)
     d = ca.vertcat(d, shares)
     along_d = d if shares.numel() else ca.SX(0, 1)
-    forward, adjoint = _both([t, q, v, u, along_d, given], [slope, y, rates], [t, q, v, u, d, given])
+    forward, adjoint = _both([t, q, v, u, along_d, given], [slope, y, rates], [t, q, v, u, ca.vertcat(d, rests), given])
     free = [k for k, is_free in enumerate(settable) if is_free]
     chosen = given[free] if free else ca.SX(0, 1)
-    rows = _kinds_with_shares(ca.vertcat(slope, y), rates, ca.vertcat(t, q, v, u), d, given, shares)
+    rows = _kinds_with_shares(ca.vertcat(slope, y), rates, ca.vertcat(t, q, v, u), ca.vertcat(d, rests), given, shares)
     kinds = factor_kinds(values, [], chosen)
     parameter_rows = [{k: own.kind(k) for k in row} for row, own in zip(_rows(values, chosen), kinds, strict=True)]
     return Derivatives(tape_of(forward), tape_of(adjoint), rows, tuple(parameter_rows))
@@ -60,7 +60,8 @@ def build_derivatives(
 
 def _equations(compilation: Compilation, outputs: tuple[str, ...],
                stabilisation: float) -> tuple[Kinematics, list[ca.SX], list[ca.SX]]:
-    """The symbols t, q, v, u, d, p; slopes, y and R in terms of them and of switches and shares, which come last."""
+    """The symbols t, q, v, u, d, p; slopes, y and R in terms of them, of switches and shares, and of what is said of rest, which
+    come last."""
     kinematics, motion = compilation.struck, compilation.run
     symbols, (a, y, place, steer) = state_space(kinematics, motion, compilation.constraints, outputs)
     _t, q, v, *_ = symbols
@@ -75,7 +76,7 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
         V = v + ca.substitute(steer, q, Q)
         a, y, rates = ca.substitute([a, y, rates], [q, v], [Q, V])
         slope = ca.vertcat(V, a) + stabilisation * (ca.vertcat(Q, V) - ca.vertcat(q, v))
-    return kinematics, symbols, [slope, y, rates, shares]
+    return kinematics, symbols, [slope, y, rates, shares, switches.rest_symbols]
 
 
 def _both(knowns: list[ca.SX], unknowns: list[ca.SX], state: list[ca.SX]) -> tuple[ca.Function, ca.Function]:
