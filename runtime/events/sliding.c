@@ -31,6 +31,7 @@ int lag_sliding_most(const LagModel *model)
 static void lay_out_holds(LagSliding *s, const LagModel *model, size_t count, LagArena *arena)
 {
     s->way = lag_take(arena, (size_t)s->most * (size_t)model->n);
+    s->partner = lag_take_ints(arena, count);
     s->holds = lag_take_ints(arena, count);
     s->drift = lag_take(arena, 2 * (size_t)s->most);
     lag_dense_lu_layout(&s->held, s->most, 0, arena);
@@ -47,7 +48,6 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->state = lag_take_ints(arena, most);
     s->next = lag_take_ints(arena, most);
     s->leaves = lag_take_ints(arena, (size_t)model->n_cones);
-    s->partner = lag_take_ints(arena, count);
     s->is_new = lag_take_ints(arena, most);
     s->open = lag_take_ints(arena, most);
     s->known = lag_take_ints(arena, most);

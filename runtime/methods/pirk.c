@@ -29,6 +29,7 @@ static const double BEST = 0.4; /* the one at which steps of given length take l
 enum { MOST_SWEEPS = 20, EARLY = 2, PATIENT = 4 };
 static const double HOPELESS = 3; /* error, as it looks early, of a step that is given up then */
 static const double FLAT = 0.3; /* share of the first coefficients that the last ones have of rounding */
+static const double JUMPED = 10, UNLIKE = 0.5; /* of last coefficients: what rounding is not, and what smooth series have of those before */
 static const double CAUTION = 4; /* errors are as those of Dormand-Prince at the same tolerance */
 static const double SAFETY = 0.75, GROW = 2, SHRINK = 0.3, CLEARLY_LESS = 0.9;
 
@@ -206,37 +207,43 @@ static void weigh(LagPirk *s, const LagMotion *m, const LagScale *scale, const d
     }
 }
 
-/* The error of a series of coefficients: large ones at degrees 7 and 6, and 3 and 2. */
-static double remainder_of(double last, double first)
+/* Large coefficients of a series at degrees 7 and 6, 5 and 4, 3 and 2. */
+typedef struct { double last, middle, first; } Coefficients;
+
+/* Those of component c, by its weight; returns whether the last ones are larger than before. */
+static int note(const LagPirk *s, int c, double weight, Coefficients *most)
 {
-    const double ratio = first > 0 ? lag_min(last / first, 1) : 1;
-    return last * ratio * ratio;
+    const double *end = s->end + c * LAG_ABREAST, last = weight * lag_max(fabs(end[2]), fabs(end[3]));
+    const int is_worst = last > most->last;
+    most->last = lag_max(last, most->last);
+    most->middle = lag_max(weight * lag_max(fabs(end[6]), fabs(end[7])), most->middle);
+    most->first = lag_max(weight * lag_max(fabs(end[4]), fabs(end[5])), most->first);
+    return is_worst;
 }
 
-static double high(const double *end) { return lag_max(fabs(end[2]), fabs(end[3])); }
-
-static double low(const double *end) { return lag_max(fabs(end[4]), fabs(end[5])); }
+/* The error of a series. Where the last coefficients do not fall, something jumps: seen by a stage or two it makes all of them alike. */
+static double remainder_of(Coefficients most)
+{
+    const double ratio = most.first > 0 ? lag_min(most.last / most.first, 1) : 1;
+    return most.last > JUMPED && most.last > UNLIKE * most.middle ? most.last : most.last * ratio * ratio;
+}
 
 /* The error of the step, in units. */
 static double estimate(LagPirk *s, const LagMotion *m, double h, int *worst)
 {
     const LagRun *run = m->context;
     const double energy = run->settings.tolerance * m->energy;
-    double last = 0, first = 0;
+    Coefficients most = {0, 0, 0};
     conclude(s, m->size - m->n);
-    for (int c = 0; c < m->n; ++c) {
-        const double *end = s->end + c * LAG_ABREAST, size = s->weight[c] * high(end);
-        first = lag_max(s->weight[c] * low(end), first);
-        if (size > last) {
-            last = size;
+    for (int c = 0; c < m->n; ++c)
+        if (note(s, c, s->weight[c], &most))
             *worst = m->n + c;
-        }
-    }
-    double error = remainder_of(last, first);
-    s->is_flat = last > FLAT * first;
+    double error = remainder_of(most);
+    s->is_flat = most.last > FLAT * most.first;
     for (int c = m->n; c < m->size - m->n && energy > 0; ++c) {
-        const double *end = s->end + c * LAG_ABREAST;
-        error = lag_max(remainder_of(h / energy * high(end), h / energy * low(end)), error);
+        Coefficients work = {0, 0, 0};
+        note(s, c, h / energy, &work);
+        error = lag_max(remainder_of(work), error);
     }
     return CAUTION * error;
 }
@@ -348,6 +355,15 @@ static void interpolate(void *self, LagMotion *m, double t, double *y)
     run->careful = careful;
 }
 
+/* Where something jumps inside a step, beyond the place that it is cut at. */
+static void take_back(LagRun *run)
+{
+    ((LagPirk *)run->methods.self)->dense.is_ready = 0;
+    lag_motion_take_back(&run->motion);
+    --run->statistics.steps;
+    ++run->statistics.rejected;
+}
+
 /* Costs and lengths as in taylor.c. */
 double lag_pirk_cost(const LagModel *model)
 {
@@ -363,6 +379,6 @@ double lag_pirk_series_cost(const LagModel *model, double tolerance)
 
 const LagMethod lag_pirk = {
     .name = "pirk", .order = 16, .layout = layout, .restart = restart, .step = lag_step_adaptive, .attempt = attempt,
-    .accept = accept, .interpolate = interpolate, .factor = factor, .holds_switches = 1, .stride = 1, .leaves_trouble = 1,
+    .accept = accept, .interpolate = interpolate, .take_back = take_back, .is_good_inside = 1, .factor = factor, .holds_switches = 1, .stride = 1, .leaves_trouble = 1,
     .weighs_work = 1, .dreads_rows = 1,
 };

@@ -11,10 +11,11 @@
 #include "methods/pirk.h"
 #include "methods/pirk_tableau.h"
 
-enum { DEGREES = LAG_PIRK_DENSE, KEPT = 2, MOST_ROUNDS = 6 };
+enum { DEGREES = LAG_PIRK_DENSE, KEPT = 2, MOST_ROUNDS = 6, TAIL = 4 };
 /* Units of error that may be left: a unit is a twentieth of the tolerance, and errors inside steps do not add up. The factor by which a
  * round comes nearer, mostly; one that comes less near than SLOW is the last. */
 static const double NEAR = 1, GAIN = 0.05, SLOW = 0.5;
+static const double ROUGH = 10; /* units: of what is no rounding */
 
 void lag_pirk_dense_layout(LagPirkDense *dense, const LagMotion *m, LagArena *arena)
 {
@@ -122,6 +123,20 @@ static double expand(LagPirk *s, const LagMotion *m)
     return largest;
 }
 
+/* Whether a jump is among the nodes: the last coefficients do not fall then. It may be beyond what ends the step, as the cut of an angle
+ * is half a turn further on. */
+static int is_rough(const LagPirk *s, const LagMotion *m)
+{
+    double last = 0, before = 0;
+    for (int c = 0; c < m->n; ++c)
+        for (int k = DEGREES - TAIL; k < DEGREES; ++k) {
+            const double *sum = s->dense.coefficient + c * DEGREES;
+            last = lag_max(fabs(sum[k]) * s->weight[c], last);
+            before = lag_max(fabs(sum[k - TAIL]) * s->weight[c], before);
+        }
+    return last > ROUGH && last > SLOW * before;
+}
+
 static void prepare(LagPirk *s, LagMotion *m)
 {
     LagPirkDense *dense = &s->dense;
@@ -136,6 +151,7 @@ static void prepare(LagPirk *s, LagMotion *m)
         before = far;
     }
     dense->is_ready = 1;
+    m->lacks_slopes = is_rough(s, m);
     ++m->dense_outputs;
 }
 

@@ -1,6 +1,5 @@
 """Functions -> Scene: names, units, defaults and tapes, as plain data."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from math import prod
 

@@ -14,7 +14,9 @@ _EQUALITIES = (ca.OP_EQ, ca.OP_NE)
 _EVEN = (ca.OP_FABS, ca.OP_SQ)
 _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _NOTHING = frozenset[int]()
-Pair = tuple[int, int]  # the numbers of a and b, the smaller one first
+WHOLE = (ca.OP_FLOOR, ca.OP_CEIL)
+Pair = tuple[int, int]  # the numbers of a and b, the smaller one first; of a and _COUNTED, where whole numbers are asked for
+_COUNTED = -1
 
 
 def ordered(a: int, b: int) -> Pair:
@@ -23,8 +25,10 @@ def ordered(a: int, b: int) -> Pair:
 
 
 def pair_of(numbering: Numbering, op: int, numbers: list[int]) -> Pair | None:
-    """What an operation compares: a with b, or with 0."""
-    if op in SIGNS:
+    """What an operation compares: a with b, or with 0, as atan2(a, x) does, whose cut lies there; or with whole numbers."""
+    if op in WHOLE:
+        return numbers[0], _COUNTED
+    if op in SIGNS or op == ca.OP_ATAN2:
         numbers = [numbers[0], numbering.of_number(0.0)]
     elif op not in RELATIONS:
         return None
@@ -125,12 +129,16 @@ class Holding:
 
     def _switched(self, op: int, numbers: list[int], operands: list[Expression], pair: Pair) -> Expression:
         is_positive = self.places[pair]  # a > b, where a has the smaller number
+        if op in WHOLE:
+            return self._whole(op, operands[0], is_positive)
         if op == ca.OP_FABS:
             self.absolute[self.numbering.of(op, numbers)] = pair, numbers[0]
         if op not in _JUMPS:
             is_positive = self._bounded(is_positive)
         if op == ca.OP_SIGN:
             return self._sign(pair, numbers[0])
+        if op == ca.OP_ATAN2:
+            return self._angle(op, operands, is_positive if numbers[0] == pair[0] else as_expression(1.0 - is_positive))
         if op == ca.OP_FABS:
             return as_expression((2 * is_positive - 1 if numbers[0] == pair[0] else 1 - 2 * is_positive) * operands[0])
         is_less = is_positive if numbers[1] == pair[0] else self._opposite(is_positive)
@@ -144,6 +152,17 @@ class Holding:
         is_positive = self.places[pair]
         sign = as_expression(2 * is_positive - 1 if number == pair[0] else 1 - 2 * is_positive)
         return self._noted(sign, self._shares_in(sign))
+
+    def _whole(self, op: int, x: Expression, is_even: Expression) -> Expression:
+        """floor(x) or ceil(x) where the former is even, or odd: it stays so for half of 1 beyond both ends."""
+        below = 2 * operate(ca.OP_FLOOR, [as_expression((x + is_even - 0.5) / 2)]) + 1 - is_even
+        return as_expression(below if op == ca.OP_FLOOR else below + 1)
+
+    def _angle(self, op: int, operands: list[Expression], is_above: Expression) -> Expression:
+        """atan2(y, x) by a quarter turn that takes its cut to the other side than that of y: it goes on as y passes 0."""
+        side = as_expression(2 * is_above - 1)
+        y, x = operands
+        return as_expression(side * (ca.pi / 2) + operate(op, [as_expression(-side * x), as_expression(side * y)]))
 
     def _quotient(self, numbers: list[int], operands: list[Expression]) -> Expression | None:
         """x/|x| and c x/|x|, whose values at 0 nobody knows."""

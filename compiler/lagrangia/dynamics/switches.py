@@ -4,11 +4,12 @@ Forces bend or jump where such a condition changes: at a stop, at a point of a t
 step is short enough to be smooth there. So a step takes what the conditions say at its beginning, and where one of them is found
 changed at its end the run goes back to the place: the equations are smooth in every step, and have Taylor series.
 
-The switch s of a < b, of max(a, b), abs(a - b) and sign(a - b) is 1 where g = a - b > 0, and 0 where g < 0. Where forces that
-jump with a velocity hold it at their jump (dry friction that sticks), s is the share in between that keeps g at 0: forces are as
-linear in s as they can be made (A.F. Filippov, Differential equations with discontinuous righthand sides, 1988). Conditions
-that are true only where a velocity is 0 (v == 0, not abs(v) > 0) are a number of their own, 1 just while it is held there:
-friction that holds more than it rubs.
+The switch s of a < b, of max(a, b), abs(a - b) and sign(a - b) is 1 where g = a - b > 0, and 0 where g < 0; that of
+atan2(a, x), which jumps at its cut, by the sign of a; that of floor(a), by that of sin(pi a). Where forces that jump with a
+velocity hold it at their jump (dry friction that sticks), s is the share in between that keeps g at 0: forces are as linear in
+s as they can be made (A.F. Filippov, Differential equations with discontinuous righthand sides, 1988). Conditions that are true
+only where a velocity is 0 (v == 0, not abs(v) > 0) are a number of their own, 1 just while it is held there: friction that holds
+more than it rubs.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +21,7 @@ from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CORNERS, uses
 from lagrangia.base.records import dataclass
-from lagrangia.dynamics.held_switches import RELATIONS, SIGNS, Holding, Pair, direction_in, ordered, pair_of, rest_asked
+from lagrangia.dynamics.held_switches import RELATIONS, SIGNS, WHOLE, Holding, Pair, direction_in, ordered, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
 
 
@@ -63,7 +64,7 @@ class Switches:
 
 def has_corners(force: ca.SX) -> bool:
     """Whether forces bend or jump somewhere."""
-    return uses(_function_of(force), CORNERS)
+    return uses(_function_of(force), CORNERS | {ca.OP_ATAN2})
 
 
 def _function_of(force: ca.SX) -> ca.Function:
@@ -90,7 +91,7 @@ def find_switches(motion: Motion) -> Switches:
     those of events, the gaps of those that are contacts (or rates that go one way), and the rates of these, which are kept at 0
     where something rests."""
     numbering, events = Numbering(), motion.impacts.conditions
-    may_have = uses(_function_of(motion.h), CORNERS | {ca.OP_SQRT})
+    may_have = has_corners(motion.h) or uses(_function_of(motion.h), frozenset({ca.OP_SQRT}))
     if not may_have and not events.numel():
         return Switches()
     signs = {_sign_of(x, numbering) for x in motion.lengths}
@@ -158,10 +159,18 @@ class _Finding:
         pair = rest[0][0] if rest else pair_of(self.numbering, op, numbers)
         if pair is None or pair in self.found:
             return
-        a, b = (operands[0], as_expression(0.0)) if op in SIGNS else operands
-        g = a - b if numbers[0] == pair[0] else b - a
+        g = self._difference(op, numbers, operands, pair)
+        if op in (*WHOLE, ca.OP_ATAN2) and _is_rate(self.v, g):  # nothing holds it there
+            return
         if not self.moving.isdisjoint(symbols_in(g)):
             self.found[pair] = g
+
+    def _difference(self, op: int, numbers: list[int], operands: list[Expression], pair: Pair) -> Expression:
+        """What changes its sign where the operation bends or jumps."""
+        if op in WHOLE:
+            return as_expression(ca.sin(ca.pi * operands[0]))
+        a, b = (operands[0], as_expression(0.0)) if op in SIGNS or op == ca.OP_ATAN2 else operands
+        return as_expression(a - b if numbers[0] == pair[0] else b - a)
 
     def _note_square(self, operands: list[Expression]) -> None:
         """Of a^2 > 0 or a^2 == 0: a."""
