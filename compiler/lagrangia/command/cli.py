@@ -436,6 +436,7 @@ def _add_equations(parser: argparse.ArgumentParser) -> None:
     add("--sources", default="auto", metavar="SIDE", help="potential: loads of time stand in V; force: on the right-hand side")
     add("--level", default="full", metavar="LEVEL", help="of the derivation: short, full or lecture")
     add("--sections", metavar="NAME,...", help="of the derivation, these alone: kinetic,potential,equations")
+    add("--check", metavar="EQUATION", help="whether it is one of the scene: --check \"m*x'' + k*x = P(t)\"; exit code 1 if not")
     add("--first-letter", default="a", metavar="LETTER", help="of the derivation's formulas, to go on from another page")
     add("--format", default="text", metavar="FORMAT", help="text, markdown, latex, html, or sympy: a Python script")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")

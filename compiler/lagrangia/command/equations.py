@@ -8,8 +8,8 @@ from lagrangia.command.arguments import assignment, keep_inputs, named_pairs, pa
 
 
 def equations_command(options: Namespace) -> int:
-    """`lag equations`: prints or writes the equations of motion. Raises LagError."""
-    from lagrangia.paper.sheet import Request, write_equations
+    """`lag equations`: prints or writes the equations of motion, or checks one (1 where it is wrong). Raises LagError."""
+    from lagrangia.paper.sheet import Request, checked, write_equations
 
     keep_inputs(options, options.output)
     structural, parameters = part_structural(options, [assignment(text, "-p") for text in options.parameter])
@@ -17,6 +17,10 @@ def equations_command(options: Namespace) -> int:
     names = named_pairs(options.names or "", "--names")
     request = Request(options.form, options.format, names, parameters, options.numbers, options.force, about, options.sources,
                       options.level, split_names(options.sections), options.first_letter)
+    if options.check is not None:
+        is_right, told = checked(options.file, options.check, request, options.model, structural)
+        print(told)
+        return 0 if is_right else 1
     text = write_equations(options.file, request, options.model, structural)
     if options.output in (None, "-"):
         print(text)

@@ -332,6 +332,8 @@ formats   text, markdown (formulas between dollars), latex, html (one page that 
           sympy (a Python script that builds the expressions of the form lagrange)
 
 --names tilt.phi=theta,guide.s=x   symbols of your own (Greek letters by their names, k_1 with a subscript)
+--check "m*x'' + (k1+k2)*x = P(t)"  tells whether an equation is the scene's, up to factors and combinations, by value at random
+                                   points; else which terms differ (exit code 1). Products with *, powers with ^, x' and x''
 --numbers, -p NAME=VALUE           puts the parameters' values in      -o FILE   writes a file
 
 A coordinate is called by its last name where that is unambiguous, phi of tilt.phi; else with its component, phi_O. Parameters of

@@ -21,6 +21,7 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.frame_attributes import component_named
 from lagrangia.language.values import read_value
 from lagrangia.paper.book import Book
+from lagrangia.paper.checking import check_equation
 from lagrangia.paper.derivation import worked_form
 from lagrangia.paper.document import Document
 from lagrangia.paper.equations import constants_of_motion, derive, with_values
@@ -139,6 +140,12 @@ def _book(kinematics: Kinematics, scene: SymbolicScene, request: Request, has_ki
     presentation = presentation_of(e, names, 20 * limit, _DIGITS if request.has_numbers else 0)
     return Book(e, presentation, names, constants_of_motion(e), values, request.has_numbers, has_kicks,
                 request.has_source_potentials, request.level, request.sections, request.first_letter)
+
+
+def checked(path: Path, equation: str, request: Request, model: str | None = None,
+            structural: Mapping[str, Any] | None = None) -> tuple[bool, str]:
+    """Whether an equation is one of the scene, and what to say of it. Raises LagError as check_equation and written_book do."""
+    return check_equation(written_book(path, request, model, structural), equation)
 
 
 def page_of(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None
