@@ -216,6 +216,9 @@ equation connect(e.b, x.b);""",
     "friction": """  Block b(m = 2, base = world, along = {1, 0}); parameter Stiffness k = 100; input Force F(start = 0);
   Spring s(k = k, stretch = b.s + 0.01); AppliedForce f(at = b.center, force = {F, 0}); DryFriction r(rate = b.v, F = 5);
   output Acceleration N = der(b.v);""",
+    "friction that holds more at rest": """  Block b(m = 2, base = world, along = {1, 0}); parameter Stiffness k = 100;
+  input Force F(start = 0); Spring s(k = k, stretch = b.s + 0.07); AppliedForce f(at = b.center, force = {F, 0});
+  DryFriction r(rate = b.v, F = 5, F_static = 8); output Acceleration N = der(b.v);""",
     "clutch": """  Disc a(m = 1, r = 0.5, center = ha.b), b(m = 2, r = 0.5, center = hb.b); Revolute ha(a = world), hb(a = world);
   parameter TorsionStiffness k = 20; input Torque F(start = 0); TorsionSpring s(k = k, twist = ha.phi + 0.01);
   AppliedTorque f(on = hb.b, torque = F); TorsionDryFriction c(rate = ha.w - hb.w, tau = 50); output AngularVelocity N = hb.w;""",
@@ -260,7 +263,8 @@ def test_derivatives_know_what_is_held(case: str, tmp_path: Path) -> None:
         assert np.abs(one.get(*at_rest.get(case, ["der(o1.w)"]))).max() < 1e-9 and abs(one.get("N")[0]) > 1
         one.free()
         return
-    right = {"stop": ("der(b.v)", [0, 0, 0, 0]), "friction": ("der(b.v)", [0, 0, 0, 0]), "rough": ("der(x.v)", [0] * 6),
+    right = {"stop": ("der(b.v)", [0, 0, 0, 0]), "friction": ("der(b.v)", [0, 0, 0, 0]),
+             "friction that holds more at rest": ("der(b.v)", [0, 0, 0, 0]), "rough": ("der(x.v)", [0] * 6),
              "stack": ("der(p[2].v)", [0] * 6), "clutch": ("der(ha.w)", [-20 / 0.375, 0, 0, 0, 1 / 0.375, -0.01 / 0.375])}[case]
     np.testing.assert_allclose(exact[rows.index(right[0])], right[1], rtol=1e-9, atol=1e-9)
     one.free()
