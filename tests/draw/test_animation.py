@@ -3,6 +3,8 @@
 import base64
 import json
 import re
+import shutil
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
@@ -105,6 +107,34 @@ def test_what_cannot_be_shown_is_told(given: list[str], code: str, tmp_path: Pat
     assert main(["animate", str(EXAMPLES / "pendulum.lag"), "--stop", "0.5", *given]) == WRONG
     assert f"error[{code}]" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+PLAY = """<script>
+const told = document.createElement("pre"); told.id = "told";
+lagrangia.go(0.7); const values = [lagrangia.time, lagrangia.value("hinge.phi")];
+const press = key => document.dispatchEvent(new KeyboardEvent("keydown", {key}));
+press("ArrowRight"); values.push(lagrangia.time); press("ArrowLeft"); press("End"); values.push(lagrangia.time);
+document.getElementById("play").click(); values.push(lagrangia.playing);
+told.textContent = JSON.stringify({values, faults: window.faults}); document.body.append(told);
+</script></body>"""
+
+
+@pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+def test_a_browser_plays_it(tmp_path: Path) -> None:
+    run = lag.load(EXAMPLES / "pendulum.lag").simulate(stop=2, interval=0.1)
+    page = run.animate().replace("<head>", "<head><script>window.faults = []; onerror = e => faults.push(e);</script>")
+    (tmp_path / "x.html").write_text(page.replace("</body>", PLAY))
+    command = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path}/profile", "--dump-dom",
+               (tmp_path / "x.html").as_uri()]
+    dom = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
+    found = re.search(r'<pre id="told">(.*?)</pre>', dom)
+    assert found is not None
+    told = json.loads(found[1])
+    assert told["faults"] == []
+    time, phi, following, end, playing = told["values"]
+    assert (time, following, end, playing) == (pytest.approx(0.7), pytest.approx(0.8), 2.0, True)
+    assert phi == pytest.approx(np.degrees(run["hinge.phi"][7]), abs=1e-4)
 
 
 def test_notebooks_show_models_and_runs() -> None:

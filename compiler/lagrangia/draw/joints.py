@@ -103,7 +103,11 @@ class Tree:
 
     def body_of(self, frame: str) -> list[str]:
         """The frames that are rigid with one and hang on it."""
-        return [name for name in self.subtree(frame) if self.bodies[name] == self.bodies[frame]]
+        found, pending = [], [frame]
+        while pending:
+            found.append(pending.pop())
+            pending += [name for name in self.below.get(found[-1], []) if self.bodies[name] == self.bodies[frame]]
+        return found
 
     # ------------------------------------------------------------ linear forms
 

@@ -11,6 +11,7 @@ from lagrangia.language.tree import Array, Binary, Flat, FrameRef, Number, Ref, 
 from lagrangia.paper.layout import LETTERS, Name
 from lagrangia.paper.notation import Wanted, name_all
 
+_MOST = 200  # names that are told from each other: more would not be read
 _COMMA = (", ", False, False)
 
 
@@ -19,7 +20,10 @@ def label_all(model: FlatModel, labels: Sequence[Flat | None], chosen: Mapping[s
     parts = [[_followed(model, item) for item in _items(label)] for label in labels]
     coordinates = [v.name for v in model.variables.values() if v.kind == "coordinate"]
     sources = {part.name: part for found in parts for part in found if isinstance(part, Ref)}
-    wanted = {name: Wanted(name) for name in coordinates} | {name: _wanted(model, name) for name in sources}
+    if len(sources) > _MOST and not chosen:
+        return [None] * len(labels)
+    wanted = {name: Wanted(name) for name in coordinates if len(coordinates) <= _MOST}
+    wanted |= {name: _wanted(model, name) for name in sources}
     for name in chosen:
         if name not in wanted:
             fail("L0711", f"--names: nothing that is called '{name}' stands in the picture", None,

@@ -17,6 +17,7 @@ from lagrangia.language.flat import Figure
 
 Vector = NDArray[np.float64]
 _LOOKS = 24  # moments at which the extent of a motion is looked at
+_MOST_LOOKED_AT = 3000  # figures at all these moments
 _OWN = ("circle", "box", "line", "polyline", "polygon", "arc")  # words that ride on one body
 
 
@@ -58,7 +59,8 @@ def build_reel(c: Compilation, figures: Sequence[Figure], states: States, names:
     """`traces` are names of frames, beside those that drawing sections ask for. Raises LagError."""
     numbers = evaluate_figures(c, figures, states)
     count = states.t.shape[1]
-    looks = sorted({0, *np.linspace(0, count - 1, min(count, _LOOKS)).astype(int).tolist()})
+    most = int(np.clip(_MOST_LOOKED_AT / (1 + len(figures)), 3, _LOOKS))
+    looks = sorted({0, *np.linspace(0, count - 1, min(count, most)).astype(int).tolist()})
     scenery = fit_scenery(numbers, Tree(c.graph, constants_of(c, states)), looks, False)
     strokes: list[Moving] = []
     captions = []

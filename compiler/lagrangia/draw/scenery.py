@@ -47,10 +47,14 @@ class Scenery:
             label = item.figure.options.get("label")
             name = label.name if isinstance(label, Ref) and item.measure in ("angle", "direction") else ""
             is_coordinate = name in self.tree.model.variables and self.tree.model.variables[name].kind == "coordinate"
-            is_there = bool(item.places) or k in self.layout.ends
+            is_there = (bool(item.places) and self._is_seen(item)) or k in self.layout.ends
             if is_there and (not is_coordinate or (name in coordinates and are_few)):
                 found.append(k)
         return found
+
+    def _is_seen(self, item: Item) -> bool:
+        """The ground is drawn where it is, and at positions that are given: nobody else can say where it is."""
+        return item.word != "hatch" or not item.frames[0] or item.frames[0] in self.tree.grounded
 
     # ------------------------------------------------------------ places
 
