@@ -57,7 +57,7 @@ def test_a_puck_stops_and_stays(scene: Write, law: str, solver: str) -> None:
         way = np.array([0.4 * np.sqrt(1.25) - 1.25 * 0.16, 0.25, 0.25])
         np.testing.assert_allclose(run["p.center.x"], way * 2 / np.sqrt(5), rtol=0, atol=1e-11)
         np.testing.assert_allclose(run["p.center.y"], way / np.sqrt(5), rtol=0, atol=1e-11)
-        assert run.statistics.rhs_evaluations < 2000
+        assert run.statistics.rhs_evaluations < 3000  # most for rows, which are put back to the place
         assert run.statistics.energy_residual < 1e-9
 
 
@@ -85,7 +85,7 @@ def test_a_puck_is_held_in_any_direction(scene: Write, law: str) -> None:
     """By less than 5 N: components of up to 4.9 N each, not both, would be held by two brakes."""
     run = scene(puck(law, load("4.9*sin(1[rad/s]*time)", "4.9*cos(1[rad/s]*time)"))).simulate(stop=20, tolerance=1e-8)
     assert max(np.abs(run["p.center.x"]).max(), np.abs(run["p.center.y"]).max()) < 1e-10
-    assert run.statistics.rhs_evaluations < 2000
+    assert run.statistics.rhs_evaluations < 3000  # most for rows, which are put back to the place
 
 
 @pytest.mark.parametrize(("static", "torn"), [(0.5, 1.0), (0.7, 1.4)])
