@@ -328,6 +328,7 @@ forms     lagrange      d/dt dT/dv - dT/dq + dV/dq + dD/dv = f, written out for 
                         another page. --level short (results), full, lecture (more); --sections kinetic,potential,equations of
                         system, coordinates, data, positions, principle, kinetic, potential, dissipation, forces, constraints,
                         equations, small, matrices, constants
+          exercise      the statement: the scene, its coordinates and data, without the solution (see --check)
 formats   text, markdown (formulas between dollars), latex, html (one page that needs no network and prints well),
           sympy (a Python script that builds the expressions of the form lagrange)
 

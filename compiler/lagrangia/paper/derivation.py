@@ -38,6 +38,13 @@ def worked_form(book: Book, linear: Linear | None) -> Document:
     return lettered(Document(f"{title(book)}: the equations of motion", tuple(blocks)), book.first_letter)
 
 
+def exercise_form(book: Book) -> Document:
+    """The statement of a problem: the scene, its coordinates and data, and what is asked, without the solution."""
+    asked = "Derive the equation of motion of each coordinate by Lagrange's equations."
+    blocks = [*_system(book, None), *_coordinates(book, None), *_data(book, None), Heading("Problem", 2), paragraph(asked)]
+    return Document(f"{title(book)}: an exercise", tuple(blocks))
+
+
 def _system(book: Book, _: Linear | None) -> list[Block]:
     """What it is, and what is assumed."""
     e, p = book.equations, book.parts

@@ -22,7 +22,7 @@ from lagrangia.language.frame_attributes import component_named
 from lagrangia.language.values import read_value
 from lagrangia.paper.book import Book
 from lagrangia.paper.checking import check_equation
-from lagrangia.paper.derivation import worked_form
+from lagrangia.paper.derivation import exercise_form, worked_form
 from lagrangia.paper.document import Document
 from lagrangia.paper.equations import constants_of_motion, derive, with_values
 from lagrangia.paper.forms import FORMS
@@ -36,7 +36,7 @@ from lagrangia.paper.sympy_script import write_script
 from lagrangia.paper.textbook import name_symbols, presentation_of
 from lagrangia.run.request import check_values
 
-ALL_FORMS = (*FORMS, *NUMBERED, "linear", "worked")
+ALL_FORMS = (*FORMS, *NUMBERED, "linear", "worked", "exercise")
 SOURCES = ("auto", "potential", "force")
 LEVELS = ("short", "full", "lecture")
 ALL_FORMATS = (*PRINTERS, "sympy")
@@ -67,7 +67,7 @@ class Request:
     @property
     def has_source_potentials(self) -> bool:
         """By themselves, numbered forms and the derivation have them."""
-        return self.sources == "potential" or (self.sources == "auto" and self.form in (*NUMBERED, "worked"))
+        return self.sources == "potential" or (self.sources == "auto" and self.form in (*NUMBERED, "worked", "exercise"))
 
 
 def write_equations(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> str:
@@ -160,6 +160,8 @@ def page_of(path: Path, request: Request, model: str | None = None, structural: 
 
 
 def _page(book: Book, request: Request, begin: Callable[[], Begin]) -> Document:
+    if request.form == "exercise":
+        return exercise_form(book)
     if request.form == "worked":
         return worked_form(book, _small(book, begin))
     if request.form == "linear":
