@@ -74,14 +74,21 @@ def tracked() -> list[Path]:
 MODULES = {path.relative_to(PACKAGE).with_suffix("").as_posix(): path for path in sorted(PACKAGE.rglob("*.py"))}
 
 
+@cache
+def tree_of(module: str) -> ast.Module:
+    """What a module says, parsed."""
+    return ast.parse(MODULES[module].read_text(encoding="utf-8"))
+
+
 def room_of(module: str) -> str:
     """The room of "room/name"; a module of the package's root stands for itself."""
     return module.partition("/")[0]
 
 
-def imported(module: str) -> set[str]:
+@cache
+def imported(module: str) -> frozenset[str]:
     """What a module imports, wherever in it the import stands: "room/name" of the package, names of other libraries."""
-    return {name for _, name in named(module, ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))))}
+    return frozenset(name for _, name in named(module, ast.walk(tree_of(module))))
 
 
 def named(module: str, nodes: Iterable[ast.AST]) -> Iterator[tuple[int, str]]:
@@ -136,13 +143,15 @@ def test_no_circle_in_a_room(room: str) -> None:
     graphlib.TopologicalSorter({module: imported(module) & own for module in sorted(own)}).prepare()
 
 
+@cache
 def parts(module: str) -> tuple[list[ast.AST], list[ast.AST]]:
     """What runs where a module is imported, and what runs where its functions are called."""
-    tree = ast.parse(MODULES[module].read_text(encoding="utf-8"))
+    tree = tree_of(module)
     late = [node for function in ast.walk(tree) if isinstance(function, ast.FunctionDef) for node in ast.walk(function)]
     never = [node for test in ast.walk(tree) if isinstance(test, ast.If) and ast.unparse(test.test) == "TYPE_CHECKING"
              for node in ast.walk(test)]
-    return [node for node in ast.walk(tree) if node not in {*late, *never}], late
+    others = {*late, *never}
+    return [node for node in ast.walk(tree) if node not in others], late
 
 
 @cache
@@ -192,8 +201,8 @@ def test_everything_public_says_what_it_is() -> None:
 
 def test_what_fails_says_so() -> None:
     """A public function that refuses what it is given names the code of it."""
-    for module, path in MODULES.items():
-        for name, node in public(ast.parse(path.read_text(encoding="utf-8"))):
+    for module in MODULES:
+        for name, node in public(tree_of(module)):
             calls = [call for call in ast.walk(node) if isinstance(call, ast.Call) and ast.unparse(call.func) == "fail"]
             if isinstance(node, ast.FunctionDef) and calls:
                 assert "Raises" in (ast.get_docstring(node) or ""), f"{module}: {name}"
@@ -241,7 +250,7 @@ def test_frames_are_asked_for_what_the_plane_has() -> None:
     """An angle, its sine and components are not read off a pose anywhere else."""
     wrong = []
     for module in sorted(MODULES.keys() - NAME_THEM):
-        for node in ast.walk(ast.parse(MODULES[module].read_text(encoding="utf-8"))):
+        for node in ast.walk(tree_of(module)):
             is_named = isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value in OF_THE_PLANE
             is_read = isinstance(node, ast.Attribute) and node.attr in ("phi", "sin", "cos") \
                 and ast.unparse(node.value).rpartition(".")[2] not in (RESIDUALS if node.attr == "phi" else FUNCTIONS)
