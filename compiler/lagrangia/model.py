@@ -8,12 +8,13 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, names, numbers
+from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, any_names, names, numbers
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine, start_building
 from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.library import Runtime, has_compiler, has_runtime
+from lagrangia.run.prepared import PreparedRun
 from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import simulate
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from lagrangia.study.sweep.plan import Job
     from lagrangia.study.sweep.table import Sweep
 
+Given = Mapping[str, float] | None
 NO_COMPILER = ("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
                "(pip install ziglang brings a compiler)")
 
@@ -123,9 +125,8 @@ class Model:
 
     def simulate(
         self, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None,
-        interval: float | None = None, at: Sequence[float] | None = None, parameters: Mapping[str, float] | None = None,
-        initial: Mapping[str, float] | None = None, inputs: Any = None, solver: str = "auto", max_step: float = 0.0,
-        max_steps: int = 0,
+        interval: float | None = None, at: Sequence[float] | None = None, parameters: Given = None, initial: Given = None,
+        inputs: Any = None, solver: str = "auto", max_step: float = 0.0, max_steps: int = 0,
     ) -> Trajectory:
         """Integrate from `start` to `stop` (s); rows every `interval`, or at the times `at`.
 
@@ -161,8 +162,26 @@ class Model:
             failure.trajectory = trajectory
             raise failure
         if progress.interrupted:
-            raise _interrupted(trajectory, f"at t = {progress.time:.6g}")
+            raise Interrupted.with_result(trajectory, f"at t = {progress.time:.6g}")
         return trajectory
+
+    def prepare(self, initial: Given = None, parameters: Given = None, **asked: Any) -> PreparedRun:
+        """A run for many calls, run([q, ...], [p, ...]), by values of all that `initial` and `parameters` name, in this order.
+        All else is `asked` for once, as of `simulate`. Raises LagError, RunError."""
+        experiment = plan(self.scene, Request(**asked))
+        values = check_values(self.scene, parameters, initial, asked.get("inputs"))
+        suited = self._for_all_of(parameters) if parameters else self.suited(values)
+        if (engine := suited.engine_for(experiment.solver)) is None:
+            fail("L0901", "not supported yet: prepared runs without a run time of our own: call simulate")
+        return PreparedRun(suited.scene, engine, experiment, values, tuple(initial or ()), tuple(parameters or ()))
+
+    def _for_all_of(self, varied: Iterable[str]) -> "Model":
+        """The model whose formulas hold whatever the values of these parameters."""
+        parameters = [parameter for parameter in self.scene.parameters if parameter.name in varied]
+        if any(self.scene.parameters[k] in parameters for k in self.scene.notes["touching"]["parameters"]):
+            fail("L0901", "not supported yet: prepared runs over parameters by which constraints only just hold: call simulate")
+        model = self.general if any(parameter.compiled is not None for parameter in parameters) else self
+        return model if model.scene.evenness is None else model._for_all_masses
 
     def suited(self, values: Values) -> "Model":
         """This model, or the same scene in longer formulas where these parameters need them: with nothing compiled in, where
@@ -247,7 +266,7 @@ class Model:
         model, job = model.suited_to_all(build_job(model.scene, measures or usual_measures(model.scene), request, design))
         sweep = run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
         if sweep.interrupted:
-            raise _interrupted(sweep, f"after {sweep.ledger.entered} of {sweep.runs} runs")
+            raise Interrupted.with_result(sweep, f"after {sweep.ledger.entered} of {sweep.runs} runs")
         return sweep
 
     def suited_to_all(self, job: "Job") -> "tuple[Model, Job]":
@@ -353,7 +372,7 @@ class Model:
         `excitations` and `outputs` are names; by default the inputs with all loads that depend on time, and the coordinates with
         the declared outputs. See `lag help analysis`. Raises LagError, RunError.
         """
-        chosen = _chosen(excitations, outputs)
+        chosen = any_names("excitations", excitations), any_names("outputs", outputs)
         return self._study(parameters, initial, inputs, time).linearize(about, *chosen)
 
     def modes(self, *, about: str = "equilibrium", mass_normalised: bool = False, parameters: Mapping[str, float] | None = None,
@@ -368,7 +387,7 @@ class Model:
                  initial: Mapping[str, float] | None = None, inputs: Mapping[str, float] | None = None, time: float | None = None
                  ) -> "Response":
         """Frequency response of outputs to excitations, at `frequencies` (Hz) or over `span` (Hz, from the modes by default)."""
-        chosen = _chosen(excitations, outputs)
+        chosen = any_names("excitations", excitations), any_names("outputs", outputs)
         at = None if frequencies is None else [a_frequency(value) for value in numbers("frequencies", frequencies)]
         ends = None if span is None else a_span(span)
         count = a_count_within("number of points", points, 2, MOST_POINTS)
@@ -486,14 +505,3 @@ class Model:
 
     def __repr__(self) -> str:
         return f"<{self.name}: {', '.join(self.coordinate_names[:6])}{', ...' if self.scene.n > 6 else ''}>"
-
-
-def _chosen(excitations: Any, outputs: Any) -> tuple[tuple[str, ...] | None, tuple[str, ...] | None]:
-    return (None if excitations is None else names("excitations", excitations),
-            None if outputs is None else names("outputs", outputs))
-
-
-def _interrupted(result: Any, when: str) -> Interrupted:
-    error = Interrupted(f"interrupted {when}")
-    error.result = result
-    return error

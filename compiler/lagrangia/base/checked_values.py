@@ -81,3 +81,8 @@ def by_name(what: str, given: Any) -> Mapping[str, Any]:
         if not isinstance(name, str):
             fail("L0702", f"the {what} must have names, not {name!r}"[:200])
     return given
+
+
+def any_names(what: str, given: Any) -> tuple[str, ...] | None:
+    """`names`, or None where nothing is given. Raises LagError L0702."""
+    return None if given is None else names(what, given)

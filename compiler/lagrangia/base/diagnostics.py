@@ -126,6 +126,13 @@ class Interrupted(KeyboardInterrupt):
 
     result: Any = None
 
+    @classmethod
+    def with_result(cls, result: Any, when: str) -> "Interrupted":
+        """What was computed, and when that ended."""
+        error = cls(f"interrupted {when}")
+        error.result = result
+        return error
+
 
 class EngineWarning(UserWarning):
     """Another engine runs than a Model takes where it can."""

@@ -284,6 +284,8 @@ run = model.simulate(stop=5, tolerance=1e-10, parameters={"link[1].m": 2.0}, ini
 run.time, run["hinge[1].phi"], run["link[3].b.y"]      # NumPy arrays: coordinates, rates, or any quantity of the scene
 run.energy.total, run.energy.residual, run.statistics, run.warnings
 many = model.simulate_many(parameters={"link[1].m": [1, 2, 5]}, outputs=["max(hinge[1].phi)"])   # lag help sweep
+again = model.prepare({"hinge[1].phi": 0.1}, {"link[1].m": 1.0}, stop=5)   # for many calls: again([0.2], [2.0]) gives rows,
+again.columns, again.warnings                                              # in microseconds beside the steps
 many["link[1].m"], many["max(hinge[1].phi)"], many.failures; many.to_pandas(); many.to_parquet("x.parquet")
 run.plot("hinge[1].phi", path="chain.png"); run.to_pandas(); run.to_csv("x.csv")
 model.draw("chain.svg", at=1); run.animate("chain.html", traces=["link[20].b"])     # lag help drawing

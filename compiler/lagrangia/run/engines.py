@@ -52,7 +52,7 @@ class Engine:
     upgrade: "Upgrade | None" = None
 
     def look(self, spent: float, left: float) -> None:
-        """Between two portions of a run, or of runs: seconds of a processor since the last look, and about so many to come."""
+        """Between two portions of a run, or of runs: seconds since the last look, and about so many to come."""
         upgrade = self.upgrade
         if upgrade is not None and upgrade.look(spent, left):
             self.how, self.upgrade = "tape, then native" if upgrade.is_late else "native", None

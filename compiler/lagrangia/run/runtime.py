@@ -407,7 +407,7 @@ class Run:
         if not self._run:
             raise MemoryError("no memory for a run of this model")
         self.width: int = self._library.lag_run_row_width(c.byref(model.struct))
-        self._done = (c.c_int * 1)()
+        self.done = (c.c_int * 1)()  # rows of the latest call
 
     def __enter__(self) -> Self:
         return self
@@ -455,13 +455,13 @@ class Run:
         if times.__class__ is not array or times.typecode != "d":
             times = array("d", times)
         most = len(times)
-        values, done = _ZERO * (most * self.width), self._done
+        values, done = _ZERO * (most * self.width), self.done
         status = self._library.lag_run_advance(self._run, times.buffer_info()[0], most, values.buffer_info()[0], done, seconds)
         return self._rows(status, values, done[0])
 
     def advance_steps(self, most: int, seconds: float = 0.0) -> Rows:
         """Rows after each step, until t_stop or `most` of them."""
-        values, done = _ZERO * (most * self.width), self._done
+        values, done = _ZERO * (most * self.width), self.done
         status = self._library.lag_run_advance_steps(self._run, most, values.buffer_info()[0], done, seconds)
         return self._rows(status, values, done[0])
 

@@ -7,6 +7,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import field
+from typing import NoReturn
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, RunError, tell_miss
 from lagrangia.base.records import dataclass
@@ -70,7 +71,7 @@ def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Valu
         run.set_lost(values.lost or [math.nan] * (2 * scene.sizes["n_lost"]))
         status = run.start(values.q, values.v)
         if status is not Status.OK:
-            _fail_start(scene, run.failure)
+            fail_start(scene, run.failure)
     except BaseException:
         run.close()
         raise
@@ -116,11 +117,11 @@ class _Looks:
 
     def pause(self) -> float:
         """Seconds until the next look: soon at first, as native code may be there."""
-        self._begin = time.thread_time()
+        self._begin = time.perf_counter()
         return _FIRST if self.engine.upgrade is not None and not self.spent else _PAUSE
 
     def look(self) -> None:
-        progress, seconds = self.progress, time.thread_time() - self._begin
+        progress, seconds = self.progress, time.perf_counter() - self._begin
         self.spent += seconds
         span = progress.experiment.stop - progress.experiment.start
         done = (progress.time - progress.experiment.start) / span if span > 0 else 1.0
@@ -128,7 +129,8 @@ class _Looks:
         progress.engine = self.engine.how
 
 
-def _fail_start(scene: Scene, failure: Failure) -> None:
+def fail_start(scene: Scene, failure: Failure) -> NoReturn:
+    """Raises LagError where start values miss what they have to satisfy, RunError where there is no start."""
     if failure.status is Status.INITIAL_FAILED:
         what, excerpt = scene.initial_places[failure.index]
         unit = "m or rad" if failure.index < scene.sizes["n_initial_positions"] else "m/s or rad/s"

@@ -34,10 +34,10 @@ class _Worker(threading.Thread):
             with Batch(self.engine.runtime, self.engine.model, self.job.sweep) as batch:
                 pace = Pace(_PIECE)
                 while not self.stop.value and (piece := self.pieces.take(pace.count)) is not None:
-                    begin, busy = time.perf_counter(), time.thread_time()
+                    begin = time.perf_counter()
                     self.answers.put((piece[0], *batch.advance(self.job.variations.values(*piece), self.stop)))
-                    pace.learn(piece[1] - piece[0], time.perf_counter() - begin)
-                    seconds = time.thread_time() - busy
+                    seconds = time.perf_counter() - begin
+                    pace.learn(piece[1] - piece[0], seconds)
                     self.engine.look(seconds, seconds / (piece[1] - piece[0]) * self.pieces.left)
         except BaseException as error:
             self.answers.put(error)

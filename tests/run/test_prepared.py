@@ -1,0 +1,67 @@
+"""Prepared runs give the rows of `simulate`, call after call, and refuse what it refuses."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.base.diagnostics import LagError, RunError
+
+EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
+PENDULUM = lag.load(EXAMPLES / "double_pendulum.lag")
+
+
+def test_each_call_gives_the_rows_of_simulate() -> None:
+    names, bodies = ("shoulder.phi", "der(elbow.phi)"), ("upper.L", "lower.m")
+    run = PENDULUM.prepare(dict.fromkeys(names, 0.1), dict.fromkeys(bodies, 1.0), stop=2, interval=0.1)
+    for start, values in (((0.4, 1.0), (1.2, 3.0)), ((0.5, -1.0), (0.7, 0.2)), ((0.4, 1.0), (1.2, 3.0))):
+        wanted = PENDULUM.simulate(stop=2, interval=0.1, initial=dict(zip(names, start, strict=True)),
+                                   parameters=dict(zip(bodies, values, strict=True)))
+        found = run(start, values)
+        assert np.array_equal(found, wanted.rows)
+        assert np.array_equal(found[:, run.columns.index("H")], wanted.energy.total)
+        assert run.statistics.steps == wanted.statistics.steps
+        assert run.warnings == []
+
+
+def test_all_else_is_as_it_was_given_once() -> None:
+    """Starts that are not named are those of the scene; loops are closed anew."""
+    model = lag.load(EXAMPLES / "four_bar.lag")
+    name = model.coordinate_names[0]
+    start = float(model.simulate(stop=0.1).rows[0, 1])
+    run = model.prepare({name: start}, stop=0.5, at=[0.25, 0.5], solver="erk")
+    for value in (start, start + 0.02, start):
+        wanted = model.simulate(stop=0.5, at=[0.25, 0.5], solver="erk", initial={name: value})
+        assert np.array_equal(run([value]), wanted.rows)
+    assert model.prepare(stop=0.5, at=[0.5])().shape == (1, len(run.columns))
+
+
+def test_masses_far_apart_get_formulas_that_bear_them() -> None:
+    model = lag.load(EXAMPLES / "four_bar.lag")
+    name = next(p for p in model.parameter_names if p.endswith(".m"))
+    run = model.prepare(parameters={name: 1.0}, stop=0.2, at=[0.2])
+    for mass in (1.0, 1e-9):
+        wanted = model.simulate(stop=0.2, at=[0.2], parameters={name: mass}).rows
+        assert run((), [mass]) == pytest.approx(wanted, rel=1e-6, abs=1e-7)
+
+
+@pytest.mark.parametrize(("start", "values", "told"), [
+    ([np.nan], [1.0], "initial value of 'shoulder.phi' must be a finite number"),
+    ([0.1], [-1.0], "'upper.L' is -1 m, less than its minimum"),
+    ([0.1], [np.inf], "'upper.L' has no finite value"),
+    ([0.1], [], "1 start values and 1 parameters are needed, not 1 and 0"),
+])
+def test_wrong_values_are_refused_and_the_next_call_runs(start: list[float], values: list[float], told: str) -> None:
+    run = PENDULUM.prepare({"shoulder.phi": 0.1}, {"upper.L": 1.0}, stop=0.1)
+    with pytest.raises(LagError, match=told):
+        run(start, values)
+    assert np.array_equal(run([0.2], [1.5]), PENDULUM.simulate(stop=0.1, initial={"shoulder.phi": 0.2},
+                                                               parameters={"upper.L": 1.5}).rows)
+
+
+def test_wrong_names_are_refused_at_once_and_a_run_that_ends_early_says_why() -> None:
+    with pytest.raises(LagError, match=r"no parameter 'upper\.k'"):
+        PENDULUM.prepare(parameters={"upper.k": 1.0})
+    with pytest.raises(RunError, match="limit of steps"):
+        PENDULUM.prepare(stop=100, max_steps=3)()
