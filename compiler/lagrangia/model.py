@@ -123,11 +123,10 @@ class Model:
         """The model's name."""
         return self.scene.name
 
-    def simulate(
-        self, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None,
-        interval: float | None = None, at: Sequence[float] | None = None, parameters: Given = None, initial: Given = None,
-        inputs: Any = None, solver: str = "auto", max_step: float = 0.0, max_steps: int = 0,
-    ) -> Trajectory:
+    def simulate(self, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None,
+                 interval: float | None = None, at: Sequence[float] | None = None, parameters: Given = None,
+                 initial: Given = None, inputs: Any = None, solver: str = "auto", max_step: float = 0.0,
+                 max_steps: int = 0) -> Trajectory:
         """Integrate from `start` to `stop` (s); rows every `interval`, or at the times `at`.
 
         `tolerance` is relative to the size of each coordinate and rate. `parameters` and `initial` map names to values in SI
@@ -352,9 +351,8 @@ class Model:
         """Pickled as what it was loaded from: where it is unpickled, the file must be there."""
         return Model, (self.path, self.model, self.structural, self.outputs, *self.formulas)
 
-    def equilibrium(self, *, parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None,
-                    inputs: Mapping[str, float] | None = None, time: float | None = None, starts: int | None = None
-                    ) -> "Equilibria":
+    def equilibrium(self, *, parameters: Given = None, initial: Given = None, inputs: Given = None, time: float | None = None,
+                    starts: int | None = None) -> "Equilibria":
         """Positions of rest: the one reached from the start values first, then those found from `starts` - 1 other places.
 
         Each has `.position`, `.stability`, `.eigenvalues`, `.reactions`; time stands still at `time` (s), the start time by
@@ -364,9 +362,8 @@ class Model:
         return self._study(parameters, initial, inputs, time).equilibria(most)
 
     def linearize(self, *, about: str = "equilibrium", excitations: str | Sequence[str] | None = None,
-                  outputs: str | Sequence[str] | None = None, parameters: Mapping[str, float] | None = None,
-                  initial: Mapping[str, float] | None = None, inputs: Mapping[str, float] | None = None, time: float | None = None
-                  ) -> "Linearization":
+                  outputs: str | Sequence[str] | None = None, parameters: Given = None, initial: Given = None,
+                  inputs: Given = None, time: float | None = None) -> "Linearization":
         """M, C, K and the state-space form of small motion about the equilibrium found from the start, or about the "start".
 
         `excitations` and `outputs` are names; by default the inputs with all loads that depend on time, and the coordinates with
@@ -375,17 +372,15 @@ class Model:
         chosen = any_names("excitations", excitations), any_names("outputs", outputs)
         return self._study(parameters, initial, inputs, time).linearize(about, *chosen)
 
-    def modes(self, *, about: str = "equilibrium", mass_normalised: bool = False, parameters: Mapping[str, float] | None = None,
-              initial: Mapping[str, float] | None = None, inputs: Mapping[str, float] | None = None, time: float | None = None
-              ) -> "Modes":
+    def modes(self, *, about: str = "equilibrium", mass_normalised: bool = False, parameters: Given = None, initial: Given = None,
+              inputs: Given = None, time: float | None = None) -> "Modes":
         """Natural frequencies, mode shapes and damping ratios about the equilibrium, or about the "start"."""
         return self._study(parameters, initial, inputs, time).modes(about, mass_normalised)
 
     def response(self, excitations: str | Sequence[str] | None = None, outputs: str | Sequence[str] | None = None, *,
                  frequencies: Sequence[float] | None = None, span: tuple[float, float] | None = None, points: int = 400,
-                 about: str = "equilibrium", parameters: Mapping[str, float] | None = None,
-                 initial: Mapping[str, float] | None = None, inputs: Mapping[str, float] | None = None, time: float | None = None
-                 ) -> "Response":
+                 about: str = "equilibrium", parameters: Given = None, initial: Given = None, inputs: Given = None,
+                 time: float | None = None) -> "Response":
         """Frequency response of outputs to excitations, at `frequencies` (Hz) or over `span` (Hz, from the modes by default)."""
         chosen = any_names("excitations", excitations), any_names("outputs", outputs)
         at = None if frequencies is None else [a_frequency(value) for value in numbers("frequencies", frequencies)]
@@ -399,7 +394,7 @@ class Model:
         return Study(self.compilation, check_values(self.scene, parameters, initial, inputs), time)
 
     def equations(self, form: str = "lagrange", format: str = "text", *, names: Mapping[str, str] | None = None,
-                  parameters: Mapping[str, float] | None = None, numbers: bool = False, force: bool = False) -> str:
+                  parameters: Given = None, numbers: bool = False, force: bool = False) -> str:
         """The equations of motion for people, as `lag equations` prints them; see `lag help equations`.
 
         `names` maps names of the model to symbols of your own, {"tilt.phi": "theta"}; with `numbers` the values of the parameters
@@ -411,8 +406,7 @@ class Model:
         return write_equations(self.path, request, self.model, self.structural)
 
     def draw(self, path: str | os.PathLike[str] | None = None, *, at: float | None = None, names: Mapping[str, str] | None = None,
-             parameters: Mapping[str, float] | None = None, initial: Mapping[str, float] | None = None, inputs: Any = None
-             ) -> str:
+             parameters: Given = None, initial: Given = None, inputs: Any = None) -> str:
         """The scene as a textbook draws it, at the start or at the time `at` (s): an SVG's text; a path (.svg, .pdf, .png) is
         written as well. `names` maps names of the model to symbols, {"tilt.phi": "theta"}. Raises LagError, RunError."""
         from lagrangia.draw.drawing import draw_scene
@@ -428,11 +422,9 @@ class Model:
     def _repr_html_(self) -> str:
         return self.draw()
 
-    def export_fmu(
-        self, path: str | os.PathLike[str] | None = None, *, fmi: str | int = "2", kind: str = "me,cs", platforms: str = "host",
-        sources: bool = True, parameters: Mapping[str, float] | None = None, info: Mapping[str, str] | None = None,
-        tell: Callable[[str], None] | None = None,
-    ) -> "list[Path]":
+    def export_fmu(self, path: str | os.PathLike[str] | None = None, *, fmi: str | int = "2", kind: str = "me,cs",
+                   platforms: str = "host", sources: bool = True, parameters: Given = None, info: Mapping[str, str] | None = None,
+                   tell: Callable[[str], None] | None = None) -> "list[Path]":
         """Write an FMU, at `path` or into that folder; returns the files, two for fmi="both", whose names get the version.
 
         `fmi` is "2", "3" or "both", `kind` "me", "cs" or "me,cs", `platforms` "host", "all" or names (fmu_build.PLATFORMS).
@@ -495,7 +487,7 @@ class Model:
         """Scalar parameters in the order of p."""
         return tuple(parameter.name for parameter in self.scene.parameters)
 
-    def parameter_values(self, parameters: Mapping[str, float] | None = None) -> "np.ndarray":
+    def parameter_values(self, parameters: Given = None) -> "np.ndarray":
         """All parameters, (n_parameters,), in SI units, with those given changed and the dependent ones following."""
         import numpy as np
 
