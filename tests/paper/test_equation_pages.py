@@ -246,6 +246,7 @@ def test_linear_about_a_point(capsys) -> None:
     assert "φ₀ = − ½ π" in equations(capsys, "double_pendulum", "--form", "linear").replace("φ_shoulder,0", "φ₀")
 
 
+@pytest.mark.slow
 def test_force_writes_everything_and_ends(capsys, monkeypatch) -> None:
     said = equations(capsys, "chain", "-p", "n=6", "--force", "--form", "matrix")
     assert "M₆₆" in said and "too many" not in said
