@@ -132,3 +132,10 @@ def test_a_place_that_nothing_holds(scene: Write) -> None:
     with pytest.raises(lag.LagError, match=r"L0504.*'a.s' moves no mass, and no spring or damper says where it is"):
         run(scene("""model M Block m(m = 1, base = world, s(start = 0.1)); Prismatic a(a = world), b(a = world);
           Spring k(k = 100, stretch = b.s - a.s); end M;"""))
+
+
+def test_a_place_that_a_constraint_holds_in_part(scene: Write) -> None:
+    with pytest.raises(lag.LagError, match=r"L0504.*'k.center.x' moves no mass, and constraints do not say all of where it is"):
+        run(scene("""model M PointMass m(m = 1), k(m = 0); Link l(a = world, b = k.center, L = 0.5);
+          Spring c(a = k.center, b = m.center, k = 50, s_rel0 = 0.3);
+        initial equation m.center.x = 0.5; m.center.y = -1; end M;"""))

@@ -44,7 +44,9 @@ def settle_massless(kinematics: Kinematics, constraints: Constraints, energies: 
 
     Raises LagError L0504 for a place that nothing holds, or whose balance is none of positions or linear in rates.
     """
-    names = _massless(kinematics, constraints, energies)
+    names, held = _massless(kinematics, constraints, energies)
+    if held:
+        _require_held(kinematics, constraints, held)
     if not names:
         return kinematics, constraints, energies
     places = _Places(kinematics, energies, names)
@@ -56,17 +58,27 @@ def settle_massless(kinematics: Kinematics, constraints: Constraints, energies: 
     return kinematics, constraints, build_energies(kinematics)
 
 
-def _massless(kinematics: Kinematics, constraints: Constraints, energies: Energies) -> list[str]:
-    """Coordinates that T does not depend on, nor what constraints hold, and that some force acts on."""
+def _massless(kinematics: Kinematics, constraints: Constraints, energies: Energies) -> tuple[list[str], list[str]]:
+    """Coordinates that T does not depend on: those that some force acts on and no constraint holds, and those that one does."""
     symbols, kinetic = kinematics.symbols, symbols_in(energies.total(energies.kinetic))
     found = [name for name in symbols.positions if _symbols_of(kinematics, name).isdisjoint(kinetic)]
     if not found:
-        return []
-    held = symbols_in(ca.vertcat(ca.SX(0, 1), *[row.value(kinematics, 0) for row in constraints.rows]))
+        return [], []
+    rows = symbols_in(ca.vertcat(ca.SX(0, 1), *[row.value(kinematics, 0) for row in constraints.rows]))
     pushed = symbols_in(ca.vertcat(energies.total(energies.potential), energies.total(energies.dissipation),
                                    *[x for load in energies.loads for x in load.position]))
-    return [name for name in found if _symbols_of(kinematics, name).isdisjoint(held)
-            and not _symbols_of(kinematics, name).isdisjoint(pushed)]
+    held = [name for name in found if not _symbols_of(kinematics, name).isdisjoint(rows)]
+    return [name for name in found if name not in held and not _symbols_of(kinematics, name).isdisjoint(pushed)], held
+
+
+def _require_held(kinematics: Kinematics, constraints: Constraints, names: Sequence[str]) -> None:
+    """Constraints that speak of places without mass say all of where these are: what is left free has no acceleration."""
+    rates = ca.vertcat(*[kinematics.symbols.rates[name] for name in names])
+    slopes = ca.jacobian(ca.vertcat(*[row.rate(kinematics) for row in constraints.rows]), rates)
+    ranks = [np.linalg.matrix_rank(_numbers(kinematics, [slopes], seed)[0]) for seed in range(_LOOKS)]
+    if max(ranks) < len(names):
+        coordinate = next(c for c in kinematics.graph.coordinates if c.name in names)
+        _refuse(coordinate, "and constraints do not say all of where it is (not supported yet)", _SMALL_MASS)
 
 
 def _symbols_of(kinematics: Kinematics, name: str) -> frozenset[int]:
@@ -201,7 +213,7 @@ class _Places:
         slope = ca.jacobian(balance, self.rates)
         still = ca.substitute(balance, self.rates, ca.SX.zeros(self.rates.numel()))
         gap, size = balance - still - slope @ self.rates, ca.fabs(still) + ca.norm_1(slope)
-        looks = [self._numbers([gap, size], seed) for seed in range(_LOOKS)]
+        looks = [_numbers(self.kinematics, [gap, size], seed) for seed in range(_LOOKS)]
         return not ca.depends_on(slope, self.rates) and all(abs(float(a[0, 0])) <= _NOTHING * float(b[0, 0]) for a, b in looks)
 
     def _is_pressed(self, coordinate: Coordinate) -> bool:
@@ -230,7 +242,7 @@ class _Places:
         """Gaussian elimination of the rates: first the rows that are left without one, each with the sum of all balances that has
         none, as its factors, then those that keep their rates, with None."""
         m = len(self.names)
-        sums, (C, all_of_them) = ca.SX.eye(m), self._numbers([damping, slopes])
+        sums, (C, all_of_them) = ca.SX.eye(m), _numbers(self.kinematics, [damping, slopes])
         scale = float(np.abs(all_of_them).max(initial=0.0))
         numbers, left, with_pivot = np.eye(m), list(range(m)), list[int]()
         while left:
@@ -252,15 +264,16 @@ class _Places:
                 _refuse(self.coordinates[i], "and dampers act on it that do not say how fast it is (not supported yet)")
         return [*left, *with_pivot], [*(_simple(sums[i, :].T) for i in left), *([None] * len(with_pivot))]
 
-    def _numbers(self, expressions: list[ca.SX], seed: int = 1) -> list[Vector]:
-        """At a general state, with parameters beside the declared ones; rates of either sign."""
-        p, numbers = usual_parameters(self.kinematics)
-        known = symbols_in(p) if p.numel() else frozenset()
-        free = [x for x in ca.symvar(ca.veccat(*expressions)) if x.__hash__() not in known]
-        random, rates = np.random.default_rng(seed), symbols_in(self.rates)
-        values = random.uniform(0.4, 1.6, len(free)) * [random.choice((-1, 1)) if x.__hash__() in rates else 1 for x in free]
-        found = ca.Function("numbers", [p, ca.vertcat(ca.SX(0, 1), *free)], [ca.densify(x) for x in expressions])(numbers, values)
-        return [np.array(x) for x in found]
+
+def _numbers(kinematics: Kinematics, expressions: list[ca.SX], seed: int = 1) -> list[Vector]:
+    """At a general state, with parameters beside the declared ones; rates of either sign."""
+    p, numbers = usual_parameters(kinematics)
+    known = symbols_in(p) if p.numel() else frozenset()
+    free = [x for x in ca.symvar(ca.veccat(*expressions)) if x.__hash__() not in known]
+    random, rates = np.random.default_rng(seed), {x.__hash__() for x in kinematics.symbols.rates.values()}
+    values = random.uniform(0.4, 1.6, len(free)) * [random.choice((-1, 1)) if x.__hash__() in rates else 1 for x in free]
+    found = ca.Function("numbers", [p, ca.vertcat(ca.SX(0, 1), *free)], [ca.densify(x) for x in expressions])(numbers, values)
+    return [np.array(x) for x in (found if len(expressions) > 1 else [found])]
 
 
 def _simple(factors: ca.SX) -> ca.SX:
