@@ -77,7 +77,9 @@ def test_every_example_draws(name: str) -> None:
     root = ElementTree.fromstring(svg)
     width, height = (float(root.attrib[side].removesuffix("mm")) for side in ("width", "height"))
     shown = [x for shape in root.iter() if "points" in shape.attrib for x in shape.attrib["points"].split()]
-    points = np.array([[float(y) for y in x.split(",")] for x in shown])
+    rounds = [[float(shape.attrib[x]) for x in ("cx", "cy", "r")] for shape in root.iter(f"{_SVG}circle")]
+    points = np.array([[float(y) for y in x.split(",")] for x in shown]
+                      + [[x + side * r, y + side * r] for x, y, r in rounds for side in (-1, 1)])
     assert points.min() >= -0.01 and np.all(points.max(axis=0) <= np.array([width, height]) + 0.01), "nothing is cut"
     assert len(texts(svg)) >= 1
 
