@@ -126,7 +126,7 @@ def test_html_is_well_formed_and_stands_alone(path: Path, capsys) -> None:
     checker = Balanced()
     checker.feed(page)
     assert checker.open == []
-    assert "<math" in page
+    assert "<math" in page and "<figure><svg" in page
     assert not re.search(r"<script|<link|src=|href=|url\(|@import|http", page)
 
 

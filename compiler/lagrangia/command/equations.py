@@ -2,7 +2,9 @@
 
 from argparse import Namespace
 from pathlib import Path
+from typing import Any
 
+from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.base.result_files import write_text
 from lagrangia.command.arguments import assignment, keep_inputs, named_pairs, part_structural, split_names
 
@@ -16,7 +18,7 @@ def equations_command(options: Namespace) -> int:
     about = None if options.about is None else named_pairs(options.about, "--about")
     names = named_pairs(options.names or "", "--names")
     request = Request(options.form, options.format, names, parameters, options.numbers, options.force, about, options.sources,
-                      options.level, split_names(options.sections), options.first_letter)
+                      options.level, split_names(options.sections), options.first_letter, _figure(options, structural, names))
     if options.check is not None:
         is_right, told = checked(options.file, options.check, request, options.model, structural)
         print(told)
@@ -28,3 +30,17 @@ def equations_command(options: Namespace) -> int:
         write_text(Path(options.output), text + "\n")
         print(f"written to {options.output}")
     return 0
+
+
+def _figure(options: Namespace, structural: dict[str, Any], names: dict[str, str]) -> str:
+    """What derivations and statements of problems show on pages of HTML; "" where the scene has no start to be drawn at."""
+    if options.format != "html" or options.form not in ("worked", "exercise") or options.check is not None:
+        return ""
+    from lagrangia.model import Model
+
+    model = Model(options.file, options.model, structural)
+    known = {name: symbol for name, symbol in names.items() if name in model.coordinate_names}
+    try:
+        return model.draw(names=known)
+    except (LagError, RunError):
+        return ""

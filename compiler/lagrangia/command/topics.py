@@ -345,7 +345,7 @@ Constraints come with multipliers, Phi = 0 and J^T lambda; loads and prescribed 
 of the motion are named. What is too large to read is told so, with its energies and structure; --force writes it all the same.
 The linear form finds its equilibrium without loads that depend on time, and with supports at rest; linearize, modes and
 equilibrium hold loads as they are at the start time. Coefficients that vary with time are taken at the same standstill, and the
-page says so.
+page says so. Derivations and exercises of HTML begin with the figure that `lag draw` makes.
 From Python: model.equations("worked", "html", names={"tilt.phi": "theta"})
 
 lag export FILE --to TARGET [-o FILE] writes a scene for other programs, with the start values as they were assembled:

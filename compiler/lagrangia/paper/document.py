@@ -52,10 +52,11 @@ Block: TypeAlias = Heading | Paragraph | Display | Table
 
 @dataclass(frozen=True)
 class Document:
-    """A title and what stands below it."""
+    """A title and what stands below it; `figure` is the text of an SVG, which pages that show none leave out."""
 
     title: str
     blocks: tuple[Block, ...]
+    figure: str = ""
 
 
 def paragraph(*parts: Inline) -> Paragraph:

@@ -159,6 +159,8 @@ _STYLE = """
   h2 { font-size: 1.25rem; margin: 2rem 0 .5rem; font-weight: 600; }
   h3, h4 { font-size: 1.05rem; margin: 1.3rem 0 .3rem; font-weight: 600; }
   p { margin: .6rem 0; }
+  figure { margin: 1.2rem auto; text-align: center; break-inside: avoid; }
+  figure svg { width: min(100%, 30rem); height: auto; }
   .formula { margin: .7rem 0 .7rem 1.6rem; overflow-x: auto; break-inside: avoid; }
   .formula .more { margin-left: 2.2rem; }
   .formula .letter { float: right; }
@@ -175,9 +177,13 @@ _STYLE = """
 """
 
 
+_NAMESPACE = ' xmlns="http://www.w3.org/2000/svg"'  # which files of their own need, and HTML does not
+
+
 def as_html(document: Document) -> str:
     """One file that needs no script, no font and no network: the formulas are MathML."""
-    body = "\n".join(_html_block(block) for block in document.blocks)
+    figure = f"<figure>{document.figure.replace(_NAMESPACE, '')}</figure>\n" if document.figure else ""
+    body = figure + "\n".join(_html_block(block) for block in document.blocks)
     return (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
             f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{escape(document.title)}</title>\n'
             f"<style>{_STYLE}</style>\n</head>\n<body>\n<h1>{escape(document.title)}</h1>\n{body}\n"

@@ -63,6 +63,7 @@ class Request:
     level: str = "full"
     sections: tuple[str, ...] = ()
     first_letter: str = "a"
+    figure: str = ""  # an SVG's text, for pages of HTML
 
     @property
     def has_source_potentials(self) -> bool:
@@ -119,7 +120,7 @@ def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, beg
     printer = PRINTERS.get(request.format)
     try:
         book = _book(kinematics, scene, request, has_kicks)
-        return write_script(book) if printer is None else printer(_page(book, request, begin))
+        return write_script(book) if printer is None else printer(replace(_page(book, request, begin), figure=request.figure))
     except TooLarge as large:
         if not request.is_forced:
             return _too_large(scene, name_symbols(scene, request.names), printer, large)
