@@ -3,10 +3,12 @@
 #include <float.h>
 #include <string.h>
 
+#include "events/cones.h"
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 
 static const double SOME_TIME = 1e-3; /* where no step tells of one */
+static const double MOST_UNKNOWN = 1e-3; /* of the margin of a force in the plane, which is 1 at most: what is held beyond has too little */
 enum { ROUNDINGS = 256 };
 
 static void look_at(LagRun *run, double t, const double *y, double *g, double *rate)
@@ -85,7 +87,10 @@ void lag_conditions_disturb(const LagRun *run, const double *y, double share, in
 void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
 {
     LagSwitches *s = &run->switches;
-    const double share = ROUNDINGS * DBL_EPSILON / run->scale.tolerance;
+    const LagScale scale = run->scale;
+    const double share = ROUNDINGS * DBL_EPSILON / scale.tolerance;
+    if (run->model->n_cones > 0) /* a slip is known as well where it stops, in steps as short as can be, as anywhere */
+        run->scale.rate_rounding = run->scale.step = run->scale.reach = 0;
     memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
     look_at(run, t, y, s->g_begin, s->rate_begin); /* which the next step begins with anew */
     for (int pattern = 0; pattern < LAG_PATTERNS; ++pattern) {
@@ -94,6 +99,10 @@ void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
         for (int i = 0; i < run->model->n_switches; ++i)
             s->unknown[i] = lag_max(fabs(s->g_inside[i] - s->g_begin[i]), s->unknown[i]);
     }
+    run->scale = scale;
+    for (int k = 0; k < run->sliding.count; ++k)
+        if (lag_cones_have(run, run->sliding.which[k]))
+            s->unknown[run->sliding.which[k]] = lag_min(MOST_UNKNOWN, s->unknown[run->sliding.which[k]]);
     for (int k = 0; k < run->model->n_whens; ++k) { /* the events of contacts are those of their gaps, too */
         double *unknown = &s->unknown[lag_when(run->model, k)];
         *unknown = lag_max(s->unknown[lag_gap(run->model, k)], *unknown);

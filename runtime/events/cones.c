@@ -8,12 +8,14 @@
 
 #include "numbers/extremes.h"
 #include "events/sliding.h"
+#include "model/schedule.h"
 #include "state/evaluate.h"
 #include "state/state.h"
 
 static const double NEAR = 0.95; /* of the time in which a slip would stop */
 static const double FAINT = 1e-6; /* of what friction slows down: rounding, where it is torn off */
 static const double NO_TIME = 1e-6; /* of what is left of a run; of a second, where that has no end */
+static const double AT_ONCE = 16;  /* times what of a time is rounding: no step is so short */
 static const double LEFT = 1e-6; /* of all that there is: enough to hold */
 static const double COARSE = 20; /* tolerances of an importer: errors of rates that are next to none */
 static const double KNOWN = 16; /* times rounding: a slip has a direction */
@@ -157,12 +159,30 @@ int lag_cones_look(LagRun *run)
         lag_sliding_rates(run, run->motion.t, run->motion.y);
     for (int k = 0; k < run->model->n_cones; ++k) {
         const int x = cone(run, k)[0], y = cone(run, k)[1];
+        s->slip[2 * k] = s->g[x];
+        s->slip[2 * k + 1] = s->g[y];
         const double speed = hypot(s->g[x], s->g[y]), slows = -(s->g[x] * s->rate[x] + s->g[y] * s->rate[y]) / speed;
         if (is_held(run, cone(run, k)) || !(slows > FAINT * lag_max(s->most_jump[x], s->most_jump[y])))
             continue;
         s->stops = lag_min(run->motion.t + NEAR * speed / slows, s->stops);
-        if (speed <= least_slip(run, cone(run, k)))
+        if (speed <= lag_max(least_slip(run, cone(run, k)), slows * AT_ONCE * lag_time_resolution(run->motion.t)))
             some = run->switches.turned[x] = run->switches.turned[y] = 1;
+    }
+    return some;
+}
+
+int lag_cones_turn_round(LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    LagSwitches *s = &run->switches;
+    const double *slip = run->sliding.slip;
+    int some = 0;
+    if (run->model->n_cones == 0 || m->t - m->t_old <= AT_ONCE * lag_time_resolution(m->t))
+        return 0;
+    lag_conditions_by(run, m->t, m->y, m->y + m->n, s->slope + m->n, s->g_inside, s->rate_inside);
+    for (int k = 0; k < run->model->n_cones; ++k) {
+        const int *places = cone(run, k);
+        some |= !is_held(run, places) && slip[2 * k] * s->g_inside[places[0]] + slip[2 * k + 1] * s->g_inside[places[1]] < 0;
     }
     return some;
 }

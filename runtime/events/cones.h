@@ -37,4 +37,7 @@ void lag_cones_enter(LagRun *run);
  * sliding.stops; and into switches.turned, which have stopped but for what cannot be told. Returns whether some have. */
 int lag_cones_look(LagRun *run);
 
+/* Whether a slip turned round in the latest step, which has passed the place where it stops, though no evaluation has. */
+int lag_cones_turn_round(LagRun *run);
+
 #endif

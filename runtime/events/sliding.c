@@ -48,6 +48,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->state = lag_take_ints(arena, most);
     s->next = lag_take_ints(arena, most);
     s->leaves = lag_take_ints(arena, (size_t)model->n_cones);
+    s->slip = lag_take(arena, 2 * (size_t)model->n_cones);
     s->is_new = lag_take_ints(arena, most);
     s->open = lag_take_ints(arena, most);
     s->known = lag_take_ints(arena, most);

@@ -44,6 +44,7 @@ typedef struct {
     int is_lenient;  /* what is held in the plane may take more than there is: it is being stopped */
     int *partner;    /* n_switches: the other component of a slip in the plane; -1: there is none */
     int *leaves;     /* n_cones: torn off at the present time */
+    double *slip;    /* 2 n_cones: where the next step begins */
     double stops;    /* the time up to which the next step may go, so that it does not pass where a slip in the plane stops */
     int grows;       /* something that slides had no force when it began to */
     int is_fresh;    /* the jumps that are known are those of the latest evaluation */

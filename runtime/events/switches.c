@@ -26,6 +26,7 @@ static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILO
 static const double AT_END = 1e-3; /* of a step: near enough to one of its ends */
 static const double LONG_RUN = 1e3; /* s: shorter steps keep their digits */
 static const double EARLY = 1e-3, AMPLE = 4; /* share of a step that says little of its beginning; of what it had to be, the next one */
+static const double HALF = 0.5; /* of a step that has passed a stop */
 enum { MOST_JAMS = 4, MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
 
 void lag_switches_layout(LagSwitches *s, const LagModel *model, int size, LagArena *arena)
@@ -360,6 +361,11 @@ static int lasts(LagRun *run)
 static void watch_held(LagRun *run)
 {
     LagSwitches *s = &run->switches;
+    if (!s->is_live && lag_cones_turn_round(run)) {
+        step_shorter(run, HALF / AMPLE);
+        run->segment_over = 0;
+        return;
+    }
     lag_swap(&s->g, &s->g_begin);
     lag_swap(&s->rate, &s->rate_begin);
     const double x = lag_crossing_find(run);
