@@ -8,7 +8,7 @@
 #include "numbers/extremes.h"
 
 static const double SOME_TIME = 1e-3; /* where no step tells of one */
-static const double MOST_UNKNOWN = 1e-3; /* of the margin of a force in the plane, which is 1 at most: what is held beyond has too little */
+static const double MOST_UNKNOWN = 1e-3; /* of the margin of a force in the plane, which is 1 at most */
 enum { ROUNDINGS = 256 };
 
 static void look_at(LagRun *run, double t, const double *y, double *g, double *rate)

@@ -19,7 +19,7 @@ static const double AT_ONCE = 16;  /* times what of a time is rounding: no step 
 static const double LEFT = 1e-6; /* of all that there is: enough to hold */
 static const double COARSE = 20; /* tolerances of an importer: errors of rates that are next to none */
 static const double KNOWN = 16; /* times rounding: a slip has a direction */
-static const double KICK = 0.5;  /* of a slip that is taken for none */
+static const double KICK = 0.5, LITTLE = 1e-2; /* of a slip that is taken for none; of that, where it can go one way only */
 
 static const int *cone(const LagRun *run, int k) { return run->model->cones + 2 * k; }
 
@@ -118,9 +118,12 @@ double lag_cones_kick(LagRun *run, int i)
         return 0;
     const int *places = cone(run, k);
     const double unknown = lag_max(run->switches.unknown[places[0]], run->switches.unknown[places[1]]);
-    const double speed = hypot(run->sliding.g[places[0]], run->sliding.g[places[1]]), most = lag_max(KICK * least_slip(run, places), KNOWN * unknown);
+    const double speed = hypot(run->sliding.g[places[0]], run->sliding.g[places[1]]);
+    const double most = lag_max(KICK * least_slip(run, places), KNOWN * unknown);
     const double slow = lag_max(speed, faintest_slip(run, places));
-    const double kick = run->sliding.leaves[k] || run->impacts.coarse > 0 ? most : lag_min(slow, most);
+    const int is_narrow = run->sliding.system.is_narrow[k] && run->impacts.coarse == 0; /* nothing is stiff aside */
+    const double least = run->sliding.leaves[k] || run->impacts.coarse > 0 ? is_narrow ? LITTLE * most : most : 0;
+    const double kick = lag_max(least, lag_min(slow, most));
     return kick * component(run, i) / hypot(component(run, places[0]), component(run, places[1]));
 }
 

@@ -39,6 +39,12 @@ static void lay_out_holds(LagSliding *s, const LagModel *model, size_t count, La
     s->held.early = EARLY;
 }
 
+static void layout_cones(LagSliding *s, const LagModel *model, LagArena *arena)
+{
+    s->leaves = lag_take_ints(arena, (size_t)model->n_cones);
+    s->slip = lag_take(arena, 2 * (size_t)model->n_cones);
+}
+
 void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
 {
     const int possible = model->switches_need_acceleration ? model->n_switches : 0;
@@ -47,8 +53,7 @@ void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena
     s->which = lag_take_ints(arena, most);
     s->state = lag_take_ints(arena, most);
     s->next = lag_take_ints(arena, most);
-    s->leaves = lag_take_ints(arena, (size_t)model->n_cones);
-    s->slip = lag_take(arena, 2 * (size_t)model->n_cones);
+    layout_cones(s, model, arena);
     s->is_new = lag_take_ints(arena, most);
     s->open = lag_take_ints(arena, most);
     s->known = lag_take_ints(arena, most);

@@ -229,3 +229,25 @@ def test_fmus_of_what_is_torn_off(kind: str, tmp_path: Path) -> None:
     path.write_text(puck(COMPONENT, load("4[N/s]*time", "3[N/s]*time")))
     rows = simulated(path, "3", kind, ["p.center.x"], stop_time=2.0, step_size=0.05, output_interval=0.05)
     np.testing.assert_allclose([rows["p.center.x"][19], rows["p.center.x"][-1]], [0, 0.8 * 2.5 / 6], rtol=0, atol=5e-7)
+
+
+ALL = ("auto", "erk", "erk5", "erk9", "adams", "implicit", "pirk", "taylor")
+SWUNG = """model Swung parameter Torque peak = 0; parameter Frequency w = 0;
+  World world(gravity = {{0, 0}}); Revolute h(a = world); Bar b(m = 1, L = 1, a = h.b); {law}
+  AppliedTorque t(on = b.a, torque = peak*sin(w*time)); end Swung;"""
+
+
+@pytest.mark.parametrize("solver", ALL)
+def test_the_tip_of_an_arm_is_dry_friction_of_its_joint(solver: str, scene: Write, tmp_path: Path) -> None:
+    """It stops, holds, passes rest, is torn off again; where the step before rest was short, it was held for ever."""
+    arm = scene(SWUNG.format(law="SlidingFriction f(a = world, b = b.b, mu = 0.2, normal = 30);"))
+    path = tmp_path / "joint.lag"
+    path.write_text(SWUNG.format(law="TorsionDryFriction f(rate = h.w, tau = 6);"))
+    joint, at = lag.load(path), [0.6, 1.1, 2.0, 3.0, 4.0]
+    for peak, w in ((6.5, 2.0), (7.0, 1.0), (8.0, 2.0), (10.0, 3.3), (12.0, 0.7)):
+        load = {"peak": peak, "w": w}
+        wanted = joint.simulate(at=at, tolerance=1e-12, parameters=load)["h.phi"]
+        for tolerance in (1e-4, 1e-6, 1e-9, 1e-12):
+            run = arm.simulate(at=at, tolerance=tolerance, parameters=load, solver=solver)
+            most = max(30 * tolerance, 1e-9) * np.abs(wanted).max()
+            np.testing.assert_allclose(run["h.phi"], wanted, rtol=0, atol=most, err_msg=f"{load} {tolerance}")
