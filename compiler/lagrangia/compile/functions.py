@@ -84,11 +84,17 @@ def build_functions(
     table |= _start_functions(kinematics, motion, initial)
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    if not jacobian.values:
-        refused["implicit"] = "not supported yet: implicit steps of so many coordinates that all act on each other"
     patterns |= {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places, **switches.patterns}
+    refused |= _refusals(bool(jacobian.values), bool(len(patterns.get("cones", ()))))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
+
+
+def _refusals(has_jacobian: bool, has_cones: bool) -> dict[str, str]:
+    """Solvers that cannot run a scene, and why."""
+    implicit = "not supported yet: implicit steps of so many coordinates that all act on each other"
+    pirk = "not supported yet: friction in the plane, whose slips stop within its long steps"
+    return ({} if has_jacobian else {"implicit": implicit}) | ({"pirk": pirk} if has_cones else {})
 
 
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
