@@ -52,31 +52,6 @@ static double rounding_of(LagRun *run, double t, const double *y)
     return largest;
 }
 
-/* By how much work is uncertain by rounding of places, rates and accelerations: what forces do on such a way, those
- * of friction and what holds too. Where all is held, nothing moves but by rounding of accelerations during a step. */
-static double rounding_of_work(LagRun *run, double t, const double *y)
-{
-    const LagScale *scale = &run->scale;
-    const int n = run->model->n, count = run->sliding.count;
-    const double lasts = fabs(t - run->settings.t_start);
-    double *moved = run->motion.point, *slope = run->motion.sum, largest = 0;
-    if (run->model->n_power == 0)
-        return 0;
-    run->sliding.count = 0; /* as the shares say */
-    for (int way = 1; way <= 2; ++way) {
-        for (int i = 0; i < n; ++i) {
-            const double *group = scale->group + scale->kind[i], push = lag_max(scale->noise[i], scale->onset[i]);
-            const double reach = lag_max(group[0], scale->size[i]) + group[scale->kinds] * lasts;
-            moved[i] = (i / way % 2 ? 1 : -1) * (DBL_EPSILON * reach + push * scale->step * scale->step);
-        }
-        if (lag_motion_slope(&run->motion, t, y, moved, slope))
-            for (int k = 2 * n; k < run->motion.size; ++k)
-                largest = lag_max(fabs(slope[k]), largest);
-    }
-    run->sliding.count = count;
-    return largest;
-}
-
 /* The miss that the tolerance explains, and rounding: each step may add a part of it. */
 static double explained(const LagRun *run)
 {
@@ -91,7 +66,7 @@ static void judge(LagRun *run, double t, const double *y)
 {
     LagStatistics *s = &run->statistics;
     const double left = s->energy_residual - explained(run);
-    const int is_open = left > 0 && left > NOISES * (rounding_of(run, t, y) + rounding_of_work(run, t, y));
+    const int is_open = left > 0 && left > NOISES * rounding_of(run, t, y);
     if (is_open && !s->energy_is_open)
         s->energy_open = t;
     s->energy_is_open = is_open;

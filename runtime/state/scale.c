@@ -199,16 +199,18 @@ void lag_scale_units(const LagScale *scale, const double *y_old, const double *y
     const LagLanes reach = LAG_LANES_OF(scale->reach * scale->reach);
     int i = 0;
     for (; i + LAG_LANES <= n; i += LAG_LANES) {
-        LagLanes places, rates, rounding, noise, size;
+        LagLanes places, rates, rounding, noise, size, unseen;
         magnitudes(scale, i, y_old, y_new, &places);
         magnitudes(scale, n + i, y_old, y_new, &rates);
         memcpy(&noise, scale->noise + i, sizeof noise);
         memcpy(&size, scale->size + i, sizeof size);
+        memcpy(&unseen, scale->onset + i, sizeof unseen);
         rounding = rate_rounding * LAG_LANES_MAX(places, size);
-        raise_and_scale(scale, i, &places);
-        places = LAG_LANES_MAX(places, noise * reach);
         noise *= step;
         noise = LAG_LANES_MAX(rounding, noise);
+        raise_and_scale(scale, i, &places);
+        unseen *= reach;
+        places = LAG_LANES_MAX(places, unseen);
         raise_and_scale(scale, n + i, &rates);
         rates = LAG_LANES_MAX(rates, noise);
         memcpy(unit + i, &places, sizeof places);

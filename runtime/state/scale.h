@@ -66,8 +66,8 @@ static inline double lag_scale_unit(const LagScale *scale, int i, const double *
     const double magnitude = lag_scale_magnitude(scale, i, y_old[i], y_new[i]);
     const double unit = scale->tolerance * (magnitude > scale->floor[i] ? magnitude : scale->floor[i]);
     if (i < scale->n) {
-        const double noise = scale->reach * scale->reach * scale->noise[i];
-        return unit > noise ? unit : noise;
+        const double unseen = scale->reach * scale->reach * scale->onset[i];
+        return unit > unseen ? unit : unseen;
     }
     const int position = i - scale->n;
     const double place = lag_scale_magnitude(scale, position, y_old[position], y_new[position]), size = scale->size[position];

@@ -75,13 +75,3 @@ def test_series_stand_rounding_about_an_equilibrium(scene: Write, tolerance: flo
     """A million series were rejected, each compared with rates of rounding."""
     run = scene(HANGING.replace("-90", "90")).simulate(stop=3, tolerance=tolerance, solver="taylor")
     assert run.statistics.rejected < 100
-
-
-def test_a_coordinate_that_symmetry_keeps_at_rest_is_noise(scene: Write) -> None:
-    """The block falls straight through the hinge, and the force has no moment about it but by rounding: once 16 million steps."""
-    run = scene("""model M Revolute h(a = world); Bar bar(m = 0.75, L = 1.3, center = h.b);
-      Block b(m = 1, base = bar.center, along = {0, 1}, s(start = 0.35));
-      ForcePair f(a = shift(b.center, {0.4, -0.2}), b = bar.center, force = 1.76[N/s]*time); end M;""").simulate(
-          stop=1, solver="erk", max_steps=2_000)
-    assert np.abs(run["h.phi"]).max() < 1e-12
-    assert run.statistics.steps < 1_000
