@@ -18,8 +18,40 @@ for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
 
 
+SLOW = Path(__file__).parent / "helpers" / "slow_tests.txt"
+LONG = 0.7  # s
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update", action="store_true", help="write the expected texts anew")
+    parser.addoption("--note-slow", action="store_true", help=f"write {SLOW.name} anew: which tests took more than {LONG} s")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What took long when it was last noted is slow as well: `-m "not slow"` is for who waits for it."""
+    known = set(SLOW.read_text(encoding="utf-8").splitlines())
+    for item in items:
+        if item.nodeid in known:
+            item.add_marker(pytest.mark.slow)
+
+
+class Durations:
+    """Seconds of each test, from the reports of all processes."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self.seconds[report.nodeid] = self.seconds.get(report.nodeid, 0.0) + report.duration
+
+    def pytest_sessionfinish(self) -> None:
+        names = sorted(name for name, seconds in self.seconds.items() if seconds > LONG)
+        SLOW.write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("--note-slow") and "PYTEST_XDIST_WORKER" not in os.environ:
+        config.pluginmanager.register(Durations())
 
 
 @pytest.hookimpl(optionalhook=True)  # of pytest-xdist
