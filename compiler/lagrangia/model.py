@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, any_names, names, numbers
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.run.cache import find_scene, keep_scene
-from lagrangia.run.engines import Engine, divided, load_engine, start_building
+from lagrangia.run.engines import Engine, divided, load_engine
 from lagrangia.run.interpret import evaluate, evaluate_each
-from lagrangia.run.library import Runtime, has_compiler, has_runtime
+from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
 from lagrangia.run.prepared import PreparedRun
 from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Scene
@@ -69,7 +69,7 @@ class Model:
         self.scene: Scene = found if found is not None else self._compile_and_keep()
 
     def _compile_and_keep(self) -> Scene:
-        self._runtime = start_building()  # goes on beside the compilation
+        self._runtime = find_runtime()
         return self._keep(self.compilation.scene)
 
     def _keep(self, scene: Scene) -> Scene:

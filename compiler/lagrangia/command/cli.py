@@ -248,10 +248,7 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("--interval", type=float, metavar="DT", help="time between two rows of the result")
     add("--at", metavar="T,T,...", help="the times of the rows, instead of an interval")
     add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter: -p L=2 -p 'k=1[kN/m]' -p n=20")
-    add("--initial", action="append", default=[], metavar="NAME=VALUE",
-        help="a start value of a coordinate or rate: --initial hinge.phi=1.2")
-    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv",
-        help="an input: a constant, or a table with a column time")
+    _add_values(parser)
     add("--outputs", metavar="NAME,NAME,...", help="quantities to report besides coordinates, rates and outputs")
     add("--reactions", action="store_true", help="report the force and torque of every joint and tie")
     add("-o", "--output", metavar="FILE", help="the result (FILE.csv; - for standard output); by default NAME.csv in this folder")
@@ -416,15 +413,20 @@ def _add_animate(parser: argparse.ArgumentParser) -> None:
     add("-o", "--output", metavar="FILE", help="the page or film (.html, .gif, .webp); by default NAME.html in this folder")
 
 
+def _add_values(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--initial", action="append", default=[], metavar="NAME=VALUE",
+        help="a start value of a coordinate or rate: --initial hinge.phi=1.2")
+    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv",
+        help="an input: a constant, or a table with a column time")
+
+
 def _add_start(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("file", type=Path, metavar="FILE")
     add("--model", metavar="NAME", help="the model; the last of the file by default")
     add("-p", "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter: -p L=2 -p n=3")
-    add("--initial", action="append", default=[], metavar="NAME=VALUE",
-        help="a start value of a coordinate or rate: --initial hinge.phi=1.2")
-    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv",
-        help="an input: a constant, or a table with a column time")
+    _add_values(parser)
 
 
 def _add_equations(parser: argparse.ArgumentParser) -> None:

@@ -124,11 +124,6 @@ class Upgrade:
             self._built.append(libraries)
 
 
-def start_building() -> Runtime | None:
-    """The run time, made meanwhile where it has to be; None when there is none, and no C compiler for one."""
-    return find_runtime()
-
-
 def load_engine(
     scene: Scene, runtime: Runtime | None = None, native: bool | None = None, solver: Solver = Solver.AUTO
 ) -> Engine | None:
@@ -158,7 +153,7 @@ def _load_whole(
     scene: Scene, runtime: Runtime | None = None, native: bool | None = None, is_implicit: bool = False
 ) -> Engine | None:
     begin = time.perf_counter()
-    runtime = runtime or start_building()
+    runtime = runtime or find_runtime()
     if runtime is None:
         return None
     if native:
