@@ -336,6 +336,7 @@ C_ROOMS = """
     methods
     choice
     run
+    standard
     fmi
 """.split()
 C_EXCEPTIONS = {"state/state.h"}  # a run holds a struct of each room, so that it can be kept and copied as a whole
@@ -390,7 +391,7 @@ def test_c_calls_point_one_way(tmp_path: Path) -> None:
     assert [f"{file}.c -> {name}" for file, name, home in calls if room[home] > room[file]] == []
 
 
-FMI_ORDER = "log evaluations settle values exchange cosimulation partial saved life".split()
+FMI_ORDER = "compiled stored log evaluations settle values exchange cosimulation partial saved life".split()
 
 
 def test_files_of_fmus_call_one_way(tmp_path: Path) -> None:

@@ -50,21 +50,18 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID, fmi2String fmuResourceLocation,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn)
 {
-    (void)fmuResourceLocation, (void)visible;
+    (void)visible;
     Component *c = calloc(1, sizeof *c);
     if (!c)
         return NULL;
     if (functions)
         c->functions = *functions;
     const LagFmuKind kind = fmuType == fmi2ModelExchange ? LAG_MODEL_EXCHANGE : LAG_CO_SIMULATION;
-    c->core = lag_instance_new(&lag_fmu, kind, instanceName, log_message, c);
-    if (c->core) {
-        c->core->is_logging = loggingOn != fmi2False;
-        if (fmuGUID && strcmp(fmuGUID, lag_fmu.token) == 0 && instanceName && *instanceName)
-            return c;
-        lag_instance_log(c->core, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "an instance needs a name and the guid %s", lag_fmu.token);
-    }
-    fmi2FreeInstance(c);
+    const LagBirth birth = {kind, instanceName, fmuGUID, fmuResourceLocation, loggingOn != fmi2False};
+    c->core = lag_instance_new(&birth, log_message, c);
+    if (c->core)
+        return c;
+    free(c);
     return NULL;
 }
 

@@ -48,22 +48,18 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, siz
 
 /* ---------------------------------------------------------------- birth and death */
 
-static fmi3Instance instantiate(LagFmuKind kind, fmi3String name, fmi3String token, fmi3Boolean is_logging, Fmi3 callbacks)
+static fmi3Instance instantiate(const LagBirth *birth, Fmi3 callbacks)
 {
     Fmi3 *wrapper = malloc(sizeof *wrapper);
     if (!wrapper)
         return NULL;
     *wrapper = callbacks;
-    wrapper->core = lag_instance_new(&lag_fmu, kind, name, log_message, wrapper);
+    wrapper->core = lag_instance_new(birth, log_message, wrapper);
     if (wrapper->core) {
-        wrapper->core->is_logging = is_logging;
         wrapper->core->intermediate = callbacks.intermediate_update ? intermediate : NULL;
-        if (token && strcmp(token, lag_fmu.token) == 0 && name && *name)
-            return wrapper;
-        lag_instance_log(wrapper->core, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "an instance needs a name and the token %s",
-                         lag_fmu.token);
+        return wrapper;
     }
-    fmi3FreeInstance(wrapper);
+    free(wrapper);
     return NULL;
 }
 
@@ -71,9 +67,10 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3Boolean visible, fmi3Boolean loggingOn, fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage)
 {
-    (void)resourcePath, (void)visible;
+    (void)visible;
+    const LagBirth birth = {LAG_MODEL_EXCHANGE, instanceName, instantiationToken, resourcePath, loggingOn};
     const Fmi3 callbacks = {NULL, instanceEnvironment, logMessage, NULL};
-    return instantiate(LAG_MODEL_EXCHANGE, instanceName, instantiationToken, loggingOn, callbacks);
+    return instantiate(&birth, callbacks);
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
@@ -82,9 +79,10 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment instanceEnvironment,
                                          fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate)
 {
-    (void)resourcePath, (void)visible, (void)requiredIntermediateVariables, (void)nRequiredIntermediateVariables;
+    (void)visible, (void)requiredIntermediateVariables, (void)nRequiredIntermediateVariables;
+    const LagBirth birth = {LAG_CO_SIMULATION, instanceName, instantiationToken, resourcePath, loggingOn};
     const Fmi3 callbacks = {NULL, instanceEnvironment, logMessage, intermediateUpdate};
-    Fmi3 *wrapper = instantiate(LAG_CO_SIMULATION, instanceName, instantiationToken, loggingOn, callbacks);
+    Fmi3 *wrapper = instantiate(&birth, callbacks);
     if (wrapper) {
         wrapper->core->uses_events = eventModeUsed;
         wrapper->core->may_return_early = earlyReturnAllowed;
@@ -419,7 +417,7 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventI
         return fmi3Error;
     if (!nEventIndicators)
         return no_place(instance);
-    *nEventIndicators = (size_t)lag_fmu_count(&lag_fmu, LAG_GROUP_INDICATOR);
+    *nEventIndicators = (size_t)lag_fmu_count(core(instance)->fmu, LAG_GROUP_INDICATOR);
     return fmi3OK;
 }
 
@@ -429,7 +427,7 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nConti
         return fmi3Error;
     if (!nContinuousStates)
         return no_place(instance);
-    *nContinuousStates = (size_t)lag_fmu_count(&lag_fmu, LAG_GROUP_STATE);
+    *nContinuousStates = (size_t)lag_fmu_count(core(instance)->fmu, LAG_GROUP_STATE);
     return fmi3OK;
 }
 

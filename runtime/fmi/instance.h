@@ -60,6 +60,7 @@ typedef struct {
 
 struct LagInstance {
     const LagFmu *fmu;
+    void *fmu_memory;        /* opening.h */
     const LagModel *model;
     LagRun *run;             /* from initialization on */
     LagFmuKind kind;
@@ -88,8 +89,15 @@ struct LagInstance {
     double *held_rates;      /* as many as can be held */
 };
 
-/* NULL when there is no memory. */
-LagInstance *lag_instance_new(const LagFmu *fmu, LagFmuKind kind, const char *name, LagLogger logger, void *wrapper);
+/* What an importer says of an instance: the token shows that it has read the description of this very FMU. */
+typedef struct {
+    LagFmuKind kind;
+    const char *name, *token, *resources;
+    int is_logging;
+} LagBirth;
+
+/* NULL when there is no memory, or what was said is wrong, which is logged. */
+LagInstance *lag_instance_new(const LagBirth *birth, LagLogger logger, void *wrapper);
 void lag_instance_free(LagInstance *instance);
 
 /* 1 when the call is allowed now; else it is logged. NULL is no instance. */

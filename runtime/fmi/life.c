@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "fmi/opening.h"
 #include "state/state.h"
 
 enum { LONGEST_NAME = 200 };
@@ -85,21 +86,37 @@ static char *copy_of(const char *text)
     return copy;
 }
 
-LagInstance *lag_instance_new(const LagFmu *fmu, LagFmuKind kind, const char *name, LagLogger logger, void *wrapper)
+/* 0: it is logged. */
+static int find_model(LagInstance *s, const LagBirth *birth)
+{
+    char why[700];
+    s->fmu = lag_fmu_open(birth->resources, &s->fmu_memory, why, sizeof why);
+    if (!s->fmu) {
+        lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "%s", why);
+        return 0;
+    }
+    s->model = s->fmu->model;
+    if (birth->token && strcmp(birth->token, s->fmu->token) == 0 && *s->name)
+        return 1;
+    lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "an instance needs a name and the token (FMI 2: guid) %s",
+                     s->fmu->token);
+    return 0;
+}
+
+LagInstance *lag_instance_new(const LagBirth *birth, LagLogger logger, void *wrapper)
 {
     LagInstance *s = calloc(1, sizeof *s);
     if (!s)
         return NULL;
-    s->fmu = fmu;
-    s->model = fmu->model;
-    s->kind = kind;
+    s->kind = birth->kind;
+    s->is_logging = birth->is_logging;
     s->logger = logger;
-    s->name = copy_of(name ? name : "");
-    if (!s->name || !take_memory(s)) {
+    s->wrapper = wrapper;
+    s->name = copy_of(birth->name ? birth->name : "");
+    if (!s->name || !find_model(s, birth) || !take_memory(s)) {
         lag_instance_free(s);
         return NULL;
     }
-    s->wrapper = wrapper;
     set_defaults(s);
     return s;
 }
@@ -112,6 +129,7 @@ void lag_instance_free(LagInstance *instance)
         lag_saved_free(instance, instance->states);
     lag_run_free(instance->run);
     free(instance->memory);
+    free(instance->fmu_memory);
     free(instance->name);
     free(instance);
 }

@@ -13,7 +13,7 @@ typedef struct {
 } Header;
 
 enum { WORD = sizeof(uint64_t) };
-/* Code and constants of one library lie no farther apart. */
+/* Code and constants of one library lie no farther apart, nor does what is in a model that was read from a file. */
 static const uint64_t REACH = (uint64_t)1 << 30;
 
 static uint64_t address(const void *pointer) { return (uint64_t)(uintptr_t)pointer; }
@@ -50,14 +50,18 @@ static uint64_t read_word(const void *base, size_t k)
     return word;
 }
 
+static int is_near(uint64_t word, const void *place)
+{
+    const uint64_t there = address(place);
+    return (word > there ? word - there : there - word) < REACH;
+}
+
 /* A word of the saved struct in the terms of `run`; first and second are runs just made. */
 static uint64_t moved(const Header *header, const LagRun *run, const LagRun *first, const LagRun *second, uint64_t saved, size_t k)
 {
-    const uint64_t fresh = read_word(first, k), anchor = address(run->model);
-    if (fresh == read_word(second, k)) {
-        const uint64_t distance = fresh > anchor ? fresh - anchor : anchor - fresh;
-        return distance < REACH ? fresh : saved; /* of constants and code: where they are in this process */
-    }
+    const uint64_t fresh = read_word(first, k);
+    if (fresh == read_word(second, k)) /* of constants and code: where they are in this process */
+        return is_near(fresh, run->model) || is_near(fresh, &REACH) ? fresh : saved;
     if (saved - header->memory <= header->memory_size * sizeof(double))
         return address(run->memory) + (saved - header->memory);
     if (saved - header->run < header->struct_size)

@@ -194,7 +194,7 @@ def test_a_written_state_is_read_in_another_process(tmp_path: Path) -> None:
     program = f"""
 import sys; sys.path.insert(0, {str(Path(__file__).parents[1])!r})
 from helpers import fmus; from pathlib import Path
-fmus.unpacked.__wrapped__; fmus.unpacked = lambda *a: Path({str(unpacked(path, "2"))!r}); fmus.fmu_of = fmus.unpacked
+fmus.unpacked = lambda *a: Path({str(unpacked(path, "2"))!r}); fmus.fmu_of = fmus.unpacked
 i = fmus.Instance(Path({str(path)!r}), "2", "CoSimulation")
 i.fmu.setFMUstate(i.fmu.deSerializeFMUstate(Path({str(tmp_path / "state")!r}).read_bytes()))
 i.step(0.5, 0.5); print(*[x.hex() for x in i.get("guide.s", "tilt.phi", "y")])
@@ -326,7 +326,7 @@ def test_intermediate_updates_see_each_step_and_may_end_it() -> None:
     callback = fmi3.fmi3IntermediateUpdateCallback(update)
     log = fmi3.fmi3LogMessageCallback(lambda *rest: None)
     instance.fmu.component = instance.fmu.fmi3InstantiateCoSimulation(
-        b"one", token, b"", False, False, False, True, None, 0, None, log, callback)
+        b"one", token, bytes(unpacked(path, "3") / "resources"), False, False, False, True, None, 0, None, log, callback)
     instance.start()
     _event, _terminates, is_early, reached = instance.step(0, 1.0)
     assert is_early and 0.3 < reached < 1 and seen == sorted(seen) and seen[-1] == reached

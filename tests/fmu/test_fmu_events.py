@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("fmpy")
 
-from helpers.fmus import Instance
+from helpers.fmus import Instance, unpacked
 
 BALL = """model Ball
   Prismatic y(a = world, along = {0, 1}, s(start = 1));
@@ -117,8 +117,9 @@ def test_inputs_follow_a_ramp_in_intermediate_updates(tmp_path: Path) -> None:
 
     callback, log = fmi3.fmi3IntermediateUpdateCallback(update), fmi3.fmi3LogMessageCallback(lambda *rest: None)
     token = (one.description.instantiationToken or one.description.guid).encode()
-    one.fmu.component = one.fmu.fmi3InstantiateCoSimulation(b"one", token, b"", False, False, False, False, None, 0, None, log,
-                                                            callback)
+    resources = bytes(unpacked(path, "3") / "resources")
+    one.fmu.component = one.fmu.fmi3InstantiateCoSimulation(b"one", token, resources, False, False, False, False, None, 0, None,
+                                                            log, callback)
     one.start(tolerance=1e-9)
     for k in range(4):
         one.step(0.5 * k, 0.5)

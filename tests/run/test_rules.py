@@ -13,6 +13,7 @@ KNOWN: dict[Moment, dict[str, Any]] = {
     Moment.LINEAR: {"coordinates": 2, "radians": 100.0, "own": 20.0, "has_events": False},
     Moment.SWEEP: {"has_islands": False, "has_long_steps": False},
     Moment.FMU: {"is_linear": False},
+    Moment.BINARY: {"is_shipped": True, "has_compiler": True, "saved": 0.2, "compiling": 0.6},
     Moment.UPGRADE: {"is_built": False, "looks": True, "spent": 0.1, "saved": 0.2, "compiling": 0.6},
 }
 
@@ -44,6 +45,10 @@ def test_a_row_is_there_for_everything(moment: Moment) -> None:
         (Moment.SWEEP, {"has_long_steps": True}, Solver.STEPWISE, "looks between rows"),
         (Moment.FMU, {}, Solver.AUTO, "FMU"),
         (Moment.FMU, {"is_linear": True}, Solver.LINEAR, "linear FMU"),
+        (Moment.BINARY, {}, Code.TAPE, "short runs"),
+        (Moment.BINARY, {"saved": 0.7}, Code.NATIVE, "long runs"),
+        (Moment.BINARY, {"saved": 0.7, "has_compiler": False}, Code.TAPE, "tapes alone"),
+        (Moment.BINARY, {"is_shipped": False}, Code.NATIVE, "no library for FMUs"),
         (Moment.UPGRADE, {}, Code.TAPE, "still the tape"),
         (Moment.UPGRADE, {"saved": 0.51}, Code.NATIVE, "compiled beside"),
         (Moment.UPGRADE, {"saved": 0.51, "looks": False}, Code.TAPE, "still the tape"),

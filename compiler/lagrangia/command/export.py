@@ -9,7 +9,7 @@ from lagrangia.command.arguments import assignment, part_structural, tell, tell_
 from lagrangia.command.scene_export import TARGETS
 
 _WRITTEN = ("modelica", "sympy", "latex")  # with names on paper
-_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "outputs", "info"), ("fmu",)) | {"names": _WRITTEN}
+_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "code", "outputs", "info"), ("fmu",)) | {"names": _WRITTEN}
 
 
 def _refuse_idle(options: Namespace) -> None:

@@ -14,7 +14,7 @@ from lagrangia.view.statics import tells_reactions
 if TYPE_CHECKING:
     from lagrangia.model import Model
 
-OPTIONS = ("fmi", "kind", "platforms", "sources")  # of export_fmu, under their names there
+OPTIONS = ("fmi", "kind", "platforms", "sources", "code")  # of export_fmu, under their names there
 
 
 def export_fmu_command(options: Namespace) -> int:
@@ -46,8 +46,12 @@ def _tell(text: str) -> None:
 def _summary(model: "Model", path: Path) -> str:
     import zipfile
 
+    from lagrangia.fmu.stored import NAME as STORED
+
     with zipfile.ZipFile(path) as archive:
-        binaries = sorted(name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/"))
+        names = archive.namelist()
+    binaries = sorted(name.split("/")[1] for name in names if name.startswith("binaries/"))
+    tape = " (tape)" if f"resources/{STORED}" in names else ""
     scene = model.scene
     return (f"{path}: {scene.name}, {2 * scene.n} states, {len(scene.parameters)} parameters, {len(scene.inputs)} inputs, "
-            f"{len(scene.outputs)} outputs; {', '.join(binaries) or 'no binaries'}; {path.stat().st_size / 1024:.0f} kB")
+            f"{len(scene.outputs)} outputs; {', '.join(binaries) or 'no binaries'}{tape}; {path.stat().st_size / 1024:.0f} kB")

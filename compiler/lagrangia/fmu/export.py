@@ -20,31 +20,41 @@ from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, keep_apart
 from lagrangia.base.version import VERSION
 from lagrangia.compile.pipeline import read_files
-from lagrangia.fmu.build import DARWIN, PLATFORMS, Platform, build_binaries, read_platforms, universal
+from lagrangia.fmu.build import DARWIN, PLATFORMS, Platform, build_binaries, host_platform, read_platforms, universal
 from lagrangia.fmu.page import license_text, write_page, write_terminals
 from lagrangia.fmu.pictures import draw_graph, draw_icon
 from lagrangia.fmu.source import scene_source, table_source
+from lagrangia.fmu.stored import NAME as STORED
+from lagrangia.fmu.stored import write_stored
 from lagrangia.fmu.variables import Exportable, FmuModel, build_fmu_model
 from lagrangia.fmu.xml import About
 from lagrangia.fmu.xml2 import write_fmi2
 from lagrangia.fmu.xml3 import write_build_description, write_fmi3
+from lagrangia.native.prebuilt import find_fmu
+from lagrangia.run.engines import compile_seconds, saved_seconds
+from lagrangia.run.library import has_compiler
+from lagrangia.run.rules import FMU_RUNS, Code, Moment, decide
 
 VERSIONS = ("2", "3")
 KINDS = ("me", "cs")
+CODES = ("auto", "tape", "native")
 INFO = ("author", "version", "copyright", "license")
 EXTRA = "io.github.lagrangia"  # its folder in extra/
 SCENE = "scene.json"  # in it: which model of which file was exported, and with what
 _MOST_READABLE = 3  # coordinates of a scene whose equations are written out
 _LONGEST_IDENTIFIER = 60
+_BUILDING = 0.5  # seconds for which zig compiles and links the smallest scene, when it has made the run time
 _EARLIEST = (1980, 1, 1, 0, 0, 0)  # in an archive; files in it have no dates
 _VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_unused.c", "fmi3_instance.h")}
-# Of the run time: many runs, and what Python compares when it loads a library.
-_UNUSED = ("batch.c", "batch.h", "reduce.c", "reduce.h", "layout.c", "layout.h")
+# Of the run time: many runs, what Python compares when it loads a library, and what only the package's library for FMUs needs.
+_UNUSED = ("batch.c", "batch.h", "reduce.c", "reduce.h", "layout.c", "layout.h", "stored.c")
 
 
 @dataclass(frozen=True)
 class Export:
-    """What is wanted of an FMU. `info`: author, version, copyright, license; `outputs` are among those of the model already."""
+    """What is wanted of an FMU. `info`: author, version, copyright, license; `outputs` are among those of the model already;
+    `code`: "tape": this machine's binary is the library that comes with the package, and the scene a file, "native": the scene is
+    compiled, "auto": what costs less time."""
 
     version: str = "2"
     kinds: tuple[str, ...] = KINDS
@@ -52,6 +62,7 @@ class Export:
     sources: bool = True
     parameters: Mapping[str, float] = field(default_factory=dict)
     info: Mapping[str, str] = field(default_factory=dict)
+    code: str = "native"
 
 
 @dataclass(frozen=True)
@@ -72,17 +83,23 @@ def export_fmu(model: Exportable, wanted: Export, path: Path, tell: Callable[[st
 
 
 def export_fmus(
-    model: Exportable, path: Path | None, fmi: str | int, kind: str, platforms: str, sources: bool,
-    parameters: Mapping[str, float] | None, info: Mapping[str, str] | None, tell: Callable[[str], None] | None,
+    model: Exportable, path: str | os.PathLike[str] | None, fmi: str | int, kind: str, platforms: str, sources: bool,
+    parameters: Mapping[str, float] | None, info: Mapping[str, str] | None, code: str, tell: Callable[[str], None] | None,
 ) -> list[Path]:
     """One archive for each version, from one description of the scene. Raises LagError."""
     versions = VERSIONS if fmi == "both" else read_choice(fmi, VERSIONS, "version of FMI")
     kinds = read_choice(kind, KINDS, "kind of FMU")
-    wanted = Export("", kinds, read_platforms(platforms), sources, parameters or {}, _checked_info(info))
+    chosen = read_platforms(platforms)
+    (asked,) = read_choice(code, CODES, "code of an FMU")
+    if asked == "tape" and chosen != (host_platform(),):
+        fail("L0706", "only this machine's binary runs tapes: others are compiled", None, "leave --code or --platforms out")
+    if platforms != "host" and asked == "auto":
+        asked = "native"  # others are meant, too
+    wanted = Export("", kinds, chosen, sources, parameters or {}, _checked_info(info), asked)
     described = build_fmu_model(model, wanted.parameters)
     extras = build_extras(model, described)
     name = f"{identifier_of(model.scene.name)}.fmu"
-    target = Path(name) if path is None else path / name if os.path.isdir(path) else path
+    target = Path(name) if path is None else Path(path, name) if os.path.isdir(path) else Path(path)
     both = {version: target.with_name(f"{target.stem}_fmi{version}{target.suffix or '.fmu'}") for version in versions}
     keep_apart([target, *both.values()], [model.path])
     written = []
@@ -115,7 +132,8 @@ def archive(described: FmuModel, wanted: Export, extras: Extras, tell: Callable[
                                    VERSION, wanted.kinds)).encode()).hexdigest()
     token = f"{{{content[:8]}-{content[8:12]}-{content[12:16]}-{content[16:20]}-{content[20:32]}}}"
     sources = _sources(described, wanted.version, token)
-    binaries = build_binaries(identifier, sources, wanted.platforms, tell)
+    library = _shipped(described, wanted)
+    binaries = build_binaries(identifier, sources, wanted.platforms, tell) if library is None else library
     if not binaries and not wanted.sources:
         fail("L0706", "an FMU without binaries and without sources cannot be used", None, "leave one of the two options out")
     listed = names if wanted.sources else ()
@@ -126,11 +144,31 @@ def archive(described: FmuModel, wanted: Export, extras: Extras, tell: Callable[
         binaries[DARWIN[0]] = universal([binaries[name] for name in DARWIN])
     for name, binary in binaries.items():
         files[f"binaries/{_folder(PLATFORMS[name], wanted.version)}/{identifier}{PLATFORMS[name].suffix}"] = binary
+    if library is not None:
+        files[f"resources/{STORED}"] = write_stored(described, token)
     if wanted.sources:
         files |= {f"sources/{name}": text.encode() for name, text in sources.items()}
         files["sources/buildDescription.xml"] = write_build_description(wanted.version, identifier, names).encode()
     files |= _documents(described, about, wanted, extras)
     return zipped(files)
+
+
+def _shipped(described: FmuModel, wanted: Export) -> dict[str, bytes] | None:
+    """The library that came with the package, for this machine's platform; None where the scene is to be compiled. Raises
+    LagError L0706 where it was asked for and is not there."""
+    host = host_platform()
+    if wanted.code == "native" or host is None or wanted.platforms != (host,):
+        return None
+    library = find_fmu(data_folder("runtime"), wanted.version)
+    saved = saved_seconds(described.scene, FMU_RUNS * described.evaluations)
+    facts = {"is_shipped": library is not None, "saved": saved, "compiling": _BUILDING + compile_seconds(described.scene),
+             "has_compiler": wanted.code == "auto" and has_compiler()}
+    if decide(Moment.BINARY, facts).takes is Code.TAPE and library is not None:
+        return {host: library.read_bytes()}
+    if wanted.code == "tape":
+        fail("L0706", "no library for FMUs came with the package: it can only compile them", None,
+             "leave --code out, or install lagrangia where there is a C compiler")
+    return None
 
 
 def _documents(described: FmuModel, about: About, wanted: Export, extras: Extras) -> dict[str, bytes]:
@@ -189,7 +227,8 @@ def identifier_of(name: str) -> str:
 def _sources(described: FmuModel, version: str, token: str) -> dict[str, str]:
     """All C files of an FMU, side by side in one folder: the run time's, the scene, and the table of the FMU."""
     others = {name for key, names in _VERSION_FILES.items() if key != version for name in names}
-    files = [file for file in data_folder("runtime").rglob("*.[ch]") if file.name not in others | set(_UNUSED)]
+    files = [file for file in data_folder("runtime").rglob("*.[ch]")
+             if file.name not in others | set(_UNUSED) and file.parent.name != "standard"]
     found = {file.name: file.read_text(encoding="utf-8") for file in files}
     found["scene.c"] = scene_source(described)
     found["scene_fmu.c"] = table_source(described, token)

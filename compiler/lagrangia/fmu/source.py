@@ -3,10 +3,10 @@
 import math
 from collections.abc import Sequence
 
+from lagrangia.fmu.tables import constants, sizes_of, vectors
 from lagrangia.fmu.variables import FmuModel
 from lagrangia.native.c_code import INCLUDES, write_c, write_functions
 from lagrangia.native.tapes import Tape
-from lagrangia.run.rules import Moment, solver_by
 
 # Scenes with more operations than this stay tapes, as data: a C compiler takes some 0.2 ms an operation, for each platform.
 _LARGEST_COMPILED = 3_000
@@ -16,8 +16,7 @@ def scene_source(model: FmuModel) -> str:
     """The scene as `lag simulate` compiles it."""
     scene = model.scene
     long = [name for name, tape in scene.tapes.items() if _is_long(tape)]
-    sizes = {**scene.sizes, "solver": int(solver_by(Moment.FMU, {"is_linear": "linear" not in scene.refused}))}
-    return write_c(scene.name, sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
+    return write_c(scene.name, sizes_of(model), scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
                    long)
 
 
@@ -30,26 +29,17 @@ def table_source(model: FmuModel, token: str) -> str:
     scene = model.scene
     tapes = {"forward": model.forward, "adjoint": model.adjoint}
     functions, initializers = write_functions(tapes, [name for name, tape in tapes.items() if _is_long(tape)])
-    constants = {group: [variable.start for variable in model.of(group)] for group in ("real", "integer", "boolean", "string")}
-    limits = model.of("parameter")
-    vectors = {
-        "state_start": model.state_start, "nominal": model.nominal, "parameter_start": model.given,
-        "input_start": [float(v.start or 0.0) for v in model.of("input")],
-        "minimum": [-math.inf if v.minimum is None else v.minimum for v in limits],
-        "maximum": [math.inf if v.maximum is None else v.maximum for v in limits],
-        "reals": [float(x or 0.0) for x in constants["real"]], "integers": [float(x or 0) for x in constants["integer"]],
-        "booleans": [float(bool(x)) for x in constants["boolean"]],
-    }
+    given, numbers = constants(model), vectors(model)
     lines = ["/* Generated, do not edit. */", *INCLUDES, '#include "fmi/fmu.h"', "",
              "LAG_API extern const LagModel lag_model;", "", *functions]
-    lines += [f"static const double {name}[] = {{{', '.join(map(_number, values)) or '0'}}};" for name, values in vectors.items()]
+    lines += [f"static const double {name}[] = {{{', '.join(map(_number, values)) or '0'}}};" for name, values in numbers.items()]
     lines += [_flags("state_settable", model.state_settable), _flags("parameter_settable", model.settable)]
-    lines += [_texts("names", [v.name for v in model.variables]), _texts("strings", [str(x) for x in constants["string"]]), ""]
+    lines += [_texts("names", [v.name for v in model.variables]), _texts("strings", [str(x) for x in given["string"]]), ""]
     lines += ["const LagFmu lag_fmu = {", "    .model = &lag_model,", f"    .token = {_quoted(token)},",
               f"    .start = {_number(scene.start)},", f"    .tolerance = {_number(scene.tolerance)},",
               f"    .stabilisation = {_number(model.stabilisation)},"]
-    lines += [f"    .n_{group}s = {len(constants[group])}," for group in constants]
-    lines += [f"    .{name} = {name}," for name in (*vectors, "state_settable", "parameter_settable", "names", "strings")]
+    lines += [f"    .n_{group}s = {len(values)}," for group, values in given.items()]
+    lines += [f"    .{name} = {name}," for name in (*numbers, "state_settable", "parameter_settable", "names", "strings")]
     lines += [f"    .{name} = {value}," for name, value in initializers.items()]
     return "\n".join([*lines, "};", ""])
 

@@ -87,7 +87,8 @@ class Variable:
 @dataclass(frozen=True)
 class FmuModel:
     """`dependencies` of outputs, derivatives and calculated parameters: the knowns of each, by name, and of what kind each is;
-    `given` are the parameters (n_p,) of the FMU, `settable` those that an importer may set."""
+    `given` are the parameters (n_p,) of the FMU, `settable` those that an importer may set; `evaluations` of the right-hand side
+    were made in one run over the experiment."""
 
     scene: Scene
     variables: tuple[Variable, ...]
@@ -98,6 +99,7 @@ class FmuModel:
     state_settable: tuple[bool, ...]
     nominal: tuple[float, ...]
     stabilisation: float
+    evaluations: int
     forward: Tape
     adjoint: Tape
 
@@ -126,7 +128,7 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     given = tuple(float(x) for x in model.parameter_values(parameters))
     settable = tuple(not known.locked and (known.value is not None or bool(mask))
                      for known, mask in zip(scene.parameters, values.mask, strict=True))
-    start, nominal = _states(model, parameters)
+    evaluations, start, nominal = _states(model, parameters)
     length = scene.stop - scene.start
     stabilisation = _DRIFT_RATE / length if scene.sizes["n_multipliers"] and length > 0 else 0.0
     outputs = tuple(column.name for column in scene.outputs)
@@ -142,22 +144,23 @@ def build_fmu_model(model: Exportable, parameters: Mapping[str, float] | None = 
     for parameter, found in zip(scene.parameters, derivatives.parameter_rows, strict=True):
         dependencies[parameter.name] = {free[k]: kind for k, kind in found.items()}
     return FmuModel(scene, variables, dependencies, given, settable, tuple(np.asarray(start, dtype=float).tolist()),
-                    tuple(kind != "calculated" for kind in kinds), nominal, stabilisation, derivatives.forward,
-                    derivatives.adjoint)
+                    tuple(kind != "calculated" for kind in kinds), nominal, stabilisation, evaluations,
+                    derivatives.forward, derivatives.adjoint)
 
 
-def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[list[float], tuple[float, ...]]:
-    """Where the states begin, and the size of each in the experiment, to a power of ten."""
+def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[int, list[float], tuple[float, ...]]:
+    """How many evaluations a run takes, where the states begin, and the size of each in the experiment, to a power of ten."""
     import numpy as np
 
     scene = model.scene
     try:
-        rows = model.simulate(parameters=parameters).rows
+        run = model.simulate(parameters=parameters)
     except RunError as error:
-        rows = error.trajectory.rows if error.trajectory is not None else np.zeros((0, 1 + 2 * scene.n))
+        run = error.trajectory
+    rows = run.rows if run is not None else np.zeros((0, 1 + 2 * scene.n))
     if not len(rows):
         _refuse_infinite(model)
-        return [0.0] * (2 * scene.n), (1.0,) * (2 * scene.n)
+        return 0, [0.0] * (2 * scene.n), (1.0,) * (2 * scene.n)
     states = rows[:, 1 : 1 + 2 * scene.n]
     largest = np.abs(states).max(axis=0) if scene.n else np.zeros(0)
     largest[largest < _NOTHING] = 0.0
@@ -171,7 +174,8 @@ def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[
     for size, kind in zip(largest, kinds, strict=True):
         least = max(_SMALLEST_NOMINAL * largest[kinds == kind].max(), 0.0)
         nominal.append(1.0 if kind == 0 else _power_of_ten(max(size, least)))
-    return states[0].tolist(), tuple(nominal)
+    evaluations = run.statistics.rhs_evaluations if run.statistics is not None else 0
+    return evaluations, states[0].tolist(), tuple(nominal)
 
 
 def _refuse_infinite(model: Exportable) -> None:

@@ -7,6 +7,8 @@ It is compiled for this machine's processor and, with less care, for any of the 
 loaded. LAGRANGIA_KINDS=all compiles for all kinds with the same care, as a wheel for others should be. Widths of registers change
 no digit (no contraction, no fused multiply-add, sums in a fixed order). A library is of one kind throughout: where instructions
 with and without wide registers take turns, implicit steps take twice as long.
+
+Two libraries more, one a version of the standard, are binaries of FMUs: for any processor, and any scene (runtime/fmi/stored.c).
 """
 
 import hashlib
@@ -15,6 +17,10 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 # No contraction and no -ffast-math: the same digits on every machine, and the compensated sums of the run time stay intact.
@@ -25,6 +31,9 @@ LEVEL = "-O2"
 PROBE = "int lag_probe(void);\nint lag_probe(void) { return 0; }\n"  # what a compiler that works can build
 _FOLDER = Path(__file__).with_name("prebuilt")
 _PROCESSOR = Path("/proc/cpuinfo")
+FMI_VERSIONS = ("2", "3") if sys.platform != "win32" else ()  # of FMUs for which a library comes with the package
+_FMI = ("cosimulation", "evaluations", "exchange", "life", "log", "partial", "saved", "settle", "stored", "values")
+_OF_VERSION = ("-fvisibility=default",)  # the files of a version define the functions of the standard, and no others
 _WIDEST = ("avx512f", "avx512dq", "avx512vl")
 # What is compiled for, by name, the best first: the flags, and what a processor has to tell of itself. Instructions of three
 # operands and wide registers take a tenth off the time of series, half or more off that of states evaluated abreast.
@@ -79,6 +88,16 @@ def find(runtime: Path, folder: Path = _FOLDER) -> Path | None:
     return there[0] if there and known == digest(runtime) else None
 
 
+def find_fmu(runtime: Path, version: str, folder: Path = _FOLDER) -> Path | None:
+    """The binary of FMUs of a version of the standard, likewise."""
+    try:
+        known = (folder / "digest").read_text().strip()
+    except OSError:
+        return None
+    library = folder / f"fmu{version}{SUFFIX}"
+    return library if library.exists() and known == digest(runtime) else None
+
+
 def sources(runtime: Path) -> list[Path]:
     """All C files of the run time but those of FMUs."""
     return sorted(file for file in runtime.rglob("*.c") if "fmi" not in file.relative_to(runtime).parts)
@@ -88,7 +107,7 @@ def sources(runtime: Path) -> list[Path]:
 def digest(runtime: Path) -> str:
     """Changes with every source, every header and the flags."""
     hashed = hashlib.sha256(repr((FLAGS, LEVEL, _KINDS["avx512"][0])).encode())
-    for file in (*sources(runtime), *sorted(runtime.rglob("*.h"))):
+    for file in sorted(runtime.rglob("*.[ch]")):
         hashed.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())
     return hashed.hexdigest()
 
@@ -137,17 +156,44 @@ def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
     with tempfile.TemporaryDirectory(prefix="lagrangia-") as temporary, ThreadPoolExecutor(os.cpu_count()) as pool:
         work = Path(temporary)
 
-        def compiled(kind: str, file: Path) -> str:
+        def compiled(kind: str, file: Path, *flags: str) -> str:
             made = str(work / f"{kind}-{file.stem}.o")
-            _run([*command, *FLAGS, *flags_of(kind), _level(kind), f"-I{runtime}", "-c", str(file), "-o", made], work)
+            _run([*command, *FLAGS, *flags_of(kind), _level(kind), *_portable(command, runtime), *flags, f"-I{runtime}", "-c",
+                  str(file), "-o", made], work)
             return made
 
-        objects = {kind: [pool.submit(compiled, kind, file) for file in files] for kind in _wanted()}
-        for kind, made in objects.items():
-            fresh = work / f"{kind}{SUFFIX}"
-            _run([*command, *FLAGS, "-shared", *(item.result() for item in made), "-o", str(fresh), *LIBRARIES], work)
+        def linked(name: str, objects: "Sequence[Future[str]]", *flags: str) -> None:
+            fresh = work / f"{name}{SUFFIX}"
+            _run([*command, *FLAGS, "-shared", *flags, *(item.result() for item in objects), "-o", str(fresh), *LIBRARIES], work)
             shutil.move(fresh, folder / fresh.name)
+
+        objects = {kind: [pool.submit(compiled, kind, file) for file in files] for kind in _wanted()}
+        told = (f"-I{runtime / 'fmi' / 'standard'}", f'-DLAG_BUILD="{digest(runtime)}"')
+        glue = {version: [pool.submit(compiled, "any", file, *told, *_OF_VERSION)
+                          for file in sorted((runtime / "fmi").glob(f"fmi{version}*.c"))] for version in FMI_VERSIONS}
+        shared = [pool.submit(compiled, "any", file, *told) for file in (runtime / "fmi").glob("*.c") if file.stem in _FMI]
+        for kind, made in objects.items():
+            linked(kind, made)
+        for version, made in glue.items() if shared else ():
+            linked(f"fmu{version}", [*objects["any"], *shared, *made], *_exported(work))
     (folder / "digest").write_text(digest(runtime) + "\n")
+
+
+def _portable(command: Sequence[str], runtime: Path) -> tuple[str, ...]:
+    """Of the mathematical library only what every glibc has. Zig sees to that itself."""
+    from platform import libc_ver
+
+    header = runtime / "standard" / "old_glibc.h"
+    return ("-include", str(header)) if libc_ver()[0] == "glibc" and "ziglang" not in command and header.exists() else ()
+
+
+def _exported(work: Path) -> tuple[str, ...]:
+    """Only the functions of the standard are seen from outside: several FMUs may be loaded into one process."""
+    if sys.platform == "darwin":
+        return ("-Wl,-exported_symbol,_fmi*", "-Wl,-x")
+    script = work / "exported"
+    script.write_text("{ global: fmi2*; fmi3*; local: *; };\n")
+    return (f"-Wl,--version-script={script}", "-Wl,-s")
 
 
 def _wanted() -> tuple[str, ...]:

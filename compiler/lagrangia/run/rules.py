@@ -23,6 +23,7 @@ class Moment(Enum):
     LINEAR = "a scene is linear"
     SWEEP = "a sweep looks at motions between rows"
     FMU = "an FMU is written"
+    BINARY = "an FMU for this machine gets its binary"
     UPGRADE = "it runs on its tapes"
 
 
@@ -38,6 +39,8 @@ _UNLIKE = 4.0
 # Radians of the fastest motion beyond those that set-up and rows of exponentials are worth. On few coordinates, 501 rows: even at
 # some 130 radians at a tolerance of 1e-8; time events ask for parts of intervals, which cost more.
 _RADIANS, _RADIANS_WITH_EVENTS = 130, 1500
+# Runs over its experiment that an FMU is made for.
+FMU_RUNS = 100
 # Coordinates; beyond, rows of exponentials are summed up as series and cost like steps.
 MOST_LINEAR = 100
 
@@ -95,6 +98,16 @@ RULES = (
     Row("linear FMU", Moment.FMU, Solver.LINEAR, lambda f: f["is_linear"],
         "communication steps and tolerances are the importer's choice: exponentials serve all"),
     Row("FMU", Moment.FMU, Solver.AUTO, _always, "as `lag simulate`, in one piece: islands have no place in an FMU yet"),
+
+    Row("no library for FMUs", Moment.BINARY, Code.NATIVE, lambda f: not f["is_shipped"],
+        "no library for FMUs came with the package"),
+    Row("tapes alone", Moment.BINARY, Code.TAPE, lambda f: not f["has_compiler"], "there is no C compiler"),
+    Row("long runs", Moment.BINARY, Code.NATIVE, lambda f: f["saved"] > f["compiling"],
+        "native code saves {saved} s in a hundred runs over its experiment, more than {limit} s of compiling",
+        lambda f: f["compiling"]),
+    Row("short runs", Moment.BINARY, Code.TAPE, _always,
+        "native code would save {saved} s in a hundred runs over its experiment, less than {limit} s of compiling",
+        lambda f: f["compiling"]),
 
     Row("compiled before", Moment.UPGRADE, Code.NATIVE, lambda f: f["is_built"], "its native code is there"),
     Row("compiled beside", Moment.UPGRADE, Code.NATIVE, lambda f: f["looks"] and f["spent"] + f["saved"] > f["compiling"],

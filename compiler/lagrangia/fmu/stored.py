@@ -1,0 +1,149 @@
+"""FmuModel -> the file from which the library that comes with the package has the scene: runtime/fmi/stored.c, which reads it.
+
+Structures and vectors as C has them, each at a multiple of eight bytes; in the place of a pointer stands the distance of what it
+points to from the beginning of the file, and all such places are listed at its end. It holds for this machine's kind of processor
+and this version of the run time: library and file go into an FMU together.
+"""
+
+import ctypes as c
+import struct
+from array import array
+from collections.abc import Mapping, Sequence
+from typing import Any, cast
+from zlib import adler32
+
+from lagrangia.base.folders import data_folder
+from lagrangia.fmu.tables import constants, sizes_of, vectors
+from lagrangia.fmu.variables import FmuModel
+from lagrangia.native.prebuilt import digest
+from lagrangia.native.tapes import Tape
+from lagrangia.run.runtime import MIRRORS
+
+NAME = "scene.tape"  # among the resources
+_HEAD = struct.Struct("=8s64s7Q")
+_MAGIC = b"LAGFMU\0\1"
+_TAPE, _FUNCTION, _MODEL = (cast("type[c.Structure]", MIRRORS[name]) for name in ("LagTape", "LagFunction", "LagModel"))
+_WORD = 8
+_VECTORS = ("reals", "integers", "booleans", "strings", "names", "state_start", "state_settable", "nominal", "input_start",
+            "parameter_start", "minimum", "maximum", "parameter_settable")
+
+
+class _Fmu(c.Structure):
+    """LagFmu of fmu.h."""
+
+    _fields_ = (
+        ("model", c.c_void_p),
+        ("token", c.c_void_p),
+        *((name, c.c_double) for name in ("start", "tolerance", "stabilisation")),
+        *((name, c.c_int) for name in ("n_reals", "n_integers", "n_booleans", "n_strings")),
+        *((name, c.c_void_p) for name in _VECTORS),
+        ("forward", _FUNCTION),
+        ("adjoint", _FUNCTION),
+    )
+
+
+def write_stored(model: FmuModel, token: str) -> bytes:
+    """The whole file. Equal input gives equal bytes."""
+    image = _Image()
+    scene = model.scene
+    fmu = _Struct(_Fmu())
+    own = _Struct(_MODEL())
+    for name, size in sizes_of(model).items():
+        own.set(name, size)
+    lists = {"coordinate_kind": scene.coordinate_kind, "fixed": scene.fixed, "event_kind": scene.event_kind, **scene.patterns}
+    for name, places in lists.items():
+        own.point(name, image.ints(places))
+    for name, tape in scene.tapes.items():
+        own.function(name, tape, image)
+    fmu.point("model", image.structure(own))
+    fmu.point("token", image.text(token))
+    for name in ("start", "tolerance"):
+        fmu.set(name, getattr(scene, name))
+    fmu.set("stabilisation", model.stabilisation)
+    for group, values in constants(model).items():
+        fmu.set(f"n_{group}s", len(values))
+    for name, numbers in vectors(model).items():
+        fmu.point(name, image.doubles(numbers))
+    fmu.point("state_settable", image.ints(model.state_settable))
+    fmu.point("parameter_settable", image.ints(model.settable))
+    fmu.point("names", image.texts([variable.name for variable in model.variables]))
+    fmu.point("strings", image.texts([str(x) for x in constants(model)["string"]]))
+    fmu.function("forward", model.forward, image)
+    fmu.function("adjoint", model.adjoint, image)
+    return image.whole(image.structure(fmu))
+
+
+class _Struct:
+    """A structure of C, and where its pointers lead: distances by their places in it."""
+
+    def __init__(self, values: Any) -> None:
+        self.values = values
+        self.pointers: dict[int, int] = {}
+
+    def set(self, name: str, value: float) -> None:
+        setattr(self.values, name, value)
+
+    def point(self, name: str, distance: int) -> None:
+        self.pointers[getattr(type(self.values), name).offset] = distance
+
+    def function(self, name: str, tape: Tape, image: "_Image") -> None:
+        code, numbers = bytes(memoryview(tape.code).cast("B")), bytes(memoryview(tape.constants).cast("B"))
+        plain = _Struct(_TAPE(len(code) // 16, len(numbers) // 8))
+        plain.point("code", image.put(code))
+        plain.point("constants", image.put(numbers))
+        own = getattr(self.values, name)
+        own.n_in, own.n_out, own.n_work = len(tape.in_sizes), len(tape.out_sizes), tape.n_work
+        first = getattr(type(self.values), name).offset
+        for member, distance in (("in_size", image.ints(tape.in_sizes)), ("out_size", image.ints(tape.out_sizes)),
+                                 ("tape", image.structure(plain))):
+            self.pointers[first + getattr(_FUNCTION, member).offset] = distance
+
+
+class _Image:
+    """The file as it grows behind its head."""
+
+    def __init__(self) -> None:
+        self._content = bytearray(_HEAD.size)
+        self._places: list[int] = []
+
+    def put(self, content: bytes) -> int:
+        """Its distance from the beginning. What is empty has a place, too: no pointer is NULL for it."""
+        distance = len(self._content)
+        self._content += content.ljust(max(1, -(-len(content) // _WORD)) * _WORD, b"\0")
+        return distance
+
+    def ints(self, values: Sequence[int]) -> int:
+        return self.put(array("i", values).tobytes())
+
+    def doubles(self, values: Sequence[float]) -> int:
+        return self.put(array("d", values).tobytes())
+
+    def text(self, text: str) -> int:
+        return self.put(text.encode() + b"\0")
+
+    def texts(self, texts: Sequence[str]) -> int:
+        """An array of pointers to them."""
+        return self._pointers([self.text(text) for text in texts])
+
+    def _pointers(self, distances: Sequence[int]) -> int:
+        first = self.put(array("Q", distances).tobytes())
+        self._places += [first + _WORD * k for k in range(len(distances))]
+        return first
+
+    def structure(self, made: _Struct) -> int:
+        first = self.put(bytes(made.values))
+        for place, distance in made.pointers.items():
+            struct.pack_into("=Q", self._content, first + place, distance)
+            self._places.append(first + place)
+        return first
+
+    def whole(self, root: int) -> bytes:
+        """With its head, where `root` is the distance of the LagFmu."""
+        places = self._places
+        listed = self.put(array("Q", places).tobytes())
+        head = (_MAGIC, digest(data_folder("runtime")).encode(), len(self._content), adler32(self._content[_HEAD.size :]),
+                c.sizeof(_Fmu), c.sizeof(_MODEL), root, len(places), listed)
+        return _HEAD.pack(*head) + self._content[_HEAD.size :]
+
+
+FMU_MIRRORS: Mapping[str, type[c.Structure]] = {"LagFmu": _Fmu}

@@ -1,0 +1,33 @@
+"""What an FMU knows beside the scene's functions and lists, by the names of the members of LagFmu (runtime/fmi/fmu.h)."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+from lagrangia.fmu.variables import FmuModel
+from lagrangia.run.rules import Moment, solver_by
+
+_GROUPS = ("real", "integer", "boolean", "string")
+
+
+def sizes_of(model: FmuModel) -> Mapping[str, int]:
+    """Integers of LagModel, with the solver of its FMU."""
+    scene = model.scene
+    return {**scene.sizes, "solver": int(solver_by(Moment.FMU, {"is_linear": "linear" not in scene.refused}))}
+
+
+def constants(model: FmuModel) -> Mapping[str, Sequence[float | bool | str | None]]:
+    """Structural values by their groups, each counted by the member `n_<group>s`."""
+    return {group: [variable.start for variable in model.of(group)] for group in _GROUPS}
+
+
+def vectors(model: FmuModel) -> Mapping[str, Sequence[float]]:
+    """Those of doubles."""
+    given, limits = constants(model), model.of("parameter")
+    return {
+        "state_start": model.state_start, "nominal": model.nominal, "parameter_start": model.given,
+        "input_start": [float(v.start or 0.0) for v in model.of("input")],
+        "minimum": [-math.inf if v.minimum is None else v.minimum for v in limits],
+        "maximum": [math.inf if v.maximum is None else v.maximum for v in limits],
+        "reals": [float(x or 0.0) for x in given["real"]], "integers": [float(x or 0) for x in given["integer"]],
+        "booleans": [float(bool(x)) for x in given["boolean"]],
+    }
