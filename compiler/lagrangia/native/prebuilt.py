@@ -168,7 +168,7 @@ def build(runtime: Path, folder: Path, command: Sequence[str]) -> None:
             shutil.move(fresh, folder / fresh.name)
 
         objects = {kind: [pool.submit(compiled, kind, file) for file in files] for kind in _wanted()}
-        told = (f"-I{runtime / 'fmi' / 'standard'}", f'-DLAG_BUILD="{digest(runtime)}"')
+        told = (f"-I{runtime / 'standard'}", f'-DLAG_BUILD="{digest(runtime)}"')
         glue = {version: [pool.submit(compiled, "any", file, *told, *_OF_VERSION)
                           for file in sorted((runtime / "fmi").glob(f"fmi{version}*.c"))] for version in FMI_VERSIONS}
         shared = [pool.submit(compiled, "any", file, *told) for file in (runtime / "fmi").glob("*.c") if file.stem in _FMI]
