@@ -48,7 +48,7 @@ RESERVED = {"grammar", "runtime", "models"}  # folders of data in a wheel
 HEAVY_HOMES = {
     "lark": {"language"},
     "casadi": {"algebra", "frames", "constraints", "dynamics", "needs", "compile", "study", "fmu", "model", "bench",
-               "paper/sheet", "command/scene_export", "draw"},
+               "command/scene_export", "draw"},
     "sympy": {"algebra/with_sympy", "algebra/normal_form", "paper"},
     "matplotlib": {"view/curves", "study/pictures", "fmu/pictures", "bench/plot", "draw/paint"},
 }

@@ -12,6 +12,7 @@ from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_with
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine
+from lagrangia.run.formulas import AS_DECLARED, Compute, Formulas, Sets, by_masses, by_numbers
 from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
 from lagrangia.run.prepared import PreparedRun
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
     from lagrangia.study.linearization import Linearization
     from lagrangia.study.modes import Modes
     from lagrangia.study.response import Response
-    from lagrangia.study.sweep.plan import Job
+    from lagrangia.study.sweep.measures import Measure
+    from lagrangia.study.sweep.plan import Design, Job
     from lagrangia.study.sweep.table import Sweep
 
 Given = Mapping[str, float] | None
@@ -51,12 +53,10 @@ class Model:
     """A compiled scene. Parameters are numbers of each run: changing one compiles nothing."""
 
     def __init__(self, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
-                 outputs: Sequence[str] = (), for_any_mass: bool = False, is_general: bool = False,
-                 is_as_written: bool = False) -> None:
-        """`for_any_mass`, `is_general`, `is_as_written`: with formulas that hold whatever the masses, the numbers compiled in and
-        what only just holds; see `suited`."""
-        self.formulas = for_any_mass, is_general, is_as_written
-        self._others: dict[tuple[bool, bool, bool], Model] = {}
+                 outputs: Sequence[str] = (), formulas: Formulas = AS_DECLARED) -> None:
+        """`formulas` hold for some values of the parameters: see `suited`."""
+        self.formulas = formulas
+        self._others: dict[Formulas, Model] = {}
         self.path, self.model, self.structural, self.outputs = path, model, dict(structural or {}), tuple(outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
@@ -80,7 +80,7 @@ class Model:
     @property
     def for_any_mass(self) -> bool:
         """Whether the formulas hold whatever the masses."""
-        return self.formulas[0]
+        return self.formulas.for_any_mass
 
     @property
     def freedom(self) -> Mapping[str, Any]:
@@ -108,7 +108,7 @@ class Model:
         if self._compilation is None:
             from lagrangia.compile.pipeline import compile_file
 
-            self._compilation = compile_file(self.path, self.model, self.structural, self.outputs, *self.formulas)
+            self._compilation = compile_file(self.path, self.model, self.structural, self.outputs, self.formulas)
         return self._compilation
 
     @property
@@ -142,8 +142,8 @@ class Model:
         import numpy as np
 
         experiment = plan(self.scene, request)
-        values = check_values(self.scene, request.parameters, request.initial, request.inputs)
-        suited = self.suited(values)
+        suited = self.fitting(request.parameters)
+        values = check_values(suited.scene, request.parameters, request.initial, request.inputs)
         if suited.falls_back(experiment.solver):
             warnings.warn(NO_COMPILER, EngineWarning, stacklevel=3)
         progress, portions = suited.start(experiment, values)
@@ -155,7 +155,7 @@ class Model:
             failure = error
         except KeyboardInterrupt:  # between two portions
             progress.interrupted = True
-        trajectory = Trajectory(self.scene, collect(self.scene, kept), progress,
+        trajectory = Trajectory(suited.scene, collect(suited.scene, kept), progress,
                                 suited.observer(np.array(progress.parameters), values), partial(suited._animate, values))
         if failure is not None:
             failure.trajectory = trajectory
@@ -168,8 +168,8 @@ class Model:
         """A run for many calls, run([q, ...], [p, ...]), by values of all that `initial` and `parameters` name, in this order.
         All else is `asked` for once, as of `simulate`. Raises LagError, RunError."""
         experiment = plan(self.scene, Request(**asked))
-        values = check_values(self.scene, parameters, initial, asked.get("inputs"))
-        suited = self._for_all_of(parameters) if parameters else self.suited(values)
+        suited = self._for_all_of(parameters) if parameters else self
+        values = check_values(suited.scene, parameters, initial, asked.get("inputs"))
         if (engine := suited.engine_for(experiment.solver)) is None:
             fail("L0901", "not supported yet: prepared runs without a run time of our own: call simulate")
         return PreparedRun(suited.scene, engine, experiment, values, tuple(initial or ()), tuple(parameters or ()))
@@ -179,62 +179,42 @@ class Model:
         parameters = [parameter for parameter in self.scene.parameters if parameter.name in varied]
         if any(self.scene.parameters[k] in parameters for k in self.scene.notes["touching"]["parameters"]):
             fail("L0901", "not supported yet: prepared runs over parameters by which constraints only just hold: call simulate")
-        model = self.general if any(parameter.compiled is not None for parameter in parameters) else self
-        return model if model.scene.evenness is None else model._for_all_masses
+        model = self.general if any(p.compiled is not None and (p in parameters or p.value is None)
+                                    for p in self.scene.parameters) else self
+        return model if model.scene.evenness is None else model._in(replace(model.formulas, for_any_mass=True))
+
+    def fitting(self, parameters: Given) -> "Model":
+        """This model, or the same scene in the formulas that these parameters need: it may have other coordinates."""
+        return self.suited(check_values(self.scene, parameters)) if parameters else self
 
     def suited(self, values: Values) -> "Model":
-        """This model, or the same scene in longer formulas where these parameters need them: with nothing compiled in, where
-        one is given that is; for all masses, where those given are uneven or leave parts of a loop without any.
-        """
+        """The same for checked values."""
         declared = check_values(self.scene)
         if (values.parameters, values.mask) == (declared.parameters, declared.mask):
             return self
-        given = zip(self.scene.parameters, values.parameters, values.mask, strict=True)
-        if any(mask and parameter.compiled not in (None, value) for parameter, value, mask in given):
-            return self.general.suited(values)
-        if self._lets_go(evaluate, values.parameters, values.mask):
-            return self._as_written.suited(values)
-        if self.scene.evenness is None:
-            return self
-        return self if all(x > 1 for x in self._evenness(evaluate, values.parameters, values.mask)) else self._for_all_masses
+        return self._suited(lambda: [(values.parameters, values.mask)], evaluate)
 
-    def _evenness(self, evaluate: Callable[..., list[list[Any]]], given: Sequence[Any], mask: Sequence[float]) -> list[Any]:
-        """Above 1 all over where these formulas do for the masses: of one set of parameters, or of many (evaluate_each)."""
-        assert self.scene.evenness is not None
-        (parameters,) = evaluate(self.scene.tapes["parameters"], given, mask)
-        return evaluate(self.scene.evenness, parameters)[0]
+    def _suited(self, sets: Sets, compute: Compute, is_open: bool = False) -> "Model":
+        """`is_open`: numbers that are compiled in are not looked at, as none is."""
+        formulas = self.formulas if is_open else by_numbers(self.scene, self.formulas, sets, compute)
+        if formulas == self.formulas:
+            formulas = by_masses(self.scene, formulas, sets, compute)
+        return self if formulas == self.formulas else self._in(formulas)._suited(sets, compute, is_open)
 
     @property
     def general(self) -> "Model":
         """The scene with all its parameters open: no number is compiled in."""
-        return self if all(p.compiled is None for p in self.scene.parameters) else self._other(is_general=True)
+        return self._in(replace(self.formulas, is_general=True, massless=None)) if self._has_numbers else self
 
     @property
-    def _for_all_masses(self) -> "Model":
-        return self._other(for_any_mass=True)
+    def _has_numbers(self) -> bool:
+        return any(p.compiled is not None and not p.locked for p in self.scene.parameters)
 
-    @property
-    def _as_written(self) -> "Model":
-        return self._other(is_as_written=True)
-
-    def _other(self, for_any_mass: bool = False, is_general: bool = False, is_as_written: bool = False) -> "Model":
-        mass, general, written = self.formulas
-        formulas = mass or for_any_mass, general or is_general, written or is_as_written
+    def _in(self, formulas: Formulas) -> "Model":
         if formulas not in self._others:
-            self._others[formulas] = Model(self.path, self.model, self.structural, self.outputs, *formulas)
+            self._others[formulas] = Model(self.path, self.model, self.structural, self.outputs, formulas)
             self._others[formulas].native = self.native
         return self._others[formulas]
-
-    def _lets_go(self, compute: Callable[..., list[list[Any]]], given: Sequence[Any], mask: Sequence[float]) -> bool:
-        """Whether parameters differ by which constraints only just hold: of one set of parameters, or of many (evaluate_each)."""
-        places = self.scene.notes["touching"]["parameters"]
-        if not places:
-            return False
-        import numpy as np
-
-        declared, tape = check_values(self.scene), self.scene.tapes["parameters"]
-        usual, found = evaluate(tape, declared.parameters, declared.mask)[0], compute(tape, given, mask)[0]
-        return any(np.any(found[k] != usual[k]) for k in places)
 
     def simulate_many(
         self, *, parameters: Mapping[str, Any] | None = None, initial: Mapping[str, Any] | None = None,
@@ -252,8 +232,8 @@ class Model:
         is looked at every `interval` (s) at least. A run that fails is told in `.failures`, and no error. With a `path` (.csv,
         .parquet) the table is written there, and a sweep that was killed goes on from `path`.part. Raises LagError, Interrupted.
         """
-        from lagrangia.study.sweep.measures import quantities, read_measures, usual_measures
-        from lagrangia.study.sweep.plan import Design, build_job
+        from lagrangia.study.sweep.measures import quantities, read_measures
+        from lagrangia.study.sweep.plan import Design
         from lagrangia.study.sweep.run import require_place, run_into
 
         if path is not None:
@@ -262,31 +242,26 @@ class Model:
         model = self._with_outputs(quantities(measures))
         request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
         design = Design(None if runs is None else Path(runs), samples, seed, sampling, together, seconds_per_run)
-        model, job = model.suited_to_all(build_job(model.scene, measures or usual_measures(model.scene), request, design))
+        model, job = model.prepared_for(measures, request, design)
         sweep = run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
         if sweep.interrupted:
             raise Interrupted.with_result(sweep, f"after {sweep.ledger.entered} of {sweep.runs} runs")
         return sweep
 
-    def suited_to_all(self, job: "Job") -> "tuple[Model, Job]":
-        """The model whose formulas hold for the parameters of every run, and the job with its scene; see `suited`."""
-        import numpy as np
+    def prepared_for(self, measures: "Sequence[Measure]", request: Request, design: "Design") -> "tuple[Model, Job]":
+        """All runs of a sweep, and the model whose formulas hold for the parameters of each; see `suited`."""
+        from lagrangia.study.sweep.measures import usual_measures
+        from lagrangia.study.sweep.plan import build_job
 
-        parameters, varied = self.scene.parameters, [k for k in job.sweep.varied if k < len(self.scene.parameters)]
-        suited = self.general if any(parameters[k].compiled is not None for k in varied) else self
-        suited = suited.suited(Values(tuple(job.sweep.given), tuple(job.sweep.mask), (), ()))
-        if any(suited._lets_go(evaluate_each, *sets) for sets in job.parameter_sets()):
-            suited = suited._as_written
-        if suited.scene.evenness is not None:
-            found = (x > 1 for sets in job.parameter_sets() for x in suited._evenness(evaluate_each, *sets))
-            suited = suited if all(map(np.all, found)) else suited._for_all_masses
-        return (self, job) if suited is self else (suited, replace(job, scene=suited.scene))
+        job = build_job(self.scene, measures or usual_measures(self.scene), request, design)
+        suited = self._suited(job.parameter_sets, evaluate_each)
+        return (self, job) if suited is self else suited.prepared_for(measures, request, design)
 
     def _with_outputs(self, names: Sequence[str]) -> "Model":
         """This model, or one that reports these names too."""
         known = {column.name for column in self.scene.outputs}
         missing = [name for name in names if name not in known and self.scene.slot(name) is None]
-        return Model(self.path, self.model, self.structural, (*self.outputs, *missing), *self.formulas) if missing else self
+        return Model(self.path, self.model, self.structural, (*self.outputs, *missing), self.formulas) if missing else self
 
     def start(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""
@@ -349,7 +324,7 @@ class Model:
 
     def __reduce__(self) -> "tuple[Any, ...]":
         """Pickled as what it was loaded from: where it is unpickled, the file must be there."""
-        return Model, (self.path, self.model, self.structural, self.outputs, *self.formulas)
+        return Model, (self.path, self.model, self.structural, self.outputs, self.formulas)
 
     def equilibrium(self, *, parameters: Given = None, initial: Given = None, inputs: Given = None, time: float | None = None,
                     starts: int | None = None) -> "Equilibria":
@@ -391,7 +366,8 @@ class Model:
     def _study(self, parameters: Any, initial: Any, inputs: Any, time: float | None) -> "Study":
         from lagrangia.study.analysis import Study
 
-        return Study(self.compilation, check_values(self.scene, parameters, initial, inputs), time)
+        suited = self.fitting(parameters)
+        return Study(suited.compilation, check_values(suited.scene, parameters, initial, inputs), time)
 
     def equations(self, form: str = "lagrange", format: str = "text", *, names: Mapping[str, str] | None = None,
                   parameters: Given = None, numbers: bool = False, force: bool = False) -> str:
@@ -434,8 +410,10 @@ class Model:
         """
         from lagrangia.fmu.export import export_fmus
 
-        suited = self.general.suited(check_values(self.scene, parameters))
-        if unknown := [name for name in self.scene.notes["balanced"] if name not in suited.scene.notes["balanced"]]:
+        values = check_values(self.scene, parameters)
+        suited = self.general._suited(lambda: [(values.parameters, values.mask)], evaluate, is_open=True)
+        told = suited.scene.notes["balanced"]
+        if unknown := [name for name in self.suited(values).scene.notes["balanced"] if name not in told]:
             fail("L0704", f"the coordinate '{unknown[0]}' moves no mass while a parameter is 0, which an FMU lets change", None,
                  "write `final` before it, as in PointMass knot(final m = 0)")
         return export_fmus(suited, path, fmi, kind, platforms, sources, parameters, info, code, tell)

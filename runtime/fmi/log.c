@@ -91,7 +91,7 @@ LagAnswer lag_instance_failed(LagInstance *s, LagStatus status)
     const char *text = "the run stopped";
     switch (status) {
     case LAG_INITIAL_FAILED: text = "the initial equations cannot all hold"; break;
-    case LAG_NOT_FINITE: text = "the accelerations are not finite: look at the parameters, inputs and start values"; break;
+    case LAG_NOT_FINITE: text = "the accelerations are not finite: look at the parameters (masses of 0), inputs and start values"; break;
     case LAG_STEP_TOO_SMALL: text = "no step is small enough here: a singularity, or values beyond the range of numbers"; break;
     case LAG_TOO_MANY_STEPS: text = "one communication step took ten million internal steps"; break;
     case LAG_TIME_PASSED: text = "a time was asked for that lies before what is still known"; break;

@@ -13,10 +13,11 @@ def shared_derivations() -> Iterator[None]:
     known: dict[object, object] = {}
     compile_energies, build_symbolic, derive = sheet.compile_energies, sheet.build_symbolic, sheet.derive
 
-    def compiled(path, model=None, structural=None):
-        key = path, path.stat().st_mtime_ns if path.exists() else 0, model, tuple(sorted((structural or {}).items()))
+    def compiled(path, model=None, structural=None, given=None):
+        key = (path, path.stat().st_mtime_ns if path.exists() else 0, model, tuple(sorted((structural or {}).items())),
+               repr(sorted((given or {}).items())))
         if key not in known:
-            known[key] = compile_energies(path, model, structural)
+            known[key] = compile_energies(path, model, structural, given)
         return known[key]
 
     def symbolic(kinematics, constraints, is_small=False):

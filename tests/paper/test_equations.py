@@ -31,7 +31,7 @@ def values(d: Derived, path: Path) -> dict[sp.Expr, float]:
     scene = d.equations.scene
     from lagrangia.compile.pipeline import compile_energies
 
-    numbers = parameter_values(compile_energies(path)[0], {})
+    numbers = parameter_values(compile_energies(path)[0])
     return {p.symbol: numbers[p.name] for p in scene.parameters}
 
 

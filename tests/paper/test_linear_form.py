@@ -23,10 +23,10 @@ Small = Callable[[str], tuple[Derived, Linear]]
 def small_motion(path: Path) -> tuple[Derived, Linear]:
     kinematics, constraints = compile_energies(path)
     d = Derived(derive(build_symbolic(kinematics, constraints, is_small=True), 10**6))
-    numbers = parameter_values(kinematics, {})
+    numbers = parameter_values(kinematics)
     values = {p.symbol: numbers[p.name] for p in d.equations.scene.parameters}
     values |= {g.symbol: float(g.value.subs(values)) for g in d.equations.scene.given if not g.value.has(d.equations.scene.t)}
-    return d, linearize(d.equations, values, lambda: start_of(kinematics, {}, path))
+    return d, linearize(d.equations, values, lambda: start_of({}, path))
 
 
 @pytest.mark.parametrize(("text", "varies"), [
@@ -102,7 +102,7 @@ def test_the_matrices_are_those_of_lag_linearize(name: str) -> None:
     d, linear = small_motion(EXAMPLES / f"{name}.lag")
     other = lag.load(EXAMPLES / f"{name}.lag").linearize()
     scene = d.equations.scene
-    numbers = parameter_values(compile_energies(EXAMPLES / f"{name}.lag")[0], {})
+    numbers = parameter_values(compile_energies(EXAMPLES / f"{name}.lag")[0])
     values = {p.symbol: numbers[p.name] for p in scene.parameters}
     point = [float(x.subs(values)) for x in linear.point]
     assert point == pytest.approx([other.point[q] for q in scene.names], abs=1e-8)

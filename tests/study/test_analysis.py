@@ -474,8 +474,9 @@ def test_where_a_distance_vanishes_is_no_equilibrium(scene: Write) -> None:
 
 
 def test_a_coordinate_without_mass_is_told_everywhere(scene: Write) -> None:
-    model = scene("""model Light parameter Mass m = 1; Block a(m = m, base = world, s(start = 1)), b(m = 2, base = world);
-      Spring k(k = 4, stretch = a.s - b.s); end Light;""")
+    """Where no mass of 0 says so before."""
+    model = scene("""model Light parameter Real share = 1; coordinate Length x(start = 1), y; energy
+      kinetic share*2[kg]*der(x)^2/2 + 1[kg]*der(y)^2; potential 2[N/m]*(x - y)^2; end Light;""")
     for ask in (model.modes, model.linearize):
         with pytest.raises(lag.RunError, match="the mass matrix is singular"):
-            ask(about="start", parameters={"m": 0.0})
+            ask(about="start", parameters={"share": 0.0})

@@ -98,8 +98,8 @@ def build_problem(model: Model, request: Request = USUAL, points: int = 10) -> P
     model.native = True  # compiled as a whole before the clock runs, as the peers are
     whole = plan(model.scene, request)
     given = dict(request.parameters or {})
+    model = model.fitting(given)
     values = check_values(model.scene, given)
-    model = model.suited(values)
     table = model.compilation.functions.table
     if "kick" in table or "resets" in table:
         fail("L0909", "not supported yet: to compare integrators on a scene whose rates or supports jump", None,

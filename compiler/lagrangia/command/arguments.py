@@ -20,7 +20,7 @@ _TABLES = (".csv", ".txt", ".dat")
 
 
 def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
-    """The model; parameters that turn out to be structural are compiled in."""
+    """The model; parameters that turn out to be structural are compiled in, and its formulas are those that the others need."""
     names = {name for name, _ in given}
     structural = {}
     if names:
@@ -28,7 +28,7 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
         structural = {name: _structural_value(value) for name, value in given if name in known}
     model = Model(options.file, options.model, structural, outputs)
     model.native = {"native": True, "tape": False}.get(getattr(options, "engine", "auto"))
-    return model
+    return model.fitting(open_parameters(model.scene, given))
 
 
 def tell(options: Namespace, model: Model, texts: Iterable[str]) -> None:

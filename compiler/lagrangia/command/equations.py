@@ -2,11 +2,18 @@
 
 from argparse import Namespace
 from pathlib import Path
-from typing import Any
 
 from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.base.result_files import write_text
-from lagrangia.command.arguments import assignment, keep_inputs, named_pairs, part_structural, split_names
+from lagrangia.command.arguments import (
+    assignment,
+    keep_inputs,
+    load_model,
+    named_pairs,
+    open_parameters,
+    part_structural,
+    split_names,
+)
 
 
 def equations_command(options: Namespace) -> int:
@@ -18,7 +25,7 @@ def equations_command(options: Namespace) -> int:
     about = None if options.about is None else named_pairs(options.about, "--about")
     names = named_pairs(options.names or "", "--names")
     request = Request(options.form, options.format, names, parameters, options.numbers, options.force, about, options.sources,
-                      options.level, split_names(options.sections), options.first_letter, _figure(options, structural, names))
+                      options.level, split_names(options.sections), options.first_letter, _figure(options, names))
     if options.check is not None:
         is_right, told = checked(options.file, options.check, request, options.model, structural)
         print(told)
@@ -32,15 +39,14 @@ def equations_command(options: Namespace) -> int:
     return 0
 
 
-def _figure(options: Namespace, structural: dict[str, Any], names: dict[str, str]) -> str:
+def _figure(options: Namespace, names: dict[str, str]) -> str:
     """What derivations and statements of problems show on pages of HTML; "" where the scene has no start to be drawn at."""
     if options.format != "html" or options.form not in ("worked", "exercise") or options.check is not None:
         return ""
-    from lagrangia.model import Model
-
-    model = Model(options.file, options.model, structural)
+    given = [assignment(text, "-p") for text in options.parameter]
+    model = load_model(options, given, ())
     known = {name: symbol for name, symbol in names.items() if name in model.coordinate_names}
     try:
-        return model.draw(names=known)
+        return model.draw(names=known, parameters=open_parameters(model.scene, given))
     except (LagError, RunError):
         return ""

@@ -15,12 +15,11 @@ def explain_command(options: Namespace) -> int:
     given = [assignment(text, "-p") for text in options.parameter]
     model = load_model(options, given, ())
     values = check_values(model.scene, open_parameters(model.scene, given))
-    model = model.suited(values)
     c = model.compilation
     scene = model.scene
     if model.engine is None:
         scene = without_compiler(scene, (casadi_refusal(c) or ("",))[0])
-    parameters = c.functions.table["parameters"](values.parameters, values.mask)
-    needs = find_needs(c.kinematics, c.constraints, c.energies, c.run, c.initial, scene, parameters)
+    numbers = c.functions.table["parameters"](values.parameters, values.mask)
+    needs = find_needs(c.kinematics, c.constraints, c.energies, c.run, c.initial, scene, numbers)
     print((as_json if options.json else as_text)(scene, needs, chosen_for(scene, model.engine)))
     return 0

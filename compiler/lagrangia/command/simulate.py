@@ -58,7 +58,6 @@ def simulate_command(options: Namespace) -> int:
     values = check_values(scene, request.parameters, request.initial, request.inputs)
     tell_warnings(options, model)
     tell_inputs(options, model, experiment, request.inputs)
-    model = model.suited(values)
     compiled = time.perf_counter() - begin
     return _run(options, model, experiment, values, compiled, target)
 

@@ -24,8 +24,8 @@ from lagrangia.run.batch import Ending
 from lagrangia.run.request import plan
 from lagrangia.run.simulate import DOUBTFUL
 from lagrangia.study.sweep.journal import Journal, Ledger
-from lagrangia.study.sweep.measures import Measure, quantities, read_measures, usual_measures
-from lagrangia.study.sweep.plan import Design, Job, build_job
+from lagrangia.study.sweep.measures import Measure, quantities, read_measures
+from lagrangia.study.sweep.plan import Design, Job
 from lagrangia.study.sweep.run import require_place, run_job
 from lagrangia.study.sweep.table import Sweep
 
@@ -63,7 +63,7 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     request = asked(options, varied, _assignments(options.initial, "--initial"), read_inputs(options.input, scene))
     tell_inputs(options, model, plan(scene, request), request.inputs)
     design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run)
-    return model.suited_to_all(build_job(scene, measures or usual_measures(scene), request, design))
+    return model.prepared_for(measures, request, design)
 
 
 def _assignments(texts: list[str], option: str) -> dict[str, str]:

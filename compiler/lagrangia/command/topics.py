@@ -194,7 +194,8 @@ and after steps as they drift, the positions, then the velocities are projected 
 level. Redundant constraints, massless links and singular positions are part of the game. `lag check` tells degrees of freedom,
 loops and what is redundant. A place without mass between springs, dampers, gears and loads is where their forces are in balance:
 given by others where that is linear, else one more constraint, between positions or, with linear dampers, between rates
-(massless.py); PointMass knot(final m = 0) makes one in the plane.
+(massless.py); PointMass knot(final m = 0) makes one in the plane. A mass is none where its value is 0, whatever it is bound to
+and however it is given (-p m=0 compiles the scene once more; in sweeps, where it is 0 in all runs; in FMUs, where it is final).
 --reactions reports the force and torque of every joint and tie, by Lagrange's equations of released directions
 (released_directions.py). Where constraints are redundant, those told as repeated carry nothing. Masses given
 with -p that are far apart or zero in a loop are noticed; the run then takes formulas that bear them (half as long again,

@@ -18,6 +18,8 @@ from lagrangia.base.result_files import require_file
 from lagrangia.language.classes import build_class_table
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
+from lagrangia.language.given_values import Given, redeclared
+from lagrangia.run.formulas import AS_DECLARED, Formulas
 from lagrangia.run.scene import ALL_REACTIONS
 
 if TYPE_CHECKING:
@@ -58,19 +60,19 @@ class Compilation:
 
 
 def compile_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
-                 outputs: tuple[str, ...] = (), for_any_mass: bool = False, is_general: bool = False,
-                 is_as_written: bool = False) -> Compilation:
-    """All phases. `outputs` are names to report besides coordinates, rates and declared outputs. Raises LagError."""
+                 outputs: tuple[str, ...] = (), formulas: Formulas = AS_DECLARED, given: Given | None = None) -> Compilation:
+    """All phases. `outputs` are names to report besides coordinates, rates and declared outputs; `given` are values of parameters
+    in the place of those declared. Raises LagError."""
     took: dict[str, float] = {}
     with deep_recursion(), _without_collections():
         with _timed(took, "syntax, flat"):
             syntax, flat = flatten_file(path, model, structural)
-            flat = check_dimensions(flat)
-        return _compile(syntax, flat, outputs, for_any_mass, is_general, is_as_written, took)
+            flat = redeclared(check_dimensions(flat), given or {})
+        return _compile(syntax, flat, outputs, formulas, took)
 
 
-def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], for_any_mass: bool, is_general: bool,
-             is_as_written: bool, took: dict[str, float]) -> Compilation:
+def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], formulas: Formulas,
+             took: dict[str, float]) -> Compilation:
     """What needs CasADi, which is not loaded for a text that is wrong."""
     with _timed(took, "libraries"):
         from lagrangia.compile.functions import build_functions
@@ -86,11 +88,12 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], for_
         from lagrangia.frames.kinematics import build_kinematics
 
     with _timed(took, "graph, kinematics, energies"):
-        kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
+        kinematics, constraints = reduce_kinematics(
+            build_kinematics(build_graph(flat), formulas.is_general, formulas.massless))
         kinematics, constraints, energies = settle_massless(kinematics, constraints, build_energies(kinematics))
     with _timed(took, "motion"):
-        constraints, initial = _start(kinematics, constraints, is_as_written)
-        made_of = constraints, for_any_mass, find_partition(kinematics, constraints, initial)
+        constraints, initial = _start(kinematics, constraints, formulas.is_as_written)
+        made_of = constraints, formulas.for_any_mass, find_partition(kinematics, constraints, initial)
         motion = build_motion(kinematics, energies, *made_of)
         hit, run = _with_impacts(kinematics, energies, motion, made_of)
         initial = with_motion(initial, kinematics, motion.momentum, motion.acceleration)
@@ -160,9 +163,10 @@ def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, .
     return tuple(name for name in names if name != ALL_REACTIONS)
 
 
-def compile_energies(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None
-                     ) -> "tuple[Kinematics, Constraints]":
-    """What the equations for people begin with: text -> kinematics; parameters and energies were checked. Raises LagError."""
+def compile_energies(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
+                     given: Given | None = None) -> "tuple[Kinematics, Constraints]":
+    """What the equations for people begin with: text -> kinematics; parameters and energies were checked. `given` are values of
+    parameters in the place of those declared. Raises LagError."""
     from lagrangia.constraints.parameters import default_parameters
     from lagrangia.constraints.rows import reduce_kinematics
     from lagrangia.dynamics.energies import build_energies
@@ -172,7 +176,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
 
     with deep_recursion():
         _, flat = flatten_file(path, model, structural)
-        flat = check_dimensions(flat)
+        flat = redeclared(check_dimensions(flat), given or {})
         kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat)))
         if not kinematics.symbols.positions:
             fail("L0505", "nothing can move: the scene has no coordinate", flat.span,

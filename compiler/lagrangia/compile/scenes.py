@@ -1,7 +1,9 @@
 """Functions -> Scene: names, units, defaults and tapes, as plain data."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import prod
+from typing import Any
 
 import casadi as ca
 
@@ -10,6 +12,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.compile.functions import Functions, build_island_functions
 from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.constraints.initial import InitialConditions
+from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion
 from lagrangia.dynamics.double_roots import touching_notes
@@ -46,8 +49,8 @@ def build_scene(
     slots = {c.name: k for k, c in enumerate(graph.coordinates)}
     aliases = {v.name: len(slots) + slots[of] for v in model.variables.values() if (of := rate_of(v)) in slots and of is not None}
     experiment = model.experiment
-    parameters = _parameters(model, "parameter", not kinematics.symbols.compiled)
-    inputs = _parameters(model, "input")
+    parameters = _parameters(model, "parameter", kinematics.symbols.compiled)
+    inputs = _parameters(model, "input", {})
     sizes = _sizes(len(coordinates), len(parameters), len(inputs), len(kinematics.algebra.modes), functions, motion, tapes) | {
         "n_outputs": len(outputs), "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions,
         "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
@@ -243,13 +246,14 @@ def _units(model: FlatModel, name: str) -> tuple[str, str, str]:
     return unit_of(model, observe(model, name)), "", ""
 
 
-def _parameters(model: FlatModel, kind: str, is_general: bool = True) -> tuple[Parameter, ...]:
+def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> tuple[Parameter, ...]:
     """The scalars of all parameters or inputs, in the order of the flat model."""
     found = []
     for variable in (v for v in model.variables.values() if v.kind == kind):
         source = variable.binding if kind == "parameter" else variable.start or variable.binding
         values = numbers_of(source, variable.shape) if source is not None else [0.0] * prod(variable.shape)
-        compiled = [None] * len(values) if is_general else variable.compiled()
+        known = scalars(variable.name, compiled_in[variable.name]) if variable.name in compiled_in else [("", None)] * len(values)
+        compiled = [x if isinstance(x, float) else None for _, x in known]
         for (name, _), value, number in zip(variable.elements(), values, compiled, strict=True):
             if kind == "input" and value is None:
                 fail("L0605", f"the start of the input '{name}' must be a number", variable.span)

@@ -37,6 +37,8 @@ class Drawable(Protocol):
     @property
     def compilation(self) -> Compilation:
         """What each phase of the compiler made."""
+    def fitting(self, parameters: Mapping[str, float] | None) -> "Drawable":
+        """It, or the same in the formulas that these parameters need."""
     def run(self, request: Request) -> Trajectory:
         """The motion. Raises LagError, RunError."""
 
@@ -56,6 +58,7 @@ def page_of(model: Drawable, request: Request, names: Mapping[str, str]) -> Page
     """The page of a scene where the request's last time is, or at its start."""
     begin = model.scene.start if request.at is None else request.at[-1]
     asked = Request(at=[begin], parameters=request.parameters, initial=request.initial, inputs=request.inputs)
+    model = model.fitting(request.parameters)
     run = model.run(asked)
     values = check_values(model.scene, request.parameters, request.initial, request.inputs)
     return draw_page(model.compilation, figures_of(model), states_of(model, run, values), names)

@@ -23,7 +23,7 @@ from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.planar import Pose
 from lagrangia.frames.steps import Step
 from lagrangia.frames.vectors_on_a_line import line_of
-from lagrangia.language.flat import Variable
+from lagrangia.language.compiled_numbers import compiled_numbers
 from lagrangia.language.frame_attributes import ATTRIBUTES
 
 _JUST_AFTER = 1e-9  # of the time from start to stop
@@ -252,9 +252,8 @@ def _change(displacements: list[ca.SX], value: Scalar) -> Scalar:
     return value - ca.substitute([value], displacements, [ca.SX.zeros(x.numel()) for x in displacements])[0]
 
 
-def build_kinematics(graph: ComponentGraph, is_general: bool = True) -> Kinematics:
-    """The kinematics of a scene in fresh CasADi symbols. Numbers are compiled in, see flat.Variable: where it `is_general`, only
-    those that nobody can set."""
+def build_kinematics(graph: ComponentGraph, is_general: bool = True, massless: tuple[str, ...] | None = None) -> Kinematics:
+    """The kinematics of a scene in fresh CasADi symbols. Numbers are compiled in: see compiled_numbers."""
     def symbols(names: list[str]) -> dict[str, ca.SX]:
         return {name: symbol(name) for name in names}
 
@@ -266,13 +265,14 @@ def build_kinematics(graph: ComponentGraph, is_general: bool = True) -> Kinemati
     values = {v.name: _shaped(v.name, v.shape, ()) for v in variables}
     inputs = [x for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
     moving = ca.vertcat(*positions.values(), *rates.values(), *accelerations.values(), *inputs)
-    compiled = {v.name: _compiled(v, values[v.name]) for v in variables if v.locked or not is_general}
+    numbers = compiled_numbers(graph.model, is_general, massless)
+    compiled = {name: _compiled(values[name], known) for name, known in numbers.items()}
     return Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values, compiled), CasadiAlgebra(time, moving))
 
 
-def _compiled(variable: Variable, value: Value) -> Value:
+def _compiled(value: Value, numbers: Sequence[float | None]) -> Value:
     """The symbols of a parameter, with numbers in place of those that are compiled in."""
-    known = iter(variable.compiled())
+    known = iter(numbers)
 
     def pick(item: Value) -> Value:
         if isinstance(item, tuple):

@@ -1,20 +1,15 @@
 """FlatModel: one list of variables, frames, equations and energy terms, with names like `link[2].phi`."""
 
 from collections.abc import Mapping
-from math import prod
 from typing import Literal
 
 from lagrangia.base.diagnostics import Diagnostic, Span
 from lagrangia.base.records import dataclass
 from lagrangia.language.algorithms import FlatFunction
-from lagrangia.language.folding import numbers_of
 from lagrangia.language.names import FRAME_FUNCTIONS
 from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
 
 Kind = Literal["parameter", "input", "coordinate", "variable"]
-
-
-_MASSES = ("kg", "kg.m2")
 
 
 @dataclass(frozen=True)
@@ -37,17 +32,6 @@ class Variable:
     is_evaluated: bool = False  # annotation(Evaluate = true)
     may_vary: bool = False  # annotation(Varying = true): a parameter, unless what it is bound to changes during the run
     locked: str = ""  # "final" or "protected" where it cannot be set from outside
-
-    def compiled(self) -> list[float | None]:
-        """The elements that are compiled in: numbers 0, 1 and -1, with which products fall away, of evaluated parameters; masses
-        of 0, for what moves none follows from other equations."""
-        is_mass = self.unit in _MASSES and self.kind == "parameter"
-        if not (self.is_evaluated or is_mass) or self.binding is None:
-            return [None] * prod(self.shape)
-        values = numbers_of(self.binding, self.shape)
-        if len(values) != prod(self.shape):  # told where it is evaluated
-            return [None] * prod(self.shape)
-        return [value if value in ((0, 1, -1) if self.is_evaluated else (0,)) else None for value in values]
 
     def elements(self) -> list[tuple[str, tuple[int, ...]]]:
         """Names and indices of the scalars it is made of."""

@@ -5,7 +5,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.language.tree import Array, Binary, Boolean, Call, Flat, Number, String, Unary
+from lagrangia.language.tree import Array, Binary, Boolean, Call, Flat, Number, Ref, String, Unary
+
+Known = Callable[[Ref], float | None]
 
 _FOLD: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b, "^": math.pow,
@@ -19,35 +21,38 @@ _FOLD_CALLS: Mapping[str, Callable[..., Any]] = {
 }
 
 
-def fold(node: Flat) -> float | bool | None:
-    """The value of a scalar expression of numbers alone, else None. Raises LagError L0217 where it has none."""
+def fold(node: Flat, known: Known | None = None) -> float | bool | None:
+    """The value of a scalar expression of numbers alone, and of names whose values are `known`, else None. Raises LagError L0217
+    where it has none."""
     try:
         match node:
             case Number(value) | Boolean(value):
                 return value
+            case Ref() if known is not None:
+                return known(node)
             case Unary(operator, operand):
-                inner = fold(operand)
+                inner = fold(operand, known)
                 return None if inner is None else (not inner) if operator == "not" else -inner
             case Binary(operator, left, right):
-                a, b = fold(left), fold(right)
+                a, b = fold(left, known), fold(right, known)
                 return None if a is None or b is None else _FOLD[operator](a, b)
             case Call(function, arguments, (), _) if function in _FOLD_CALLS:
-                values = [fold(a) for a in arguments]
+                values = [fold(a, known) for a in arguments]
                 return None if None in values else _FOLD_CALLS[function](*values)
     except (ArithmeticError, ValueError):
         fail("L0217", "this cannot be computed", node.span, "a division by zero or a function outside its domain")
     return None
 
 
-def numbers_of(binding: Flat, shape: tuple[int, ...]) -> list[float | None]:
-    """The elements of a binding: values where it says numbers, None where it depends on something."""
+def numbers_of(binding: Flat, shape: tuple[int, ...], known: Known | None = None) -> list[float | None]:
+    """The elements of a binding: values where it says numbers, None where it depends on something that is not `known`."""
     if shape and not isinstance(binding, Array):
         return [None] * math.prod(shape)
     items = binding.items if isinstance(binding, Array) else (binding,)
     found: list[float | None] = []
     for item in items:
-        value = None if isinstance(item, Array) else fold(item)
-        found += numbers_of(item, ()) if isinstance(item, Array) else [None if value is None else float(value)]
+        value = None if isinstance(item, Array) else fold(item, known)
+        found += numbers_of(item, (), known) if isinstance(item, Array) else [None if value is None else float(value)]
     return found
 
 

@@ -1,6 +1,5 @@
 """`lag equations`: from a file to a page. Imports SymPy, so only what asks for equations imports this."""
 
-import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
@@ -8,17 +7,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import casadi as ca
-
 from lagrangia.algebra.normal_form import TooLarge
-from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import LagError, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import compile_energies, compile_file, deep_recursion
-from lagrangia.constraints.parameters import all_parameters, scalars
+from lagrangia.constraints.parameters import default_parameters
 from lagrangia.dynamics.impulses import rates_jump
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.frame_attributes import component_named
+from lagrangia.language.given_values import Given
 from lagrangia.language.values import read_value
 from lagrangia.paper.book import Book
 from lagrangia.paper.checking import check_equation
@@ -55,7 +52,7 @@ class Request:
     form: str = "lagrange"
     format: str = "text"
     names: Mapping[str, str] = field(default_factory=dict)
-    parameters: Mapping[str, float | list[float] | str] = field(default_factory=dict)
+    parameters: Given = field(default_factory=dict)
     has_numbers: bool = False
     is_forced: bool = False
     about: Mapping[str, str] | None = None
@@ -83,17 +80,17 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
     if request.format == "sympy" and request.form != _FORM_OF_SCRIPTS:
         fail("L0704", f"there is no script of the form '{request.form}'", None,
              f"--format sympy has M, h, f, T, V of the form {_FORM_OF_SCRIPTS}; go on from those")
-    kinematics, constraints = compile_energies(path, model, structural)
+    kinematics, constraints = compile_energies(path, model, structural, request.parameters)
     _check_size(kinematics, request)
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, request.form == "linear")
-        begin = cache(lambda: start_of(kinematics, request.parameters, path, model, structural))
+        begin = cache(lambda: start_of(request.parameters, path, model, structural))
         return _written(kinematics, scene, request, begin, rates_jump(kinematics, constraints))
 
 
 def written_book(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> Book:
     """The equations for other writers, within the same limits. Raises LagError L0711, L0712."""
-    kinematics, constraints = compile_energies(path, model, structural)
+    kinematics, constraints = compile_energies(path, model, structural, request.parameters)
     _check_size(kinematics, request)
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints)
@@ -104,7 +101,7 @@ def written_book(path: Path, request: Request, model: str | None = None, structu
             fail("L0712", "the equations are too large to be written out", scene.kinematics.graph.model.span,
                  "--force tries longer; --to python and --to casadi take any scene")
         names = name_symbols(scene, request.names)
-        return Book(e, presentation_of(e, names, 20 * limit), names, (), parameter_values(kinematics, request.parameters), False)
+        return Book(e, presentation_of(e, names, 20 * limit), names, (), parameter_values(kinematics), False)
 
 
 def _check_size(kinematics: Kinematics, request: Request) -> None:
@@ -130,7 +127,7 @@ def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, beg
 
 def _book(kinematics: Kinematics, scene: SymbolicScene, request: Request, has_kicks: bool) -> Book:
     """Raises TooLarge."""
-    values = parameter_values(kinematics, request.parameters)
+    values = parameter_values(kinematics)
     limit = MOST_FORCED_PRODUCTS if request.is_forced else MOST_PRODUCTS
     names = name_symbols(scene, request.names)
     numbered = with_values(scene, {p.symbol: values[p.name] for p in scene.parameters}) if request.has_numbers else scene
@@ -152,10 +149,10 @@ def checked(path: Path, equation: str, request: Request, model: str | None = Non
 def page_of(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None
             ) -> tuple[Book, Document]:
     """The page before it is printed, and what it was made of. Raises LagError, and TooLarge for what is too large to read."""
-    kinematics, constraints = compile_energies(path, model, structural)
+    kinematics, constraints = compile_energies(path, model, structural, request.parameters)
     with deep_recursion():
         scene = build_symbolic(kinematics, constraints, request.form == "linear")
-        begin = cache(lambda: start_of(kinematics, request.parameters, path, model, structural))
+        begin = cache(lambda: start_of(request.parameters, path, model, structural))
         book = _book(kinematics, scene, request, rates_jump(kinematics, constraints))
         return book, _page(book, request, begin)
 
@@ -183,14 +180,12 @@ def _small(book: Book, begin: Callable[[], Begin]) -> Linear | None:
         raise
 
 
-def start_of(kinematics: Kinematics, parameters: Mapping[str, float | list[float] | str], path: Path, model: str | None = None,
-             structural: Mapping[str, Any] | None = None) -> Begin:
+def start_of(parameters: Given, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None) -> Begin:
     """The assembled start, from which positions of rest are sought. Raises LagError L0606 where it does not assemble."""
     from lagrangia.study.analysis import Study
 
-    compilation = compile_file(path, model, structural)
-    chosen = chosen_parameters(kinematics, parameters)
-    study = Study(compilation, check_values(compilation.scene, chosen, {}, {}), None)
+    compilation = compile_file(path, model, structural, given=parameters)
+    study = Study(compilation, check_values(compilation.scene), None)
     return Begin(study.start[0], study.reach, study.is_angle, study.is_preferred)
 
 
@@ -232,58 +227,10 @@ def _scalar(name: str, text: str, unit: str) -> float:
 # -------------------------------------------------------------------- numbers
 
 
-def parameter_values(kinematics: Kinematics, given: Mapping[str, float | list[float] | str]) -> dict[str, float]:
-    """All parameters by name in SI units, those given changed and the dependent ones following; g under world.gravity.
-
-    Raises LagError as chosen_parameters does.
-    """
-    labels = _parameter_units(kinematics)
-    chosen = chosen_parameters(kinematics, given)
-    n = len(labels)
-    function = ca.Function("parameters", *_arguments(kinematics, n))
-    found = function([chosen.get(label, 0.0) for label in labels], [float(label in chosen) for label in labels])
-    numbers = dict(zip(labels, found.full().ravel().tolist(), strict=True)) if n else {}
+def parameter_values(kinematics: Kinematics) -> dict[str, float]:
+    """All parameters by name in SI units; g under world.gravity."""
+    parameters = [v for v in kinematics.graph.model.variables.values() if v.kind == "parameter"]
+    labels = [label for v in parameters for label, _ in v.elements()]
+    numbers = dict(zip(labels, default_parameters(kinematics)[1].full().ravel().tolist(), strict=True))
     gravity = [abs(x) for label, x in numbers.items() if label.startswith("world.gravity[") and x]
     return numbers | ({"world.gravity": gravity[0]} if len(gravity) == 1 else {"world.gravity": 0.0})
-
-
-def _parameter_units(kinematics: Kinematics) -> dict[str, str]:
-    values = kinematics.symbols.values
-    variables = [v for v in kinematics.graph.model.variables.values() if v.kind == "parameter"]
-    return {label: v.unit for v in variables for label, _ in scalars(v.name, values[v.name])}
-
-
-def chosen_parameters(kinematics: Kinematics, given: Mapping[str, float | list[float] | str]) -> dict[str, float]:
-    """The parameters that are given, element by element, in SI units.
-
-    Texts may carry units. Raises LagError L0702 for an unknown name, L0706 for what is no finite value.
-    """
-    model, units = kinematics.graph.model, _parameter_units(kinematics)
-    labels = list(units)
-    chosen: dict[str, float] = {}
-    for name, text in given.items():
-        mine = [label for label in labels if label == name or label.startswith(name + "[")]
-        if not mine:
-            fail("L0702", f"there is no parameter '{name}'", None, *filter(None, [suggest(name, [*labels, *model.structural])]))
-        value = _read(name, text, units[mine[0]])
-        several = value if isinstance(value, list) else [value]
-        if not all(math.isfinite(a_number(f"parameter '{name}'", x)) for x in several):
-            fail("L0706", f"parameter '{name}' = {text}: a finite number is needed")
-        if len(several) != len(mine):
-            fail("L0706", f"{name} = {text}: {len(mine)} number{'s are' if len(mine) > 1 else ' is'} needed")
-        chosen |= dict(zip(mine, several, strict=True))
-    return chosen
-
-
-def _arguments(kinematics: Kinematics, n: int) -> tuple[list[ca.SX], list[ca.SX]]:
-    given, mask, values = all_parameters(kinematics, n)
-    return [given, mask], [values]
-
-
-def _read(name: str, value: float | list[float] | str, unit: str) -> float | list[float]:
-    if not isinstance(value, str):
-        return value
-    try:
-        return read_value(value, unit)
-    except ValueError as error:
-        fail("L0706", f"{name} = {value}: {error}")

@@ -12,13 +12,12 @@ from typing import Any
 
 from lagrangia.base.result_files import require_file
 from lagrangia.base.store import find_kept, keep, key_of, prune
+from lagrangia.run.formulas import AS_DECLARED, Formulas
 from lagrangia.run.scene import Scene, from_json, to_json
-
-AS_DECLARED = False, False, False  # formulas of a Model
 
 
 def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
-               formulas: tuple[bool, bool, bool] = AS_DECLARED) -> Scene | None:
+               formulas: Formulas = AS_DECLARED) -> Scene | None:
     """The scene compiled earlier from the same text, or None."""
     try:
         stored = json.loads(find_kept("scenes", _key(path, model, structural, outputs, formulas)) or "")
@@ -30,7 +29,7 @@ def find_scene(path: Path, model: str | None, structural: Mapping[str, Any], out
 
 
 def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
-               imports: list[Path], formulas: tuple[bool, bool, bool] = AS_DECLARED) -> None:
+               imports: list[Path], formulas: Formulas = AS_DECLARED) -> None:
     """Store a scene."""
     text = json.dumps({"imports": {str(p.resolve()): _digest(p) for p in imports}, "scene": to_json(scene)})
     keep("scenes", _key(path, model, structural, outputs, formulas), text.encode())
@@ -38,7 +37,7 @@ def keep_scene(scene: Scene, path: Path, model: str | None, structural: Mapping[
 
 
 def _key(path: Path, model: str | None, structural: Mapping[str, Any], outputs: tuple[str, ...],
-         formulas: tuple[bool, bool, bool]) -> str:
+         formulas: Formulas) -> str:
     digest = _digest(path)  # first: of links that lead to each other no path can be told
     return key_of(str(path.resolve()), digest, model, sorted(structural.items()), outputs, formulas)
 

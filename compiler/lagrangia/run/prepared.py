@@ -70,7 +70,7 @@ class PreparedRun:
         if parameters:
             self._set(parameters)
         if self._library.lag_run_start(self._handle, self._start, self._rates) != _OK:
-            fail_start(self.scene, self._run.failure)
+            fail_start(self.scene, self._run.failure, self._run.parameters)
         values = self._advance()
         self._seconds = time.perf_counter() - begin
         if self._engine.upgrade is not None:
@@ -108,7 +108,7 @@ class PreparedRun:
                                                    place + 8 * width * reached, done, _PAUSE)
             reached += done[0]
             if status not in (_OK, _PAUSED):
-                raise RunError(explain(self.scene, self._run.failure))
+                raise RunError(explain(self.scene, self._run.failure, self._run.parameters))
         return values
 
     def _refuse(self, start: Sequence[float]) -> None:

@@ -12,6 +12,7 @@ from typing import NoReturn
 from lagrangia.base.diagnostics import Diagnostic, LagError, RunError, tell_miss
 from lagrangia.base.records import dataclass
 from lagrangia.run.engines import Engine
+from lagrangia.run.formulas import zero_masses
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Failure, Run, Settings, Statistics, Status
 from lagrangia.run.scene import Scene
@@ -71,7 +72,7 @@ def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Valu
         run.set_lost(values.lost or [math.nan] * (2 * scene.sizes["n_lost"]))
         status = run.start(values.q, values.v)
         if status is not Status.OK:
-            fail_start(scene, run.failure)
+            fail_start(scene, run.failure, run.parameters)
     except BaseException:
         run.close()
         raise
@@ -103,7 +104,7 @@ def _rows(
                 if watch is not None:
                     watch(progress)
                 if rows.status not in (Status.OK, Status.PAUSED):
-                    raise RunError(explain(scene, run.failure))
+                    raise RunError(explain(scene, run.failure, run.parameters))
 
 
 @dataclass
@@ -129,24 +130,26 @@ class _Looks:
         progress.engine = self.engine.how
 
 
-def fail_start(scene: Scene, failure: Failure) -> NoReturn:
+def fail_start(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) -> NoReturn:
     """Raises LagError where start values miss what they have to satisfy, RunError where there is no start."""
     if failure.status is Status.INITIAL_FAILED:
         what, excerpt = scene.initial_places[failure.index]
         unit = "m or rad" if failure.index < scene.sizes["n_initial_positions"] else "m/s or rad/s"
         raise LagError([Diagnostic("error", "L0606", f"{what}: {tell_miss(failure.value, unit)}", None, "",
                                    ("change the parameters it depends on, or the start values it is solved from",), excerpt)])
-    raise RunError(explain(scene, failure))
+    raise RunError(explain(scene, failure, parameters))
 
 
-def explain(scene: Scene, failure: Failure) -> str:
-    """When, where and what to try."""
+def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) -> str:
+    """When, where and what to try; of what moves no mass, which masses are 0 among all `parameters`, where they are known."""
     if failure.status is Status.INITIAL_FAILED:
         return f"the initial equations cannot all hold: one misses by {abs(failure.value):.3g}"
     column = (scene.rates if failure.rate else scene.coordinates)[failure.index] if 0 <= failure.index < scene.n else None
     where = f" ({column.name})" if column else ""
     if failure.status is Status.NOT_FINITE:
-        return (f"at t = {failure.time:.6g} the accelerations are not finite{where}: a coordinate that moves no mass, "
+        zero = ", ".join(map("'{}'".format, zero_masses(scene, parameters)[:4])) if parameters else ""
+        told = f" ({zero} {'are' if ',' in zero else 'is'} 0)" if zero else ""
+        return (f"at t = {failure.time:.6g} the accelerations are not finite{where}: a coordinate that moves no mass{told}, "
                 "points that coincide, or a function outside its domain; look at the parameters and start values")
     if failure.status is Status.STEP_TOO_SMALL:
         return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; a singularity "

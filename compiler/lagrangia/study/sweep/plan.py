@@ -13,6 +13,7 @@ from lagrangia.base.checked_values import a_count, a_number, by_name
 from lagrangia.base.diagnostics import LagError, Report, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.run.batch import Kind, Reduction, Sweep
+from lagrangia.run.interpret import evaluate
 from lagrangia.run.request import Request, check_values, plan
 from lagrangia.run.rules import Moment, solver_by
 from lagrangia.run.runtime import Settings, Solver
@@ -77,6 +78,14 @@ class Job:
                 if place < n:
                     given[place], mask[place] = column, 1.0
             yield given, mask
+
+    def parameters_of(self, run: int) -> list[float]:
+        """All of one run."""
+        given, mask = list(self.sweep.given), list(self.sweep.mask)
+        for place, value in zip(self.variations.places, self.variations.values(run, run + 1)[0].tolist(), strict=True):
+            if place < len(given):
+                given[place], mask[place] = value, 1.0
+        return evaluate(self.scene.tapes["parameters"], given, mask)[0]
 
     def fingerprint(self) -> str:
         """The same for equal sweeps only: results of different ones are never mixed. Where the model is written, and its

@@ -79,7 +79,7 @@ class Sweep:
 
     def message(self, run: int) -> str:
         """Why a run failed; empty when it did not."""
-        return explain_outcome(self.job.scene, self.ledger.outcomes[run])
+        return explain_outcome(self.job, run, self.ledger.outcomes[run])
 
     def common_failures(self, most: int = 5) -> list[tuple[str, int]]:
         """What went wrong in general, and in how many runs."""
@@ -164,8 +164,9 @@ def require_parquet() -> tuple[Any, Any]:
 # -------------------------------------------------------------------- why a run failed
 
 
-def explain_outcome(scene: Scene, outcome: Any) -> str:
+def explain_outcome(job: Job, run: int, outcome: Any) -> str:
     """When, where and what to try; empty for a run that went well."""
+    scene = job.scene
     kind, index, value, time = Ending(outcome["kind"]), int(outcome["index"]), float(outcome["value"]), float(outcome["time"])
     if kind is Ending.DONE:
         return ""
@@ -177,7 +178,8 @@ def explain_outcome(scene: Scene, outcome: Any) -> str:
         return _wrong_parameter(scene, index, value)
     if kind is Ending.OPEN:
         return f"the energy account misses by {value:.1e} of its size, more than the tolerance explains, from t = {time:.6g} on"
-    return explain(scene, Failure(Status(outcome["status"]), index, bool(outcome["rate"]), time, value))
+    failure = Failure(Status(outcome["status"]), index, bool(outcome["rate"]), time, value)
+    return explain(scene, failure, job.parameters_of(run) if failure.status is Status.NOT_FINITE else ())
 
 
 def _wrong_parameter(scene: Scene, index: int, value: float) -> str:

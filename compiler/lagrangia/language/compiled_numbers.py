@@ -1,0 +1,77 @@
+"""Which numbers of parameters are compiled in: those with which products fall away, and masses of 0.
+
+What moves no mass follows from other equations than what does (massless.py), so that a mass is compiled in where its value as
+declared is 0, whatever it is bound to. `annotation(Evaluate = true)` asks for 0, 1 and -1.
+"""
+
+from collections.abc import Mapping
+
+from lagrangia.base.diagnostics import LagError
+from lagrangia.language.flat import FlatModel, Variable
+from lagrangia.language.folding import numbers_of
+from lagrangia.language.tree import Ref
+from lagrangia.run.formulas import MASSES
+
+_PLAIN = (0.0, 1.0, -1.0)
+Numbers = Mapping[str, tuple[float | None, ...]]  # of the elements of parameters that have some
+
+
+def compiled_numbers(model: FlatModel, is_general: bool = False, massless: tuple[str, ...] | None = None) -> Numbers:
+    """Where it `is_general`, only those that nobody can set. `massless` names the masses of 0 in place of those declared so."""
+    declared, found = _Declared(model, is_general), {}
+    for variable in (v for v in model.variables.values() if v.kind == "parameter" and v.binding is not None):
+        numbers: list[float | None] = [None] * len(variable.elements())
+        if variable.is_evaluated and (variable.locked or not is_general):
+            numbers = [x if x in _PLAIN else None for x in declared.literal(variable)]
+        if variable.unit in MASSES and massless is not None:
+            numbers = [0.0 if name in massless else x or None for (name, _), x in zip(variable.elements(), numbers, strict=True)]
+        elif variable.unit in MASSES and (variable.locked or not is_general):
+            numbers = [0.0 if x == 0 else y for x, y in zip(declared.values(variable), numbers, strict=True)]
+        if any(x is not None for x in numbers):
+            found[variable.name] = tuple(numbers)
+    return found
+
+
+class _Declared:
+    """Values of parameters as they are declared, those that others can set left out where `is_locked`."""
+
+    def __init__(self, model: FlatModel, is_locked: bool) -> None:
+        self.variables, self.is_locked = model.variables, is_locked
+        self.known: dict[str, list[float | None]] = {}
+
+    def literal(self, variable: Variable) -> list[float | None]:
+        """Those that are written as numbers; what fits no shape is told where it is evaluated."""
+        assert variable.binding is not None
+        return _fitting(variable, numbers_of(variable.binding, variable.shape))
+
+    def values(self, variable: Variable) -> list[float | None]:
+        """None for those that cannot be told."""
+        if variable.name not in self.known:
+            self.known[variable.name] = [None] * len(variable.elements())  # while it is looked for: of itself nothing follows
+            if variable.binding is not None:
+                self.known[variable.name] = self._follow(variable)
+        return self.known[variable.name]
+
+    def _follow(self, variable: Variable) -> list[float | None]:
+        assert variable.binding is not None
+        try:
+            if isinstance(variable.binding, Ref) and variable.shape:
+                other = self.variables[variable.binding.name]
+                return _fitting(variable, self._of(other))
+            return _fitting(variable, numbers_of(variable.binding, variable.shape, self._at))
+        except LagError:  # it is told where parameters are evaluated
+            return [None] * len(variable.elements())
+
+    def _at(self, ref: Ref) -> float | None:
+        variable = self.variables[ref.name]
+        places = {index: k for k, (_, index) in enumerate(variable.elements())}
+        return self._of(variable)[places[ref.index]] if ref.index in places else None
+
+    def _of(self, variable: Variable) -> list[float | None]:
+        is_open = variable.kind != "parameter" or (self.is_locked and not variable.locked)
+        return [None] * len(variable.elements()) if is_open else self.values(variable)
+
+
+def _fitting(variable: Variable, values: list[float | None]) -> list[float | None]:
+    count = len(variable.elements())
+    return values if len(values) == count else [None] * count
