@@ -57,8 +57,10 @@ void lag_candidates_solve(LagRun *run, int count)
     lag_shares_factor(run);
     lag_shares_solve(run, s->change);
     for (int k = 0, row = 0; k < count; ++k)
-        if (s->state[k] == LAG_SLIDES)
+        if (s->state[k] == LAG_SLIDES) {
+            s->factored[row] = s->base[k];
             s->change[row++] += s->base[k];
+        }
     lag_shares_spread(run, s->change);
     for (int k = 0, row = 0; k < count; ++k)
         if (s->state[k] == LAG_SLIDES)

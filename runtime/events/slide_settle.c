@@ -16,6 +16,7 @@
 #include "numbers/extremes.h"
 #include "events/jams.h"
 #include "events/jumps.h"
+#include "events/pressed.h"
 #include "events/contact_friction.h"
 #include "state/state.h"
 
@@ -442,6 +443,11 @@ void lag_sliding_refresh(LagRun *run, double t, const double *y)
     for (int k = 0; k < count; ++k)
         s->state[k] = LAG_SLIDES;
     lag_candidates_solve(run, count);
+    for (int k = 0; k < count; ++k) {
+        s->change[k] = s->share[k] - s->base[k];
+        s->share[k] = s->base[k];
+    }
+    lag_pressed_add(run, count, 1, s->share);
     for (int k = 0; k < count; ++k)
         *lag_share(run, s->which[k]) = s->share[k];
     s->count = count;

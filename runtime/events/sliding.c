@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "events/cones.h"
+#include "events/pressed.h"
 #include "state/evaluate.h"
 #include "numbers/extremes.h"
 #include "state/state.h"
@@ -34,6 +35,7 @@ static void lay_out_holds(LagSliding *s, const LagModel *model, size_t count, La
     s->partner = lag_take_ints(arena, count);
     s->holds = lag_take_ints(arena, count);
     s->drift = lag_take(arena, 2 * (size_t)s->most);
+    s->factored = lag_take(arena, (size_t)s->most);
     lag_dense_lu_layout(&s->held, s->most, 0, arena);
     s->held.dependent = LAG_SLIDING_DEPENDENT;
     s->held.early = EARLY;
@@ -195,19 +197,21 @@ void lag_sliding_stop(LagRun *run)
         s->change[k] = lag_cones_kick(run, s->which[k]) - s->g[s->which[k]];
         largest = lag_max(fabs(s->change[k]), largest);
         const int comes_to_rest = !lag_may_have_all(run, s->which[k]) && run->switches.turned[s->which[k]] == LAG_CHANGES;
-        jumps |= !comes_to_rest && fabs(s->g[s->which[k]]) > LAG_SLIDING_FAR * lag_sliding_drift(run, s->which[k]);
+        jumps |= !comes_to_rest && fabs(s->g[s->which[k]]) > lag_max(lag_sliding_held(run, s->which[k]), run->switches.unknown[s->which[k]]);
     }
     lag_shares_solve(run, s->change);
     double most = 0;
     for (int k = 0; k < count; ++k) {
         jumps |= !isfinite(s->change[k]);
-        most = lag_max(fabs(s->change[k]) / s->unit[k], most);
+        most = lag_max(lag_pressed_change(run, count, k), most);
     }
     const double times = lag_max(1, LEAST / most); /* accelerations are linear, and tell no less */
     const int has_rest = largest > 0 && !jumps;
     for (int with = 0; with <= 1 && has_rest; ++with) {
+        memcpy(s->share, s->share_here, (size_t)count * sizeof *s->share);
+        lag_pressed_add(run, count, with * times, s->share);
         for (int k = 0; k < count; ++k)
-            *lag_share(run, s->which[k]) = s->share_here[k] + with * times * s->change[k];
+            *lag_share(run, s->which[k]) = s->share[k];
         lag_sliding_rates(run, m->t, m->y);
         for (int i = 0; i < m->n; ++i)
             s->slope_before[i] = run->switches.slope[m->n + i] - with * s->slope_before[i];
@@ -234,7 +238,7 @@ static double find_change(LagRun *run, double t, const double *q, const double *
     }
     lag_shares_solve(run, s->change);
     for (int k = 0; k < s->count; ++k) {
-        const double change = fabs(s->change[k]) / s->unit[k];
+        const double change = lag_pressed_change(run, s->count, k);
         largest = change <= largest ? largest : change; /* what is no number stays */
     }
     return largest;
@@ -299,14 +303,20 @@ LagShares lag_sliding_correct(LagRun *run, int tries, double t, const double *q,
         s->is_fresh = 1;
     } else {
         for (int k = 0; k < s->count; ++k)
-            *lag_share(run, s->which[k]) += s->change[k];
+            s->share[k] = *lag_share(run, s->which[k]);
+        lag_pressed_add(run, s->count, 1, s->share);
+        for (int k = 0; k < s->count; ++k)
+            *lag_share(run, s->which[k]) = s->share[k];
     }
     s->first = s->change[0];
     return LAG_SHARES_CHANGED;
 }
 
 /* Of a share between 0 and 1, and of one beyond; shares of friction that presses with no force any more are infinite. */
-static double margin(double share) { return share * (1 - share) / (1 - 2 * share * (1 - share)); }
+static double margin(double share)
+{
+    return isinf(share) ? -0.5 : share * (1 - share) / (1 - 2 * share * (1 - share));
+}
 
 static double margin_slope(double share)
 {
@@ -321,7 +331,7 @@ void lag_sliding_margins(const LagRun *run, int is_held, double *g)
     for (int k = 0; k < s->count; ++k)
         jumps |= lag_may_have_all(run, s->which[k]);
     for (int k = 0; k < s->count; ++k) {
-        const double share = *lag_share(run, s->which[k]);
+        const double share = lag_pressed_is_pulled(run, s->count, k) ? INFINITY : *lag_share(run, s->which[k]);
         const int is_jump = lag_may_have_all(run, s->which[k]), is_beyond = !is_held && is_jump == jumps;
         g[s->which[k]] = is_beyond ? -1 : is_jump ? margin(share) : share / s->unit[k];
     }

@@ -27,6 +27,7 @@ typedef struct {
     LagDenseLu lu;   /* of the jump of those that slide */
     LagShareSystem system; /* that it is of */
     double *change;  /* most: of the shares */
+    double *factored; /* most: the shares at which lu was found */
     double *base, *least, *limit; /* most: the share that jumps are measured from; the least and the largest that slide */
     double *unit;    /* most: what shares are measured by; 1 but for contacts */
     double *noise;   /* most: dg/dt that is rounding */
