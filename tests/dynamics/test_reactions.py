@@ -102,6 +102,53 @@ def test_the_torque_of_a_prescribed_motion_is_that_of_inverse_dynamics(scene: Wr
     assert_balance(run, "bar", *bar(2, 0.5), {"hinge": 1})
 
 
+GENEVA = """model Geneva
+  parameter Length r = 0.1; parameter Real c = sqrt(2);
+  World world(gravity = {{0, 0}});
+  Revolute crank(a = world), wheel(a = shift(world, {{c*r, 0}}));
+  Body load(m = 1, I = 0.02, center = wheel.b), fly(m = 1, I = 0.001, center = crank.b);
+  Angle alpha = crank.phi; {drive}
+  wheel.phi = if abs(alpha) < pi/4 then -atan2(sin(alpha), c - cos(alpha)) else -sign(alpha)*pi/4;
+end Geneva;"""
+
+
+@pytest.mark.parametrize(("drive", "name"), [("Motion motor(of = crank.phi, to = 4*time - 2); equation", "motor.reaction"),
+                                             ("Torque M = constraint_force(crank.phi); equation crank.phi = 4*time - 2;", "M"),
+                                             ("Torque M = -constraint_force(crank.phi); equation 4*time - 2 = crank.phi;", "M")])
+def test_what_a_motion_takes_is_told_by_its_equation(drive: str, name: str, scene: Write) -> None:
+    """I b'' b' of the wheel: the joint has the force of the drive alone, as has the drive."""
+    at = np.array([0.31, 0.4, 0.5, 0.55, 0.6])
+    a, c, h = 4 * at - 2, np.sqrt(2), 1e-4
+
+    def rate(a: Array) -> Array:
+        return 4 * (1 - c * np.cos(a)) / (3 - 2 * c * np.cos(a))  # atan2(sin a, c - cos a), of a = 4 t - 2
+
+    accelerated = 4 * (rate(a - 2 * h) - 8 * rate(a - h) + 8 * rate(a + h) - rate(a + 2 * h)) / (12 * h)
+    run = scene(GENEVA.format(drive=drive)).simulate(at=[0.0, *at], tolerance=1e-9)
+    sign = -1 if "4*time - 2 = crank" in drive else 1
+    np.testing.assert_allclose(sign * run[name][1:], 0.02 * accelerated * rate(a) / 4, rtol=1e-9)
+    np.testing.assert_allclose(sign * run[name], run["crank.reaction_torque"], atol=1e-9)
+
+
+def test_the_power_of_motions_is_what_energies_gain(scene: Write) -> None:
+    """A cart on a moving slide with a pendulum that is driven as well, a spring and a damper: force and torque are exact."""
+    run = scene("""model M
+      Prismatic slide(a = world, along = {1, 0}), height(a = slide.b, along = {0, 1});
+      Revolute hinge(a = height.b), free(a = rod.b, phi(start = 0.3));
+      Bar rod(m = 2, L = 0.5, a = hinge.b), last(m = 1, L = 0.4, a = free.b);
+      Spring s(k = 300, a = world, b = last.b); TorsionDamper d(c = 0.3, rate = free.w);
+      Motion along(of = slide.s, to = 0.2*sin(3*time)), up(of = height.s, to = 0.1*time^2);
+      Motion turn(of = hinge.phi, to = 0.5*cos(2*time));
+    end M;""").simulate(stop=2, interval=0.001, tolerance=1e-11)
+    t = run.time
+    power = run["along.reaction"] * 0.6 * np.cos(3 * t) + run["up.reaction"] * 0.2 * t - run["turn.reaction"] * np.sin(2 * t)
+    stored = run.energy.kinetic + run.energy.potential
+    weights = np.array([1, -9, 45, 0, -45, 9, -1]) / 0.06  # of the slope in the middle of seven rows
+    gained = np.convolve(stored, weights, "valid") + 0.3 * run["free.w"][3:-3] ** 2
+    assert np.abs(power).max() > 5
+    np.testing.assert_allclose(gained, power[3:-3], rtol=0, atol=1e-7 * np.abs(power).max())  # of differences
+
+
 def test_a_driven_loop() -> None:
     run = lag.load(EXAMPLES / "crank_press.lag").simulate(interval=0.001, tolerance=1e-10)
     assert_balance(run, "crank", *bar(5, 0.1), {"O": 1, "pin": -1})

@@ -104,6 +104,8 @@ if c then a else b  in a formula; a condition on time alone, linear in it or in 
                     rest only where it is made smooth: F*v/sqrt(dot(v, v) + vs^2)
 time, pi
 contact_force(x)    what holds x at a contact: lag help events
+constraint_force(x) the force along x, or torque, of the equation that has x on one side: motor.reaction of a Motion is such a
+                    one; its power is that times der(x). Of equations between positions or angles, in outputs
 virtual(x)          zero, but with the virtual displacement of x: says in an equation where its force acts (see Gear)
 
 Functions of your own:
@@ -197,7 +199,8 @@ given by others where that is linear, else one more constraint, between position
 (massless.py); PointMass knot(final m = 0) makes one in the plane. A mass is none where its value is 0, whatever it is bound to
 and however it is given (-p m=0 compiles the scene once more; in sweeps, where it is 0 in all runs; in FMUs, where it is final).
 --reactions reports the force and torque of every joint and tie, by Lagrange's equations of released directions
-(released_directions.py). Where constraints are redundant, those told as repeated carry nothing. Masses given
+(released_directions.py), and of a Motion what it takes: motor.reaction, a force along what it prescribes, or a torque.
+Where constraints are redundant, those told as repeated carry nothing. Masses given
 with -p that are far apart or zero in a loop are noticed; the run then takes formulas that bear them (half as long again,
 compiled once).
 A scene that cannot move is statics: its reactions are told without being asked for.

@@ -287,6 +287,7 @@ def depends_on_forces(kinematics: Kinematics, motion: Motion, name: str) -> bool
         return True
     _labels, y = _outputs(kinematics, (name,))
     held, reactions = motion.constrained, [x for forces in kinematics.reactions.values() for x in forces]
+    reactions += kinematics.forces.values()
     return bool(ca.depends_on(y, ca.vertcat(motion.a, held.symbols if held else ca.SX(0, 1), *reactions)))
 
 

@@ -6,10 +6,12 @@ that only repeat others carry nothing: where constraints are redundant, this is 
 Only what is asked for is built.
 """
 
+from typing import NoReturn
+
 import casadi as ca
 
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.constraints.rows import Constraints
+from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.dynamics.bodies import Bodies
 from lagrangia.dynamics.driven_joints import force_beside_drives
 from lagrangia.dynamics.motion import Motion
@@ -20,23 +22,23 @@ from lagrangia.frames.joints import component_of, cuts_of, joints_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.frames.planar import SIZE
 from lagrangia.frames.planar_inertia import wrench_about
+from lagrangia.language.consequences import equation_of
 from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import FrameRef
 
 
 def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constraints, motion: Motion) -> tuple[ca.SX, ca.SX]:
-    """The symbols that stand for reactions in outputs, and their values in t, q, v, a, lambda, u, d, p, SIZE of each joint.
+    """The symbols that stand for reactions in outputs, and their values in t, q, v, a, lambda, u, d, p: SIZE of each joint, and
+    one of each equation that is asked for its force.
 
     Raises LagError L0911 for what has no reaction.
     """
     asked = kinematics.reactions
-    if not asked:
+    if not asked and not kinematics.forces:
         return ca.SX(0, 1), ca.SX(0, 1)
     if constraints.touching:
-        frame, straight = next(iter(asked)), constraints.touching[0].told
-        fail("L0911", f"the reaction of '{component_of(frame)}' is not known: {straight} only just holds, so that nothing bounds "
-             "its force", _asked_at(kinematics, frame), "make what is straight there a little longer or shorter")
+        _refuse(kinematics, constraints.touching[0])
     edges, cuts = joints_of(kinematics.graph), cuts_of(kinematics.graph)
     ties = {frame: [row for row in constraints.all_rows if row.loop is None and row.component == component_of(frame)]
             for frame in asked if frame not in cuts and frame not in edges}
@@ -52,8 +54,28 @@ def build_reactions(kinematics: Kinematics, bodies: Bodies, constraints: Constra
             values[frame] = _of_cut(kinematics, constraints, *cuts[frame], frame, released)
         elif frame in edges:
             values[frame] = _of_joint(kinematics, constraints, *edges[frame], frame, released)
-    symbols = ca.vertcat(*[s for frame in asked for s in asked[frame]])
-    return symbols, ca.substitute(ca.vertcat(*[values[frame] for frame in asked]), kinematics.symbols.tau, ca.SX(1))
+    forces = [_along_left_side(kinematics, constraints, released, name) for name in kinematics.forces]
+    symbols = ca.vertcat(*[s for frame in asked for s in asked[frame]], *kinematics.forces.values())
+    return symbols, ca.substitute(ca.vertcat(*[values[frame] for frame in asked], *forces), kinematics.symbols.tau, ca.SX(1))
+
+
+def _refuse(kinematics: Kinematics, straight: Row) -> NoReturn:
+    """Where a constraint only just holds."""
+    frame = next(iter(kinematics.reactions), None)
+    what = "the force of an equation" if frame is None else f"the reaction of '{component_of(frame)}'"
+    fail("L0911", f"{what} is not known: {straight.told} only just holds, so that nothing bounds its force",
+         straight.span if frame is None else _asked_at(kinematics, frame),
+         "make what is straight there a little longer or shorter")
+
+
+def _along_left_side(kinematics: Kinematics, constraints: Constraints, released: Released, name: str) -> ca.SX:
+    """-lambda: the power of left = right is that times the rate of either side."""
+    equation = kinematics.graph.model.constraints[equation_of(name)]
+    rows = [row for row in constraints.all_rows if row.equation is equation]
+    if len(rows) != 1 or not rows[0].is_holonomic:
+        fail("L0911", "not supported yet: the force of an equation between rates, or between vectors", equation.span,
+             "write one equation for each component, between positions or angles")
+    return -released.multiplier(rows[0])
 
 
 def _asked_at(kinematics: Kinematics, frame: str) -> Span:

@@ -15,6 +15,7 @@ from lagrangia.algebra.duals import Algebra, Dual, DualAlgebra, Scalar, minus, n
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.frames.planar import cross, turned_vector
 from lagrangia.language.algorithms import FlatFunction
+from lagrangia.language.consequences import name_of_constraint, side_of
 from lagrangia.language.events import are_alike, contact_of, kept_by, name_of_contact
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.tree import (
@@ -192,6 +193,8 @@ class Evaluator:
             return self._distance(node, level)
         if node.function == "contact_force":
             return self._contact_force(node, level)
+        if node.function == "constraint_force":
+            return self._constraint_force(node, level)
         if node.function == "sqrt" and (parts := _squared(node.arguments[0])) is not None:
             return self._root_of_squares(parts, level, local)
         arguments = [self.value(argument, level, local) for argument in node.arguments]
@@ -227,6 +230,18 @@ class Evaluator:
             fail("L0911", "the rate of a contact force is not known", node.span)
         known = self.leaves.symbol(name_of_contact(event), level)
         return 0.0 if known is None else known
+
+    def _constraint_force(self, node: Call[Flat], level: int) -> Value:
+        """What an equation exerts along the side x that it holds."""
+        found = side_of(self.model, node.arguments[0])
+        if found is None:
+            fail("L0226", f"no equation holds {node.arguments[0].span.text}", node.span,
+                 "constraint_force(x) is the force along x of an equation with x on one side, as x = f(time)")
+        if level > 0:
+            fail("L0911", "the rate of the force of a constraint is not known", node.span)
+        force = self.leaves.symbol(name_of_constraint(found[0]), level)
+        assert force is not None
+        return force if found[1] > 0 else -force
 
     def _distance(self, node: Call[Flat], level: int) -> Scalar:
         """Between two frames or two points."""

@@ -2,13 +2,15 @@
 
 from lagrangia.frames.edges import Closure, Edge
 from lagrangia.frames.graph import ComponentGraph
+from lagrangia.language.consequences import is_constraint_force
 from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.instances import held_port
 
 
 def all_reactions(graph: ComponentGraph) -> list[str]:
-    """The force and torque of every joint and of every equation between the ports of one component."""
-    return [f"{path}.{what}" for path in reaction_ports(graph) for what in REACTIONS]
+    """The force and torque of every joint and of every equation between the ports of one component; of a Motion what it takes."""
+    forces = [name for name, v in graph.model.variables.items() if v.binding is not None and is_constraint_force(v.binding)]
+    return [f"{path}.{what}" for path in reaction_ports(graph) for what in REACTIONS] + forces
 
 
 def reaction_ports(graph: ComponentGraph) -> dict[str, str]:

@@ -24,6 +24,7 @@ from lagrangia.frames.planar import Pose
 from lagrangia.frames.steps import Step
 from lagrangia.frames.vectors_on_a_line import line_of
 from lagrangia.language.compiled_numbers import compiled_numbers
+from lagrangia.language.consequences import CONSTRAINT_FORCE
 from lagrangia.language.frame_attributes import ATTRIBUTES
 
 _JUST_AFTER = 1e-9  # of the time from start to stop
@@ -65,6 +66,7 @@ class Kinematics:
     released: Mapping[str, Displacement] = field(default_factory=dict)
     moved: Mapping[str, Displacement] = field(default_factory=dict)  # those of single frames, nothing behind them
     reactions: dict[str, tuple[ca.SX, ...]] = field(default_factory=dict)  # symbols of those that outputs ask for
+    forces: dict[str, ca.SX] = field(default_factory=dict)  # the same of equations: language/consequences.py
     evaluator: Evaluator = field(init=False)
     _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])
     _still: "Kinematics | None" = None
@@ -84,6 +86,8 @@ class Kinematics:
         if name in self.graph.cut_coordinates:
             read = cut_coordinate(self, self.graph.cut_coordinates[name], level)
             return read + displacement(self.released[name], level) if name in self.released else read
+        if name.startswith(CONSTRAINT_FORCE):
+            return self.forces.setdefault(name, symbol(name))
         return self.symbols.compiled.get(name, self.symbols.values.get(name))
 
     def coordinate(self, name: str, level: int) -> Scalar:

@@ -5,11 +5,13 @@ but for forces and dissipation functions on those of contacts.
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from lagrangia.base.diagnostics import Report, Span
+from lagrangia.language.events import are_alike
 from lagrangia.language.flat import Equation, FlatModel, FrameEquation
 from lagrangia.language.frame_attributes import REACTIONS
 from lagrangia.language.mentions import nodes, reached
 from lagrangia.language.tree import Call, Flat, FrameRef
 
+CONSTRAINT_FORCE = "constraint_force"
 Stated = tuple[Iterable[Flat], str, Span]
 
 
@@ -41,6 +43,28 @@ def contact_forces_in(model: FlatModel) -> list[Call[Flat]]:
     return [node for node in reached(stated, _bindings(model)) if isinstance(node, Call) and _is_contact_force(node)]
 
 
+def side_of(model: FlatModel, x: Flat) -> tuple[int, float] | None:
+    """The first equation one side of which is x, by its place among all: 1.0 for the left side, -1.0 for the right one."""
+    sides = ((k, sign, side) for k, equation in enumerate(model.constraints)
+             for sign, side in ((1.0, equation.left), (-1.0, equation.right)))
+    return next(((k, sign) for k, sign, side in sides if are_alike(side, x)), None)
+
+
+def name_of_constraint(equation: int) -> str:
+    """By which the evaluator asks for the force of an equation along its left side."""
+    return f"{CONSTRAINT_FORCE}({equation})"
+
+
+def is_constraint_force(node: Flat) -> bool:
+    """Whether it is the force of an equation itself."""
+    return isinstance(node, Call) and node.function == CONSTRAINT_FORCE
+
+
+def equation_of(name: str) -> int:
+    """The place of the equation of such a name."""
+    return int(name.removeprefix(f"{CONSTRAINT_FORCE}(").removesuffix(")"))
+
+
 def speaks_of_contact_forces(model: FlatModel, expression: Flat) -> bool:
     """Whether an expression, or what it refers to, has the force of a contact in it."""
     return any(map(_is_contact_force, reached([expression], _bindings(model))))
@@ -50,9 +74,9 @@ def _keep_reactions_out(model: FlatModel, report: Report) -> None:
     bindings = _bindings(model)
     for expressions, what, span in (*_of_positions(model), *_of_forces(model)):
         for node in reached(expressions, bindings):
-            if isinstance(node, FrameRef) and _is_reaction(node):
-                joint = node.name.rpartition(".")[0]
-                report.error("L0914", f"not supported yet: {what} that depends on the reaction of '{joint}'", span,
+            if _is_reaction(node):
+                of = f"reaction of '{node.name.rpartition('.')[0]}'" if isinstance(node, FrameRef) else "force of a constraint"
+                report.error("L0914", f"not supported yet: {what} that depends on the {of}", span,
                              "reactions are outputs: they follow from the motion")
 
 
@@ -72,7 +96,7 @@ def _keep_rates_out(model: FlatModel, report: Report, is_one: Callable[[Flat], b
 
 
 def _is_reaction(node: Flat) -> bool:
-    return isinstance(node, FrameRef) and node.attribute in REACTIONS
+    return is_constraint_force(node) or (isinstance(node, FrameRef) and node.attribute in REACTIONS)
 
 
 def _is_contact_force(node: Flat) -> bool:

@@ -384,7 +384,7 @@ class _Checker:
                 return ANY if base is None else Quantity(power(base, Fraction(1, 2)), found[0].is_soft)
             case "abs" | "norm" | "floor" | "ceil" | "rotate" | "virtual" | "element" | "pre":
                 return found[0]
-            case "contact_force":
+            case "contact_force" | "constraint_force":
                 return self._over(Quantity(_JOULE), found[0], node)
             case "sign":
                 return PURE

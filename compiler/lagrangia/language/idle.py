@@ -46,7 +46,7 @@ def _is_idle_force(model: FlatModel, variable: Variable) -> bool:
 def _follows(node: Flat) -> bool:
     if isinstance(node, FrameRef):
         return node.attribute in REACTIONS
-    return isinstance(node, Call) and node.function == "contact_force"
+    return isinstance(node, Call) and node.function in ("contact_force", "constraint_force")
 
 
 def _expressions(model: FlatModel) -> Iterator[Flat]:

@@ -40,7 +40,7 @@ from lagrangia.language.units import Unit, known_units, parse_unit
 FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
     **dict.fromkeys(("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp",
                      "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der", "pre", "virtual",
-                     "contact_force"), (1,)),
+                     "contact_force", "constraint_force"), (1,)),
     **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "turn"), (2,)),
     "table": (3,), "min": None, "max": None, "sum": None, "product": None,
 }
@@ -430,8 +430,10 @@ class Names:
             joints = [str(slot.binding.expression).rpartition(".")[0] for slot in instance.members.values()
                       if isinstance(slot, Slot) and slot.binding is not None and isinstance(slot.binding.expression, Reference)]
             driven = next((f": {joint}.reaction, {joint}.reaction_torque" for joint in joints if joint), "")
-            fail("L0216", f"{what} has no reaction", span, "components with two ports have one; what acts on the coordinate of a "
-                 f"joint is in the reaction of the joint{driven}")
+            own = [f"what it takes is {instance.path}.reaction, a force along what it moves, or a torque"]
+            fail("L0216", f"{what} has no {name}", span, "components with two ports have one; what acts on the coordinate of a "
+                 f"joint is in the reaction of the joint{driven}",
+                 *(own if "reaction" in instance.members else ()))
         fail("L0216", f"{what} has no member '{name}'", span, *explain(self.table, instance.definition, name))
 
 
