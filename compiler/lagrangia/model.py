@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from lagrangia.compile.pipeline import Compilation
+    from lagrangia.paper.pages import Page
     from lagrangia.study.analysis import Equilibria, Study
     from lagrangia.study.linearization import Linearization
     from lagrangia.study.modes import Modes
@@ -370,15 +371,13 @@ class Model:
         return Study(suited.compilation, check_values(suited.scene, parameters, initial, inputs), time)
 
     def equations(self, form: str = "lagrange", format: str = "text", *, names: Mapping[str, str] | None = None,
-                  parameters: Given = None, numbers: bool = False, force: bool = False) -> str:
-        """The equations of motion for people, as `lag equations` prints them; see `lag help equations`.
-
-        `names` maps names of the model to symbols of your own, {"tilt.phi": "theta"}; with `numbers` the values of the parameters
-        are put in. Raises LagError for an unknown form, format or name.
-        """
+                  parameters: Given = None, numbers: bool = False, force: bool = False, language: str = "en") -> "Page":
+        """The equations of motion for people, as `lag equations` prints them: a text, which notebooks show typeset. `names` maps
+        names of the model to symbols, {"tilt.phi": "theta"}; with `numbers` the values of the parameters are put in. Raises
+        LagError for an unknown form, format, name or language."""
         from lagrangia.paper.sheet import Request, write_equations
 
-        request = Request(form, format, names or {}, dict(parameters or {}), numbers, force)
+        request = Request(form, format, names or {}, dict(parameters or {}), numbers, force, language=language)
         return write_equations(self.path, request, self.model, self.structural)
 
     def draw(self, path: str | os.PathLike[str] | None = None, *, at: float | None = None, names: Mapping[str, str] | None = None,

@@ -120,6 +120,17 @@ def test_scripts_build_the_same_equations(path: Path, capsys) -> None:
         assert e.ring.is_zero(x.subs(renamed) - y)
 
 
+@pytest.mark.parametrize("form", ["lagrange", "5.16", "5.21", "5.23", "5.27", "dissipation"])
+def test_scripts_derive_their_equations_again(form: str, capsys) -> None:
+    """Run, they end without a word; with another T, they do not."""
+    script = equations(capsys, "suspended_bar", "--format", "sympy", "--form", form)
+    exec(script, {"__name__": "__main__"})
+    wrong = re.sub(r"^(T = .*)$", r"\1 + m*s_d**2*s", script, flags=re.MULTILINE)
+    with pytest.raises(AssertionError):
+        exec(wrong, {"__name__": "__main__"})
+    capsys.readouterr()
+
+
 @pytest.mark.parametrize("path", [path for path in ALL if path.stem not in LARGE], ids=lambda path: path.stem)
 def test_html_is_well_formed_and_stands_alone(path: Path, capsys) -> None:
     page = equations(capsys, path.stem, "--form", "worked", "--format", "html")
@@ -149,12 +160,19 @@ class Balanced(HTMLParser):
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="there is no pdflatex")
-def test_latex_compiles(tmp_path: Path, capsys) -> None:
-    page = equations(capsys, "slider_crank", "--form", "worked", "--format", "latex")
+@pytest.mark.parametrize("is_fragment", [False, True])
+@pytest.mark.parametrize("name", ["slider_crank", "crank_press", "double_pendulum", "quarter_car"])
+def test_latex_compiles_and_nothing_stands_in_the_margin(name: str, is_fragment: bool, tmp_path: Path, capsys) -> None:
+    page = equations(capsys, name, "--form", "worked", "--format", "latex", *["--fragment"] * is_fragment)
+    if is_fragment:
+        assert "documentclass" not in page and "usepackage" not in page and r"\label{lag:a}" in page
+        page = (r"\documentclass[11pt]{article}\usepackage[margin=22mm,a4paper]{geometry}\usepackage{amsmath}\sloppy"
+                f"\n\\begin{{document}}\n{page}\n\\end{{document}}\n")
     (tmp_path / "page.tex").write_text(page, encoding="utf-8")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "page.tex"]
     run = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
     assert run.returncode == 0, run.stdout.decode(errors="replace")[-2000:]
+    assert b"Overfull" not in run.stdout
 
 
 @pytest.mark.parametrize("path", [path for path in ALL if path.stem not in LARGE], ids=lambda path: path.stem)
@@ -173,15 +191,21 @@ BROWSER = next((found for name in ("chromium", "chromium-browser", "google-chrom
 
 
 @pytest.mark.skipif(BROWSER is None, reason="there is no Chromium")
-def test_the_worked_page_in_a_browser(tmp_path: Path, capsys) -> None:
-    """Its layout is what was meant: fractions are stacked, nothing is cut off, and it prints on pages."""
-    page = equations(capsys, "suspended_bar", "--form", "worked", "--format", "html")
+@pytest.mark.parametrize("name", ["suspended_bar", "crank_press"])
+def test_the_worked_page_in_a_browser(name: str, tmp_path: Path, capsys) -> None:
+    """Its layout is what was meant: fractions are stacked, nothing is cut off at the width of A4, and it prints on pages."""
+    page = equations(capsys, name, "--form", "worked", "--format", "html")
     probe = """<script>
       const box = e => e.getBoundingClientRect(), all = s => [...document.querySelectorAll(s)];
       const stacked = all('mfrac').every(f => box(f.children[0]).bottom <= box(f.children[1]).top + 1);
       const wide = all('math').filter(m => box(m).right > innerWidth || box(m).width === 0).length;
+      document.body.style.width = '170mm';
+      document.body.style.padding = 0;
+      document.body.style.fontSize = '11pt';
+      const size = e => [e.scrollWidth, e.clientWidth, e.scrollHeight, e.clientHeight];
+      const cut = all('.shown').map(size).filter(([w, room, h, height]) => w > room + 1 || h > height + 1);
       const high = all('msup').every(s => box(s.children[1]).top < box(s.children[0]).bottom);
-      document.title = JSON.stringify({maths: all('math').length, fractions: all('mfrac').length, stacked, wide, high});
+      document.title = JSON.stringify({maths: all('math').length, fractions: all('mfrac').length, stacked, wide, high, cut});
     </script></body>"""
     (tmp_path / "page.html").write_text(page.replace("</body>", probe), encoding="utf-8")
     command = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}",
@@ -193,7 +217,7 @@ def test_the_worked_page_in_a_browser(tmp_path: Path, capsys) -> None:
     found = json.loads(title[1])
     assert found["maths"] > 40
     assert found["fractions"] > 30
-    assert (found["stacked"], found["high"], found["wide"]) == (True, True, 0)
+    assert (found["stacked"], found["high"], found["wide"], found["cut"]) == (True, True, 0, [])
     printed = tmp_path / "page.pdf"
     subprocess.run([*command, f"--print-to-pdf={printed}", address], capture_output=True, timeout=120, check=True)
     assert printed.stat().st_size > 10_000
@@ -207,6 +231,17 @@ def test_names_of_ones_own(capsys) -> None:
     said = equations(capsys, "suspended_bar", "--names", "tilt.phi=theta,guide.s=x")
     assert "m x'' + (c₁ + c₂) x' + ½ (c₂ − c₁) L θ' cos θ + (k₁ + k₂) x + ½ (k₂ − k₁) L sin θ = P(t)" in said
     assert "x is guide.s, θ is tilt.phi." in said
+
+
+def test_names_as_people_write_them(capsys) -> None:
+    chosen = r"tilt.phi=\theta_1,guide.s=x_{cm},D=σ,W=tau"
+    said = equations(capsys, "suspended_bar", "--form", "worked", "--names", chosen)
+    assert "σ = ½ c₁ (x_cm' − ½ L θ₁' cos θ₁)² + ½ c₂ (x_cm' + ½ L θ₁' cos θ₁)²" in said
+    assert "δτ_f = P(t) δ(x_cm + (a − ½ L) sin θ₁)" in said
+    assert "D" not in re.sub(r"[A-Z]\w*\b(?<!D)|d'Alembert's", "", said).replace("Data", "")
+    path = str(EXAMPLES / "suspended_bar.lag")
+    for names in ("tilt.phi=θ,guide.s=theta", "D=θ,tilt.phi=theta", "D=T", "D=sigma,T=σ", "D=1"):
+        assert "L0711" in refused(capsys, path, "--names", names)
 
 
 def test_short_names_where_they_are_unambiguous() -> None:
@@ -429,3 +464,12 @@ end Letters;""")
         assert shown in capsys.readouterr().out
     assert main(["equations", str(scene), "--form", "lagrange", "--format", "latex"]) == 0
     assert r"\frac{\partial \mathcal{T}}{\partial \dot{q}_{k}}" in capsys.readouterr().out
+
+
+def test_notebooks_show_pages_typeset() -> None:
+    """As Markdown, whatever they were printed as; scripts as code."""
+    model = lag.load(EXAMPLES / "suspended_bar.lag")
+    shown = model.equations("5.20", names={"tilt.phi": "θ"}, language="fr")
+    assert shown.startswith("SuspendedBar") and "Équations de Lagrange, forme 5.20" in shown
+    assert r"\ddot{\theta}" in shown._repr_markdown_() and r"\ddot" not in shown
+    assert model.equations(format="sympy")._repr_markdown_().startswith('```python\n"""SuspendedBar')

@@ -25,7 +25,8 @@ def equations_command(options: Namespace) -> int:
     about = None if options.about is None else named_pairs(options.about, "--about")
     names = named_pairs(options.names or "", "--names")
     request = Request(options.form, options.format, names, parameters, options.numbers, options.force, about, options.sources,
-                      options.level, split_names(options.sections), options.first_letter, _figure(options, names))
+                      options.level, split_names(options.sections), options.first_letter, _figure(options, names),
+                      options.language, options.fragment)
     if options.check is not None:
         is_right, told = checked(options.file, options.check, request, options.model, structural)
         print(told)

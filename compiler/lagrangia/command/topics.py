@@ -335,10 +335,13 @@ forms     lagrange      d/dt dT/dv - dT/dq + dV/dq + dD/dv = f, written out for 
                         system, coordinates, data, positions, principle, kinetic, potential, dissipation, forces, constraints,
                         equations, small, matrices, constants
           exercise      the statement: the scene, its coordinates and data, without the solution (see --check)
-formats   text, markdown (formulas between dollars), latex, html (one page that needs no network and prints well),
-          sympy (a Python script that builds the expressions of the form lagrange)
+formats   text, markdown (formulas between dollars), latex (--fragment: the body alone, which needs amsmath, with labels lag:a),
+          html (one page that needs no network and prints well; a click on TeX shows a formula's LaTeX),
+          sympy (a Python script that builds lagrange or a form 5.16 ... 5.32, derives it once more from T, V, D and asserts it)
 
---names tilt.phi=theta,guide.s=x   symbols of your own (Greek letters by their names, k_1 with a subscript)
+--names tilt.phi=theta,guide.s=x   symbols of your own: theta, \\theta or θ; k_1 or x_{cm} with a subscript; the pages' letters
+                                   T, V, D, L, E, H, W (of virtual work) too: D=sigma
+--language pt                      headings and sentences in Portuguese; de, fr, es: German, French, Spanish
 --check "m*x'' + (k1+k2)*x = P(t)"  tells whether an equation is the scene's, up to factors and combinations, by value at random
                                    points; else which terms differ (exit code 1). Products with *, powers with ^, x' and x''
 --numbers, -p NAME=VALUE           puts the parameters' values in      -o FILE   writes a file
@@ -350,7 +353,7 @@ of the motion are named. What is too large to read is told so, with its energies
 The linear form finds its equilibrium without loads that depend on time, and with supports at rest; linearize, modes and
 equilibrium hold loads as they are at the start time. Coefficients that vary with time are taken at the same standstill, and the
 page says so. Derivations and exercises of HTML begin with the figure that `lag draw` makes.
-From Python: model.equations("worked", "html", names={"tilt.phi": "theta"})
+From Python: model.equations("worked", "html", names={"tilt.phi": "theta"}), a text that notebooks show typeset.
 
 lag export FILE --to TARGET [-o FILE] writes a scene for other programs, with the start values as they were assembled:
 python    a module that needs NumPy alone: M, h, rhs, energies, outputs, ..., slope(t, y) for scipy's solve_ivp; jacobian_u and

@@ -1,7 +1,7 @@
 """What all forms share: the equations with their layouts, and the parts that stand in several of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import cached_property
 
 import sympy as sp
@@ -10,12 +10,13 @@ from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Term
 from lagrangia.language.frame_attributes import component_named
-from lagrangia.paper.document import Block, Display, Heading, Inline, Table, display, paragraph
+from lagrangia.paper.document import Block, Display, Heading, Inline, Table, display, paragraph, say
 from lagrangia.paper.equations import Constant, Equations
 from lagrangia.paper.layout import (
     Grid,
     Name,
     Node,
+    Phrase,
     Power,
     Product,
     Relation,
@@ -32,8 +33,10 @@ from lagrangia.paper.notation import is_own, own_name
 from lagrangia.paper.parts import Parts, parts_of
 from lagrangia.paper.presentation import Presentation
 from lagrangia.paper.typeset import line, text
+from lagrangia.paper.widths import typeset_width
 
 WIDEST_MATRIX = 96  # with what indents it, a line of 100
+WIDEST_TYPESET = 70.0  # half ems, on pages of A4
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,7 @@ class Book:
     level: str = "full"  # of the derivation: short, full or lecture
     sections: tuple[str, ...] = ()  # of the derivation, all if none is named
     first_letter: str = "a"
+    letters: Mapping[str, Name] = field(default_factory=dict)  # chosen in place of the pages' own
 
     @cached_property
     def parts(self) -> Parts:
@@ -68,7 +72,14 @@ class Book:
 
     def own(self, letter: str, sub: str = "") -> Name:
         """T, V, L and the like, of the forms' own."""
-        return own_name(letter, sub, self.names.values())
+        chosen = self.letters.get(letter)
+        if chosen is None:
+            return own_name(letter, sub, self.names.values())
+        return replace(chosen, sub=" ".join(filter(None, (chosen.sub, sub))))
+
+    def virtual_work(self, sub: str = "") -> Name:
+        """delta W, of a part by its index."""
+        return replace(self.letters.get("W", Name("W")), sub=sub, prefix="δ")
 
     def partial(self, top: str, bottom: Node, sub: str = "") -> Slope:
         """d(top)/d(bottom), of an energy by its letter."""
@@ -120,12 +131,12 @@ def coordinates_table(book: Book) -> list[Block]:
     for name, value in book.equations.scene.dependents.items():
         shown = book.names.get(sp.Symbol(name, real=True), Name(name))
         variable = model.variables.get(name)
-        rows.append((equal(shown, book.sum(value)), name, variable.unit if variable else "", "given by the others"))
-    return [Table(("", "in the model", "unit", ""), tuple(rows))]
+        rows.append((equal(shown, book.sum(value)), name, variable.unit if variable else "", say("given by the others")))
+    return [Table(("", say("in the model"), say("unit"), ""), tuple(rows))]
 
 
-def _frame_words(name: str) -> str:
-    return "angle of a floating body" if component_named(name).is_angle else "of a floating body"
+def _frame_words(name: str) -> Phrase:
+    return say("angle of a floating body") if component_named(name).is_angle else say("of a floating body")
 
 
 def parameters_table(book: Book) -> list[Block]:
@@ -137,7 +148,7 @@ def parameters_table(book: Book) -> list[Block]:
             if p.formula is not None:
                 shown = equal(shown, book.sum(exact_throughout(p.formula)))
             rows.append((shown, p.name, f"{book.values[p.name]:.6g} {p.unit}".rstrip(), p.description))
-    return [Table(("", "in the model", "value", ""), tuple(rows))] if rows else []
+    return [Table(("", say("in the model"), say("value"), ""), tuple(rows))] if rows else []
 
 
 def given_functions(book: Book) -> list[Node]:
@@ -155,7 +166,7 @@ def where(book: Book) -> list[Block]:
     lines += [equal(book.names[s], book.sum(value)) for name, value in scene.dependents.items()
               for s in [sp.Symbol(name, real=True)] if s in book.names]
     lines += lengths(book)
-    return [paragraph("where"), Display(tuple(lines))] if lines else []
+    return [paragraph(say("where")), Display(tuple(lines))] if lines else []
 
 
 def lengths(book: Book) -> list[Node]:
@@ -173,8 +184,8 @@ def _kicks(book: Book) -> list[Block]:
     if not book.has_kicks:
         return []
     momentum = book.partial("T", Name("q", "k", 1))
-    return [paragraph("A support jumps at times, or its rate: there ", momentum, " stays as it is, but for what holds the scene "
-                      "and the impulses of dampers, and the equations hold in between.")]
+    return [paragraph(say("A support jumps at times, or its rate: there {0} stays as it is, but for what holds the scene and the "
+                          "impulses of dampers, and the equations hold in between.", momentum))]
 
 
 def _resets(book: Book) -> list[Block]:
@@ -184,11 +195,12 @@ def _resets(book: Book) -> list[Block]:
         return []
     lines: list[Inline] = []
     for event in events:
-        lines += ["; where " if lines else "Where ", book.sum(event.level), " comes to be positive, "]
-        for k, (rate, wanted) in enumerate(event.resets):
-            lines += [", " if k else "", book.sum(rate), " becomes ", book.sum(wanted)]
-    lines += [", by an impulse that works on what it is the rate of. In between the equations hold."]
-    return [paragraph(*lines)]
+        changes: list[Inline] = []
+        for rate, wanted in event.resets:
+            changes += [", " if changes else "", say("{0} becomes {1}", book.sum(rate), book.sum(wanted))]
+        lines += ["; " if lines else "", say("where {0} comes to be positive, {1}", book.sum(event.level), changes)]
+    return [paragraph(say("At events rates jump: {0}, by an impulse that works on what it is the rate of. In between the "
+                          "equations hold.", lines))]
 
 
 def names_block(book: Book) -> list[Block]:
@@ -196,17 +208,17 @@ def names_block(book: Book) -> list[Block]:
     scene = book.equations.scene
     pairs: list[Inline] = []
     for name, q in zip(scene.names, book.q, strict=True):
-        pairs += [", " if pairs else "", q, f" is {name}"]
+        pairs += [", " if pairs else "", say("{0} is {1}", q, name)]
     for label, x in (*((p.name, p.symbol) for p in scene.parameters), *scene.inputs.items()):
         if x in book.names and not is_own(label, book.names[x]):
-            pairs += [", ", book.names[x], f" is {label}"]
+            pairs += [", ", say("{0} is {1}", book.names[x], label)]
     return [paragraph(*pairs, "."), *positive_block(book)]
 
 
 def positive_block(book: Book) -> list[Block]:
     """For which signs of lengths the formulas hold."""
     conditions = [Relation(book.names[q], total([]), ">") for q in book.equations.scene.positive]
-    return [paragraph("All that follows is for ", *_joined(conditions), ".")] if conditions else []
+    return [paragraph(say("All that follows is for {0}.", _joined(conditions)))] if conditions else []
 
 
 def generic(book: Book) -> Node:
@@ -239,11 +251,12 @@ def constraints_block(book: Book) -> list[Block]:
     count, zero = len(e.rows), book.sum(sp.S.Zero)
     names = [Name("Phi", str(k + 1) if count > 1 else "") for k in range(count)]
     lines = [equal(name, Relation(book.sum(row), zero)) for name, row in zip(names, e.rows, strict=True)]
-    kind = "Constraints" if e.scene.holonomic == count else "Constraints, the last on the rates" if e.scene.holonomic else \
-        "Constraints on the rates"
+    kind = say("Constraints") if e.scene.holonomic == count else \
+        say("Constraints, the last on the rates") if e.scene.holonomic else say("Constraints on the rates")
     multipliers = [book.presentation.symbols.names[x] for x in e.multipliers]
-    words = "multiplier" if count == 1 else "multipliers"
-    return [paragraph(f"{kind}, with the {words} ", *_joined(multipliers), ":"), Display(tuple(lines))]
+    held = _joined(multipliers)
+    words = say("{0}, with the multiplier {1}:", kind, held) if count == 1 else say("{0}, with the multipliers {1}:", kind, held)
+    return [paragraph(words), Display(tuple(lines))]
 
 
 def _joined(names: Sequence[Node]) -> list[Inline]:
@@ -254,14 +267,14 @@ def constants_block(book: Book, level: int = 2) -> list[Block]:
     """Energy and momenta that the motion keeps, under a heading of this level, or none of 0."""
     if not book.constants:
         return []
-    blocks: list[Block] = [Heading("Constants of the motion", level)] if level else []
-    blocks += [paragraph("Between events:")] if book.equations.scene.events else []
+    blocks: list[Block] = [Heading(say("Constants of the motion"), level)] if level else []
+    blocks += [paragraph(say("Between events:"))] if book.equations.scene.events else []
     for c in book.constants:
         if c.name == "momentum":
             assert c.coordinate is not None
             q = book.q[c.coordinate]
             left = Name("p", " ".join(filter(None, (q.base, q.sub))))
-            blocks += [paragraph(q, " is cyclic: its momentum is constant."),
+            blocks += [paragraph(say("{0} is cyclic: its momentum is constant.", q)),
                        *display([equal(left, equal(book.partial("T", book.rate(c.coordinate)), book.sum(c.value)))])]
         else:
             blocks += _energy_constant(book, c)
@@ -272,21 +285,22 @@ def _energy_constant(book: Book, c: Constant) -> list[Block]:
     e = book.equations
     V = e.V_elastic + e.V_field
     if c.name == "Jacobi":
-        return [paragraph("Nothing depends on time and nothing is lost: Jacobi's integral is constant."),
+        return [paragraph(say("Nothing depends on time and nothing is lost: Jacobi's integral is constant.")),
                 *display([equal(book.own("H"), book.sum(c.value))])]
     work = [negative(product([book.sum(f), q])) for f, q in zip(e.f, book.q, strict=True) if f != 0]
     has_V = V != 0 or bool(work and book.has_source_potentials)
     left: Node = added(book.own("T"), *([book.own("V")] if has_V else []), *([] if book.has_source_potentials else work))
-    why = "The loads are constant and nothing is lost" if work else "Nothing depends on time and nothing is lost"
+    why = say("The loads are constant and nothing is lost: the energy is constant.") if work else \
+        say("Nothing depends on time and nothing is lost: the energy is constant.")
     energies = e.scene.energies
     value = book.sum(c.value) if work else book.gentle_sum((*energies.kinetic, *energies.potential), c.value)
-    return [paragraph(f"{why}: the energy is constant."), *display([equal(book.own("E"), Relation(left, value))])]
+    return [paragraph(why), *display([equal(book.own("E"), Relation(left, value))])]
 
 
 def matrix(name: Node, rows: Sequence[Sequence[Node]], entry: str) -> list[Node]:
     """name = [...], or its entries one by one where the matrix would be too wide."""
     whole = equal(name, Grid(tuple(tuple(row) for row in rows)))
-    if text(whole).width <= WIDEST_MATRIX:
+    if text(whole).width <= WIDEST_MATRIX and typeset_width(whole) <= WIDEST_TYPESET:
         return [whole]
     zero = total([])
     found: list[Node] = []

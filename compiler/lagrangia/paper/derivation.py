@@ -15,7 +15,7 @@ from lagrangia.paper.book import (
     parameters_table,
     positive_block,
 )
-from lagrangia.paper.document import Block, Display, Document, Heading, Inline, display, lettered, paragraph
+from lagrangia.paper.document import Block, Display, Document, Heading, Inline, display, lettered, paragraph, say
 from lagrangia.paper.energy_steps import dissipation, kinetic, potential
 from lagrangia.paper.equation_steps import equations_of_motion, forces
 from lagrangia.paper.forms import matrix_blocks, opening, title
@@ -35,28 +35,32 @@ def worked_form(book: Book, linear: Linear | None) -> Document:
                  f"the sections are {', '.join(SECTIONS)}")
     wanted = book.sections or [name for name in SECTIONS if book.level != "short" or name not in _LONG]
     blocks = [block for name in SECTIONS if name in wanted for block in SECTIONS[name](book, linear)]
-    return lettered(Document(f"{title(book)}: the equations of motion", tuple(blocks)), book.first_letter)
+    return lettered(Document(say("{0}: the equations of motion", title(book)), tuple(blocks)), book.first_letter)
 
 
 def exercise_form(book: Book) -> Document:
     """The statement of a problem: the scene, its coordinates and data, and what is asked, without the solution."""
-    asked = "Derive the equation of motion of each coordinate by Lagrange's equations."
-    blocks = [*_system(book, None), *_coordinates(book, None), *_data(book, None), Heading("Problem", 2), paragraph(asked)]
-    return Document(f"{title(book)}: an exercise", tuple(blocks))
+    asked = say("Derive the equation of motion of each coordinate by Lagrange's equations.")
+    blocks = [*_system(book, None), *_coordinates(book, None), *_data(book, None), Heading(say("Problem"), 2), paragraph(asked)]
+    return Document(say("{0}: an exercise", title(book)), tuple(blocks))
 
 
 def _system(book: Book, _: Linear | None) -> list[Block]:
     """What it is, and what is assumed."""
     e, p = book.equations, book.parts
     weights = bool(book.presentation.symbols.weights & _used(book))
-    words: list[Inline] = [f"Assumed: {'' if weights else 'no '}gravity acts; joints are ideal, their forces do no virtual work"]
+    words: list[Inline] = [say("Assumed: gravity acts") if weights else say("Assumed: no gravity acts"), "; ",
+                           say("joints are ideal, their forces do no virtual work")]
     if p.sources:
         names = ", ".join(dict.fromkeys(load.statement.component for load, _ in p.sources))
-        words += [f"; {names}, given in time, {'have potentials' if len(p.sources) > 1 else 'has a potential'}"]
-    others = list(dict.fromkeys(x.statement.component or "a force of the model" for x in (*p.applied, *p.drags)))
-    words += [f"; {', '.join(others)}: by virtual work alone"] if others else []
-    unit = [paragraph("Events: between them the equations hold.")] if e.scene.events else []
-    return [Heading("System", 2), *opening(book), paragraph(*words, "."), *positive_block(book), *unit]
+        words += ["; ", say("{0}, given in time, have potentials", names) if len(p.sources) > 1 else
+                  say("{0}, given in time, has a potential", names)]
+    others: list[Inline] = []
+    for name in dict.fromkeys(x.statement.component for x in (*p.applied, *p.drags)):
+        others += [", " if others else "", name or say("a force of the model")]
+    words += ["; ", say("{0}: by virtual work alone", others)] if others else []
+    unit = [paragraph(say("Events: between them the equations hold."))] if e.scene.events else []
+    return [Heading(say("System"), 2), *opening(book), paragraph(*words, "."), *positive_block(book), *unit]
 
 
 def _used(book: Book) -> set[object]:
@@ -68,25 +72,26 @@ def _coordinates(book: Book, _: Linear | None) -> list[Block]:
     """The coordinates that are left, those that others give, and how many degrees of freedom there are."""
     e = book.equations
     degrees = e.n - len(e.rows)
-    many = "one generalised coordinate" if e.n == 1 else f"{e.n} generalised coordinates"
     if e.rows:
-        held = "a constraint" if len(e.rows) == 1 else f"{len(e.rows)} constraints"
-        why = f"{many} under {held} leave {degrees} degree{'s' if degrees != 1 else ''} of freedom."
+        why = say("Generalised coordinates: {0}; constraints that tie them: {1}; degrees of freedom that are left: {2}.",
+                  str(e.n), str(len(e.rows)), str(degrees))
+    elif e.n == 1:
+        why = say("The position is known by one generalised coordinate, which nothing ties: 1 degree of freedom.")
     else:
-        why = f"The position is known by {many}, which nothing ties: {degrees} degree{'s' if degrees > 1 else ''} of freedom."
-    why = why[0].upper() + why[1:]
+        why = say("The position is known by {0} generalised coordinates, which nothing ties: {0} degrees of freedom.", str(e.n))
     names: list[Inline] = []
     for k, q in enumerate(book.q):
         names += [", " if k else "", Name(q.base, q.sub, prefix="δ")]
-    return [Heading("Coordinates", 2), paragraph(why), *coordinates_table(book),
-            paragraph("The virtual displacements ", *names, " are arbitrary, simultaneous, and taken at a fixed time",
-                      ", but for the constraints." if e.rows else ".")]
+    free = say("The virtual displacements {0} are arbitrary, simultaneous, and taken at a fixed time.", names)
+    tied = say("The virtual displacements {0} are arbitrary but for the constraints, simultaneous, and taken at a fixed time.",
+               names)
+    return [Heading(say("Coordinates"), 2), paragraph(why), *coordinates_table(book), paragraph(tied if e.rows else free)]
 
 
 def _data(book: Book, _: Linear | None) -> list[Block]:
     table, functions = parameters_table(book), given_functions(book)
-    found: list[Block] = [*table, *([paragraph("Given:")] if functions else []), *display(functions)]
-    return [Heading("Data", 2), *found] if found else []
+    found: list[Block] = [*table, *([paragraph(say("Given:"))] if functions else []), *display(functions)]
+    return [Heading(say("Data"), 2), *found] if found else []
 
 
 def _constraints(book: Book, _: Linear | None) -> list[Block]:
@@ -100,12 +105,12 @@ def _constraints(book: Book, _: Linear | None) -> list[Block]:
             if x != 0:
                 name, q = Name("Phi", label), book.q[k] if i < e.scene.holonomic else book.rate(k)
                 slopes.append(equal(Slope(name, q), book.sum(x)))
-    return [Heading("Constraints", 2), *constraints_block(book), paragraph("with the slopes"), Display(tuple(slopes)),
-            paragraph("Each multiplier is the generalised force that keeps its constraint.")]
+    return [Heading(say("Constraints"), 2), *constraints_block(book), paragraph(say("with the slopes")), Display(tuple(slopes)),
+            paragraph(say("Each multiplier is the generalised force that keeps its constraint."))]
 
 
 def _matrices(book: Book, _: Linear | None) -> list[Block]:
-    return [Heading("In matrix form", 2), *matrix_blocks(book), *events_block(book)]
+    return [Heading(say("In matrix form"), 2), *matrix_blocks(book), *events_block(book)]
 
 
 def _constants(book: Book, _: Linear | None) -> list[Block]:
@@ -114,7 +119,7 @@ def _constants(book: Book, _: Linear | None) -> list[Block]:
 
 def _potential(book: Book, _: Linear | None) -> list[Block]:
     roots = lengths(book)
-    return [*potential(book), *([paragraph("with")] if roots else []), *display(roots)]
+    return [*potential(book), *([paragraph(say("with"))] if roots else []), *display(roots)]
 
 
 SECTIONS: Mapping[str, Section] = {

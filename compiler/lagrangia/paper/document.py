@@ -7,7 +7,7 @@ from string import ascii_lowercase
 from typing import TypeAlias
 
 from lagrangia.base.records import dataclass
-from lagrangia.paper.layout import Letter, Node, Words
+from lagrangia.paper.layout import Letter, Node, Phrase, Words
 
 Inline: TypeAlias = str | Node
 
@@ -16,7 +16,7 @@ Inline: TypeAlias = str | Node
 class Heading:
     """A title of a part; level 1 is the page's largest."""
 
-    text: str
+    text: Inline
     level: int = 1
 
 
@@ -43,7 +43,7 @@ class Display:
 class Table:
     """Rows of cells under a head."""
 
-    head: tuple[str, ...]
+    head: tuple[Inline, ...]
     rows: tuple[tuple[Inline, ...], ...]
 
 
@@ -52,11 +52,26 @@ Block: TypeAlias = Heading | Paragraph | Display | Table
 
 @dataclass(frozen=True)
 class Document:
-    """A title and what stands below it; `figure` is the text of an SVG, which pages that show none leave out."""
+    """A title and what stands below it, in the language of the pages' own words.
 
-    title: str
+    `figure` is the text of an SVG, which pages that show none leave out.
+    """
+
+    title: Inline
     blocks: tuple[Block, ...]
     figure: str = ""
+    language: str = "en"
+
+
+def say(text: str, *values: Inline | list[Inline]) -> Phrase:
+    """Words of the pages' own: say("For {0}:", q)."""
+    return Phrase(text, tuple(tuple(value) if isinstance(value, list) else value for value in values))
+
+
+def words_of(part: Inline) -> str:
+    """What is told without formulas: of a title, once its phrase is spoken."""
+    assert isinstance(part, str)
+    return part
 
 
 def paragraph(*parts: Inline) -> Paragraph:
@@ -82,8 +97,14 @@ def lettered(document: Document, first: str = "a") -> Document:
     def put(block: Block) -> Block:
         if isinstance(block, Display):
             return replace(block, labels=tuple(letters.get(label, "") for label in block.labels))
-        if isinstance(block, Paragraph):
-            return Paragraph(tuple(Words(f"({letters[x.label]})") if isinstance(x, Letter) else x for x in block.parts))
-        return block
+        return Paragraph(tuple(map(named, block.parts))) if isinstance(block, Paragraph) else block
+
+    def named(part: Inline) -> Inline:
+        if isinstance(part, Letter):
+            return Words(f"({letters[part.label]})")
+        return replace(part, values=tuple(map(all_named, part.values))) if isinstance(part, Phrase) else part
+
+    def all_named(value: Inline | tuple[Inline, ...]) -> Inline | tuple[Inline, ...]:
+        return tuple(map(named, value)) if isinstance(value, tuple) else named(value)
 
     return replace(document, blocks=tuple(map(put, document.blocks)))

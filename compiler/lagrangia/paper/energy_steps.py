@@ -5,7 +5,7 @@ from fractions import Fraction
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.dynamics.energies import Term
 from lagrangia.paper.book import Book, equal, time_derivative
-from lagrangia.paper.document import Block, Display, Heading, display, paragraph
+from lagrangia.paper.document import Block, Display, Heading, display, paragraph, say
 from lagrangia.paper.forms import component_sub
 from lagrangia.paper.layout import Bracket, Name, Node, Numeral, Power, Product, Relation, added, product
 from lagrangia.paper.points import in_speeds, points_of, with_speeds
@@ -20,19 +20,19 @@ def kinetic(book: Book) -> list[Block]:
     p = with_speeds(book.presentation, speeds)
     whole = book.sum(book.equations.T)
     if book.level == "short":
-        return [Heading("Kinetic energy", 2), Display((equal(T, whole),), ("T",))]
+        return [Heading(say("Kinetic energy"), 2), Display((equal(T, whole),), ("T",))]
     by_body = [p.stated(x) for x in values]
     put_in = [book.presentation.stated(exact_throughout(t.value)) for t in terms]
     names = [_component(book, "T", t, k, terms) for k, t in enumerate(terms)]
-    blocks: list[Block] = [Heading("Kinetic energy", 2)]
+    blocks: list[Block] = [Heading(say("Kinetic energy"), 2)]
     if len(terms) > 1:
-        blocks += [paragraph("Body by body:"), Display(tuple(equal(n, x) for n, x in zip(names, by_body, strict=True)))]
+        blocks += [paragraph(say("Body by body:")), Display(tuple(equal(n, x) for n, x in zip(names, by_body, strict=True)))]
         changed = [(n, x) for n, x, y in zip(names, put_in, by_body, strict=True) if x != y]
-        blocks += [paragraph("with the velocities put in:"), *display([equal(n, x) for n, x in changed])] if changed else []
-        return [*blocks, paragraph("In all:"), Display((equal(T, Relation(added(*names), whole)),), ("T",))]
+        blocks += [paragraph(say("with the velocities put in:")), *display([equal(n, x) for n, x in changed])] if changed else []
+        return [*blocks, paragraph(say("In all:")), Display((equal(T, Relation(added(*names), whole)),), ("T",))]
     lines = [x for x in dict.fromkeys([*by_body, *put_in]) if x != whole]
     blocks += display([equal(T, x) for x in lines])
-    return [*blocks, *([paragraph("In all:")] if lines else []), Display((equal(T, whole),), ("T",))]
+    return [*blocks, *([paragraph(say("In all:"))] if lines else []), Display((equal(T, whole),), ("T",))]
 
 
 def _component(book: Book, letter: str, term: Term, k: int, terms: tuple[Term, ...]) -> Name:
@@ -56,16 +56,16 @@ def potential(book: Book) -> list[Block]:
             laid = book.presentation.stated(value)
             stated.append(laid)
             lines += [equal(book.own("V", sub), laid)] if both else []
-    blocks: list[Block] = [Heading("Potential energy", 2)]
+    blocks: list[Block] = [Heading(say("Potential energy"), 2)]
     if both:
         names = [book.own("V", "e"), book.own("V", "f")]
-        blocks += [paragraph("Elastic, and of what acts from outside (weights, sources):"), Display(tuple(lines))]
+        blocks += [paragraph(say("Elastic, and of what acts from outside (weights, sources):")), Display(tuple(lines))]
         blocks += [Display((equal(V, Relation(added(*names), added(*stated))),), ("V",))]
     else:
         blocks += [Display((equal(V, stated[0]),), ("V",))]
     collected, whole = book.sum(p.V_elastic + p.V_field), added(*stated)
     if len(line(collected)) < len(line(whole)):
-        blocks += [paragraph("collected:"), Display((equal(V, collected),))]
+        blocks += [paragraph(say("collected:")), Display((equal(V, collected),))]
     return blocks
 
 
@@ -79,12 +79,12 @@ def dissipation(book: Book) -> list[Block]:
     for t in terms:
         shown = _by_stretch(book, t)
         rates += [shown] if shown is not None else []
-    blocks: list[Block] = [Heading("Dissipation function", 2)]
+    blocks: list[Block] = [Heading(say("Dissipation function"), 2)]
     if book.level != "short" and len(rates) == len(terms) and any(x != book.presentation.stated(value) for x in rates):
-        blocks += [paragraph("Each damper by the rate of its stretch:"), Display((equal(D, added(*rates)),))]
+        blocks += [paragraph(say("Each damper by the rate of its stretch:")), Display((equal(D, added(*rates)),))]
     blocks += [Display((equal(D, book.presentation.stated(value)),), ("D",))]
     if _is_quadratic(book, value):
-        blocks += [paragraph("For linear dampers D is half the power that they take out.")]
+        blocks += [paragraph(say("For linear dampers {0} is half the power that they take out.", D))]
     return blocks
 
 

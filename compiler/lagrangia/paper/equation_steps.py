@@ -6,8 +6,8 @@ import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.paper.book import Book, equal, multiplier_term, time_derivative
-from lagrangia.paper.document import Block, Display, Heading, Inline, display, paragraph
-from lagrangia.paper.layout import Letter, Name, Node, Relation, added, negative, total
+from lagrangia.paper.document import Block, Display, Heading, Inline, display, paragraph, say
+from lagrangia.paper.layout import Letter, Name, Node, Phrase, Relation, added, negative, total
 from lagrangia.paper.numbered import force_of
 from lagrangia.paper.terms import Signed
 from lagrangia.paper.virtual import Pull, by_displacements, dissipative_pull, load_pulls, work_of
@@ -23,17 +23,18 @@ def forces(book: Book) -> list[Block]:
         for k, x in enumerate(conservative):
             slope = negative(book.partial("V", book.q[k]))
             lines.append(equal(force_of(book, "c", k), Relation(slope, book.sum(x))))
-        blocks += [paragraph("Conservative, by V ", Letter("V"), ":"), Display(tuple(lines))]
+        blocks += [paragraph(say("Conservative, by {0} {1}:", book.own("V"), Letter("V"))), Display(tuple(lines))]
     blocks += _dissipative(book)
-    for loads, kind, words in (([x for x, _ in p.sources], "f", "Of the sources, by their virtual work:"),
-                               (p.applied, "a", "Applied, by their virtual work:"),
-                               (p.drags, "d", "Of rates, by their virtual work:")):
+    for loads, kind, words in (([x for x, _ in p.sources], "f", say("Of the sources, by their virtual work:")),
+                               (p.applied, "a", say("Applied, by their virtual work:")),
+                               (p.drags, "d", say("Of rates, by their virtual work:"))):
         pulls = [pull for load in loads for pull in load_pulls(book, load)]
         if pulls:
             blocks += _by_work(book, pulls, kind, words)
     if p.sources:
-        blocks += [paragraph("which is again their part of −∂V/∂q: a source with a potential may stand on either side.")]
-    return [Heading("Generalised forces", 2), *blocks] if blocks else []
+        blocks += [paragraph(say("which is again their part of {0}: a source with a potential may stand on either side.",
+                                 negative(book.partial("V", Name("q")))))]
+    return [Heading(say("Generalised forces"), 2), *blocks] if blocks else []
 
 
 def _dissipative(book: Book) -> list[Block]:
@@ -42,7 +43,7 @@ def _dissipative(book: Book) -> list[Block]:
         return []
     lines = [equal(force_of(book, "nc", k), Relation(negative(book.partial("D", book.rate(k))), book.sum(tidy(-x))))
              for k, x in enumerate(p.dissipated)]
-    blocks: list[Block] = [paragraph("Non-conservative, by D ", Letter("D"), ":"),
+    blocks: list[Block] = [paragraph(say("Non-conservative, by {0} {1}:", book.own("D"), Letter("D"))),
                            Display(tuple(lines), tuple(f"nc {k}" for k in range(e.n)))]
     pulls = [pull for t in p.dissipation for pull in [dissipative_pull(book, t)[0]] if pull is not None]
     if len(pulls) < len(p.dissipation):
@@ -50,21 +51,21 @@ def _dissipative(book: Book) -> list[Block]:
     work = [tidy(sp.Add(*(exact_throughout(x.force) * e.ring.slope(x.along, q) for x in pulls))) for q in e.scene.q]
     agrees = all(e.ring.is_zero(x + y) for x, y in zip(work, p.dissipated, strict=True))
     stated = [book.presentation.stated_slope(p.stated_dissipation, v, -1) for v in e.scene.v]
-    name = Name("W", "nc", prefix="δ")
+    name = book.virtual_work("nc")
     lines = [equal(name, Relation(work_of(book, pulls), by_displacements(book, stated)))] if agrees else []
     if not lines:
         return blocks
-    again: list[Inline] = ["and the factors of the δq are again "]
+    again: list[Inline] = []
     for k in range(e.n):
-        again += [" and " if k == e.n - 1 else ", ", Letter(f"nc {k}")] if k else [Letter(f"nc {k}")]
-    return [*blocks, paragraph("By their virtual work, force by stretch,"), Display(tuple(lines)),
-            paragraph(*again, ": both ways agree.")]
+        again += [", " if k else "", Letter(f"nc {k}")]
+    return [*blocks, paragraph(say("By their virtual work, force by stretch,")), Display(tuple(lines)),
+            paragraph(say("and the factors of the {0} are again {1}: both ways agree.", Name("q", prefix="δ"), again))]
 
 
-def _by_work(book: Book, pulls: Sequence[Pull], kind: str, words: str) -> list[Block]:
+def _by_work(book: Book, pulls: Sequence[Pull], kind: str, words: Phrase) -> list[Block]:
     e = book.equations
     values = [e.ring.tidy(sp.Add(*(x.force * e.ring.slope(x.along, q) for x in pulls))) for q in e.scene.q]
-    name = Name("W", kind, prefix="δ")
+    name = book.virtual_work(kind)
     carried = by_displacements(book, [book.sum(x) for x in values])
     whole = work_of(book, pulls)
     line = equal(name, whole if whole == carried else Relation(whole, carried))
@@ -78,7 +79,7 @@ def _by_work(book: Book, pulls: Sequence[Pull], kind: str, words: str) -> list[B
 def equations_of_motion(book: Book) -> list[Block]:
     """The general equation, and for each coordinate its derivatives, the equation put together and in order."""
     e = book.equations
-    blocks: list[Block] = [Heading("Lagrange's equations", 2), Display((_general(book),))]
+    blocks: list[Block] = [Heading(say("Lagrange's equations"), 2), Display((_general(book),))]
     if book.level == "short":
         return [*blocks, Display(tuple(_equation(book, k) for k in range(e.n)), _labels(book))]
     for k in range(e.n):
@@ -129,9 +130,9 @@ def _coordinate(book: Book, k: int) -> list[Block]:
     pieces.append(book.sum(e.reactions[k]))
     put = equal(added(*pieces), right)
     whole = _equation(book, k)
-    blocks: list[Block] = [paragraph("For ", q, ":"), Display(tuple(lines))]
-    blocks += [paragraph("put together:"), *display([put])] if put != whole else []
-    return [*blocks, paragraph("in order:" if put != whole else "so that"), Display((whole,), (f"equation {k}",))]
+    blocks: list[Block] = [paragraph(say("For {0}:", q)), Display(tuple(lines))]
+    blocks += [paragraph(say("put together:")), *display([put])] if put != whole else []
+    return [*blocks, paragraph(say("in order:") if put != whole else say("so that")), Display((whole,), (f"equation {k}",))]
 
 
 def _equation(book: Book, k: int) -> Node:

@@ -22,7 +22,7 @@ from lagrangia.paper.book import (
     names_block,
     where,
 )
-from lagrangia.paper.document import Block, Display, Document, Heading, display, paragraph
+from lagrangia.paper.document import Block, Display, Document, Heading, display, paragraph, say
 from lagrangia.paper.equations import load_force, split_potential
 from lagrangia.paper.layout import Grid, Name, Node, Relation, Total, added, product, total
 from lagrangia.paper.presentation import Presentation
@@ -60,18 +60,18 @@ def energy_blocks(book: Book) -> list[Block]:
     e = book.equations
     energies, model = e.scene.energies, e.scene.kinematics.graph.model
     field, elastic = split_potential(energies, model)
-    blocks: list[Block] = [Heading("Kinetic energy", 2), *_energy(book, "T", energies.kinetic, e.T)]
+    blocks: list[Block] = [Heading(say("Kinetic energy"), 2), *_energy(book, "T", energies.kinetic, e.T)]
     if e.V_elastic != 0 or e.V_field != 0:
-        blocks += [Heading("Potential energy", 2)]
+        blocks += [Heading(say("Potential energy"), 2)]
     if e.V_elastic != 0 and e.V_field != 0:
         blocks += display([equal(book.own("V"), total([(1, book.own("V", "e")), (1, book.own("V", "f"))]))])
     both = e.V_elastic != 0 and e.V_field != 0
     if e.V_elastic != 0:
-        blocks += [paragraph("Elastic:"), *_energy(book, "V", elastic, e.V_elastic, "e" if both else "")]
+        blocks += [paragraph(say("Elastic:")), *_energy(book, "V", elastic, e.V_elastic, "e" if both else "")]
     if e.V_field != 0:
-        blocks += [paragraph("Of gravity:"), *_energy(book, "V", field, e.V_field, "f" if both else "")]
+        blocks += [paragraph(say("Of gravity:")), *_energy(book, "V", field, e.V_field, "f" if both else "")]
     if e.D != 0:
-        blocks += [Heading("Dissipation function", 2), *_energy(book, "D", energies.dissipation, e.D)]
+        blocks += [Heading(say("Dissipation function"), 2), *_energy(book, "D", energies.dissipation, e.D)]
     return blocks
 
 
@@ -105,13 +105,13 @@ def force_blocks(book: Book) -> list[Block]:
     if not e.scene.energies.loads:
         return []
     lines = [equal(force_name(book, k), book.sum(f)) for k, f in enumerate(e.f)]
-    blocks: list[Block] = [Heading("Generalised forces", 2)]
+    blocks: list[Block] = [Heading(say("Generalised forces"), 2)]
     several = len(e.scene.energies.loads) > 1
     for load in e.scene.energies.loads if several else ():
         parts = [(k, e.ring.tidy(load_force(load, q))) for k, q in enumerate(e.scene.q)]
         shown = [equal(force_name(book, k), book.sum(x)) for k, x in parts if x != 0]
-        blocks += [paragraph(f"Of {load.statement.component}:"), *display(shown)]
-    return [*blocks, *([paragraph("In all:")] if several else []), Display(tuple(lines))]
+        blocks += [paragraph(say("Of {0}:", load.statement.component)), *display(shown)]
+    return [*blocks, *([paragraph(say("In all:"))] if several else []), Display(tuple(lines))]
 
 
 def force_name(book: Book, k: int) -> Name:
@@ -131,7 +131,7 @@ def equations_of(book: Book) -> list[Node]:
 
 def lagrange_form(book: Book) -> Document:
     """Lagrange's equations, first in general and then written out."""
-    return page(book, [paragraph("Lagrange's equations"), Display((generic(book),)), paragraph("give"),
+    return page(book, [paragraph(say("Lagrange's equations")), Display((generic(book),)), paragraph(say("give")),
                        Display(tuple(equations_of(book))), *constraints_block(book), *where(book), *constants_block(book)])
 
 
@@ -148,7 +148,7 @@ def matrix_blocks(book: Book) -> list[Block]:
     left += [bold("h")] if any(x != 0 for x in e.h) else []
     left += [product([TRANSPOSED_J, bold("lambda")])] if e.rows else []
     right: Node = bold("f") if any(x != 0 for x in e.f) else book.sum(sp.S.Zero)
-    blocks: list[Block] = [Display((equal(total([(1, x) for x in left]), right),)), paragraph("with")]
+    blocks: list[Block] = [Display((equal(total([(1, x) for x in left]), right),)), paragraph(say("with"))]
     lines = [equal(bold("q", 2), acceleration), *matrix(bold("M"), M, "M")]
     lines += matrix(bold("h"), [[book.sum(x)] for x in e.h], "h") if any(x != 0 for x in e.h) else []
     lines += matrix(bold("f"), [[book.sum(x)] for x in e.f], "f") if any(x != 0 for x in e.f) else []
@@ -188,7 +188,7 @@ def first_order_form(book: Book) -> Document:
         inside = [equal(r1, p.sum(right[0])), equal(r2, p.sum(right[1])), equal(M[0][0], p.coefficient(a)),
                   equal(M[0][1], p.coefficient(b)), equal(M[1][1], p.coefficient(d)),
                   equal(Name("Delta"), Relation(squares, p.coefficient(delta)))]
-        blocks = [Display(tuple(lines)), paragraph("with"), Display(tuple(inside))]
+        blocks = [Display(tuple(lines)), paragraph(say("with")), Display(tuple(inside))]
     else:
         blocks = _descriptor(book, p, lines, rates, right)
     return page(book, [*blocks, *constraints_block(book), *where(book)])
@@ -205,7 +205,7 @@ def _diagonal(book: Book, p: Presentation, lines: list[Node], rates: list[Name],
             inside += [equal(r, p.sum(right[k])), equal(M, p.coefficient(book.equations.M[k][k]))]
             quotient = p.over(r, M)
         lines.append(equal(rate, quotient))
-    more: list[Block] = [paragraph("with"), Display(tuple(inside))] if inside else []
+    more: list[Block] = [paragraph(say("with")), Display(tuple(inside))] if inside else []
     return [Display(tuple(lines)), *more]
 
 
@@ -214,7 +214,7 @@ def _descriptor(book: Book, p: Presentation, lines: list[Node], rates: list[Name
     r = [[p.sum(x)] for x in right]
     whole = [equal(product([bold("M"), bold("v", 1)]), bold("r")), equal(bold("v", 1), column(rates)),
              *matrix(bold("M"), M, "M"), *matrix(bold("r"), r, "r")]
-    return [Display(tuple(lines)), paragraph("and"), Display(tuple(whole))]
+    return [Display(tuple(lines)), paragraph(say("and")), Display(tuple(whole))]
 
 
 FORMS: Mapping[str, Callable[[Book], Document]] = {

@@ -24,8 +24,10 @@ from lagrangia.paper.layout import (
     Words,
 )
 from lagrangia.paper.typeset import FUNCTIONS, decimal, is_loose, sign_text
+from lagrangia.paper.widths import is_tall
 
-_LATEX_GREEK = {"·": r"\cdot ", "δ": r"\delta ", "ell": r"\ell", "phi": r"\varphi", "epsilon": r"\varepsilon", "omicron": "o"}
+_LATEX_GREEK = {"·": r"\cdot ", "δ": r"\delta ", "ell": r"\ell", "phi": r"\varphi", "epsilon": r"\varepsilon", "omicron": "o",
+                "sigmaf": r"\varsigma"}
 _DOTS = {0: "%s", 1: r"\dot{%s}", 2: r"\ddot{%s}", 3: r"\dddot{%s}"}
 
 
@@ -52,7 +54,7 @@ def latex(node: Node) -> str:
             return f"{shown}^{{{latex(exponent)}}}"
         case Apply(function, argument, power):
             if function == "abs":
-                return rf"\left|{latex(argument)}\right|"
+                return _fenced(latex(argument), "|", "|", is_tall(argument))
             raised = f"^{{{power}}}" if power != 1 else ""
             name = rf"\{function}" if function in FUNCTIONS else r"\delta" if function == "δ" else rf"\operatorname{{{function}}}"
             inside = latex(argument if isinstance(argument, Name | Bracket | Listing) else Bracket(argument))
@@ -60,9 +62,9 @@ def latex(node: Node) -> str:
         case Root(inside):
             return rf"\sqrt{{{latex(inside)}}}"
         case Bracket(inside):
-            return rf"\left({latex(inside)}\right)"
+            return _bracketed(inside)
         case Listing(items):
-            return r"\left(" + r",\; ".join(map(latex, items)) + r"\right)"
+            return _fenced(r",\; ".join(map(latex, items)), "(", ")", is_tall(node))
         case _:
             return _latex_large(node)
 
@@ -72,8 +74,9 @@ def _latex_large(node: Node) -> str:
         case Grid(rows):
             body = r" \\ ".join(" & ".join(map(latex, row)) for row in rows)
             return rf"\begin{{bmatrix}} {body} \end{{bmatrix}}"
-        case Cases(items):
-            conditions = [rf"\text{{for }} {latex(when)}" if when is not None else r"\text{otherwise}" for _, when in items]
+        case Cases(items, (where, otherwise)):
+            conditions = [rf"\text{{{latex_escape(where)} }} {latex(when)}" if when is not None else
+                          rf"\text{{{latex_escape(otherwise)}}}" for _, when in items]
             body = r" \\ ".join(f"{latex(value)} & {when}" for (value, _), when in zip(items, conditions, strict=True))
             return rf"\begin{{cases}} {body} \end{{cases}}"
         case Slope(top, bottom, is_total):
@@ -85,6 +88,15 @@ def _latex_large(node: Node) -> str:
             return " ".join(f"{{}}{_latex_signs(sign)} {latex(item)}" if sign else latex(item) for sign, item in items)
         case _:
             raise AssertionError(node)
+
+
+def _bracketed(inside: Node) -> str:
+    return _fenced(latex(inside), "(", ")", is_tall(inside))
+
+
+def _fenced(inside: str, left: str, right: str, tall: bool) -> str:
+    """Brackets stretch around what is tall alone: others get gaps of it."""
+    return rf"\left{left}{inside}\right{right}" if tall else f"{left}{inside}{right}"
 
 
 _LATEX_RELATIONS: Mapping[str, str] = {"≤": r"\le", "≥": r"\ge", "≠": r"\ne", "≈": r"\approx"}
@@ -126,10 +138,10 @@ def _latex_number(value: Fraction) -> str:
 
 
 def _latex_factor(node: Node) -> str:
-    return rf"\left({latex(node)}\right)" if isinstance(node, Total) else latex(node)
+    return _bracketed(node) if isinstance(node, Total) else latex(node)
 
 
 def _latex_tight(node: Node) -> str:
-    return rf"\left({latex(node)}\right)" if is_loose(node) else f"{{{latex(node)}}}"
+    return _bracketed(node) if is_loose(node) else f"{{{latex(node)}}}"
 
 

@@ -15,8 +15,8 @@ _LOWER = ("alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu
           "chi psi omega").split()
 _SCRIPT = {"D": "𝒟", "E": "ℰ", "H": "ℋ", "L": "ℒ", "T": "𝒯", "V": "𝒱"}
 LETTERS = {name: chr(code) for name, code in zip(_LOWER, range(0x3B1, 0x3CA), strict=True)} | {
-    "ell": "ℓ", "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ", "Phi": "Φ",
-    "Psi": "Ψ", "Omega": "Ω"} | {f"script {letter}": shown for letter, shown in _SCRIPT.items()}
+    "vartheta": "ϑ", "ell": "ℓ", "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ",
+    "Phi": "Φ", "Psi": "Ψ", "Omega": "Ω"} | {f"script {letter}": shown for letter, shown in _SCRIPT.items()}
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,14 @@ class Words:
     """Plain text in a formula."""
 
     text: str
+
+
+@dataclass(frozen=True)
+class Phrase:
+    """Words of the pages' own in English, {0} and {1} for what comes from the scene, until phrases.spoken tells them."""
+
+    text: str
+    values: tuple["Node | str | tuple[Node | str, ...]", ...] = ()
 
 
 @dataclass(frozen=True)
@@ -125,6 +133,7 @@ class Cases:
     """Values with their conditions; the last condition may be None: otherwise."""
 
     items: tuple[tuple["Node", "Node | None"], ...]
+    words: tuple[str, str] = ("for", "otherwise")
 
 
 @dataclass(frozen=True)
@@ -152,8 +161,8 @@ class Pieces:
     items: tuple[tuple[str, "Node"], ...]
 
 
-Node: TypeAlias = (Name | Words | Letter | Numeral | Product | Total | Quotient | Power | Apply | Root | Bracket | Grid | Cases
-                   | Slope | Relation | Pieces | Listing)
+Node: TypeAlias = (Name | Words | Phrase | Letter | Numeral | Product | Total | Quotient | Power | Apply | Root | Bracket | Grid
+                   | Cases | Slope | Relation | Pieces | Listing)
 
 ZERO, ONE = Numeral(Fraction(0)), Numeral(Fraction(1))
 
@@ -177,16 +186,16 @@ def added(*nodes: Node) -> Node:
     return total(items)
 
 
-def broken(node: Node, size: Callable[[Node], int], width: int) -> list[Node]:
-    """A relation of long sums as lines of no more than `width`, as far as its terms allow."""
-    if size(node) <= width or not isinstance(node, Relation):
+def broken(node: Node, size: Callable[[Node], float], width: float) -> list[Node]:
+    """A relation of long sums as lines of no more than `width`, as far as its terms allow; one with a matrix stays whole."""
+    if size(node) <= width or not isinstance(node, Relation) or has_grid(node):
         return [node]
     pieces = [*_pieces(node.left, ""), *_pieces(node.right, node.symbol)]
     for _ in range(_DEEPEST):
         pieces = [part for piece in pieces
                   for part in (_opened(piece, size) if _size(piece, size) > width - _INDENT else [piece])]
     lines: list[list[tuple[str, Node]]] = [[]]
-    length = 0
+    length = 0.0
     for piece in pieces:
         this = _size(piece, size)
         if lines[-1] and length + this > width:
@@ -197,11 +206,17 @@ def broken(node: Node, size: Callable[[Node], int], width: int) -> list[Node]:
     return [Pieces(tuple(items)) for items in lines]
 
 
-def _size(piece: tuple[str, Node], size: Callable[[Node], int]) -> int:
+def has_grid(node: Node) -> bool:
+    """Whether a matrix or cases stand in a formula."""
+    return isinstance(node, Grid | Cases) or (isinstance(node, Relation) and (has_grid(node.left) or has_grid(node.right))) or \
+        any(has_grid(item) for item in getattr(node, "items", ()) if not isinstance(item, tuple | int))
+
+
+def _size(piece: tuple[str, Node], size: Callable[[Node], float]) -> float:
     return size(piece[1]) + len(piece[0]) + 2
 
 
-def _opened(piece: tuple[str, Node], size: Callable[[Node], int]) -> list[tuple[str, Node]]:
+def _opened(piece: tuple[str, Node], size: Callable[[Node], float]) -> list[tuple[str, Node]]:
     """The longest bracket of a product, its power or the top of a fraction, by its terms."""
     sign, node = piece
     if isinstance(node, Pieces):
@@ -221,7 +236,7 @@ def _opened(piece: tuple[str, Node], size: Callable[[Node], int]) -> list[tuple[
     return [(sign, start), *middle, (last_sign, end)]
 
 
-def _opened_within(sign: str, node: Pieces, size: Callable[[Node], int]) -> list[tuple[str, Node]]:
+def _opened_within(sign: str, node: Pieces, size: Callable[[Node], float]) -> list[tuple[str, Node]]:
     """The longest of some pieces opened; the others stay where they are."""
     where = max(range(len(node.items)), key=lambda k: size(node.items[k][1]))
     first, *rest = _opened(node.items[where], size)

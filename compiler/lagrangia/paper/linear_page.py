@@ -8,9 +8,9 @@ import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.paper.book import TRANSPOSED_J, Book, bold, column, equal, lengths, matrix
-from lagrangia.paper.document import Block, Display, Document, Inline, paragraph
+from lagrangia.paper.document import Block, Display, Document, Inline, paragraph, say
 from lagrangia.paper.forms import page
-from lagrangia.paper.layout import Name, Node, Relation, product, total
+from lagrangia.paper.layout import Name, Node, Phrase, Relation, product, total
 from lagrangia.paper.linear_matrices import Linear, Table
 
 
@@ -44,7 +44,8 @@ def linear_blocks(book: Book, linear: Linear, label: str = "", has_where: bool =
     if linear.J:
         is_rate = not book.equations.scene.holonomic
         whole.append(equal(product([bold("J"), replace(q, marks=int(is_rate))]), bold("e") if has_push else p.sum(sp.S.Zero)))
-    blocks: list[Block] = [Display(tuple(whole), (label, *[""] * (len(whole) - 1))), paragraph("with"), Display(tuple(lines))]
+    blocks: list[Block] = [Display(tuple(whole), (label, *[""] * (len(whole) - 1))), paragraph(say("with")),
+                           Display(tuple(lines))]
     return [*blocks, *_without(book, linear, prefix), *_standstill(linear), *where_]
 
 
@@ -106,10 +107,10 @@ def _without(book: Book, linear: Linear, prefix: str) -> list[Block]:
     names = [replace(book.q[k], prefix=prefix) for k in r.independent]
     follow = [equal(replace(q, prefix=prefix), p.sum(x)) for k, (q, x) in enumerate(zip(book.q, r.follow, strict=True))
               if k not in r.independent]
-    blocks: list[Block] = [paragraph("The constraints give"), Display(tuple(follow))]
+    blocks: list[Block] = [paragraph(say("The constraints give")), Display(tuple(follow))]
     if len(r.independent) == 1:
         line = _single(book, (r.M, r.C, r.K, r.load), book.q[r.independent[0]], prefix)
-        return [*blocks, paragraph("and without multipliers the equation of motion is"), Display((line,))]
+        return [*blocks, paragraph(say("and without multipliers the equation of motion is")), Display((line,))]
     has_C, has_K, has_load = _is_there(r.C), _is_there(r.K), any(x != 0 for x in r.load)
     x = replace(bold("x"), prefix=prefix)
     left: list[tuple[int, Node]] = [(1, product([bold(name), replace(x, marks=marks)]))
@@ -117,8 +118,8 @@ def _without(book: Book, linear: Linear, prefix: str) -> list[Block]:
     lines = [equal(x, column(names)), *_matrices(book, (r.M, r.C, r.K), has_C, has_K)]
     lines += matrix(bold("f"), [[p.sum(y)] for y in r.load], "f") if has_load else []
     whole = equal(total(left), bold("f") if has_load else p.sum(sp.S.Zero))
-    return [*blocks, paragraph("and without multipliers the equations of motion are"), Display((whole,)), paragraph("with"),
-            Display(tuple(lines))]
+    return [*blocks, paragraph(say("and without multipliers the equations of motion are")), Display((whole,)),
+            paragraph(say("with")), Display(tuple(lines))]
 
 
 # -------------------------------------------------------------------- the point
@@ -127,22 +128,26 @@ def _without(book: Book, linear: Linear, prefix: str) -> list[Block]:
 def _about(book: Book, linear: Linear) -> list[Block]:
     """The point; with multipliers, which hold the scene there, in lines of its own."""
     is_moved = any(x != 0 for x in linear.point)
-    what = "the equilibrium" if linear.is_equilibrium else "a point that is no equilibrium,"
-    how = ", found with the parameters' values" if linear.is_numeric else ""
+    how: list[Inline] = [say(", found with the parameters' values")] if linear.is_numeric else []
+
+    def about(place: list[Inline]) -> Phrase:
+        where = [" ", *place] if place else []
+        return say("Small motion about the equilibrium{0}{1}:", where, how) if linear.is_equilibrium else \
+            say("Small motion about a point that is no equilibrium{0}{1}:", [",", *where] if where else [], how)
+
     places = _values(book, book.q, linear.point)
     if not is_moved:
         names: list[Inline] = []
         for q in book.q:
             names += [" = " if names else "", q]
-        parts = [*names, " = 0"]
+        parts: list[Inline] = [*names, " = 0"]
     else:
         parts = [part for k, place in enumerate(places) for part in ((", ", place) if k else (place,))]
     if not any(x != 0 for x in linear.multipliers):
-        return [paragraph(f"Small motion about {what} ", *parts, f"{how}:"), *_resting(book, linear)]
+        return [paragraph(about(parts)), *_resting(book, linear)]
     lam = [book.presentation.symbols.names[x] for x in book.equations.multipliers]
     held = Display((*(places if is_moved else []), *_values(book, lam, linear.multipliers)))
-    where_ = "" if is_moved else [*parts, ", with the multipliers"]
-    return [paragraph(f"Small motion about {what}{'' if is_moved else ' '}", *where_, f"{how}:"), held, *_resting(book, linear)]
+    return [paragraph(about([] if is_moved else [*parts, say(", with the multipliers")])), held, *_resting(book, linear)]
 
 
 def _resting(book: Book, linear: Linear) -> list[Block]:
@@ -152,7 +157,7 @@ def _resting(book: Book, linear: Linear) -> list[Block]:
         return []
     lines = [equal(book.names[x], total([(1, book.sum(value)), (1, replace(book.names[x], prefix="Δ"))]))
              for x, value in moved.items()]
-    return [paragraph("What is given moves about a place of its own:"), Display(tuple(lines))]
+    return [paragraph(say("What is given moves about a place of its own:")), Display(tuple(lines))]
 
 
 def _values(book: Book, names: Sequence[Node], values: Sequence[Expr]) -> list[Relation]:
@@ -164,7 +169,7 @@ def _values(book: Book, names: Sequence[Node], values: Sequence[Expr]) -> list[R
 
 def _standstill(linear: Linear) -> list[Block]:
     """What is left out of M, C, K and J."""
-    words = "Coefficients that vary with time are taken at a standstill: with supports at rest, and without loads."
+    words = say("Coefficients that vary with time are taken at a standstill: with supports at rest, and without loads.")
     return [paragraph(words)] if linear.varies else []
 
 
@@ -179,7 +184,7 @@ def _where(book: Book, linear: Linear) -> list[Block]:
     formulas = [equal(book.names[p.symbol], book.sum(exact_throughout(p.formula))) for p in book.equations.scene.parameters
                 if p.symbol in used and p.formula is not None]
     roots = lengths(book) if not linear.is_numeric else []
-    return [paragraph("where"), Display((*functions, *formulas, *roots))] if functions or formulas or roots else []
+    return [paragraph(say("where")), Display((*functions, *formulas, *roots))] if functions or formulas or roots else []
 
 
 def values_of(book: Book) -> Mapping[Expr, float]:

@@ -24,6 +24,7 @@ from lagrangia.paper.layout import (
     Words,
 )
 from lagrangia.paper.typeset import FUNCTIONS, bold_letter, decimal, is_loose
+from lagrangia.paper.widths import is_tall
 
 
 def mathml(node: Node) -> str:
@@ -45,18 +46,18 @@ def mathml(node: Node) -> str:
             return f"<msup>{_mathml_tight(base)}{mathml(exponent)}</msup>"
         case Apply(function, argument, power):
             if function == "abs":
-                return _fenced(mathml(argument), "|", "|")
+                return _fenced(mathml(argument), "|", "|", is_tall(argument))
             name = f"<mi>{escape(function)}</mi>"
             raised = f"<msup>{name}<mn>{power}</mn></msup>" if power != 1 else name
             is_bare = isinstance(argument, Bracket | Listing) or (isinstance(argument, Name) and function in FUNCTIONS)
-            inside = mathml(argument) if is_bare else _fenced(mathml(argument))
+            inside = mathml(argument) if is_bare else _bracketed(argument)
             return _row(f'{raised}<mspace width="0.12em"/>{inside}')
         case Root(inside):
             return f"<msqrt>{mathml(inside)}</msqrt>"
         case Bracket(inside):
-            return _fenced(mathml(inside))
+            return _bracketed(inside)
         case Listing(items):
-            return _fenced('<mo separator="true">,</mo>'.join(map(mathml, items)))
+            return _fenced('<mo separator="true">,</mo>'.join(map(mathml, items)), tall=is_tall(node))
         case _:
             return _mathml_large(node)
 
@@ -65,8 +66,8 @@ def _mathml_large(node: Node) -> str:
     match node:
         case Grid(rows):
             return _fenced(_table(rows), "[", "]")
-        case Cases(items):
-            conditions = [f"<mtext>for&#160;</mtext>{mathml(when)}" if when is not None else "<mtext>otherwise</mtext>"
+        case Cases(items, (where, otherwise)):
+            conditions = [f"<mtext>{where}&#160;</mtext>{mathml(when)}" if when is not None else f"<mtext>{otherwise}</mtext>"
                           for _, when in items]
             lines = [f"<mtr><mtd>{mathml(value)}</mtd><mtd>{when}</mtd></mtr>"
                      for (value, _), when in zip(items, conditions, strict=True)]
@@ -97,8 +98,14 @@ def _row(inside: str) -> str:
     return f"<mrow>{inside}</mrow>"
 
 
-def _fenced(inside: str, left: str = "(", right: str = ")") -> str:
-    return _row(f'<mo stretchy="true">{left}</mo>{inside}<mo stretchy="true">{right}</mo>')
+def _bracketed(inside: Node) -> str:
+    return _fenced(mathml(inside), tall=is_tall(inside))
+
+
+def _fenced(inside: str, left: str = "(", right: str = ")", tall: bool = True) -> str:
+    """Brackets stretch around what is tall alone: others get wide gaps of it."""
+    grows = "true" if tall else "false"
+    return _row(f'<mo form="prefix" stretchy="{grows}">{left}</mo>{inside}<mo form="postfix" stretchy="{grows}">{right}</mo>')
 
 
 def _mathml_word(base: str) -> str:
@@ -109,13 +116,13 @@ def _mathml_word(base: str) -> str:
 def _mathml_name(name: Name) -> str:
     base = f"<mi>{bold_letter(name.base)}</mi>" if name.is_bold else _mathml_word(name.base)
     if name.marks:
-        base = f'<mover accent="true">{base}<mo stretchy="false">{"˙¨"[name.marks - 1]}</mo></mover>'
+        base = f'<mover>{base}<mo stretchy="false">{"˙¨"[name.marks - 1]}</mo></mover>'
     if name.sub:
         sub = _row('<mo separator="true">,</mo>'.join(
             f"<mn>{part}</mn>" if part.isdigit() else _mathml_word(part) for part in name.sub.split()))
         base = f"<msub>{base}{sub}</msub>"
     base = _row(f'<mi mathvariant="normal">{name.prefix}</mi>{base}') if name.prefix else base
-    return _row(f"{base}<mo>(</mo><mi>{name.argument}</mi><mo>)</mo>") if name.argument else base
+    return _row(base + _fenced(f"<mi>{name.argument}</mi>", tall=False)) if name.argument else base
 
 
 def _mathml_number(value: Fraction, digits: int) -> str:
@@ -135,8 +142,8 @@ def _mathml_sign(sign: int, place: int) -> str:
 
 
 def _mathml_factor(node: Node) -> str:
-    return _fenced(mathml(node)) if isinstance(node, Total) else mathml(node)
+    return _bracketed(node) if isinstance(node, Total) else mathml(node)
 
 
 def _mathml_tight(node: Node) -> str:
-    return _fenced(mathml(node)) if is_loose(node) else mathml(node)
+    return _bracketed(node) if is_loose(node) else mathml(node)

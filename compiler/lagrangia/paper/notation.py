@@ -12,6 +12,9 @@ _ATTRIBUTES = {"force": ("F", ""), "torque": ("M", ""), "s_rel0": ("s", "0"), "p
                "omega": ("omega", "")}
 _AXES = {"1": "x", "2": "y"}
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
+_GREEK = {shown: name for name, shown in LETTERS.items() if not name.startswith("script ")} | {"ϕ": "phi", "ϵ": "epsilon"}
+_VARIANTS = {"varphi": "phi", "varepsilon": "epsilon"}  # which stand on paper by themselves
+LETTERS_OF_PAGES = ("T", "V", "D", "L", "E", "H", "W")  # energies, D, the Lagrangian, Jacobi's integral, virtual work
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,7 @@ def name_all(wanted: Iterable[Wanted], given: Mapping[str, str], others: Iterabl
     Raises LagError L0711 for a chosen name that is no name, or stands for two things, or for a source name that is unknown.
     """
     wanted, kept = list(wanted), {(x.base, x.sub) for x in others}
+    given = {source: _plain(text) for source, text in given.items()}
     _check(wanted, given, kept)
     names = {source: _split(text) for source, text in given.items()}
     names |= _own_names([item.source for item in wanted if "." not in item.source and item.source not in names],
@@ -46,6 +50,32 @@ def name_all(wanted: Iterable[Wanted], given: Mapping[str, str], others: Iterabl
     names |= {item.source: (item.source, "") for item in rest}
     functions = {item.source for item in wanted if item.is_function}
     return {source: Name(base, sub, 0, "t" if source in functions else "") for source, (base, sub) in names.items()}
+
+
+def own_letters(sources: Iterable[str], given: Mapping[str, str], taken: Iterable[Name]) -> dict[str, Name]:
+    """The letters that the pages bring along, by those that the user chose instead; what a scene calls so is its own.
+
+    Raises LagError L0711 for what is no name, or stands for something else.
+    """
+    known, kept = set(sources), {(x.base, x.sub) for x in taken}
+    chosen = {letter: _plain(text) for letter, text in given.items() if letter in LETTERS_OF_PAGES and letter not in known}
+    for text in chosen.values():
+        _check_name(text)
+        if _split(text) in kept or list(chosen.values()).count(text) > 1 or (text in LETTERS_OF_PAGES and text not in chosen):
+            fail("L0711", f"--names: '{text}' would stand for two things", None)
+    return {letter: Name(*_split(text)) for letter, text in chosen.items()}
+
+
+def _plain(text: str) -> str:
+    """A name as people write it, in the letters of the source: \\theta_1 and θ_1 are theta_1, x_{cm} is x_cm."""
+    text = re.sub(r"\\([A-Za-z]+)", r"\1", re.sub(r"\{(\w+)\}", r"\1", text))
+    base, *rest = "".join(_GREEK.get(c, c) for c in text).split("_")
+    return "_".join([_VARIANTS.get(base, base), *rest])
+
+
+def _check_name(text: str) -> None:
+    if not _NAME.fullmatch(text):
+        fail("L0711", f"--names: '{text}' is no name", None, "letters and digits, with _ before a subscript: theta or θ, x_1")
 
 
 def _own_names(sources: list[str], taken: set[tuple[str, str]]) -> dict[str, tuple[str, str]]:
@@ -76,8 +106,7 @@ def _check(wanted: list[Wanted], given: Mapping[str, str], kept: set[tuple[str, 
         if source not in known:
             hints = filter(None, [suggest(source, known)])
             fail("L0711", f"--names: there is no symbol '{source}' in the equations", None, *hints)
-        if not _NAME.fullmatch(text):
-            fail("L0711", f"--names: '{text}' is no name", None, "letters and digits, with _ before a subscript: theta, x_1")
+        _check_name(text)
     texts = {text: _split(text) for text in given.values()}
     shown = [_split(text) for text in given.values()]
     twice = [text for text, name in texts.items() if shown.count(name) > 1 or name in kept]

@@ -12,7 +12,7 @@ from lagrangia.algebra.with_sympy import Expr
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.paper.book import Book, constraints_block, equal, multiplier_term, time_derivative, where
-from lagrangia.paper.document import Block, Display, Document, paragraph
+from lagrangia.paper.document import Block, Display, Document, paragraph, say
 from lagrangia.paper.forms import page
 from lagrangia.paper.layout import Name, Node, Relation, added, negative, total
 
@@ -49,13 +49,13 @@ def numbered_form(book: Book, word: str) -> Document:
     if word == "conservative":
         _require_conservative(book)
     present = {kind for kind, values in kinds.items() if any(x != 0 for x in values)}
-    words = f"Lagrange's equations, form {form.number} ({word}):"
+    words = say("Lagrange's equations, form {0} ({1}):", form.number, word)
     blocks: list[Block] = [paragraph(words), Display((_general(book, form, present),))]
     functions = _functions(book, form, present)
     if functions:
-        blocks += [paragraph("with"), Display(tuple(functions))]
+        blocks += [paragraph(say("with")), Display(tuple(functions))]
     lines = [_line(book, form, kinds, k) for k in range(book.equations.n)]
-    return page(book, [*blocks, paragraph("gives"), Display(tuple(lines)), *constraints_block(book), *where(book)])
+    return page(book, [*blocks, paragraph(say("gives")), Display(tuple(lines)), *constraints_block(book), *where(book)])
 
 
 # -------------------------------------------------------------------- what stands in a form
@@ -152,17 +152,33 @@ def _difference(book: Book, sub: str, V: Node) -> Node:
     return Relation(total(symbols), added(T, *([negative(V)] if is_there else [])))
 
 
-def _line(book: Book, form: Form, kinds: Mapping[str, tuple[Expr, ...]], k: int) -> Node:
+def sides_of(book: Book, word: str) -> tuple[list[Expr], list[Expr]]:
+    """Left and right sides of the equations of a form. Raises LagError L0704 where it does not hold."""
+    form = NUMBERED[word]
+    if word == "conservative":
+        _require_conservative(book)
+    kinds, tidy, n = _kinds(book, form), book.equations.ring.tidy, range(book.equations.n)
+    if not form.function:
+        return [tidy(-sp.Add(*(kinds[kind][k] for _, kind in form.left))) for k in n], [sp.S.Zero for _ in n]
+    pairs = [_sides(book, form, kinds, k) for k in n]
+    return [left for left, _ in pairs], [right for _, right in pairs]
+
+
+def _sides(book: Book, form: Form, kinds: Mapping[str, tuple[Expr, ...]], k: int) -> tuple[Expr, Expr]:
     e, tidy = book.equations, book.equations.ring.tidy
+    inside = kinds["V"][k] if form.function == "L" else kinds["V_e"][k] if form.function == "L_e" else sp.S.Zero
+    beside = sum((sign * kinds[kind][k] for sign, kind in form.left), sp.S.Zero)
+    left = tidy(e.momentum_rates[k] - e.dT_dq[k] + inside + beside + e.reactions[k])
+    return left, tidy(sum((sign * kinds[kind][k] for sign, kind in form.right), sp.S.Zero))
+
+
+def _line(book: Book, form: Form, kinds: Mapping[str, tuple[Expr, ...]], k: int) -> Node:
+    tidy = book.equations.ring.tidy
     if not form.function:
         shares = [force_of(book, kind, k) for _, kind in form.left if kinds[kind][k] != 0]
         whole = tidy(-sp.Add(*(kinds[kind][k] for _, kind in form.left)))
         return equal(added(*shares), Relation(negative(book.presentation.kept(whole, sp.S.Zero, k).left), total([])))
-    inside = kinds["V"][k] if form.function == "L" else kinds["V_e"][k] if form.function == "L_e" else sp.S.Zero
-    beside = sum((sign * kinds[kind][k] for sign, kind in form.left), sp.S.Zero)
-    left = tidy(e.momentum_rates[k] - e.dT_dq[k] + inside + beside + e.reactions[k])
-    right = tidy(sum((sign * kinds[kind][k] for sign, kind in form.right), sp.S.Zero))
-    return book.presentation.equation(left, right, k)
+    return book.presentation.equation(*_sides(book, form, kinds, k), k)
 
 
 def _require_conservative(book: Book) -> None:
@@ -174,4 +190,4 @@ def _require_conservative(book: Book) -> None:
              "--form lagrangian (5.21) has their generalised forces on its right-hand side")
 
 
-__all__ = ["NUMBERED", "WORDS", "force_of", "numbered_form"]
+__all__ = ["NUMBERED", "WORDS", "force_of", "numbered_form", "sides_of"]

@@ -7,7 +7,7 @@ import sympy as sp
 from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.dynamics.energies import Term
-from lagrangia.paper.document import Block, Display, Document, Heading, Inline, Table, display, paragraph
+from lagrangia.paper.document import Block, Display, Document, Heading, Inline, Table, display, paragraph, say
 from lagrangia.paper.grouping import Symbols
 from lagrangia.paper.layout import Grid, Name, Node, Relation, Words, added
 from lagrangia.paper.notation import own_name
@@ -24,16 +24,21 @@ def structure_page(scene: SymbolicScene, names: Mapping[Expr, Name], large: TooL
     """`large` says how large."""
     model = scene.kinematics.graph.model
     n, m = len(scene.q), len(scene.rows)
-    where = " in the kinetic energy alone" if large.kinetic is not None and large.terms == len(large.kinetic.args) else ""
-    size = f"have {'' if large.kinetic is not None else 'more than '}{large.terms} terms{where}"
-    held = f" and {m} constraint{'s' if m > 1 else ''}" if m else ""
+    is_kinetic = large.kinetic is not None and large.terms == len(large.kinetic.args)
+    counts = str(n), str(m), str(large.terms)
+    if is_kinetic:
+        size = say("Coordinates: {0}; constraints: {1}; terms in the kinetic energy alone: {2}.", *counts)
+    elif large.kinetic is not None:
+        size = say("Coordinates: {0}; constraints: {1}; terms in the equations of motion: {2}.", *counts)
+    else:
+        size = say("Coordinates: {0}; constraints: {1}; terms in the equations of motion: more than {2}.", *counts)
+    told = say("That is too many to read. Here are the energies and the structure; --form linear gives the small motion, --force "
+               "writes everything.")
     blocks: list[Block] = [paragraph(f"{model.description}.")] if model.description else []
-    blocks += [paragraph(f"The equations of motion of its {n} coordinates{held} {size}: too many to read. Here are its energies "
-                         "and its structure; --form linear gives its small motion, --force writes everything."),
-               _coordinates(scene, names)]
+    blocks += [paragraph(size, " ", told), _coordinates(scene, names)]
     e = scene.energies
-    for heading, base, terms in (("Kinetic energy", "T", e.kinetic), ("Potential energy", "V", e.potential),
-                                 ("Dissipation function", "D", e.dissipation)):
+    for heading, base, terms in ((say("Kinetic energy"), "T", e.kinetic), (say("Potential energy"), "V", e.potential),
+                                 (say("Dissipation function"), "D", e.dissipation)):
         lines = _terms(scene, names, base, terms)
         blocks += [Heading(heading, 2), *display(lines)] if lines else []
     return Document(model.name, (*blocks, *(_pattern(scene, large.kinetic) if large.kinetic is not None else [])))
@@ -41,8 +46,9 @@ def structure_page(scene: SymbolicScene, names: Mapping[Expr, Name], large: TooL
 
 def _coordinates(scene: SymbolicScene, names: Mapping[Expr, Name]) -> Block:
     pairs: list[tuple[Inline, ...]] = [(names[q], name) for q, name in zip(scene.q, scene.names, strict=True)]
-    more: list[tuple[Inline, ...]] = [("...", f"and {len(pairs) - _MOST_SHOWN} more")] if len(pairs) > _MOST_SHOWN else []
-    return Table(("", "in the model"), (*pairs[:_MOST_SHOWN], *more))
+    left = len(pairs) - _MOST_SHOWN
+    more: list[tuple[Inline, ...]] = [("...", say("and {0} more", str(left)))] if left > 0 else []
+    return Table(("", say("in the model")), (*pairs[:_MOST_SHOWN], *more))
 
 
 def _terms(scene: SymbolicScene, names: Mapping[Expr, Name], base: str, terms: tuple[Term, ...]) -> list[Node]:
@@ -89,5 +95,5 @@ def _pattern(scene: SymbolicScene, T: Expr) -> list[Block]:
     rates = set(scene.v)
     pairs = {frozenset(term.free_symbols & rates) for term in sp.Add.make_args(T)}
     rows = tuple(tuple(Words("•" if frozenset((a, b)) in pairs else "·") for b in scene.v) for a in scene.v)
-    return [Heading("Structure", 2), paragraph("The mass matrix couples the coordinates so:"),
+    return [Heading(say("Structure"), 2), paragraph(say("The mass matrix couples the coordinates so:")),
             Display((Relation(Name("M", is_bold=True), Grid(rows)),))]

@@ -23,14 +23,17 @@ from lagrangia.paper.derivation import exercise_form, worked_form
 from lagrangia.paper.document import Document
 from lagrangia.paper.equations import constants_of_motion, derive, with_values
 from lagrangia.paper.forms import FORMS
+from lagrangia.paper.latex_page import as_fragment
 from lagrangia.paper.linear_matrices import Begin, Linear, linearize
 from lagrangia.paper.linear_page import linear_form, values_of
 from lagrangia.paper.numbered import NUMBERED, WORDS, numbered_form
 from lagrangia.paper.overview import structure_page
-from lagrangia.paper.pages import PRINTERS
+from lagrangia.paper.pages import PRINTERS, Page, printed
+from lagrangia.paper.phrase_table import LANGUAGES
+from lagrangia.paper.phrases import spoken
 from lagrangia.paper.symbolic import SymbolicScene, build_symbolic
 from lagrangia.paper.sympy_script import write_script
-from lagrangia.paper.textbook import name_symbols, presentation_of
+from lagrangia.paper.textbook import letters_of, name_symbols, presentation_of
 from lagrangia.run.request import check_values
 
 ALL_FORMS = (*FORMS, *NUMBERED, "linear", "worked", "exercise")
@@ -42,7 +45,7 @@ MOST_KINETIC_TERMS = 250
 MOST_COORDINATES, MOST_FORCED_COORDINATES = 24, 60
 MOST_PRODUCTS, MOST_FORCED_PRODUCTS = 20_000, 200_000  # some 0.2 ms each
 _DIGITS = 6
-_FORM_OF_SCRIPTS = "lagrange"
+_FORMS_OF_SCRIPTS = ("lagrange", *NUMBERED)
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,8 @@ class Request:
     sections: tuple[str, ...] = ()
     first_letter: str = "a"
     figure: str = ""  # an SVG's text, for pages of HTML
+    language: str = "en"
+    is_fragment: bool = False  # of LaTeX: what stands in a document of one's own
 
     @property
     def has_source_potentials(self) -> bool:
@@ -68,18 +73,21 @@ class Request:
         return self.sources == "potential" or (self.sources == "auto" and self.form in (*NUMBERED, "worked", "exercise"))
 
 
-def write_equations(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> str:
+def write_equations(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None) -> Page:
     """The page. Raises LagError: L0704 for an unknown form or format, L0711 names, L0712 too large, L0713 no equilibrium."""
     request = replace(request, form=WORDS.get(request.form, request.form))
     _choose("form", request.form, ALL_FORMS)
     _choose("sources", request.sources, SOURCES)
     _choose("level", request.level, LEVELS)
+    _choose("language", request.language, LANGUAGES)
     if not re.fullmatch("[a-z]{1,2}", request.first_letter):
         fail("L0704", f"--first-letter: '{request.first_letter}' is no letter", None, "one or two small letters: f, ab")
     _choose("format", request.format, ALL_FORMATS)
-    if request.format == "sympy" and request.form != _FORM_OF_SCRIPTS:
+    if request.format == "sympy" and request.form not in _FORMS_OF_SCRIPTS:
         fail("L0704", f"there is no script of the form '{request.form}'", None,
-             f"--format sympy has M, h, f, T, V of the form {_FORM_OF_SCRIPTS}; go on from those")
+             "--format sympy has M, h, f, T, V, D of the forms lagrange and 5.16 to 5.32; go on from those")
+    if request.is_fragment and request.format != "latex":
+        fail("L0704", f"--fragment: there are no fragments of the format '{request.format}'", None, "--format latex has them")
     kinematics, constraints = compile_energies(path, model, structural, request.parameters)
     _check_size(kinematics, request)
     with deep_recursion():
@@ -113,14 +121,14 @@ def _check_size(kinematics: Kinematics, request: Request) -> None:
 
 
 def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, begin: Callable[[], Begin],
-             has_kicks: bool) -> str:
-    printer = PRINTERS.get(request.format)
+             has_kicks: bool) -> Page:
+    printer = as_fragment if request.is_fragment else PRINTERS.get(request.format)
     try:
         book = _book(kinematics, scene, request, has_kicks)
-        return write_script(book) if printer is None else printer(replace(_page(book, request, begin), figure=request.figure))
+        return Page(write_script(book, request.form)) if printer is None else printed(printer, _page(book, request, begin))
     except TooLarge as large:
         if not request.is_forced:
-            return _too_large(scene, name_symbols(scene, request.names), printer, large)
+            return _too_large(scene, request, printer, large)
         fail("L0712", f"the equations are too large even when forced: more than {large.terms} terms in one product", None,
              "the energies and their structure are printed without --force")
 
@@ -137,7 +145,8 @@ def _book(kinematics: Kinematics, scene: SymbolicScene, request: Request, has_ki
         raise TooLarge(e.terms, e.T)
     presentation = presentation_of(e, names, 20 * limit, _DIGITS if request.has_numbers else 0)
     return Book(e, presentation, names, constants_of_motion(e), values, request.has_numbers, has_kicks,
-                request.has_source_potentials, request.level, request.sections, request.first_letter)
+                request.has_source_potentials, request.level, request.sections, request.first_letter,
+                letters_of(scene, names, request.names))
 
 
 def checked(path: Path, equation: str, request: Request, model: str | None = None,
@@ -158,6 +167,10 @@ def page_of(path: Path, request: Request, model: str | None = None, structural: 
 
 
 def _page(book: Book, request: Request, begin: Callable[[], Begin]) -> Document:
+    return spoken(replace(_form(book, request, begin), figure=request.figure, language=request.language))
+
+
+def _form(book: Book, request: Request, begin: Callable[[], Begin]) -> Document:
     if request.form == "exercise":
         return exercise_form(book)
     if request.form == "worked":
@@ -189,11 +202,11 @@ def start_of(parameters: Given, path: Path, model: str | None = None, structural
     return Begin(study.start[0], study.reach, study.is_angle, study.is_preferred)
 
 
-def _too_large(scene: SymbolicScene, names: Any, printer: Any, large: TooLarge) -> str:
+def _too_large(scene: SymbolicScene, request: Request, printer: Any, large: TooLarge) -> Page:
     if printer is None:
         fail("L0712", "the scene is too large for a script that people read", None, "--force writes it all the same")
-    text: str = printer(structure_page(scene, names, large))
-    return text
+    document = structure_page(scene, name_symbols(scene, request.names), large)
+    return printed(printer, spoken(replace(document, language=request.language)))
 
 
 def _choose(what: str, given: str, known: tuple[str, ...]) -> None:

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from lagrangia.paper.book import Book
-from lagrangia.paper.document import Block, Display, Heading, paragraph
+from lagrangia.paper.document import Block, Display, Heading, paragraph, say
 from lagrangia.paper.layout import Apply, Name, Node, Relation
 from lagrangia.paper.linear_matrices import Linear
 from lagrangia.paper.linear_page import about_point, deviations, linear_blocks
@@ -13,12 +13,14 @@ def small_motion(book: Book, linear: Linear | None) -> list[Block]:
     """What is assumed, the linear equations, their matrices; nothing where there is no position of rest."""
     if linear is None:
         return []
-    blocks: list[Block] = [Heading("Small motion", 2), *about_point(book, linear)]
+    blocks: list[Block] = [Heading(say("Small motion"), 2), *about_point(book, linear)]
     if _is_linear(book):
-        blocks += [paragraph("The equations are linear as they stand.")]
+        blocks += [paragraph(say("The equations are linear as they stand."))]
     else:
-        words = paragraph("Products of small quantities are left out", *_sines(deviations(book, linear)), ":")
-        blocks += [words, *_scalars(book, linear)]
+        sines = _sines(deviations(book, linear))
+        words = say("Products of small quantities are left out, as in {0}:", sines) if sines else \
+            say("Products of small quantities are left out:")
+        blocks += [paragraph(words), *_scalars(book, linear)]
     return [*blocks, *linear_blocks(book, linear, "matrix form", has_where=False)]
 
 
@@ -38,7 +40,7 @@ def _sines(book: Book) -> list[Node | str]:
         return []
     q: Name = book.presentation.symbols.names[e.scene.q[angles[0]]]
     one = Relation(Apply("sin", q), q, "≈")
-    return [", as in ", one, ", ", Relation(Apply("cos", q), book.sum(sp.S.One), "≈")]
+    return [one, ", ", Relation(Apply("cos", q), book.sum(sp.S.One), "≈")]
 
 
 def _scalars(book: Book, linear: Linear) -> list[Block]:

@@ -1,7 +1,11 @@
-"""The equations as a Python script that builds them in SymPy, for people who go on computing."""
+"""The equations as a Python script that builds them in SymPy, for people who go on computing.
+
+Run, it derives them once more from T, V, D and the forces, and asserts that both agree, by value to 20 digits.
+"""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from itertools import pairwise
 from keyword import kwlist
 
 import sympy as sp
@@ -11,18 +15,22 @@ from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
 from lagrangia.base.spelling import python_text
 from lagrangia.paper.book import Book
 from lagrangia.paper.layout import Name
+from lagrangia.paper.numbered import NUMBERED, sides_of
 from lagrangia.paper.symbolic import Given
 
 _RESERVED = {*kwlist, "T", "V", "D", "M", "h", "f", "J", "Phi", "q", "v", "a", "t", "sp", "multipliers", "equations", "given",
-             "formulas", "values"}
+             "formulas", "values", "left", "right", "rates", "rate", "derived", "points", "point", "random", "sides", "chance",
+             "L_e", "V_e", "V_f"}
 _WIDTH = 110
 
 
-def write_script(book: Book) -> str:
-    """Symbols, T, V, D, f, Phi, M, h, J and the equations; exact numbers, the values of the parameters in a dictionary."""
+def write_script(book: Book, word: str = "lagrange") -> str:
+    """Symbols, T, V, D, f, Phi, M, h, J and the equations; exact numbers, the values of the parameters in a dictionary.
+
+    Of a numbered form also its functions, and each side of its equations.
+    """
     e, scene = book.equations, book.equations.scene
-    model = scene.kinematics.graph.model
-    names = identifiers(book)
+    names = identifiers(book, {NUMBERED[word].function} if word in NUMBERED else set())
 
     def code(x: Expr) -> str:
         x = exact_throughout(x)
@@ -30,31 +38,63 @@ def write_script(book: Book) -> str:
         return str(_Printer().doprint(renamed))
 
     parameters = [p for p in scene.parameters if p.symbol in names]
-    law = "M*a + h + J.T*multipliers == f" if e.rows else "M*a + h == f"
-    told = "A support jumps at times, or its rate: there dT/dv stays as it is, but for what holds it and impulses of dampers."
-    kicks = [told] * book.has_kicks
-    title = f"{model.name}: {model.description}" if model.description else model.name
-    lines = [f'"""{python_text(title)}.', "",
-             f"Lagrange's equations: equations[k] == 0, that is {law}.", *kicks, '"""', "", "import sympy as sp", ""]
-    lines += ["t = sp.Symbol('t', real=True)"]
+    lines = [*_head(book), "import random", "", "import sympy as sp", "", "t = sp.Symbol('t', real=True)"]
     lines += [f"{names[s]} = {_constructor(s, names[s])}  # {what}" for s, what in _declared(book, names)]
     lines += ["", *(f"{name} = sp.Matrix([{_listed(names[x] for x in symbols)}])"
                     for name, symbols in (("q", scene.q), ("v", scene.v), ("a", scene.a))), ""]
-    lines += [f"T = {code(e.T)}", f"V = {code(e.V_elastic + e.V_field)}", f"D = {code(e.D)}",
-              _matrix("f", [[code(x)] for x in e.f]), _matrix("M", [[code(x) for x in row] for row in e.M]),
+    lines += [f"{letter} = {code(x) if x.free_symbols else f'sp.S({code(x)})'}"
+              for letter, x in (("T", e.T), ("V", e.V_elastic + e.V_field), ("D", e.D))]
+    lines += [_matrix("f", [[code(x)] for x in e.f]), _matrix("M", [[code(x) for x in row] for row in e.M]),
               _matrix("h", [[code(x)] for x in e.h])]
     if e.rows:
         lines += [_matrix("Phi", [[code(x)] for x in e.rows]), _matrix("J", [[code(x) for x in row] for row in e.J]),
                   f"multipliers = sp.Matrix([{_listed(names[x] for x in e.multipliers)}])"]
     lines += ["", f"equations = M*a + h{' + J.T*multipliers' if e.rows else ''} - f", ""]
+    lines += _form(book, word, code) if word in NUMBERED else []
     given = [(names[x], code(value)) for g in scene.given for x, value in _definitions(g, scene.t) if x in names]
     lines += [_dictionary("given", given, "functions of time and constant loads, in place of their symbols")] if given else []
     formulas = [(names[p.symbol], code(p.formula)) for p in parameters if p.formula is not None]
     lines += [_dictionary("formulas", formulas, "parameters that follow from others")] if formulas else []
     numbers = [(names[p.symbol], repr(book.values[p.name])) for p in parameters]
     lines += [_dictionary("values", numbers, "SI units")] if numbers else []
-    lines += ["", 'if __name__ == "__main__":', "    for equation in equations:", "        sp.pprint(sp.Eq(equation, 0))"]
-    return "\n".join(lines)
+    return "\n".join([*lines, "", *_derived_again(book, names, word in NUMBERED)])
+
+
+def _head(book: Book) -> list[str]:
+    """What the script is, in its docstring."""
+    model = book.equations.scene.kinematics.graph.model
+    law = "M*a + h + J.T*multipliers == f" if book.equations.rows else "M*a + h == f"
+    told = "A support jumps at times, or its rate: there dT/dv stays as it is, but for what holds it and impulses of dampers."
+    title = f"{model.name}: {model.description}" if model.description else model.name
+    return [f'"""{python_text(title)}.', "", f"Lagrange's equations: equations[k] == 0, that is {law}.",
+            *([told] if book.has_kicks else []), '"""', ""]
+
+
+def _form(book: Book, word: str, code: Callable[[Expr], str]) -> list[str]:
+    """The functions of a numbered form, and its equations side by side."""
+    p = book.parts
+    form, (left, right) = NUMBERED[word], sides_of(book, word)
+    lines = [f"V_e = {code(p.V_elastic)}", f"V_f = {code(p.V_field)}"]
+    lines += [f"{form.function} = T - {'V' if form.function == 'L' else 'V_e'}"] if form.function.startswith("L") else []
+    return [f"# form {form.number}, {word}", *lines, _matrix("left", [[code(x)] for x in left]),
+            _matrix("right", [[code(x)] for x in right]), ""]
+
+
+def _derived_again(book: Book, names: Mapping[Expr, str], is_form: bool) -> list[str]:
+    """Lagrange's equations once more from T, V, D and f; shown and compared where the script is run."""
+    e, scene = book.equations, book.equations.scene
+    chains = [*zip(scene.q, scene.v, scene.a, strict=True), *(g.moving for g in scene.given)]
+    pairs = [(names[x], names[y]) for chain in chains for x, y in pairwise(chain) if x in names and y in names]
+    left, shown = ("left - right", "zip(left, right)") if is_form else ("equations", "((equation, 0) for equation in equations)")
+    return [_dictionary("rates", pairs, "the rate of each symbol"), "", "", "def rate(x):", '    """dx/dt."""',
+            "    return x.diff(t) + sum((x.diff(y)*rates[y] for y in rates), sp.S.Zero)", "", "",
+            "derived = sp.Matrix([rate(T.diff(v[k])) - T.diff(q[k]) + V.diff(q[k]) + D.diff(v[k]) - f[k] for k in range(len(q))])"
+            + (" + J.T*multipliers" if e.rows else ""), "",
+            'if __name__ == "__main__":', f"    for sides in {shown}:", "        sp.pprint(sp.Eq(*sides))",
+            "    chance = random.Random(1)",
+            f"    symbols = sorted(({left} - derived).free_symbols, key=str)",
+            "    points = [{x: sp.Rational(chance.randint(50, 150), 100) for x in symbols} for _ in range(3)]",
+            f"    assert all(abs(sp.N(x.subs(point), 30)) < 1e-20 for x in {left} - derived for point in points)"]
 
 
 def _definitions(g: Given, t: Expr) -> list[tuple[Expr, Expr]]:
@@ -66,11 +106,11 @@ def _definitions(g: Given, t: Expr) -> list[tuple[Expr, Expr]]:
     return found
 
 
-def identifiers(book: Book) -> dict[Expr, str]:
-    """A Python name for each symbol: as on paper, with _d and _dd for rates and accelerations."""
+def identifiers(book: Book, others: Iterable[str] = ()) -> dict[Expr, str]:
+    """A Python name for each symbol: as on paper, with _d and _dd for rates and accelerations; `others` are taken."""
     e = book.equations
     found: dict[Expr, str] = {}
-    taken = set(_RESERVED)
+    taken = {*_RESERVED, *others}
     named: Mapping[Expr, Name] = dict(book.names) | {x: book.presentation.symbols.names[x] for x in e.multipliers}
     for s, name in named.items():
         if s == e.scene.t:

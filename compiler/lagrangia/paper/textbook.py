@@ -10,7 +10,7 @@ from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.paper.equations import Equations
 from lagrangia.paper.grouping import Rank, Symbols
 from lagrangia.paper.layout import Name
-from lagrangia.paper.notation import Wanted, name_all
+from lagrangia.paper.notation import LETTERS_OF_PAGES, Wanted, name_all, own_letters
 from lagrangia.paper.presentation import Presentation
 from lagrangia.paper.symbolic import GRAVITY, SymbolicScene
 
@@ -35,7 +35,7 @@ def used_symbols(scene: SymbolicScene) -> set[Expr]:
 
 
 def name_symbols(scene: SymbolicScene, chosen: Mapping[str, str]) -> Mapping[Expr, Name]:
-    """The name on paper of every symbol that is used. Raises LagError L0711."""
+    """The name on paper of every symbol that is used; `chosen` may have letters of pages too. Raises LagError L0711."""
     used = used_symbols(scene)
     wanted = [Wanted(name) for name in scene.names]
     wanted += [Wanted(p.name) for p in scene.parameters if p.symbol in used]
@@ -43,6 +43,8 @@ def name_symbols(scene: SymbolicScene, chosen: Mapping[str, str]) -> Mapping[Exp
     wanted += [Wanted(g.name, g.what == "load", g.what != "coordinate" and g.value.has(scene.t)) for g in shown]
     wanted += [Wanted(name) for name in scene.dependents]
     wanted += [Wanted(label, False, True) for label, x in scene.inputs.items() if x in used]
+    sources = {item.source for item in wanted}
+    chosen = {source: text for source, text in chosen.items() if source in sources or source not in LETTERS_OF_PAGES}
     time = Name("t")
     names = name_all(wanted, chosen, [time, *(multiplier_name(k, len(scene.rows)) for k in range(len(scene.rows)))])
     found: dict[Expr, Name] = {scene.t: time}
@@ -53,6 +55,12 @@ def name_symbols(scene: SymbolicScene, chosen: Mapping[str, str]) -> Mapping[Exp
     moving += [(g.name, list(g.moving)) for g in shown]
     found |= {x: replace(names[name], marks=marks) for name, symbols in moving for marks, x in enumerate(symbols)}
     return found
+
+
+def letters_of(scene: SymbolicScene, names: Mapping[Expr, Name], chosen: Mapping[str, str]) -> Mapping[str, Name]:
+    """The letters that were chosen for those of the pages: D=sigma. Raises LagError L0711."""
+    named = [*(p.name for p in scene.parameters), *(g.name for g in scene.given)]
+    return own_letters([*scene.names, *named, *scene.dependents, *scene.inputs], chosen, names.values())
 
 
 def presentation_of(e: Equations, names: Mapping[Expr, Name], most_products: int, digits: int = 0) -> Presentation:

@@ -69,8 +69,8 @@ def text(node: Node) -> Box:
     match node:
         case Grid(rows):
             return _text_grid(rows)
-        case Cases(items):
-            return _text_cases(items)
+        case Cases(items, words):
+            return _text_cases(items, words)
         case Relation(left, right, symbol):
             return beside(text(left), Box((f" {symbol} ",)), text(right))
         case Product(items) if any(_is_tall(item) for item in items):
@@ -202,10 +202,10 @@ def _text_grid(rows: tuple[tuple[Node, ...], ...]) -> Box:
     return Box(tuple(f"{a} {b} {c}" for a, b, c in zip(left, inner, right, strict=True)), (count - 1) // 2)
 
 
-def _text_cases(items: tuple[tuple[Node, Node | None], ...]) -> Box:
+def _text_cases(items: tuple[tuple[Node, Node | None], ...], words: tuple[str, str]) -> Box:
     values = [line(value) for value, _ in items]
     width = max(map(len, values))
-    lines = [f"{value.ljust(width)}  {f'for {line(when)}' if when is not None else 'otherwise'}"
+    lines = [f"{value.ljust(width)}  {f'{words[0]} {line(when)}' if when is not None else words[1]}"
              for value, (_, when) in zip(values, items, strict=True)]
     longest = max(map(len, lines))
     braces = ["{"] if len(lines) == 1 else ["⎰", "⎱"] if len(lines) == 2 else ["⎧", *"⎨" * (len(lines) - 2), "⎩"]

@@ -6,7 +6,7 @@ from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.frames.planar import ANGLES, LENGTHS
 from lagrangia.language.frame_attributes import COMPONENTS
 from lagrangia.paper.book import Book, equal, multiplier_term, time_derivative
-from lagrangia.paper.document import Block, Display, Heading, display, paragraph
+from lagrangia.paper.document import Block, Display, Heading, display, paragraph, say
 from lagrangia.paper.layout import Bracket, Listing, Name, Node, Product, added, negative, product, total
 from lagrangia.paper.numbered import force_of
 from lagrangia.paper.points import Point, Speed, in_speeds, points_of
@@ -31,8 +31,9 @@ def positions(book: Book) -> list[Block]:
     lines = [x for point in points_of(book) for x in _place(book, point)]
     if not lines:
         return []
-    words = "The points that energies and forces depend on, their velocities, and their virtual displacements at a fixed time:"
-    return [Heading("Positions, velocities, virtual displacements", 2), paragraph(words), Display(tuple(lines))]
+    words = say("The points that energies and forces depend on, their velocities, and their virtual displacements at a fixed "
+                "time:")
+    return [Heading(say("Positions, velocities, virtual displacements"), 2), paragraph(words), Display(tuple(lines))]
 
 
 def _place(book: Book, point: Point) -> list[Node]:
@@ -77,13 +78,13 @@ def principle(book: Book) -> list[Block]:
     F, r = Name("F", "i"), Name("r", "i")
     lost = Bracket(total([(1, F), (-1, product([Name("m", "i"), Name("r", "i", 2)]))]))
     general = equal(product([Name("Sigma"), lost, _DOT, _virtual(r)]), total([]))
-    blocks: list[Block] = [Heading("The principle of virtual work", 2),
-                           paragraph("Ideal joints do no virtual work, so that by d'Alembert's principle"), Display((general,))]
+    why = say("Ideal joints do no virtual work, so that by d'Alembert's principle")
+    blocks: list[Block] = [Heading(say("The principle of virtual work"), 2), paragraph(why), Display((general,))]
     parts = _works(book)
     names = [name for name, _ in parts]
-    blocks += [paragraph("The parts of this virtual work are here"),
+    blocks += [paragraph(say("The parts of this virtual work are here")),
                *display([equal(name, value) for name, value in parts]),
-               paragraph("and their sum is 0: ", equal(added(*names), total([])), "."), *_in_coordinates(book)]
+               paragraph(say("and their sum is 0: {0}.", equal(added(*names), total([])))), *_in_coordinates(book)]
     return [*blocks, *(_both_sides(book) if book.level == "lecture" else [])]
 
 
@@ -93,24 +94,20 @@ _DOT = Name("·")
 def _works(book: Book) -> list[tuple[Name, Node]]:
     """Inertial, elastic, of weights and sources, of dampers, of what is applied, as far as they are there."""
     p = book.parts
-    found = [(_work_name("in"), _inertial(book))]
+    found = [(book.virtual_work("in"), _inertial(book))]
     if p.elastic:
-        found.append((_work_name("e"), added(*(_pulled(book, elastic_pull(book, t), t.value) for t in p.elastic))))
+        found.append((book.virtual_work("e"), added(*(_pulled(book, elastic_pull(book, t), t.value) for t in p.elastic))))
     if p.weights or p.sources:
         works = [_pulled(book, None, t.value) for t in p.weights]
         works += [work_of(book, load_pulls(book, load)) for load, _ in p.sources]
-        found.append((_work_name("f"), added(*works)))
+        found.append((book.virtual_work("f"), added(*works)))
     lost = [_dissipated(book, k) for k in range(len(p.dissipation))]
     lost += [work_of(book, load_pulls(book, load)) for load in p.drags]
     if lost:
-        found.append((_work_name("nc"), added(*lost)))
+        found.append((book.virtual_work("nc"), added(*lost)))
     if p.applied:
-        found.append((_work_name("a"), added(*(work_of(book, load_pulls(book, load)) for load in p.applied))))
+        found.append((book.virtual_work("a"), added(*(work_of(book, load_pulls(book, load)) for load in p.applied))))
     return found
-
-
-def _work_name(sub: str) -> Name:
-    return Name("W", sub, prefix="δ")
 
 
 def _pulled(book: Book, pull: Pull | None, value: Expr) -> Node:
@@ -174,7 +171,7 @@ def _inertia(book: Book, m: Expr, x: Expr, known: dict[Expr, Speed]) -> tuple[in
 def _in_coordinates(book: Book) -> list[Block]:
     """sum [f_k - d/dt dT/dv_k + dT/dq_k] delta q_k = 0, in general and with the scene's coordinates."""
     e = book.equations
-    q, rate = Name("q", "k"), Name("q", "k", 1)
+    q, rate, dq = Name("q", "k"), Name("q", "k", 1), Name("q", prefix="δ")
 
     def bracket(f: Name, at: Name, its_rate: Name) -> Node:
         terms: Signed = [(1, f), (-1, time_derivative(book.partial("T", its_rate))), (1, book.partial("T", at))]
@@ -182,13 +179,15 @@ def _in_coordinates(book: Book) -> list[Block]:
 
     general = equal(product([Name("Sigma"), bracket(Name("f", "k"), q, rate), Name("q", "k", prefix="δ")]), total([]))
     here: Signed = [(1, product([bracket(force_of(book, "", k), book.q[k], book.rate(k)), delta(book, k)])) for k in range(e.n)]
-    blocks: list[Block] = [paragraph("With T the inertial part is one of the coordinates,"), Display((general,))]
-    blocks += [paragraph("here"), Display((equal(total(here), total([])),))] if e.n <= _MOST_WRITTEN else []
+    blocks: list[Block] = [paragraph(say("With {0} the inertial part is one of the coordinates,", book.own("T"))),
+                           Display((general,))]
+    blocks += [paragraph(say("here")), Display((equal(total(here), total([])),))] if e.n <= _MOST_WRITTEN else []
     if not e.rows:
-        return [*blocks, paragraph("As the δq are independent of each other, each bracket is 0." if e.n > 1 else
-                                   "As δq is arbitrary, the bracket is 0.")]
-    return [*blocks, paragraph("The δq are not independent: they keep the constraints. With a multiplier for each constraint ",
-                               total(multiplier_term(book)), " joins each equation, whose bracket is then 0.")]
+        return [*blocks, paragraph(say("As the {0} are independent of each other, each bracket is 0.", dq) if e.n > 1 else
+                                   say("As {0} is arbitrary, the bracket is 0.", dq))]
+    return [*blocks, paragraph(say("The {0} are not independent: they keep the constraints. With a multiplier for each "
+                                   "constraint {1} joins each equation, whose bracket is then 0.", dq,
+                                   total(multiplier_term(book))))]
 
 
 def _both_sides(book: Book) -> list[Block]:
@@ -199,7 +198,8 @@ def _both_sides(book: Book) -> list[Block]:
         terms = [(1, time_derivative(book.partial("T", book.rate(k)))), (-1, book.partial("T", book.q[k]))]
         value = book.presentation.kept(e.ring.tidy(e.momentum_rates[k] - e.dT_dq[k]), sp.S.Zero, k).left
         lines.append(equal(total(terms), value))
-    words = "The inertial work of all bodies, sorted by the δq, has the derivatives of T as factors, a coordinate a line:"
+    words = say("The inertial work of all bodies, sorted by the {0}, has the derivatives of {1} as factors, a coordinate a line:",
+                Name("q", prefix="δ"), book.own("T"))
     return [paragraph(words), Display(tuple(lines))]
 
 
