@@ -10,9 +10,10 @@ from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_with
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.result_files import write_text
 from lagrangia.command.arguments import (
-    assignment,
+    assignments,
     keep_inputs,
     load_model,
+    names_once,
     number,
     open_parameters,
     read_inputs,
@@ -116,12 +117,12 @@ def _say(options: Namespace, model: Model, text: str) -> None:
 def _load(options: Namespace) -> tuple[Model, dict[str, Any]]:
     """The model and the numbers it is looked at with. Raises LagError."""
     keep_inputs(options, options.output)
-    given = [assignment(text, "-p") for text in options.parameter]
+    given = assignments(options.parameter, "-p")
     model = load_model(options, given, ())
     tell_warnings(options, model)
     scene = model.scene
     parameters = open_parameters(scene, given)
-    initial = values_with_units([assignment(text, "--initial") for text in options.initial], scene.start_units)
+    initial = values_with_units(assignments(options.initial, "--initial"), scene.start_units)
     inputs = read_inputs(options.input, scene)
     return model, {"parameters": parameters, "initial": initial, "inputs": inputs, "time": options.time}
 
@@ -130,11 +131,11 @@ def _names(text: str | None, option: str) -> tuple[str, ...] | None:
     """Names between commas outside brackets, each once; None where nothing is said. Raises LagError L0706."""
     if text is None:
         return None
-    found, depth = tuple(dict.fromkeys(split_names(text))), text.count("[") + text.count("(") - text.count("]") - text.count(")")
+    found, depth = split_names(text), text.count("[") + text.count("(") - text.count("]") - text.count(")")
     if depth != 0 or not found:
         fail("L0706", f"'{text}' after {option} has a bracket too {'many' if depth < 0 else 'few'}" if depth else
              f"{option} names nothing", None, "names of quantities with commas between them: tilt.phi,bar.a.y")
-    return found
+    return names_once(text, option)
 
 
 def _span(text: str | None) -> tuple[float, float] | None:

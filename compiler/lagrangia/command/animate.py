@@ -6,13 +6,13 @@ from argparse import Namespace
 from lagrangia.base.checked_values import a_count_within
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.command.arguments import (
-    assignment,
+    assignments,
     keep_inputs,
     load_model,
     named_pairs,
+    names_once,
     open_parameters,
     read_inputs,
-    split_names,
     tell_inputs,
     tell_warnings,
     values_with_units,
@@ -29,10 +29,10 @@ _MOST_POSITIONS = 200
 def animate_command(options: Namespace) -> int:
     """`lag animate`: writes the file; of a run that fails what was computed. Raises LagError, RunError."""
     target = _target(options)
-    given = [assignment(text, "-p") for text in options.parameter]
+    given = assignments(options.parameter, "-p")
     model = load_model(options, given, ())
     tell_warnings(options, model)
-    initial = values_with_units([assignment(text, "--initial") for text in options.initial], model.scene.start_units)
+    initial = values_with_units(assignments(options.initial, "--initial"), model.scene.start_units)
     request = Request(options.start, options.stop, options.tolerance, options.interval, initial=initial,
                       parameters=open_parameters(model.scene, given), inputs=read_inputs(options.input, model.scene))
     tell_inputs(options, model, plan(model.scene, request), request.inputs)
@@ -69,12 +69,12 @@ def _target(options: Namespace) -> str:
 
 def _write(options: Namespace, model: Model, run: Trajectory, request: Request, target: str) -> None:
     values = check_values(model.scene, request.parameters, request.initial, request.inputs)
-    traces = split_names(options.trace)
+    traces = names_once(options.trace, "--trace")
     if options.stroboscope is not None:
         draw_stroboscope(model, run, values, options.stroboscope, target, traces)
         return
     animate_run(model, run, values, target, names=named_pairs(options.names or "", "--names"), traces=traces,
-                quantities=split_names(options.curves), tell=_tell if sys.stderr.isatty() else None)
+                quantities=names_once(options.curves, "--curves"), tell=_tell if sys.stderr.isatty() else None)
 
 
 def _tell(done: int, whole: int) -> None:

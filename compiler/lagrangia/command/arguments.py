@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from lagrangia.base.diagnostics import fail
+from lagrangia.base.diagnostics import WARNINGS, fail
 from lagrangia.base.result_files import keep_apart, open_with_care, require_kind
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
@@ -34,7 +34,10 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
 def tell(options: Namespace, model: Model, texts: Iterable[str]) -> None:
     """Warnings, but those whose code the model or the command line allows, and none under --quiet. Raises LagError L0710 where
     --strict is given, which takes them for errors: these are told."""
-    allowed = {*model.scene.notes["allowed"], *split_names(",".join(options.allow))}
+    given = split_names(",".join(options.allow))
+    if unknown := [code for code in given if code not in WARNINGS]:
+        fail("L0706", f"--allow: there is no warning '{unknown[0]}'", None, f"those are {', '.join(WARNINGS)}")
+    allowed = {*model.scene.notes["allowed"], *given}
     told = [text for text in texts if text.removeprefix("warning[")[:5] not in allowed]
     for text in told if options.strict or not getattr(options, "quiet", False) else ():
         print(text, file=sys.stderr)
@@ -110,13 +113,31 @@ def assignment(text: str, option: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
+def assignments(texts: Iterable[str], option: str) -> list[tuple[str, str]]:
+    """`NAME=VALUE`, each name once, be it that of an array or of one of its elements. Raises LagError L0706, L0712."""
+    pairs = [assignment(text, option) for text in texts]
+    names: set[str] = set()
+    for name, _ in pairs:
+        base = name.partition("[")[0]
+        if name in names or base in names or (name == base and any(other.startswith(f"{name}[") for other in names)):
+            fail("L0712", f"'{name}' is given twice", None, f"{option} takes each name once")
+        names.add(name)
+    return pairs
+
+
+def names_once(text: str | None, option: str) -> tuple[str, ...]:
+    """Names between commas, each once, at least one. Raises LagError L0706."""
+    names = split_names(text)
+    if text is not None and not names:
+        fail("L0706", f"{option} names nothing", None, "names of quantities with commas between them: tilt.phi,bar.a.y")
+    if (twice := next((name for name in names if names.count(name) > 1), None)) is not None:
+        fail("L0706", f"{option} names '{twice}' twice")
+    return names
+
+
 def named_pairs(text: str, option: str) -> dict[str, str]:
     """`NAME=VALUE,NAME=VALUE`, each name once. Raises LagError L0706."""
-    pairs = [assignment(item, option) for item in split_names(text)]
-    names = [name for name, _ in pairs]
-    if len(set(names)) < len(names):
-        fail("L0706", f"{option}: '{next(n for n in names if names.count(n) > 1)}' is given twice")
-    return dict(pairs)
+    return dict(assignments(split_names(text), option))
 
 
 def number(text: str, option: str) -> float:
@@ -127,12 +148,13 @@ def number(text: str, option: str) -> float:
         fail("L0706", f"'{text}' after {option} is no number")
 
 
-def asked(options: Namespace, parameters: Mapping[str, Any], initial: Mapping[str, Any], inputs: Any) -> Request:
+def asked(options: Namespace, parameters: Mapping[str, Any], initial: Mapping[str, Any], inputs: Any,
+          outputs: Sequence[str] = ()) -> Request:
     """What the options ask of a run, with the values that were read for it."""
     texts = getattr(options, "at", None)
     at = None if texts is None else [number(text, "--at") for text in texts.split(",") if text.strip()]
     return Request(options.start, options.stop, options.tolerance, options.interval, at, options.solver, options.max_step,
-                   options.max_steps, parameters, initial, inputs, split_names(options.outputs))
+                   options.max_steps, parameters, initial, inputs, outputs)
 
 
 def open_parameters(scene: Any, given: list[tuple[str, str]]) -> dict[str, float]:
@@ -167,12 +189,14 @@ def read_inputs(given: list[str], scene: Any) -> Any:
     """Constants by name, or one table from a CSV file with a column `time`, in SI units. Raises LagError L0703, L0706."""
     files = input_tables(given)
     units = {p.name: p.unit for p in scene.inputs}
-    constants = values_with_units([assignment(text, "-u") for text in given if text not in files], units)
+    constants = values_with_units(assignments((text for text in given if text not in files), "-u"), units)
     if not files:
         return constants
     if len(files) > 1:
         fail("L0703", "one table of inputs can be given", None, "put its columns into one file")
     times, columns = read_table(Path(files[0]))
+    if both := sorted(set(columns) & set(constants)):
+        fail("L0712", f"'{both[0]}' is given twice", None, f"by -u, and by a column of '{files[0]}'")
     return times, columns | {name: [value] * len(times) for name, value in constants.items()}
 
 

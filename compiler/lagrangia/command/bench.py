@@ -8,7 +8,13 @@ from typing import Any
 
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.base.result_files import write_text
-from lagrangia.command.arguments import assignment, keep_inputs, load_model, number, open_parameters
+from lagrangia.command.arguments import (
+    assignments,
+    keep_inputs,
+    load_model,
+    number,
+    open_parameters,
+)
 from lagrangia.native.build import find_compiler
 from lagrangia.run.request import Request
 
@@ -28,7 +34,7 @@ def bench_command(options: Namespace) -> int:
     _check(options)
     if options.plot is not None:
         require_format(options.plot)
-    given = [assignment(text, "-p") for text in options.parameter]
+    given = assignments(options.parameter, "-p")
     if find_compiler() is None:
         fail("L0901", "not supported yet: a benchmark without a C compiler, which compiles all that is measured", None,
              "pip install ziglang brings one")

@@ -16,6 +16,7 @@ from lagrangia.base.diagnostics import EngineWarning, LagError, RunError, render
 from lagrangia.base.interruptions import INTERRUPTED, ended_as_by_control_c
 from lagrangia.base.spelling import prepare_output
 from lagrangia.base.version import VERSION
+from lagrangia.command.idle_options import refuse_idle
 
 DONE, FAILED, WRONG = 0, 1, 2
 
@@ -33,6 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _execute(parsed: argparse.Namespace) -> int:
     try:
+        refuse_idle(parsed, parsed.parser.get_default)
         code = int(parsed.command(parsed))
         sys.stdout.flush()
         return code
@@ -187,6 +189,8 @@ class _Parser(argparse.ArgumentParser):
     def __init__(self, *arguments: Any, **settings: Any) -> None:
         super().__init__(*arguments, **settings)
         self._negative_number_matcher = re.compile(r"-\.?\d")
+        for action in (None, "store"):
+            self.register("action", action, _Once)
 
     def error(self, message: str) -> NoReturn:
         print(f"error[L0700]: {message}\n   = {self.format_usage().strip()}", file=sys.stderr)
@@ -222,6 +226,18 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+class _Once(argparse.Action):
+    """Keeps the value of an option, which may be given once: the last of several would hold without a word."""
+
+    def __call__(self, parser: argparse.ArgumentParser, options: argparse.Namespace, value: Any, option: str | None = None
+                 ) -> None:
+        given = options.__dict__.setdefault("given", set())
+        if option is not None and self.dest in given:
+            parser.error(f"{option} is given twice")
+        given.add(self.dest)
+        setattr(options, self.dest, value)
+
+
 class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *rest: object) -> None:
         print(f"lagrangia {VERSION}")
@@ -231,7 +247,7 @@ class _Version(argparse.Action):
 def _add(commands: "argparse._SubParsersAction[_Parser]", name: str, command: Callable[[argparse.Namespace], int],
          text: str) -> argparse.ArgumentParser:
     parser = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
-    parser.set_defaults(command=command)
+    parser.set_defaults(command=command, parser=parser)
     if name != "help":
         parser.add_argument("--allow", action="append", default=[], metavar="CODE,...", help="warnings that are meant: L0224")
         parser.add_argument("--strict", action="store_true", help="take warnings for errors")

@@ -4,7 +4,7 @@ from argparse import Namespace
 
 from lagrangia.base.result_files import is_device
 from lagrangia.command.arguments import (
-    assignment,
+    assignments,
     keep_inputs,
     load_model,
     named_pairs,
@@ -23,10 +23,10 @@ def draw_command(options: Namespace) -> int:
     if target != "-" and not is_device(target):
         require_picture(target)
         keep_inputs(options, target)
-    given = [assignment(text, "-p") for text in options.parameter]
+    given = assignments(options.parameter, "-p")
     model = load_model(options, given, ())
     tell_warnings(options, model)
-    initial = values_with_units([assignment(text, "--initial") for text in options.initial], model.scene.start_units)
+    initial = values_with_units(assignments(options.initial, "--initial"), model.scene.start_units)
     at = None if options.at is None else number(options.at, "--at")
     text = model.draw(None if target == "-" else target, at=at, names=named_pairs(options.names or "", "--names"),
                       parameters=open_parameters(model.scene, given), initial=initial,

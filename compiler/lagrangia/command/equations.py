@@ -6,13 +6,13 @@ from pathlib import Path
 from lagrangia.base.diagnostics import LagError, RunError
 from lagrangia.base.result_files import write_text
 from lagrangia.command.arguments import (
-    assignment,
+    assignments,
     keep_inputs,
     load_model,
     named_pairs,
+    names_once,
     open_parameters,
     part_structural,
-    split_names,
 )
 
 
@@ -21,11 +21,11 @@ def equations_command(options: Namespace) -> int:
     from lagrangia.paper.sheet import Request, checked, write_equations
 
     keep_inputs(options, options.output)
-    structural, parameters = part_structural(options, [assignment(text, "-p") for text in options.parameter])
+    structural, parameters = part_structural(options, assignments(options.parameter, "-p"))
     about = None if options.about is None else named_pairs(options.about, "--about")
     names = named_pairs(options.names or "", "--names")
     request = Request(options.form, options.format, names, parameters, options.numbers, options.force, about, options.sources,
-                      options.level, split_names(options.sections), options.first_letter, _figure(options, names),
+                      options.level, names_once(options.sections, "--sections"), options.first_letter, _figure(options, names),
                       options.language, options.fragment)
     if options.check is not None:
         is_right, told = checked(options.file, options.check, request, options.model, structural)
@@ -44,7 +44,7 @@ def _figure(options: Namespace, names: dict[str, str]) -> str:
     """What derivations and statements of problems show on pages of HTML; "" where the scene has no start to be drawn at."""
     if options.format != "html" or options.form not in ("worked", "exercise") or options.check is not None:
         return ""
-    given = [assignment(text, "-p") for text in options.parameter]
+    given = assignments(options.parameter, "-p")
     model = load_model(options, given, ())
     known = {name: symbol for name, symbol in names.items() if name in model.coordinate_names}
     try:

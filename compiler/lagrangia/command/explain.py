@@ -2,7 +2,7 @@
 
 from argparse import Namespace
 
-from lagrangia.command.arguments import assignment, load_model, open_parameters
+from lagrangia.command.arguments import assignments, load_model, open_parameters
 from lagrangia.run.request import check_values
 
 
@@ -12,7 +12,7 @@ def explain_command(options: Namespace) -> int:
     from lagrangia.study.casadi_solvers import casadi_refusal
     from lagrangia.study.explain import as_json, as_text, chosen_for, without_compiler
 
-    given = [assignment(text, "-p") for text in options.parameter]
+    given = assignments(options.parameter, "-p")
     model = load_model(options, given, ())
     values = check_values(model.scene, open_parameters(model.scene, given))
     c = model.compilation

@@ -5,7 +5,13 @@ from argparse import Namespace
 from pathlib import Path
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.command.arguments import assignment, part_structural, tell, tell_warnings
+from lagrangia.command.arguments import (
+    assignments,
+    named_pairs,
+    part_structural,
+    tell,
+    tell_warnings,
+)
 from lagrangia.command.scene_export import TARGETS
 
 _WRITTEN = ("modelica", "sympy", "latex")  # with names on paper
@@ -29,14 +35,14 @@ def export_command(options: Namespace) -> int:
     from lagrangia.command.scene_export import export, export_warnings, exported_text
     from lagrangia.model import Model
 
-    structural, others = part_structural(options, [assignment(text, "-p") for text in options.parameter])
+    structural, others = part_structural(options, assignments(options.parameter, "-p"))
     if others:
         fail("L0702", f"'{next(iter(others))}' is no structural parameter", None,
              "other parameters stay open in what is exported")
     model = Model(options.file, options.model, structural)
     tell_warnings(options, model)
     tell(options, model, [warning.render() for warning in export_warnings(model, options.to)])
-    names = dict(assignment(text, "--names") for text in (options.names or "").split(",") if text.strip())
+    names = named_pairs(options.names or "", "--names")
     if options.output == "-":
         sys.stdout.write(exported_text(model, options.to, names, options.force))
         return 0

@@ -6,7 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangia.base.diagnostics import RunError, fail
-from lagrangia.command.arguments import assignment, load_model, split_names, tell_warnings, values_with_units
+from lagrangia.command.arguments import (
+    assignments,
+    load_model,
+    names_once,
+    tell_warnings,
+    values_with_units,
+)
 from lagrangia.native.build import CompilerError
 from lagrangia.run.scene import ALL_REACTIONS
 from lagrangia.view.statics import tells_reactions
@@ -21,14 +27,14 @@ def export_fmu_command(options: Namespace) -> int:
     """`lag export --to fmu`: writes the FMU of a scene. Raises LagError."""
     if options.output == "-":
         fail("L0704", "an FMU is no text: it cannot go to standard output", None, "give a file with -o")
-    given = [assignment(text, "-p") for text in options.parameter]
-    model = load_model(options, given, split_names(options.outputs))
+    given = assignments(options.parameter, "-p")
+    model = load_model(options, given, names_once(options.outputs, "--outputs"))
     if tells_reactions(model.scene):
-        model = load_model(options, given, (*split_names(options.outputs), ALL_REACTIONS))
+        model = load_model(options, given, (*names_once(options.outputs, "--outputs"), ALL_REACTIONS))
     tell_warnings(options, model)
     units = {p.name: p.unit for p in model.scene.parameters}
     others = [(name, text) for name, text in given if name.partition("[")[0] not in model.scene.structural]
-    info = dict(assignment(text, "--info") for text in options.info)
+    info = dict(assignments(options.info, "--info"))
     try:
         chosen = {name: value for name in OPTIONS if (value := getattr(options, name)) is not None}
         written = model.export_fmu(options.output, **chosen, parameters=values_with_units(others, units), info=info, tell=_tell)

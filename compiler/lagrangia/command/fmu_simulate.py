@@ -12,7 +12,14 @@ from typing import Any
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, quoted
-from lagrangia.command.arguments import asked, assignment, input_tables, prepare_target, read_table, split_names
+from lagrangia.command.arguments import (
+    asked,
+    assignments,
+    input_tables,
+    names_once,
+    prepare_target,
+    read_table,
+)
 from lagrangia.fmu.description import Description
 from lagrangia.fmu.process import SPOKEN, Inputs
 from lagrangia.fmu.run import FmuRun, open_fmu, settable, simulate_fmu
@@ -35,9 +42,9 @@ def simulate_fmu_command(options: Namespace) -> int:
     target = prepare_target(options)
     opened = open_fmu(options.file)
     description = opened.description
-    shown = split_names(options.plot_quantities)
+    shown = names_once(options.plot_quantities, "--plot-quantities")
     values = {**_values(description, options.parameter, "-p"), **_values(description, options.initial, "--initial")}
-    request = asked(options, values, {}, _inputs(description, options.input))
+    request = asked(options, values, {}, _inputs(description, options.input), names_once(options.outputs, "--outputs"))
     run = simulate_fmu(opened, replace(request, outputs=(*request.outputs, *shown)), options.kind)
     _write(run, target, None if request.at is None else request.at[0])
     if options.plot is not None and run.rows:
@@ -70,7 +77,7 @@ def _follows(description: Description) -> bool:
 
 def _values(description: Description, given: Iterable[str], option: str) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for name, text in (assignment(item, option) for item in given):
+    for name, text in assignments(given, option):
         quantity = settable(description, name)
         is_parameter = quantity.causality in ("parameter", "structuralParameter")
         if option == "-p" and not is_parameter:
@@ -113,7 +120,7 @@ def _inputs(description: Description, given: list[str]) -> Inputs:
     names = [q.name for q in description.quantities if q.causality == "input"]
     known = f"the inputs are {', '.join(names)}" if names else "there are none"
     constants: dict[str, float] = {}
-    for name, text in (assignment(item, "-u") for item in given if item not in files):
+    for name, text in assignments((item for item in given if item not in files), "-u"):
         quantity = settable(description, name)
         if quantity.causality != "input":
             fail("L0701", f"'{name}' is no input", None, known)

@@ -11,13 +11,13 @@ from lagrangia.base.diagnostics import LagError, RunError, fail
 from lagrangia.base.interruptions import INTERRUPTED, undisturbed
 from lagrangia.command.arguments import (
     asked,
-    assignment,
+    assignments,
     keep_foreign,
     load_model,
+    names_once,
     open_parameters,
     prepare_target,
     read_inputs,
-    split_names,
     tell_inputs,
     tell_warnings,
     values_with_units,
@@ -39,8 +39,8 @@ def simulate_command(options: Namespace) -> int:
         fail("L0706", "--kind belongs to FMUs", None, f"'{options.file}' is none: its name would end in .fmu")
     target = prepare_target(options)
     begin = time.perf_counter()
-    outputs = split_names(options.outputs) + ((ALL_REACTIONS,) if options.reactions else ())
-    given = [assignment(text, "-p") for text in options.parameter]
+    outputs = names_once(options.outputs, "--outputs") + ((ALL_REACTIONS,) if options.reactions else ())
+    given = assignments(options.parameter, "-p")
     model = _load(options, given, outputs)
     if tells_reactions(model.scene) and not options.reactions:
         model = load_model(options, given, (*outputs, ALL_REACTIONS))
@@ -52,7 +52,7 @@ def simulate_command(options: Namespace) -> int:
         print(dump(model.compilation, options.dump))
         return 0
     keep_foreign(options, target, [column.name for column in (*scene.coordinates, *scene.rates)])
-    initial = values_with_units([assignment(text, "--initial") for text in options.initial], scene.start_units)
+    initial = values_with_units(assignments(options.initial, "--initial"), scene.start_units)
     request = asked(options, open_parameters(scene, given), initial, read_inputs(options.input, scene))
     experiment = plan(scene, request)
     values = check_values(scene, request.parameters, request.initial, request.inputs)
@@ -163,7 +163,7 @@ def _plot(options: Namespace, model: Model, progress: Progress, rows: list[Seque
 
     observer = model.observer(np.array(progress.parameters), values)
     trajectory = Trajectory(model.scene, collect(model.scene, rows), progress, observer)
-    trajectory.plot(*split_names(options.plot_quantities), path=options.plot)
+    trajectory.plot(*names_once(options.plot_quantities, "--plot-quantities"), path=options.plot)
 
 
 class _Bar:

@@ -6,12 +6,11 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from lagrangia.base.diagnostics import fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, is_device
 from lagrangia.command.arguments import (
     asked,
-    assignment,
+    assignments,
     input_tables,
     keep_foreign,
     load_model,
@@ -54,25 +53,16 @@ def sweep_command(options: Namespace) -> int:
 
 def _prepare(options: Namespace) -> tuple[Model, Job]:
     measures = read_measures(options.outputs or "")
-    given = _assignments(options.parameter, "-p")
+    given = dict(assignments(options.parameter, "-p"))
     single = [(name, text) for name, text in given.items() if not any(c in text for c in ",:(") or "{" in text]
     model = load_model(options, single, quantities(measures))
     tell_warnings(options, model)
     scene = model.scene
     varied = {name: text for name, text in given.items() if name not in model.structural}
-    request = asked(options, varied, _assignments(options.initial, "--initial"), read_inputs(options.input, scene))
+    request = asked(options, varied, dict(assignments(options.initial, "--initial")), read_inputs(options.input, scene))
     tell_inputs(options, model, plan(scene, request), request.inputs)
     design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run)
     return model.prepared_for(measures, request, design)
-
-
-def _assignments(texts: list[str], option: str) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for name, value in (assignment(text, option) for text in texts):
-        if name in found:
-            fail("L0712", f"'{name}' is given twice")
-        found[name] = value
-    return found
 
 
 def _run(options: Namespace, model: Model, job: Job, ledger: Ledger) -> Sweep:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from lagrangia.base.checked_values import a_number
-from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
+from lagrangia.base.diagnostics import WARNINGS, Diagnostic, LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.language.algorithms import FlatFunction, flatten_function
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.figures import WORDS
@@ -414,6 +414,8 @@ class _Flattening:
                 codes = top.value.value.replace(",", " ").split() if isinstance(top.value, String) else []
                 if not codes or not all(_CODE.fullmatch(code) for code in codes):
                     fail("L0208", "'allow' is a text with codes of warnings", top.span, 'annotation(allow = "L0224, L0741")')
+                if unknown := [code for code in codes if code not in WARNINGS]:
+                    fail("L0208", f"there is no warning '{unknown[0]}'", top.span, f"those are {', '.join(WARNINGS)}")
                 found += codes
         return tuple(found)
 

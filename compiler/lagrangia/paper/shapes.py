@@ -5,6 +5,7 @@
 Powers may be negative or fractions. Signs of sums are not decided here: who lays them out turns R - r and r - R alike.
 """
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from math import lcm
@@ -19,6 +20,7 @@ Powers: TypeAlias = tuple[tuple[Expr, Fraction], ...]
 Polynomial: TypeAlias = tuple[tuple[Fraction, Powers], ...]
 _ONE = Fraction(1)
 _MOST_TERMS, _MOST_ATOMS = 24, 10  # of what is factored
+_MOST_SEARCHED = 10  # terms of which all ways of drawing symbols out are tried: their number doubles with each term
 
 
 @dataclass(frozen=True)
@@ -99,18 +101,20 @@ def _divided(powers: Powers, by: dict[Expr, Fraction]) -> Powers:
 
 
 def _grouped(polynomial: Polynomial) -> Shaped:
-    """The sum as it is, or with a power drawn out of the terms that have it, where that leaves fewer symbols."""
+    """The sum as it is, or with a power drawn out of the terms that have it, where that leaves fewer symbols; of long sums, that
+    which most terms have."""
     best = Sum(tuple(Shaped(x, powers) for x, powers in polynomial))
     if len(polynomial) > 2:
-        found = [_drawn_out(polynomial, power) for power in dict.fromkeys(p for _, powers in polynomial for p in powers)]
-        best = min([best, *filter(None, found)], key=lambda s: sum(x.size for x in s.items))
+        counts = Counter(p for _, powers in polynomial for p in powers)
+        partly = [power for power, count in counts.items() if 1 < count < len(polynomial)]
+        tried = partly if len(polynomial) <= _MOST_SEARCHED else sorted(partly, key=lambda p: -counts[p])[:1]
+        found = [_drawn_out(polynomial, power) for power in tried]
+        best = min([best, *found], key=lambda s: sum(x.size for x in s.items))
     return Shaped(_ONE, ((best, _ONE),))
 
 
-def _drawn_out(polynomial: Polynomial, power: tuple[Expr, Fraction]) -> Sum | None:
+def _drawn_out(polynomial: Polynomial, power: tuple[Expr, Fraction]) -> Sum:
     mine = [term for term in polynomial if power in term[1]]
-    if not 1 < len(mine) < len(polynomial):
-        return None
     number, common, rest = factored_out(mine)
     inner = _grouped(rest)
     others = _grouped(tuple(term for term in polynomial if term not in mine)) if len(polynomial) - len(mine) > 1 else None

@@ -14,7 +14,7 @@ from typing import Any, cast
 import sympy as sp
 
 from lagrangia.algebra.duals import Dual, Scalar, rate_of, value_of
-from lagrangia.algebra.normal_form import Ring
+from lagrangia.algebra.normal_form import Ring, TooLarge
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.algebra.with_sympy import TIME, Expr, SympyAlgebra, exact_throughout, slope
 from lagrangia.base.diagnostics import Span, fail
@@ -316,7 +316,10 @@ class SymbolicKinematics(Kinematics):
         sizes = cast(SympyAlgebra, self.algebra).sizes
         taken: set[Expr] = set()
         for x in sizes:
-            root = Ring(_PRODUCTS_OF_A_SIZE).tidy(sp.sqrt(x))
+            try:
+                root = Ring(_PRODUCTS_OF_A_SIZE).tidy(sp.sqrt(x))
+            except TooLarge:  # no square of a coordinate
+                continue
             taken |= set() if any(p.exp.is_Rational and p.exp.q == 2 for p in root.atoms(sp.Pow)) else root.free_symbols
         return tuple(q for q in self.symbols.positions.values() if q.is_positive and q in taken)
 

@@ -61,11 +61,13 @@ def cut_list(text: str) -> list[str]:
 
 def read_measures(given: str | Sequence[str]) -> list[Measure]:
     """A text alone is a list as on the command line. Raises LagError L0711."""
-    if isinstance(given, str):
-        return [read_measure(text) for text in split_list(given)]
     if not isinstance(given, Iterable):
         fail("L0711", f"measures are a sequence of texts, not {given!r}"[:200])
-    return [read_measure(text) for text in given]
+    measures = [read_measure(text) for text in (split_list(given) if isinstance(given, str) else given)]
+    texts = [measure.text for measure in measures]
+    if twice := [text for text in texts if texts.count(text) > 1]:
+        fail("L0711", f"{twice[0]} is measured twice")
+    return measures
 
 
 def read_measure(text: str) -> Measure:

@@ -208,6 +208,8 @@ def _factors(scene: Scene, request: Request, design: Design
             lists.append(Factor(name.elements, name.places, found))
     table = [_table(scene, design.runs)] if design.runs is not None else []
     _check_once([*(name.places for name, _ in names), *(factor.places for factor in table)], scene)
+    if design.together and len(lists) < 2:
+        fail("L0712", "there are no lists to be taken side by side", None, "-p m=1,2 -p k=3,4 are two")
     factors = [*table, *(_side_by_side(lists) if design.together else lists), *_samples(random, design)]
     for factor in factors:
         _check_finite(factor)
@@ -279,7 +281,7 @@ def _samples(random: Sequence[tuple[_Name, Distribution]], design: Design) -> li
     if design.samples is not None and not 1 <= a_count("number of samples", design.samples) <= MOST_RUNS:
         fail("L0712", f"the number of samples must lie between 1 and {MOST_RUNS}, not {design.samples}")
     if not random:
-        if design.samples is not None:
+        if design.samples is not None or design.seed or design.sampling != WAYS[0]:
             fail("L0712", "nothing is random, so there is nothing to take samples of", None,
                  "say how a value is distributed: k=normal(100,5)")
         return []

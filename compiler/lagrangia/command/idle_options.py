@@ -1,0 +1,48 @@
+"""Options that would change nothing beside others: refused, each with what it belongs to."""
+
+from argparse import Namespace
+from collections.abc import Callable
+
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
+
+Holds = Callable[[Namespace], bool]
+
+
+@dataclass(frozen=True)
+class _Rule:
+    """Of these commands, these options (attributes of what was parsed) say nothing where `holds`."""
+
+    commands: tuple[str, ...]
+    options: tuple[str, ...]
+    holds: Holds
+    why: str
+
+
+_DUMPED = ("output", "plot", "plot_quantities", "at", "interval", "start", "stop", "tolerance", "initial", "input", "max_step",
+           "max_steps", "stats", "kind")
+RULES = (
+    _Rule(("simulate",), ("interval",), lambda o: o.at is not None, "--at says the times of the rows"),
+    _Rule(("simulate",), ("plot_quantities",), lambda o: o.plot is None, "--plot names the picture that is to show them"),
+    _Rule(("simulate",), ("stats",), lambda o: o.quiet, "--quiet says nothing but errors"),
+    _Rule(("simulate",), _DUMPED, lambda o: o.dump is not None, "--dump prints a phase of the compiler and runs nothing"),
+    _Rule(("simulate",), ("engine", "max_step", "max_steps"), lambda o: o.solver.startswith("casadi:"),
+          "integrators of CasADi have their own"),
+    _Rule(("simulate", "sweep"), ("max_step",), lambda o: o.solver == "linear",
+          "the matrix exponential is exact in steps of any length"),
+    _Rule(("equations",), ("about",), lambda o: o.form != "linear", "it is the point of --form linear"),
+    _Rule(("equations",), ("level", "sections", "first_letter"), lambda o: o.form != "worked", "it belongs to --form worked"),
+    _Rule(("equations",), ("format", "output", "numbers"), lambda o: o.check is not None,
+          "--check prints whether its equation holds"),
+    _Rule(("response",), ("range", "points"), lambda o: o.at is not None, "--at says the frequencies"),
+    _Rule(("export",), ("force",), lambda o: o.to not in ("sympy", "latex", "modelica"), "it is for sympy, latex and modelica"),
+)
+
+
+def refuse_idle(options: Namespace, usual: Callable[[str], object]) -> None:
+    """Raises LagError L0706 for an option that differs from what is `usual`, and changes nothing."""
+    for rule in RULES:
+        if options.name in rule.commands and rule.holds(options):
+            for name in rule.options:
+                if getattr(options, name) != usual(name):
+                    fail("L0706", f"--{name.replace('_', '-')} has no effect here", None, rule.why)

@@ -1,0 +1,92 @@
+"""Nothing written after a command is without effect and without a word: what is given twice, or belongs to something else."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from lagrangia.base.diagnostics import WARNINGS
+from lagrangia.command.cli import WRONG, main
+from lagrangia.command.idle_options import RULES
+
+SCENE = """model M
+  parameter Mass m = 1; parameter Integer n = 2; parameter Real k[2] = {2, 3}; input Force u(start = 0);
+  Block b(m = m, base = world, s(start = 0.1)); Spring s(k = k[1], stretch = b.s), t(k = k[2], stretch = b.s);
+  AppliedForce f(at = b.center, force = {u, 0}); output Length y = n*b.s;
+end M;
+"""
+TWICE = """simulate -p m=1 -p m=2; simulate -p n=3 -p n=4; simulate -p k={4,5} -p k[1]=2; simulate -p k[1]=2 -p k={4,5}
+simulate -u u=0 -u u=2; simulate -u u=0 -u u.csv; simulate --initial b.s=1 --initial b.s=2; simulate --stop 1 --stop 2
+simulate -o a.csv --output b.csv; simulate --model M --model M; simulate --outputs y,y
+simulate --plot p.svg --plot-quantities y,y
+sweep -p m=1,2 -p m=3; sweep --outputs y,final(y); sweep -u u=0 -u u=1; explain -p m=1 -p m=2; equations -p m=1 -p m=2
+equations --form worked --sections kinetic,kinetic; modes -p m=1 -p m=2; linearize --from u,u; linearize --to y,y
+export --to fmu --info author=x --info author=y; export --to fmu --outputs y,y; draw --initial b.s=1 --initial b.s=2
+animate --trace b.center,b.center; animate --curves y,y"""
+IDLE = """simulate --at 0,1 --interval 0.1; simulate --plot-quantities y; simulate --stats --quiet; simulate --dump flat --stop 3
+simulate --dump flat -o x.csv; simulate --solver casadi:cvodes --engine tape; simulate --solver casadi:cvodes --max-step 0.1
+simulate --solver linear --max-step 0.1; equations --about b.s=1; equations --level short; equations --sections kinetic
+equations --first-letter f; equations --check b.s=0 --format latex; response --at 1,2 --range 1:10; response --at 1 --points 30
+export --to python --force"""
+OTHERS = {"simulate --outputs ,": "names nothing", "simulate --allow L9999": "no warning 'L9999'",
+          "sweep -p m=1,2 --seed 3": "random",
+          "sweep -p m=1,2 --sampling lhs": "random", "sweep -p m=1,2 --together": "side by side"}
+
+
+def commands(text: str) -> list[str]:
+    return [command for line in text.splitlines() for command in line.split("; ")]
+
+
+@pytest.fixture
+def told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
+    monkeypatch.chdir(tmp_path)
+    Path("c.lag").write_text(SCENE)
+    Path("u.csv").write_text("time,u\n0,0\n1,1\n")
+
+    def run(command: str) -> str:
+        name, *rest = shlex.split(command)
+        try:
+            code = main([name, "c.lag", *rest])
+        except SystemExit as stop:
+            code = int(stop.code or 0)
+        assert code == WRONG, command
+        return capfd.readouterr().err
+
+    return run
+
+
+@pytest.mark.parametrize("command", commands(TWICE))
+def test_what_is_given_twice_is_refused(told, command: str) -> None:
+    assert "twice" in told(command)
+
+
+@pytest.mark.parametrize("command", commands(IDLE))
+def test_what_belongs_to_something_else_is_refused(told, command: str) -> None:
+    assert "has no effect here" in told(command)
+
+
+@pytest.mark.parametrize("command", OTHERS)
+def test_what_has_nothing_to_choose_from_is_refused(told, command: str) -> None:
+    assert OTHERS[command] in told(command)
+
+
+def test_what_is_usual_may_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("c.lag").write_text(SCENE)
+    for command in ("simulate c.lag --at 0,1 --solver linear --engine auto -u u=0", "equations c.lag --level full",
+                    "sweep c.lag -u u=0 -p m=1,2 --outputs at(0,y),at(1,y) --sampling random"):
+        assert main(command.split()) == 0
+
+
+def test_every_rule_names_options_of_its_commands() -> None:
+    text = (Path(__file__).parents[2] / "compiler" / "lagrangia" / "command" / "cli.py").read_text(encoding="utf-8")
+    for rule in RULES:
+        assert all(f'"--{name.replace("_", "-")}"' in text for name in rule.options if name != "input")
+
+
+def test_the_codes_of_warnings_are_those_that_are_told() -> None:
+    package = Path(__file__).parents[2] / "compiler" / "lagrangia"
+    pattern = re.compile(r'warning\(\s*"(L\d{4})"|warning\[(L\d{4})\]|"warning", "(L\d{4})"')
+    found = {next(filter(None, match.groups())) for path in package.rglob("*.py") for match in pattern.finditer(path.read_text())}
+    assert found == set(WARNINGS)
