@@ -24,7 +24,7 @@
 /* A switch that changes in every step changes to and fro when these are so short, by the longest of the run. */
 static const double SOON = 1e-3, WRONG_SIDE = 16, END_OF_SHARE = 64 * DBL_EPSILON;
 static const double AT_END = 1e-3; /* of a step: near enough to one of its ends */
-static const double LONG_RUN = 1e3; /* s: shorter steps keep their digits */
+static const double LOST = 1e-4; /* of a tolerance: rounding of the end of a step, to which is known what is inside it */
 static const double EARLY = 1e-3, AMPLE = 4; /* share of a step that says little of its beginning; of what it had to be, the next one */
 static const double HALF = 0.5; /* of a step that has passed a stop */
 enum { MOST_JAMS = 4, MOST_AGAIN = 10, HURRY = 5, FIRST_SPELL = 32, MOST_SPELL = 4096 };
@@ -324,6 +324,28 @@ static void step_shorter(LagRun *run, double x)
     lag_step_set_units(run, run->step);
 }
 
+/* How large those of the kind of position or rate i have been up to a place inside the step, whose state is in switches.state. */
+static double size_up_to(const LagRun *run, int i)
+{
+    const int n = run->motion.n, first = i < n ? 0 : n;
+    const double *before = run->motion.other + first, *here = run->switches.state + first;
+    double size = 0;
+    for (int j = 0; j < n; ++j)
+        if (run->scale.kind[j] == run->scale.kind[i - first])
+            size = lag_max(lag_max(fabs(before[j]), fabs(here[j])), size);
+    return size;
+}
+
+/* Whether the end of the step is so far away that what is inside it loses digits by that. */
+static int goes_far(const LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    for (int i = 0; i < 2 * m->n; ++i)
+        if (DBL_EPSILON * fabs(m->y[i]) > LOST * run->scale.tolerance * size_up_to(run, i))
+            return 1;
+    return 0;
+}
+
 /* Takes the step back, where its end tells more than its dense output: the next one ends at the share x of it. Returns whether it
  * was. */
 static int step_again(LagRun *run, double x)
@@ -333,7 +355,8 @@ static int step_again(LagRun *run, double x)
     const LagMethod *method = run->methods.table;
     const double h = m->t - m->t_old;
     const int is_longest = h > m->t_old - run->settings.t_start; /* than all that was before */
-    const int is_early = is_longest && h > LONG_RUN && x < EARLY && x * h > lag_time_resolution(m->t_old) / EARLY, is_inside = x > AT_END && x < 1 - AT_END;
+    const int is_early = is_longest && x < EARLY && x * h > lag_time_resolution(m->t_old) / EARLY && goes_far(run);
+    const int is_inside = x > AT_END && x < 1 - AT_END;
     const int is_vague = method->take_back && is_inside && !(method->is_good_inside && !m->lacks_slopes);
     if (!(is_early || is_vague) || s->again == MOST_AGAIN)
         return 0;

@@ -95,6 +95,23 @@ def test_an_event_early_in_a_long_step(scene: Write, stop: float) -> None:
         assert np.abs(run.energy.residual).max() < few, solver
 
 
+@pytest.mark.parametrize("pace", [1e-8, 1e-4, 1e4, 1e8])
+def test_the_length_of_a_second_does_not_matter(scene: Write, pace: float) -> None:
+    """A block thrown over a rough slope, in years as in microseconds: digits are kept by what the motion is, not by seconds."""
+    model = scene("""model Paced
+      parameter Real g0(unit = "m/s2") = 9.81; parameter Velocity v0 = 1;
+      World world(gravity = {g0*sin(0.3), -g0*cos(0.3)});
+      Block b(m = 1, base = world, v(start = v0));
+      Friction f(mu = 0.7, normal = 1[kg]*g0*cos(0.3), rate = b.v);
+    end Paced;""")
+    slows = 9.81 * pace**2 * (0.7 * np.cos(0.3) - np.sin(0.3))
+    for solver in SOLVERS:
+        for far in (3, 1e6, 1e9):
+            run = model.simulate(at=[0.5 * pace / slows, far * pace / slows], solver=solver, tolerance=1e-12,
+                                 parameters={"g0": 9.81 * pace**2, "v0": pace})
+            np.testing.assert_allclose(run["b.s"][-1], pace**2 / 2 / slows, rtol=2e-12, err_msg=f"{solver} {far}")
+
+
 MOVED = {
     "block on a slope": ("""
       Frame incline = turn(world, 20[deg]);  Block b(m = 1, base = incline);
