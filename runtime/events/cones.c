@@ -5,8 +5,10 @@
 #include "events/cones.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "numbers/extremes.h"
+#include "events/conditions.h"
 #include "events/sliding.h"
 #include "model/schedule.h"
 #include "state/evaluate.h"
@@ -17,6 +19,9 @@ static const double FAINT = 1e-6; /* of what friction slows down: rounding, wher
 static const double NO_TIME = 1e-6; /* of what is left of a run; of a second, where that has no end */
 static const double AT_ONCE = 16;  /* times what of a time is rounding: no step is so short */
 static const double LEFT = 1e-6; /* of all that there is: enough to hold */
+static const double OTHER_SPEED = 16; /* times: derivatives by rates are others */
+static const double JUST = 1e-9; /* of all that holds: where importers look for the place at which it is not enough */
+static const double BEYOND = 2; /* times what a slip has gone back: it stopped */
 static const double COARSE = 20; /* tolerances of an importer: errors of rates that are next to none */
 static const double KNOWN = 16; /* times rounding: a slip has a direction */
 static const double KICK = 0.5, LITTLE = 1e-2; /* of a slip that is taken for none; of that, where it can go one way only */
@@ -71,11 +76,12 @@ static double coarse_slip(LagRun *run, const int *places)
 }
 
 /* What a slip is less than, to be taken for none. */
-static double least_slip(LagRun *run, const int *places)
+static double least_slip(LagRun *run, int k)
 {
+    const int *places = cone(run, k);
     const double drift = lag_min(lag_sliding_drift(run, places[0]), lag_sliding_drift(run, places[1]));
     const double known = lag_max(faintest_slip(run, places), drift); /* nothing tells of errors before the first step */
-    return run->impacts.coarse > 0 ? lag_max(coarse_slip(run, places), known) : known;
+    return run->impacts.coarse > 0 ? lag_max(lag_max(coarse_slip(run, places), BEYOND * run->sliding.beyond[k]), known) : known;
 }
 
 int lag_cones_have(const LagRun *run, int i) { return cone_of(run, i) >= 0; }
@@ -119,12 +125,18 @@ double lag_cones_kick(LagRun *run, int i)
     const int *places = cone(run, k);
     const double unknown = lag_max(run->switches.unknown[places[0]], run->switches.unknown[places[1]]);
     const double speed = hypot(run->sliding.g[places[0]], run->sliding.g[places[1]]);
-    const double most = lag_max(KICK * least_slip(run, places), KNOWN * unknown);
+    const double most = lag_max(KICK * least_slip(run, k), KNOWN * unknown);
     const double slow = lag_max(speed, faintest_slip(run, places));
     const int is_narrow = run->sliding.system.is_narrow[k] && run->impacts.coarse == 0; /* nothing is stiff aside */
     const double least = run->sliding.leaves[k] || run->impacts.coarse > 0 ? is_narrow ? LITTLE * most : most : 0;
     const double kick = lag_max(least, lag_min(slow, most));
     return kick * component(run, i) / hypot(component(run, places[0]), component(run, places[1]));
+}
+
+void lag_cones_note_left(LagRun *run)
+{
+    for (int k = 0; k < run->model->n_cones; ++k)
+        run->sliding.leaves[k] |= run->sliding.is_lenient && is_held(run, cone(run, k)) && lag_cones_break(run, cone(run, k)[0]);
 }
 
 void lag_cones_margins(const LagRun *run, double *g)
@@ -168,10 +180,121 @@ int lag_cones_look(LagRun *run)
         if (is_held(run, cone(run, k)) || !(slows > FAINT * lag_max(s->most_jump[x], s->most_jump[y])))
             continue;
         s->stops = lag_min(run->motion.t + NEAR * speed / slows, s->stops);
-        if (speed <= lag_max(least_slip(run, cone(run, k)), slows * AT_ONCE * lag_time_resolution(run->motion.t)))
+        if (speed <= lag_max(least_slip(run, k), slows * AT_ONCE * lag_time_resolution(run->motion.t)))
             some = run->switches.turned[x] = run->switches.turned[y] = 1;
     }
     return some;
+}
+
+/* Along the direction that was noted. */
+static double along(const LagRun *run, int k, const double *g)
+{
+    const double *slip = run->sliding.slip + 2 * k, speed = hypot(slip[0], slip[1]);
+    return speed > 0 ? (slip[0] * g[cone(run, k)[0]] + slip[1] * g[cone(run, k)[1]]) / speed : 1;
+}
+
+static void find_slips(LagRun *run, double t, const double *y)
+{
+    const int n = run->model->n;
+    if (run->model->n_cones > 0)
+        lag_conditions_by(run, t, y, y + n, run->switches.slope + n, run->sliding.g, run->sliding.rate);
+}
+
+void lag_cones_note(LagRun *run, double t, const double *y)
+{
+    LagSliding *s = &run->sliding;
+    find_slips(run, t, y);
+    for (int k = 0; k < run->model->n_cones; ++k)
+        for (int j = 0; j < 2; ++j)
+            s->slip[2 * k + j] = s->g[cone(run, k)[j]];
+}
+
+void lag_cones_note_end(LagRun *run)
+{
+    LagSwitches *s = &run->switches;
+    int some = 0;
+    for (int k = 0; k < run->model->n_cones; ++k)
+        some |= is_held(run, cone(run, k)) && s->g[cone(run, k)[0]] <= JUST;
+    if (some)
+        lag_conditions_with_rates(run, run->motion.t, run->motion.y, s->g, s->rate);
+    for (int k = 0; k < run->model->n_cones && some; ++k) {
+        const int *places = cone(run, k);
+        if (is_held(run, places) && s->g[places[0]] <= JUST && s->rate[places[0]] < 0)
+            s->turned[places[0]] = s->turned[places[1]] = LAG_TO_0;
+    }
+}
+
+void lag_cones_begin(LagRun *run)
+{
+    LagSliding *s = &run->sliding;
+    memset(s->beyond, 0, (size_t)run->model->n_cones * sizeof *s->beyond);
+    for (int k = 0; k < run->model->n_cones; ++k)
+        s->speed[k] = hypot(s->slip[2 * k], s->slip[2 * k + 1]);
+}
+
+void lag_cones_turns(const LagRun *run, const double *values, double *g)
+{
+    for (int k = 0; k < run->model->n_cones; ++k) {
+        const int *places = cone(run, k);
+        const double speed = hypot(values[places[0]], values[places[1]]), begin = run->sliding.speed[k];
+        if (is_held(run, places))
+            continue;
+        g[places[0]] = along(run, k, values);
+        g[places[1]] = lag_min(speed - begin / OTHER_SPEED, begin * OTHER_SPEED - speed);
+    }
+}
+
+void lag_cones_note_beyond(LagRun *run)
+{
+    LagSliding *s = &run->sliding;
+    find_slips(run, run->motion.t, run->motion.y);
+    for (int k = 0; k < run->model->n_cones; ++k)
+        s->beyond[k] = is_held(run, cone(run, k)) ? 0 : lag_max(0, -along(run, k, s->g));
+}
+
+/* Changes v so that slip k changes by s[2], as little as sizes allow: slips are linear in rates. */
+static void change_slip(LagRun *run, int k, double t, const double *q, double *v, const double *size, const double *s)
+{
+    const int n = run->model->n, *places = cone(run, k);
+    double *x = run->sliding.slope_before, *y = x + n, *g = run->switches.g_inside, xx = 0, xy = 0, yy = 0;
+    const double *slope = run->switches.slope + n;
+    lag_conditions_by(run, t, q, v, slope, run->switches.g_begin, run->switches.rate_begin);
+    for (int i = 0; i < n; ++i) {
+        const double before = v[i];
+        v[i] += size[i];
+        lag_conditions_by(run, t, q, v, slope, g, run->switches.rate_inside);
+        v[i] = before;
+        x[i] = g[places[0]] - run->switches.g_begin[places[0]];
+        y[i] = g[places[1]] - run->switches.g_begin[places[1]];
+        xx += x[i] * x[i];
+        xy += x[i] * y[i];
+        yy += y[i] * y[i];
+    }
+    const double whole = xx + yy, determinant = xx * yy - xy * xy;
+    const int is_narrow = !(determinant > FAINT * whole * whole);
+    const double a = is_narrow ? s[0] / whole : (yy * s[0] - xy * s[1]) / determinant;
+    const double b = is_narrow ? s[1] / whole : (xx * s[1] - xy * s[0]) / determinant;
+    for (int i = 0; i < n && whole > 0; ++i)
+        v[i] += size[i] * (x[i] * a + y[i] * b);
+}
+
+double *lag_cones_mirrored(LagRun *run, double t, const double *q, const double *v, const double *size)
+{
+    LagSliding *s = &run->sliding;
+    const double *slope = run->switches.slope + run->model->n;
+    double *result = NULL;
+    for (int k = 0; k < run->model->n_cones; ++k) {
+        lag_conditions_by(run, t, q, result ? result : v, slope, run->switches.g_inside, run->switches.rate_inside);
+        const double passed = along(run, k, run->switches.g_inside), speed = hypot(s->slip[2 * k], s->slip[2 * k + 1]);
+        if (is_held(run, cone(run, k)) || passed >= 0)
+            continue;
+        if (!result)
+            memcpy(s->mirrored, v, (size_t)run->model->n * sizeof *v);
+        const double change[2] = {-2 * passed * s->slip[2 * k] / speed, -2 * passed * s->slip[2 * k + 1] / speed};
+        change_slip(run, k, t, q, s->mirrored, size, change);
+        result = s->mirrored;
+    }
+    return result;
 }
 
 int lag_cones_turn_round(LagRun *run)

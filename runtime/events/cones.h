@@ -24,6 +24,9 @@ void lag_cones_note_torn(LagRun *run);
 /* The component of a slip with which it leaves, against the force that would hold it: less than can be told, and a direction. */
 double lag_cones_kick(LagRun *run, int i);
 
+/* Those have left: they are not held after all, whatever rounding says of a force that is just enough. */
+void lag_cones_note_left(LagRun *run);
+
 /* How far shares of what is so held are from the circle, into g (n_switches) of both. */
 void lag_cones_margins(const LagRun *run, double *g);
 
@@ -36,6 +39,28 @@ void lag_cones_enter(LagRun *run);
 /* At the present state: the time up to which the next step may go, so that none passes the place where a slip stops, into
  * sliding.stops; and into switches.turned, which have stopped but for what cannot be told. Returns whether some have. */
 int lag_cones_look(LagRun *run);
+
+/* A state that an importer has come to: slips are measured from their directions there. */
+void lag_cones_note(LagRun *run, double t, const double *y);
+
+/* The step of an importer ends where friction is just enough: what is held there is torn off. */
+void lag_cones_note_end(LagRun *run);
+
+/* An importer goes on after an event. */
+void lag_cones_begin(LagRun *run);
+
+/* How far slips are from turning round since then, and from speeds that differ much from those after the latest event: at slow ones forces
+ * change much with rates, and an importer that takes derivatives for others' finds no motion. Into g (n_switches) of the components:
+ * `values` are those of the conditions. */
+void lag_cones_turns(const LagRun *run, const double *values, double *g);
+
+/* The same of the present state: how far beyond it they have come, by the steps of an importer that does not look for the place, which
+ * tells what its errors are. */
+void lag_cones_note_beyond(LagRun *run);
+
+/* The rates v[n] at which forces of slips that have turned round since then are evaluated, so that they do not turn round within a step:
+ * what has turned is mirrored. `size`[n]: of rates. NULL: none has. */
+double *lag_cones_mirrored(LagRun *run, double t, const double *q, const double *v, const double *size);
 
 /* Whether a slip turned round in the latest step, which has passed the place where it stops, though no evaluation has. */
 int lag_cones_turn_round(LagRun *run);

@@ -45,6 +45,9 @@ static void layout_cones(LagSliding *s, const LagModel *model, LagArena *arena)
 {
     s->leaves = lag_take_ints(arena, (size_t)model->n_cones);
     s->slip = lag_take(arena, 2 * (size_t)model->n_cones);
+    s->beyond = lag_take(arena, (size_t)model->n_cones);
+    s->speed = lag_take(arena, (size_t)model->n_cones);
+    s->mirrored = lag_take(arena, model->n_cones > 0 ? (size_t)model->n : 0);
 }
 
 void lag_sliding_layout(LagSliding *s, const LagModel *model, int size, LagArena *arena)
@@ -109,6 +112,7 @@ void lag_sliding_reset(LagRun *run)
     s->latest = s->first = 0;
     s->grows = s->is_lenient = 0;
     s->stops = INFINITY;
+    memset(s->beyond, 0, (size_t)run->model->n_cones * sizeof *s->beyond);
     lag_shares_reset(run);
     find_partners(run);
     forget_holds(run);
@@ -183,6 +187,13 @@ static int mends(LagRun *run, int count, double share, double most)
     return 1;
 }
 
+/* A contact that has changed, or a slip in the plane that an importer's steps have not stopped at its place. */
+static int comes_to_rest(const LagRun *run, int i)
+{
+    const int may_rest = !lag_may_have_all(run, i) || (run->impacts.coarse > 0 && lag_cones_have(run, i));
+    return may_rest && run->switches.turned[i] == LAG_CHANGES;
+}
+
 void lag_sliding_stop(LagRun *run)
 {
     LagSliding *s = &run->sliding;
@@ -196,8 +207,7 @@ void lag_sliding_stop(LagRun *run)
         s->share_here[k] = *lag_share(run, s->which[k]);
         s->change[k] = lag_cones_kick(run, s->which[k]) - s->g[s->which[k]];
         largest = lag_max(fabs(s->change[k]), largest);
-        const int comes_to_rest = !lag_may_have_all(run, s->which[k]) && run->switches.turned[s->which[k]] == LAG_CHANGES;
-        jumps |= !comes_to_rest && fabs(s->g[s->which[k]]) > lag_max(lag_sliding_held(run, s->which[k]), run->switches.unknown[s->which[k]]);
+        jumps |= !comes_to_rest(run, s->which[k]) && fabs(s->g[s->which[k]]) > lag_max(lag_sliding_held(run, s->which[k]), run->switches.unknown[s->which[k]]);
     }
     lag_shares_solve(run, s->change);
     double most = 0;

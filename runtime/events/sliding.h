@@ -46,6 +46,9 @@ typedef struct {
     int *partner;    /* n_switches: the other component of a slip in the plane; -1: there is none */
     int *leaves;     /* n_cones: torn off at the present time */
     double *slip;    /* 2 n_cones: where the next step begins */
+    double *beyond;  /* n_cones: how far it has gone back, in a step of an importer that passed the place where it stops */
+    double *speed;   /* n_cones: after the latest event of an importer */
+    double *mirrored; /* n: rates, of which slips that have turned round are as they were */
     double stops;    /* the time up to which the next step may go, so that it does not pass where a slip in the plane stops */
     int grows;       /* something that slides had no force when it began to */
     int is_fresh;    /* the jumps that are known are those of the latest evaluation */

@@ -169,6 +169,7 @@ static int let_slide(LagRun *run)
         lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
         if (sliding->count > 0)
             lag_sliding_stop(run);
+        lag_cones_note_left(run);
         sliding->is_lenient = 0;
     }
     return candidates;
@@ -231,7 +232,10 @@ void lag_switches_resume(LagRun *run, const double *kept)
         s->held[i] = s->turned[i] ? 0.5 : kept[i];
     }
     lag_switches_recall(run);
+    run->sliding.is_lenient = run->model->n_cones > 0; /* that it holds is known */
     lag_sliding_settle(run, run->motion.t, run->motion.y, s->turned);
+    run->sliding.is_lenient = 0;
+    lag_cones_enter(run);
     lag_switches_forget(run);
 }
 

@@ -7,6 +7,7 @@
 
 #include "events/accelerations.h"
 #include "events/conditions.h"
+#include "events/cones.h"
 #include "state/state.h"
 
 /* The state on the constraints that equations and conditions are those of. */
@@ -19,6 +20,14 @@ double *lag_instance_projected(LagInstance *s, double t, const double *x)
     return s->projected;
 }
 
+/* Accelerations at rates v; in Model Exchange, where slips in the plane do not turn round within a step. */
+static int accelerations(LagInstance *s, double t, const double *q, double *v, double *a, double *power)
+{
+    const double *sizes = s->fmu->nominal + s->model->n;
+    double *mirrored = s->kind == LAG_MODEL_EXCHANGE ? lag_cones_mirrored(s->run, t, q, v, sizes) : NULL;
+    return lag_accelerations(s->run, t, q, mirrored ? mirrored : v, a, power);
+}
+
 /* Slopes that lead back to the constraints; 1 when all are finite. */
 static int held_slope_at(LagInstance *s, double t, const double *x, double *slope, double *power)
 {
@@ -26,7 +35,7 @@ static int held_slope_at(LagInstance *s, double t, const double *x, double *slop
     const double k = s->fmu->stabilisation;
     double *projected = lag_instance_projected(s, t, x), probe = 0;
     memcpy(slope, projected + n, (size_t)n * sizeof *slope);
-    if (!lag_accelerations(s->run, t, projected, slope, slope + n, power))
+    if (!accelerations(s, t, projected, slope, slope + n, power))
         return 0;
     for (int i = 0; i < 2 * n; ++i) {
         slope[i] += k * (projected[i] - x[i]);
@@ -43,7 +52,7 @@ int lag_instance_slope_at(LagInstance *s, double t, const double *x, double *slo
         return held_slope_at(s, t, x, slope, power);
     if (n > 0)
         memcpy(slope, x + n, (size_t)n * sizeof *slope);
-    return lag_accelerations(s->run, t, x, slope, slope + n, power);
+    return accelerations(s, t, x, slope, slope + n, power);
 }
 
 LagAnswer lag_instance_slope(LagInstance *s)
@@ -98,6 +107,7 @@ LagAnswer lag_instance_indicators(LagInstance *s)
     lag_conditions(run, s->vital.t, lag_instance_projected(s, s->vital.t, s->x), switches->g_inside, switches->rate_inside);
     for (int i = 0; i < s->model->n_switches; ++i)
         s->indicators[i] = lag_depth(switches, i, switches->g_inside) + switches->unknown[i] + slack_of(s, i);
+    lag_cones_turns(run, switches->g_inside, s->indicators);
     return LAG_ANSWER_OK;
 }
 

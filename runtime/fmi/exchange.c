@@ -17,6 +17,7 @@
 
 #include "events/accelerations.h"
 #include "events/conditions.h"
+#include "events/cones.h"
 #include "events/contacts.h"
 #include "model/function.h"
 #include "model/schedule.h"
@@ -197,17 +198,21 @@ static int account_by_run(LagInstance *s, double *sum)
 {
     LagRun *run = s->run;
     const int n = run->model->n;
+    const double coarse = run->impacts.coarse;
     int done = 0;
     lag_switches_keep(run, s->switches);
     stand_at(s, s->vital.last_time, s->last);
     run->segment_over = 0;
+    run->impacts.coarse = 0; /* errors are ours */
     run->segment_end = fmax(run->segment_end, s->vital.t); /* events are the importer's */
     const int is_known = lag_segment_evaluate(run) == LAG_OK && lag_run_advance(run, &s->vital.t, 1, s->row, &done, 0) == LAG_OK;
     const double *account = s->row + 1 + 2 * n + run->model->n_outputs + 3;
     sum[0] = account[0];
     sum[1] = account[1];
     stand_at(s, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
+    run->impacts.coarse = coarse;
     lag_switches_resume(run, s->switches);
+    lag_cones_note(run, s->vital.last_time, s->last);
     return is_known;
 }
 
@@ -257,6 +262,8 @@ LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
     take_slack(s);
     lag_scale_note(&s->run->scale, s->x);
     keep_account(s);
+    if (!has_switched)
+        lag_cones_note(s->run, s->vital.t, lag_instance_projected(s, s->vital.t, s->x));
     *needs_event = answer == LAG_ANSWER_OK && (has_switched || s->vital.t >= s->run->segment_end || is_astray(s));
     return answer;
 }
@@ -286,13 +293,17 @@ static int switch_over(LagInstance *s)
     stand_at(s, s->vital.t, projected);
     run->impacts.coarse = coarseness(s);
     lag_switches_note(run);
+    lag_cones_note_end(run);
     lag_impacts_note_jump(run, s->vital.t, run->motion.y);
     lag_impacts_strike(run);
+    lag_cones_note_beyond(run);
+    lag_cones_look(run);
     if (s->model->n_power == 2) {
         s->vital.dissipated += run->motion.y[2 * n];
         s->vital.work += run->motion.y[2 * n];
     }
     lag_switches_enter(run);
+    lag_cones_begin(run);
     const int is_moved = memcmp(projected, run->motion.y, size) != 0;
     if (is_moved)
         memcpy(s->x, run->motion.y, size);
