@@ -24,6 +24,9 @@ from lagrangia.base.records import dataclass
 from lagrangia.dynamics.held_switches import RELATIONS, SIGNS, WHOLE, Holding, Pair, direction_in, ordered, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
 
+_BENT = CORNERS | {ca.OP_ATAN2}
+_ROOTED = frozenset({ca.OP_SQRT, ca.OP_FLOOR, ca.OP_CEIL})
+
 
 @dataclass(frozen=True)
 class Switches:
@@ -64,7 +67,7 @@ class Switches:
 
 def has_corners(force: ca.SX) -> bool:
     """Whether forces bend or jump somewhere."""
-    return uses(_function_of(force), CORNERS | {ca.OP_ATAN2})
+    return uses(_function_of(force), _BENT)
 
 
 def _function_of(force: ca.SX) -> ca.Function:
@@ -91,7 +94,7 @@ def find_switches(motion: Motion) -> Switches:
     those of events, the gaps of those that are contacts (or rates that go one way), and the rates of these, which are kept at 0
     where something rests."""
     numbering, events = Numbering(), motion.impacts.conditions
-    may_have = has_corners(motion.h) or uses(_function_of(motion.h), frozenset({ca.OP_SQRT}))
+    may_have = uses(_function_of(motion.h), _BENT | {ca.OP_SQRT})
     if not may_have and not events.numel():
         return Switches()
     signs = {_sign_of(x, numbering) for x in motion.lengths}
@@ -232,13 +235,16 @@ def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:
     or jump, and no sign changes. Where whole numbers are counted, sin(pi x)^2 is what touches 0."""
     moving, rates = symbols_in(motion.q), symbols_in(motion.v)
     numbering, found = Numbering(), dict[int, ca.SX]()
+    forces = switches.hold([motion.h])
+    if not uses(_function_of(forces[0]), _ROOTED):
+        return ca.SX(0, 1), ca.SX(0, 1)
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
-        is_asked = op in (ca.OP_SQRT, ca.OP_FLOOR, ca.OP_CEIL) and not moving.isdisjoint(known := symbols_in(operands[0]))
+        is_asked = op in _ROOTED and not moving.isdisjoint(known := symbols_in(operands[0]))
         if is_asked and rates.isdisjoint(known):
             found.setdefault(numbers[0], operands[0] if op == ca.OP_SQRT else ca.sin(ca.pi * operands[0]) ** 2)
 
-    rebuilt(switches.hold([motion.h]), numbering, note)
+    rebuilt(forces, numbering, note)
     values = ca.vertcat(ca.SX(0, 1), *found.values())
     return values, ca.jtimes(values, ca.vertcat(motion.q, motion.t), ca.vertcat(motion.v, 1)) if found else values
 

@@ -4,7 +4,7 @@ Two coordinates interact when one stands in the other's equation, or both in one
 and inputs do to both is no interaction. Each group can be run with a method and steps of its own.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -23,7 +23,7 @@ _SUMS = (ca.OP_ADD, ca.OP_SUB)
 def find_islands(motion: Motion) -> list[tuple[int, ...]]:
     """Groups of coordinates, each in ascending order."""
     n = motion.q.numel()
-    groups = list(range(n))
+    groups, apart = list(range(n)), n
 
     def root(i: int) -> int:
         while groups[i] != i:
@@ -31,21 +31,30 @@ def find_islands(motion: Motion) -> list[tuple[int, ...]]:
             i = groups[i]
         return i
 
-    held = motion.constrained
-    solved = ca.SX(0, 1) if held else motion.acceleration
-    pattern = ca.jacobian_sparsity(ca.vertcat(solved, motion.h, motion.momentum), ca.vertcat(motion.q, motion.v))
-    pairs = [(row % n, column % n) for row, column in zip(*pattern.get_triplet(), strict=True)]
-    for term in (*_terms(motion.dissipated_power), *_terms(held.load_power if held else motion.source_power)):
-        among = _coordinates(term, motion)
-        pairs += [(among[0], other) for other in among[1:]]
-    for among in filter(None, _constrained(held.rows, motion) if held else []):
-        pairs += [(among[0], other) for other in among[1:]]
-    for i, j in pairs:
-        groups[root(i)] = root(j)
+    for i, j in _interactions(motion):
+        if apart == 1:
+            break
+        first, second = root(i), root(j)
+        groups[first] = second
+        apart -= first != second
     found: dict[int, list[int]] = {}
     for i in range(n):
         found.setdefault(root(i), []).append(i)
     return [tuple(group) for group in found.values()]
+
+
+def _interactions(motion: Motion) -> Iterator[tuple[int, int]]:
+    """Pairs of coordinates, and of coordinates with themselves; those that are found sooner come first."""
+    n, held = motion.q.numel(), motion.constrained
+    solved = ca.SX(0, 1) if held else motion.acceleration
+    pattern = ca.jacobian_sparsity(ca.vertcat(solved, motion.h, motion.momentum), ca.vertcat(motion.q, motion.v))
+    for row, column in zip(*pattern.get_triplet(), strict=True):
+        yield row % n, column % n
+    for term in (*_terms(motion.dissipated_power), *_terms(held.load_power if held else motion.source_power)):
+        among = _coordinates(term, motion)
+        yield from ((among[0], other) for other in among[1:])
+    for among in filter(None, _constrained(held.rows, motion) if held else []):
+        yield from ((among[0], other) for other in among[1:])
 
 
 def island_motion(kinematics: Kinematics, motion: Motion, groups: Sequence[tuple[int, ...]], k: int) -> Motion:
