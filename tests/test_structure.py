@@ -218,7 +218,9 @@ def test_a_cached_scene_runs_without_heavy_libraries(tmp_path: Path) -> None:
         run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
         return {name.partition(".")[0] for name in run.stdout.split()}
 
-    assert {"casadi", "lark"} <= loaded(), "the first run compiles"
+    first = loaded()
+    assert "casadi" in first, "the first run compiles"
+    assert "lark" not in first, "which only says what is wrong with a text"
     assert not HEAVY & loaded()
 
 

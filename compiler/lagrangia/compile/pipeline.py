@@ -16,9 +16,11 @@ from lagrangia.base.diagnostics import Report, Source, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import require_file
 from lagrangia.language.classes import build_class_table
+from lagrangia.language.component_library import drawn_library, library
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
 from lagrangia.language.given_values import Given, redeclared
+from lagrangia.language.syntax import parse
 from lagrangia.run.formulas import AS_DECLARED, Formulas
 from lagrangia.run.scene import ALL_REACTIONS
 
@@ -189,8 +191,6 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
 def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None, is_drawn: bool = False
                  ) -> "tuple[Syntax, FlatModel]":
     """Text -> syntax -> flat model, with the figures of the library's components where it `is_drawn`. Raises LagError."""
-    from lagrangia.language.component_library import drawn_library, library
-
     with deep_recursion():
         syntax, imported = read_files(path)
         table = build_class_table(drawn_library() if is_drawn else library(), [syntax, *imported])
@@ -200,8 +200,6 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
 
 def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":
     """The file and all that it imports, each once. Raises LagError."""
-    from lagrangia.language.syntax import parse
-
     main = parse(read_source(path))
     found: dict[Path, Syntax] = {path.resolve(): main}
     report = Report()

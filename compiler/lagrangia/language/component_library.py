@@ -8,7 +8,7 @@ from lagrangia.base.diagnostics import Source
 from lagrangia.base.folders import data_folder
 from lagrangia.language.plain_tree import read_trees, write_trees
 from lagrangia.language.shipped import made_of, ship
-from lagrangia.language.syntax import grammar_file, parse, parser_tables
+from lagrangia.language.syntax import grammar_file, parse, reader_tables
 from lagrangia.language.tree import ClassDefinition, Syntax
 
 
@@ -26,7 +26,10 @@ def drawn_library() -> tuple[Syntax, ...]:
 
 def ship_all() -> None:
     """What `library` and the parser would make at first use, put beside the modules. Raises OSError."""
-    ship("parser", [grammar_file()], parser_tables())
+    from lagrangia.language.grammar_tables import lark_key, lark_tables
+
+    ship("reader", [grammar_file()], reader_tables())
+    ship(lark_key(), [grammar_file()], lark_tables(grammar_file()))
     ship("library", _files(), _parsed())
     ship("drawn", _files(), _parsed_whole())
 

@@ -9,12 +9,10 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import lark
-
 from lagrangia.base.store import find_kept, keep
 
 _FOLDER = Path(__file__).with_name("shipped")
-_MAKERS = ("syntax.py", "tree.py", "plain_tree.py")
+_MAKERS = ("syntax.py", "reader.py", "grammar_tables.py", "tree.py", "plain_tree.py")
 
 
 def made_of(name: str, files: Sequence[Path], make: Callable[[], bytes]) -> bytes:
@@ -41,7 +39,7 @@ def ship(name: str, files: Sequence[Path], content: bytes) -> Path:
 
 def _key(name: str, files: Sequence[Path]) -> str:
     makers = [Path(__file__).with_name(maker) for maker in _MAKERS]
-    hashed = hashlib.sha256(repr((sys.implementation.cache_tag, lark.__version__)).encode())
+    hashed = hashlib.sha256(sys.implementation.cache_tag.encode())
     for file in (*makers, *files):
         hashed.update(file.name.encode() + hashlib.sha256(file.read_bytes()).digest())
     return f"{name}-{hashed.hexdigest()[:32]}"

@@ -1,0 +1,97 @@
+"""grammar/lag.lark -> the tables of reader.py, by Lark; and Lark's own parser, which tells what is wrong with a text."""
+
+import marshal
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from lark import Lark, __version__
+from lark.grammar import Rule as LarkRule
+from lark.lexer import TerminalDef
+
+from lagrangia.language.reader import Rule
+from lagrangia.language.shipped import made_of
+
+_WHOLE_WORDS = re.compile(r"(?:\(\?:)?([\w|]+)\)?\\b")  # the pattern of a terminal that is one of some words
+
+
+@cache
+def lark_parser(grammar: Path) -> Lark:
+    """Lark's parser of a grammar: as it was shipped, as it was kept, or made now."""
+    content = made_of(lark_key(), [grammar], lambda: lark_tables(grammar))
+    return Lark.load(marshal.loads(content))  # its own files are pickles, which can run
+
+
+def lark_key() -> str:
+    """What it is kept under: another Lark may have another form."""
+    return f"lark-{__version__}"
+
+
+def lark_tables(grammar: Path) -> bytes:
+    """That parser as plain data, which marshal reads back."""
+    data, memo = _made(grammar).memo_serialize([TerminalDef, LarkRule])
+    return marshal.dumps({"data": data, "memo": memo})
+
+
+def _made(grammar: Path) -> Lark:
+    text = grammar.read_text(encoding="utf-8")
+    return Lark(text, parser="lalr", start="file", propagate_positions=True, maybe_placeholders=True)
+
+
+def make_tables(grammar: Path) -> bytes:
+    """The members of reader.Tables, in their order, likewise."""
+    parser: Any = _made(grammar)
+    table = parser.parser.parser._parse_table
+    rules: dict[LarkRule, int] = {}
+    rows: dict[tuple[tuple[str, int], ...], int] = {}
+    states = sorted(table.states)
+    row_of = []
+    for state in states:
+        row = []
+        for symbol, (action, target) in table.states[state].items():
+            is_reduction = str(action) == "Reduce"
+            row.append((str(symbol), -1 - rules.setdefault(target, len(rules)) if is_reduction else states.index(target)))
+        row_of.append(rows.setdefault(tuple(sorted(row)), len(rows)))
+    start, end = (states.index(found["file"]) for found in (table.start_states, table.end_states))
+    words, pattern = _words_of(parser)
+    plain: Any = (start, end, tuple(row_of), tuple(map(dict, rows)), tuple(_rule_of(rule) for rule in rules), words, pattern)
+    return marshal.dumps(plain)
+
+
+def _rule_of(rule: LarkRule) -> Rule:
+    options, size = rule.options, len(rule.expansion)
+    absent = [0] * (size + 1)
+    place = 0
+    for is_empty in options.empty_indices or ():
+        if is_empty:
+            absent[place] += 1
+        else:
+            place += 1
+    kept, waiting = [], 0
+    for k, symbol in enumerate(rule.expansion):
+        waiting += absent[k]
+        if options.keep_all_tokens or not (symbol.is_term and getattr(symbol, "filter_out", False)):
+            kept.append((k, not symbol.is_term and symbol.name.startswith("_"), waiting))
+            waiting = 0
+    name = str(rule.origin.name)
+    method = None if name.startswith("_") and not rule.alias else str(rule.alias or name)
+    return name, size, method, bool(options.expand1 and not rule.alias), tuple(kept), waiting + absent[size]
+
+
+def _words_of(parser: Any) -> tuple[dict[str, tuple[str, ...]], str]:
+    """Words with the terminals they may be, and the pattern of all others; both in the order in which Lark tries them."""
+    ordered = sorted(parser.terminals, key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name))
+    words: dict[str, list[str]] = {}
+    ignored, patterns = [], []
+    for terminal in ordered:
+        value, is_plain = terminal.pattern.value, type(terminal.pattern).__name__ == "PatternStr"
+        whole = _WHOLE_WORDS.fullmatch(value)
+        if terminal.name in parser.ignore_tokens:
+            ignored.append(terminal.pattern.to_regexp())
+        elif (is_plain and value.isidentifier()) or (whole is not None and not is_plain):
+            for word in [value] if is_plain else whole[1].split("|"):  # type: ignore[index]
+                words.setdefault(word, []).append(terminal.name)
+        else:
+            patterns.append(f"(?P<{terminal.name}>{terminal.pattern.to_regexp()})")
+    return {word: tuple(names) for word, names in words.items()}, "|".join([f"(?P<ignored>{'|'.join(ignored)})", *patterns])
