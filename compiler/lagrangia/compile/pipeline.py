@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
 from lagrangia.language.given_values import Given, redeclared
 from lagrangia.language.syntax import parse
+from lagrangia.language.without_effect import find_unused_imports
 from lagrangia.run.formulas import AS_DECLARED, Formulas
 from lagrangia.run.scene import ALL_REACTIONS
 
@@ -35,7 +37,7 @@ if TYPE_CHECKING:
     from lagrangia.frames.graph import ComponentGraph
     from lagrangia.frames.kinematics import Kinematics
     from lagrangia.language.flat import FlatModel
-    from lagrangia.language.tree import Syntax
+    from lagrangia.language.tree import ImportFile, Syntax
     from lagrangia.run.scene import Scene
 
 PHASES = ("syntax", "flat", "graph", "kinematics", "energies", "motion", "needs", "c")
@@ -195,7 +197,25 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
         syntax, imported = read_files(path)
         table = build_class_table(drawn_library() if is_drawn else library(), [syntax, *imported])
         definition = _choose(syntax, model)
-        return syntax, flatten(table, definition, structural)
+        flat = flatten(table, definition, structural)
+        unused = find_unused_imports(syntax, _brought(syntax, imported)) if syntax.imports else Report()
+        return syntax, replace(flat, warnings=(*flat.warnings, *unused.diagnostics))
+
+
+def _brought(main: "Syntax", imported: "list[Syntax]") -> "list[tuple[ImportFile, list[Syntax]]]":
+    """Of each file that one imports, the file and all that it imports itself."""
+    known = {os.path.realpath(file.source.name): file for file in (main, *imported)}
+
+    def target(item: "ImportFile") -> "Syntax":
+        return known[os.path.realpath(Path(item.span.source.name).parent / item.path)]
+
+    found = []
+    for item in main.imports:
+        files = [target(item)]
+        for file in files:
+            files += [new for other in file.imports if (new := target(other)) not in files and new is not main]
+        found.append((item, files))
+    return found
 
 
 def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":

@@ -17,6 +17,7 @@ from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion
 from lagrangia.dynamics.double_roots import touching_notes
 from lagrangia.dynamics.idle_lines import find_idle_lines
+from lagrangia.dynamics.idle_statements import find_idle_statements
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.switches import corners_remain
 from lagrangia.frames.graph import rate_of
@@ -214,8 +215,9 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     """As text: the scene outlives the source it points at."""
     model = kinematics.graph.model
     contacts = [f"the contact {f'of {when.component} ' if when.component else ''}({when.span})" for when in model.whens]
-    told = [warning.render() for warning in (*model.warnings, *find_idle_lines(kinematics, initial).diagnostics)
-            if warning.code not in model.allowed]
+    lines = find_idle_lines(kinematics, initial).diagnostics
+    found = (*model.warnings, *lines, *find_idle_statements(kinematics.graph, lines).diagnostics)
+    told = [warning.render() for warning in found if warning.code not in model.allowed]
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts}
 
 

@@ -103,14 +103,18 @@ def _check_members(definition: ClassDefinition, report: Report) -> None:
                              f"the first is at {seen[element.name].name_span}")
             seen.setdefault(element.name, element)
         _check_arguments(element.arguments, report)
+    _check_arguments(definition.annotation, report)
 
 
-def _check_arguments(arguments: tuple[Argument, ...], report: Report) -> None:
-    given: dict[str, Argument] = {}
+def _check_arguments(arguments: tuple[Argument, ...], report: Report, given: dict[str, Argument] | None = None, path: str = ""
+                     ) -> None:
+    """Each value once, though its name may be opened in several brackets: s(start = 1), s(fixed = true)."""
+    given = {} if given is None else given
     for argument in arguments:
-        if argument.value is not None and argument.name in given:
-            first = given[argument.name].name_span
+        name = f"{path}{argument.name}"
+        if argument.value is not None and name in given:
+            first = given[name].name_span
             report.error("L0202", f"'{argument.name}' is given twice", argument.name_span, f"the first is at {first}")
         if argument.value is not None:
-            given[argument.name] = argument
-        _check_arguments(argument.arguments, report)
+            given.setdefault(name, argument)
+        _check_arguments(argument.arguments, report, given, f"{name}.")

@@ -1,19 +1,18 @@
 """Classes -> FlatModel: instances are made, names resolved, loops and ifs unrolled."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from lagrangia.base.checked_values import a_number
-from lagrangia.base.diagnostics import WARNINGS, Diagnostic, LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
+from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.language.algorithms import FlatFunction, flatten_function
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.experiments import allowed_of, experiment_of
 from lagrangia.language.figures import WORDS
 from lagrangia.language.flat import (
     Energy,
     Equation,
-    Experiment,
     Figure,
     FlatModel,
     Frame,
@@ -52,8 +51,7 @@ from lagrangia.language.tree import (
     WorkTerm,
 )
 from lagrangia.language.unread import find_unread
-
-_CODE = re.compile(r"L\d{4}")
+from lagrangia.language.without_effect import find_without_effect
 
 
 def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None) -> FlatModel:
@@ -99,10 +97,11 @@ class _Flattening:
             definition.name, definition.description, self.variables, self.frames, tuple(self.frame_equations), bound,
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
-            self._experiment(Scope(root)), definition.name_span, (), tuple(self.figures), self._allowed(),
+            experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
+            allowed_of(self.table, definition),
         )
-        found = [*find_unread(model, root, self.table).diagnostics, *find_idle(model, root, self.table).diagnostics]
-        return replace(model, warnings=tuple(found))
+        looks = (find_unread, find_idle, find_without_effect)
+        return replace(model, warnings=tuple(d for look in looks for d in look(model, root, self.table).diagnostics))
 
     def _require_model(self) -> None:
         if self.definition.kind != "model" or self.definition.is_partial:
@@ -192,7 +191,7 @@ class _Flattening:
         binding = self.names.flatten_bound(slot.binding, slot.dimensions) if slot.binding is not None else None
         start = self.names.flatten_bound(slot.attributes["start"]) if "start" in slot.attributes else None
         self.variables[slot.path] = Variable(
-            slot.path, kind, slot.dimensions, self._unit(slot), self._text(slot, "displayUnit"), binding, start,
+            slot.path, kind, slot.dimensions, self._unit(slot), self._display_unit(slot), binding, start,
             self._flag(slot, "fixed"), self._limit(slot, "min"), self._limit(slot, "max"),
             "output" in declaration.prefixes and owner.parent is None, declaration.description,
             self._place(declaration.name_span, owner), kind == "parameter" and self._has(declaration, "Evaluate"),
@@ -240,6 +239,15 @@ class _Flattening:
         if unit:
             read_unit(unit, slot.attributes["unit"].expression.span)
         return unit
+
+    def _display_unit(self, slot: Slot) -> str:
+        """Raises LagError L0301 for one that is none, or that the variable cannot be shown in."""
+        unit, shown = self._text(slot, "unit"), self._text(slot, "displayUnit")
+        if shown:
+            place = slot.attributes["displayUnit"].expression.span
+            if read_unit(shown, place).dimension != read_unit(unit or "1", place).dimension:
+                fail("L0301", f"what is in {unit or '1'} cannot be shown in {shown}", place)
+        return shown
 
     def _limit(self, slot: Slot, attribute: str) -> float | None:
         bound = slot.attributes.get(attribute)
@@ -403,52 +411,6 @@ class _Flattening:
                 hint = f"write: {component[-1]}({name} = ...)" if component else f"write: {name} = ..., or an equation for it"
                 self.report.error("L0211", f"the variable '{variable.name}' has no value", variable.span, hint,
                                   "what the motion decides is a coordinate: declare it with `coordinate`")
-
-    # ------------------------------------------------------------ experiment
-
-    def _allowed(self) -> tuple[str, ...]:
-        """The codes of annotation(allow = "L0224, L0741")."""
-        found: list[str] = []
-        for top in (top for definition in self.table.lineage(self.definition) for top in definition.annotation):
-            if top.name == "allow":
-                codes = top.value.value.replace(",", " ").split() if isinstance(top.value, String) else []
-                if not codes or not all(_CODE.fullmatch(code) for code in codes):
-                    fail("L0208", "'allow' is a text with codes of warnings", top.span, 'annotation(allow = "L0224, L0741")')
-                if unknown := [code for code in codes if code not in WARNINGS]:
-                    fail("L0208", f"there is no warning '{unknown[0]}'", top.span, f"those are {', '.join(WARNINGS)}")
-                found += codes
-        return tuple(found)
-
-    def _experiment(self, scope: Scope) -> Experiment:
-        """As the model's annotation says, and where it says nothing, those of the models it extends."""
-        fields = {"StartTime": "start", "StopTime": "stop", "Tolerance": "tolerance", "Interval": "interval"}
-        values: dict[str, float] = {}
-        places: dict[str, Span] = {}
-        annotation = [top for definition in reversed(self.table.lineage(self.definition)) for top in definition.annotation]
-        for top in annotation:
-            if top.name != "experiment" and nearest(top.name, ["experiment"]):
-                fail("L0208", f"there is no annotation '{top.name}'", top.name_span, "did you mean 'experiment'?")
-        for argument in (a for top in annotation if top.name == "experiment" for a in top.arguments):
-            if argument.name not in fields:
-                fail("L0208", f"experiment has no '{argument.name}'", argument.name_span, suggest(argument.name, fields))
-            value = fold(self.names.flatten(argument.value, scope)) if argument.value is not None else None
-            if value is None or isinstance(value, bool):
-                fail("L0208", f"{argument.name} must be a number known beforehand", argument.span)
-            values[fields[argument.name]], places[argument.name] = float(value), argument.span
-        return _checked(Experiment(**values), places)
-
-
-def _checked(experiment: Experiment, places: Mapping[str, Span]) -> Experiment:
-    start, stop, tolerance, interval = experiment.start, experiment.stop, experiment.tolerance, experiment.interval
-    if not stop > start:
-        place = places.get("StopTime", places.get("StartTime"))
-        fail("L0208", f"the StopTime {stop:g} must be later than the StartTime {start:g}", place)
-    if not 0 < tolerance < 1:
-        fail("L0208", f"the Tolerance must lie between 0 and 1, not {tolerance:g}", places["Tolerance"],
-             "1e-6 is loose, 1e-12 is tight")
-    if interval is not None and not interval > 0:
-        fail("L0208", f"the Interval must be positive, not {interval:g}", places["Interval"])
-    return experiment
 
 
 def _override_tree(overrides: Mapping[str, Any], root: Instance) -> Modification:

@@ -233,19 +233,19 @@ class _Nodes:
     # ---------------------------------------------------------------- sections
 
     def equation_section(self, meta: Place, children: list[Any]) -> Section:
-        return Section("equation", tuple(children))
+        return Section("equation", tuple(children), self._span(meta))
 
     def initial_section(self, meta: Place, children: list[Any]) -> Section:
-        return Section("initial", tuple(children))
+        return Section("initial", tuple(children), self._span(meta))
 
     def energy_section(self, meta: Place, children: list[Any]) -> Section:
-        return Section("energy", tuple(children))
+        return Section("energy", tuple(children), self._span(meta))
 
     def algorithm_section(self, meta: Place, children: list[Any]) -> Section:
-        return Section("algorithm", tuple(children))
+        return Section("algorithm", tuple(children), self._span(meta))
 
     def drawing_section(self, meta: Place, children: list[Any]) -> Section:
-        return Section("drawing", tuple(children))
+        return Section("drawing", tuple(children), self._span(meta))
 
     def equality(self, meta: Place, children: list[Any]) -> Equality:
         left, right, description = children

@@ -319,6 +319,7 @@ class Section:
 
     kind: str  # "equation", "initial", "energy", "algorithm", "drawing"
     clauses: tuple[Clause, ...]
+    span: Span
 
 
 @dataclass(frozen=True, slots=True)

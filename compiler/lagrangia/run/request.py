@@ -12,7 +12,7 @@ from typing import Any
 from lagrangia.base.checked_values import a_count, a_number, by_name, numbers
 from lagrangia.base.diagnostics import Report, fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.run.scene import Scene
+from lagrangia.run.scene import Parameter, Scene
 from lagrangia.run.solvers import AUTO, is_casadi, number_of
 
 _PORTION = 4096  # rows
@@ -231,6 +231,8 @@ def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[fl
     if any(b < a for a, b in pairwise(times)):
         report.error("L0703", "the times of the inputs must not fall")
     full = [columns.get(p.name, [p.value or 0.0] * len(times)) for p in scene.inputs]
+    for known, column in zip(scene.inputs, full, strict=True):
+        _require_within("input", known, min(column), max(column), report)
     return times, [column[row] for row in range(len(times)) for column in full if row < len(column)]
 
 
@@ -242,12 +244,18 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
     """All parameters, dependent ones too, must be finite and within the limits of their types. Raises LagError L0605."""
     report = Report()
     for known, value in zip(scene.parameters, parameters, strict=True):
-        unit = f" {known.unit}" if known.unit else ""
-        what, where = f"the parameter '{known.name}'", f"declared at {known.place}"
         if not math.isfinite(value):
-            report.error("L0605", f"{what} has no finite value: {value}", None, where)
-        elif known.minimum is not None and value < known.minimum:
-            report.error("L0605", f"{what} is {value:g}{unit}, less than its minimum {known.minimum:g}{unit}", None, where)
-        elif known.maximum is not None and value > known.maximum:
-            report.error("L0605", f"{what} is {value:g}{unit}, more than its maximum {known.maximum:g}{unit}", None, where)
+            what = f"the parameter '{known.name}' has no finite value: {value}"
+            report.error("L0605", what, None, f"declared at {known.place}")
+        else:
+            _require_within("parameter", known, value, value, report)
     report.raise_errors()
+
+
+def _require_within(what: str, known: Parameter, least: float, most: float, report: Report) -> None:
+    unit = f" {known.unit}" if known.unit else ""
+    for value, limit, is_beyond, words in ((least, known.minimum, least < (known.minimum or 0), "less than its minimum"),
+                                           (most, known.maximum, most > (known.maximum or 0), "more than its maximum")):
+        if limit is not None and is_beyond:
+            report.error("L0605", f"the {what} '{known.name}' is {value:g}{unit}, {words} {limit:g}{unit}", None,
+                         f"declared at {known.place}")

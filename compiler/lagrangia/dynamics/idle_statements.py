@@ -1,0 +1,100 @@
+"""Energies and loads -> warnings of those that speak of nothing that moves: a force on the ground, a mass that is fixed to it."""
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from lagrangia.base.diagnostics import Diagnostic, Report
+from lagrangia.frames.graph import ComponentGraph
+from lagrangia.frames.joints import component_of, joints_of
+from lagrangia.language.flat import Energy, FlatModel, Work
+from lagrangia.language.frame_attributes import is_velocity
+from lagrangia.language.mentions import nodes, reached
+from lagrangia.language.tree import Call, Flat, FrameRef, Ref
+
+Statement = Energy | Work
+
+
+def find_idle_statements(graph: ComponentGraph, told: Iterable[Diagnostic] = ()) -> Report:
+    """L0224 for components, and for single statements of the scene itself, but where `told` speaks of them; what a joint holds
+    has its weight for the reaction."""
+    report, model = Report(), graph.model
+    if not graph.coordinates:
+        return report
+    known, grounded = {warning.span for warning in told}, _grounded(graph)
+    bindings = {name: v.binding for name, v in model.variables.items() if v.kind == "variable"}
+    stated: dict[object, list[Statement]] = {}
+    for k, statement in enumerate(_all(model)):
+        stated.setdefault(statement.component or k, []).append(statement)
+    for key, statements in stated.items():
+        why = {_idle(statement, model, bindings, grounded) for statement in statements}
+        span = statements[0].span
+        if "" in why or span in known or (isinstance(key, str) and _is_body(statements) and _carries(key, model)):
+            continue
+        name = f"'{key}'" if isinstance(key, str) else "this"
+        report.warning("L0224", f"{name} does nothing: it speaks of {' and of '.join(sorted(why))}", span,
+                       "give it another place, or leave it out")
+    return report
+
+
+def _all(model: FlatModel) -> tuple[Statement, ...]:
+    return (*model.energies, *model.works)
+
+
+def _is_body(statements: Iterable[Statement]) -> bool:
+    return any(isinstance(s, Energy) and s.kind == "kinetic" for s in statements)
+
+
+def _grounded(graph: ComponentGraph) -> set[str]:
+    """The frames that are fixed to the ground, with no joint in between whose reaction could be asked for."""
+    joints = {id(edge) for edge, _ in joints_of(graph).values()}
+    found = {name for name, frame in graph.model.frames.items() if frame.is_ground}
+    edges = [edge for edge in graph.edges if edge.is_rigid and id(edge) not in joints]
+    size = 0
+    while len(found) > size:
+        size = len(found)
+        for edge in edges:
+            if edge.parent in found or edge.child in found:
+                found |= {edge.parent, edge.child}
+    return found
+
+
+def _idle(statement: Statement, model: FlatModel, bindings: Mapping[str, Flat | None], grounded: set[str]) -> str:
+    """What it would have to speak of, to do anything; "" where it does."""
+    value = statement.value if isinstance(statement, Energy) else statement.position
+    needs_rates = isinstance(statement, Energy) and statement.kind != "potential"
+    moves = False
+    for node in reached([value], bindings):
+        is_rate = is_velocity(node.attribute) if isinstance(node, FrameRef) else isinstance(node, Call) and node.function == "der"
+        moves |= isinstance(node, FrameRef) and node.name not in grounded
+        moves |= isinstance(node, Ref) and model.variables[node.name].kind == "coordinate"
+        if moves and (is_rate or not needs_rates):
+            return ""
+        needs_rates &= not is_rate
+    return "no rate" if moves else "nothing that moves"
+
+
+def _carries(component: str, model: FlatModel) -> bool:
+    """Whether others are joined to its frames, or read them, but for the one that places it."""
+    joined = 0
+    for equation in model.frame_equations:
+        owners = {component_of(node.name) for node in _frames((equation.left, equation.right))}
+        joined += component in owners and len(owners) > 1
+    read = any(component_of(node.name) == component for part in _others(component, model) for node in _frames((part,)))
+    return joined > 1 or read
+
+
+def _frames(parts: Iterable[Flat]) -> Iterator[FrameRef]:
+    return (node for node in nodes(*parts) if isinstance(node, FrameRef))
+
+
+def _others(component: str, model: FlatModel) -> Iterator[Flat]:
+    """What is stated and bound elsewhere."""
+    for statement in _all(model):
+        if statement.component != component:
+            yield from (statement.value,) if isinstance(statement, Energy) else (statement.force, statement.position)
+    for name, variable in model.variables.items():
+        if component_of(name) != component and variable.binding is not None:
+            yield variable.binding
+    for equation in (*model.constraints, *model.initial_equations):
+        yield from (equation.left, equation.right)
+    for when in model.whens:
+        yield from when.expressions()

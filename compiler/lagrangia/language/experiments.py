@@ -1,0 +1,72 @@
+"""Annotations of a model: the experiment that it declares, and the warnings that it allows."""
+
+import re
+from collections.abc import Mapping
+
+from lagrangia.base.diagnostics import WARNINGS, Span, fail, nearest, suggest
+from lagrangia.language.classes import ClassTable
+from lagrangia.language.flat import Experiment
+from lagrangia.language.folding import fold
+from lagrangia.language.instances import Scope
+from lagrangia.language.names import Names, read_unit
+from lagrangia.language.tree import Argument, ClassDefinition, Number, String
+from lagrangia.language.units import ONE, dimension
+
+_CODE = re.compile(r"L\d{4}")
+
+
+def allowed_of(table: ClassTable, definition: ClassDefinition) -> tuple[str, ...]:
+    """The codes of annotation(allow = "L0224, L0741"). Raises LagError L0208."""
+    found: list[str] = []
+    for top in (top for base in table.lineage(definition) for top in base.annotation):
+        if top.name == "allow":
+            codes = top.value.value.replace(",", " ").split() if isinstance(top.value, String) else []
+            if not codes or not all(_CODE.fullmatch(code) for code in codes):
+                fail("L0208", "'allow' is a text with codes of warnings", top.span, 'annotation(allow = "L0224, L0741")')
+            if unknown := [code for code in codes if code not in WARNINGS]:
+                fail("L0208", f"there is no warning '{unknown[0]}'", top.span, f"those are {', '.join(WARNINGS)}")
+            found += codes
+    return tuple(found)
+
+
+def experiment_of(table: ClassTable, definition: ClassDefinition, names: Names, scope: Scope) -> Experiment:
+    """As the model's annotation says, and where it says nothing, those of the models it extends. Raises LagError L0208, L0301."""
+    fields = {"StartTime": "start", "StopTime": "stop", "Tolerance": "tolerance", "Interval": "interval"}
+    values: dict[str, float] = {}
+    places: dict[str, Span] = {}
+    annotation = [top for base in reversed(table.lineage(definition)) for top in base.annotation]
+    for top in annotation:
+        if top.name != "experiment" and nearest(top.name, ["experiment"]):
+            fail("L0208", f"there is no annotation '{top.name}'", top.name_span, "did you mean 'experiment'?")
+    if wrong := [top for top in annotation if top.name == "experiment" and top.value is not None]:
+        fail("L0208", "an experiment has no value", wrong[0].span, "write: annotation(experiment(StopTime = 10))")
+    for argument in (a for top in annotation if top.name == "experiment" for a in top.arguments):
+        if argument.name not in fields:
+            fail("L0208", f"experiment has no '{argument.name}'", argument.name_span, suggest(argument.name, fields))
+        _require_unit(argument)
+        value = fold(names.flatten(argument.value, scope)) if argument.value is not None else None
+        if value is None or isinstance(value, bool):
+            fail("L0208", f"{argument.name} must be a number known beforehand", argument.span)
+        values[fields[argument.name]], places[argument.name] = float(value), argument.span
+    return _checked(Experiment(**values), places)
+
+
+def _require_unit(argument: Argument) -> None:
+    """Times may be in any unit of time; a tolerance has none. Raises LagError L0301."""
+    unit = argument.value.unit if isinstance(argument.value, Number) else None
+    is_time = argument.name != "Tolerance"
+    if unit and read_unit(unit, argument.span).dimension != (dimension(s=1) if is_time else ONE):
+        fail("L0301", f"{argument.name} is in {unit}: it is {'a time, in s' if is_time else 'a number'}", argument.span)
+
+
+def _checked(experiment: Experiment, places: Mapping[str, Span]) -> Experiment:
+    start, stop, tolerance, interval = experiment.start, experiment.stop, experiment.tolerance, experiment.interval
+    if not stop > start:
+        place = places.get("StopTime", places.get("StartTime"))
+        fail("L0208", f"the StopTime {stop:g} must be later than the StartTime {start:g}", place)
+    if not 0 < tolerance < 1:
+        fail("L0208", f"the Tolerance must lie between 0 and 1, not {tolerance:g}", places["Tolerance"],
+             "1e-6 is loose, 1e-12 is tight")
+    if interval is not None and not interval > 0:
+        fail("L0208", f"the Interval must be positive, not {interval:g}", places["Interval"])
+    return experiment

@@ -1,0 +1,198 @@
+"""What people write and what changes nothing: annotations and attributes that nobody knows, `each` for one, empty sections,
+frames that are joined already, resets to what is there, structural numbers and imports that nothing uses."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+from lagrangia.base.diagnostics import Report, Source, Span
+from lagrangia.language.classes import ClassTable
+from lagrangia.language.flat import FlatModel, Reset
+from lagrangia.language.instances import Instance, Slot
+from lagrangia.language.tree import (
+    Argument,
+    Call,
+    ClassDefinition,
+    Declaration,
+    Extends,
+    Flat,
+    ForBlock,
+    FrameRef,
+    IfBlock,
+    ImportFile,
+    Reference,
+    Syntax,
+)
+from lagrangia.language.unread import inside
+
+CODE = "L0224"
+_OF_MODELS = ("experiment", "allow")
+_OF_PARAMETERS = ("Evaluate", "Varying")
+_PLACES = ((_OF_MODELS, "on a line of its own in a model"), (_OF_PARAMETERS, "behind a parameter"))
+# Of Modelica's annotations, those for people and their editors; a vendor's own begin with two underscores.
+_FOR_PEOPLE = frozenset({"Documentation", "Icon", "Diagram", "Placement", "Line", "Dialog", "choices", "preferredView", "version",
+                         "uses", "defaultComponentName", "HideResult"})
+# Attributes that change nothing where a kind of variable has them; "" stands for every kind.
+_IDLE = {"": ("nominal", "stateSelect", "quantity"), "parameter": ("start", "fixed"), "coordinate": ("min", "max"),
+         "variable": ("min", "max"), "input": ("fixed",)}
+_WHY = {"min": "limits are those of parameters and inputs", "max": "limits are those of parameters and inputs",
+        "start": "a parameter has its value alone", "fixed": "it is for coordinates and their rates"}
+
+
+def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> Report:
+    """A warning for each, in the classes of people's own that the model is made of."""
+    report = Report()
+    instances = [root, *inside(root)]
+    definitions = {id(c): c for instance in instances for c in table.lineage(instance.definition)}
+    own = [c for c in definitions.values() if c.name_span.source not in table.library_sources]
+    for definition in own:
+        _look_at_class(definition, report)
+        for element in definition.elements:
+            _look_at_each(element, report)
+    _look_at_attributes(instances, model, table, report)
+    _look_at_structural(own, report)
+    _look_at_joints(model, table, report)
+    for when in model.whens:
+        for reset in when.resets:
+            if _is_idle(reset) and reset.span.source not in table.library_sources:
+                report.warning(CODE, "this sets a rate to what it is: nothing happens", reset.span, "give another value")
+    return report
+
+
+def find_unused_imports(syntax: Syntax, files: Sequence[tuple[ImportFile, Sequence[Syntax]]]) -> Report:
+    """Of the files that one imports, each with all that it brings: those of which nothing is mentioned."""
+    report, mentioned, seen = Report(), set(_words(syntax.classes)), set[int]()
+    for item, brought in files:
+        if id(brought[0]) in seen:
+            report.warning(CODE, f"'{item.path}' is imported already", item.span, "leave it out")
+        elif not any(c.name in mentioned for file in brought for c in file.classes):
+            report.warning(CODE, f"nothing uses '{item.path}'", item.span, "leave it out")
+        seen.add(id(brought[0]))
+    return report
+
+
+# -------------------------------------------------------------------- classes
+
+
+def _look_at_class(definition: ClassDefinition, report: Report) -> None:
+    _look_at_annotation(definition.annotation, _OF_MODELS, report)
+    for element in definition.elements:
+        if isinstance(element, Declaration):
+            known = _OF_PARAMETERS if "parameter" in element.prefixes else ()
+            _look_at_annotation(element.annotation, known, report)
+            if "discrete" in element.prefixes:
+                report.warning(CODE, "'discrete' has no effect", element.name_span, "a variable follows from what it is bound to")
+    for section in definition.sections:
+        if not section.clauses and section.kind != "drawing":  # which takes the place of an inherited one
+            report.warning(CODE, "this section is empty", section.span, "leave it out")
+        _look_at_blocks(section.clauses, report)
+
+
+def _look_at_annotation(annotation: Iterable[Argument], known: Sequence[str], report: Report) -> None:
+    for argument in annotation:
+        if argument.name in known or argument.name in _FOR_PEOPLE or argument.name.startswith("__"):
+            continue
+        hints = [f"it belongs {where}" for names, where in _PLACES if argument.name in names]
+        report.warning(CODE, f"the annotation '{argument.name}' has no effect here", argument.name_span, *hints)
+
+
+def _look_at_blocks(clauses: Iterable[Any], report: Report) -> None:
+    for clause in clauses:
+        if isinstance(clause, ForBlock | IfBlock):
+            parts = (clause.body,) if isinstance(clause, ForBlock) else (clause.then, clause.otherwise)
+            if not any(parts):
+                report.warning(CODE, "nothing stands in this block", clause.span, "leave it out")
+            for part in parts:
+                _look_at_blocks(part, report)
+
+
+def _look_at_each(element: Declaration | Extends, report: Report) -> None:
+    """`each` where there is one alone; an array may stand further in."""
+    if isinstance(element, Declaration) and element.dimensions:
+        return
+    for argument in element.arguments:
+        if "each" in argument.prefixes:
+            report.warning(CODE, "'each' has no effect: this is no array", argument.name_span, "leave it out")
+
+
+# -------------------------------------------------------------------- variables
+
+
+def _look_at_attributes(instances: Iterable[Instance], model: FlatModel, table: ClassTable, report: Report) -> None:
+    told: set[Span] = set()
+    slots = (m for instance in instances for m in instance.members.values() if isinstance(m, Slot))
+    for slot in slots:
+        variable = model.variables.get(slot.path)
+        kind = "parameter" if variable is None else variable.kind  # structural ones are no variables
+        for name, bound in slot.attributes.items():
+            place = bound.expression.span
+            if name not in (*_IDLE[""], *_IDLE[kind]) or place.source in table.library_sources or place in told:
+                continue
+            told.add(place)
+            report.warning(CODE, f"'{name}' of '{slot.path}' has no effect", place, *[_WHY[name]] if name in _WHY else [])
+
+
+def _look_at_structural(own: Sequence[ClassDefinition], report: Report) -> None:
+    """Constants and structural parameters whose names stand nowhere."""
+    mentioned = {word for definition in own for word in _words((definition.elements, definition.sections))}
+    for definition in own:
+        for element in definition.elements:
+            is_structural = isinstance(element, Declaration) and ("constant" in element.prefixes or (
+                "parameter" in element.prefixes and element.type_name in ("Integer", "Boolean", "String")))
+            if is_structural and isinstance(element, Declaration) and element.name not in mentioned:
+                what = "constant" if "constant" in element.prefixes else "parameter"
+                report.warning(CODE, f"nothing reads the {what} '{element.name}'", element.name_span, "leave it out")
+
+
+def _words(part: Any) -> Iterator[str]:
+    """Names of all that is mentioned in a piece of syntax, each part of a dotted one, and of types and functions."""
+    if isinstance(part, tuple):
+        for item in part:
+            yield from _words(item)
+    elif is_dataclass(part) and not isinstance(part, Span | Source):
+        if isinstance(part, Reference):
+            yield from (piece.name for piece in part.parts)
+        if isinstance(part, Declaration | Extends):
+            yield from part.type_name.split(".")
+        if isinstance(part, Call):
+            yield part.function
+        for field in fields(part):
+            yield from _words(getattr(part, field.name))
+
+
+# -------------------------------------------------------------------- what is stated
+
+
+def _look_at_joints(model: FlatModel, table: ClassTable, report: Report) -> None:
+    """Equations between frames that are one already."""
+    first: dict[str, str] = {}
+
+    def find(name: str) -> str:
+        while name in first:
+            name = first[name]
+        return name
+
+    for equation in model.frame_equations:
+        sides = equation.left, equation.right
+        a, b = (node.name if isinstance(node, FrameRef) and not node.attribute else None for node in sides)
+        if a is None or b is None:
+            continue
+        if (one := find(a)) != (other := find(b)):
+            first[one] = other
+        elif equation.span.source not in table.library_sources:
+            what = "this joins a frame to itself" if a == b else f"'{a}' and '{b}' are joined already"
+            report.warning(CODE, what, equation.span, "leave it out")
+
+
+def _is_idle(reset: Reset) -> bool:
+    value = reset.value
+    if isinstance(value, Call) and value.function == "pre" and len(value.arguments) == 1:
+        value = value.arguments[0]
+    return bool(_plain(value) == _plain(reset.rate))
+
+
+def _plain(node: Flat) -> Any:
+    """The expression without its places."""
+    if is_dataclass(node) and not isinstance(node, Span):
+        return type(node).__name__, *(_plain(getattr(node, f.name)) for f in fields(node) if f.name != "span")
+    return tuple(map(_plain, node)) if isinstance(node, tuple) else node

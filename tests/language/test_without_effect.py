@@ -1,0 +1,87 @@
+"""What is written and changes nothing is pointed at, and nothing else is."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import lagrangia as lag
+
+Write = Callable[[str], lag.Model]
+BODY = "Block b(m = 1, base = world, s(start = 0.1)); Spring s(k = 2, stretch = b.s);"
+VAIN = {
+    "equation connect(world, b.base);": "joined already", "equation connect(b.center, b.center);": "to itself",
+    "equation": "this section is empty", "initial equation": "this section is empty", "energy": "this section is empty",
+    "constant Real a = 3;": "nothing reads the constant 'a'", "parameter Integer n = 3;": "nothing reads the parameter 'n'",
+    "parameter Boolean n = true;": "nothing reads the parameter 'n'",
+    'parameter String n = "a";': "nothing reads the parameter 'n'",
+    "AppliedForce f(at = world, force = {1, 0});": "'f' does nothing", "PointMass p(m = 1, center = world);": "'p' does nothing",
+    "AppliedTorque f(on = shift(world, {1, 0}), torque = 3);": "'f' does nothing",
+    "energy potential 3[J];": "speaks of nothing that moves", "energy kinetic 3[J];": "speaks of nothing that moves",
+    "energy dissipation 1[N/s]*b.s;": "speaks of no rate", "energy work 3[N] on 2[m/s]*time;": "speaks of nothing that moves",
+    "equation when b.s < 0 then reinit(b.v, b.v); end when;": "sets a rate to what it is",
+    "equation when b.s < 0 then reinit(b.v, pre(b.v)); end when;": "sets a rate to what it is",
+    "equation if true then end if;": "nothing stands in this block",
+    "equation for i in 1:3 loop end for;": "nothing stands in this block",
+    "Disc d(each m = 1, r = 1, center = b.center);": "'each' has no effect", "discrete Real x = 1;": "'discrete' has no effect",
+    "Length q(min = 5) = b.s;": "'min' of 'q' has no effect", "Length q(nominal = 5) = b.s;": "'nominal' of 'q' has no effect",
+    "parameter Real k(start = 3) = 1; output Real y = k*time;": "'start' of 'k' has no effect",
+    "coordinate Length x(max = 3); energy kinetic 1[kg]*der(x)^2;": "'max' of 'x' has no effect",
+    "annotation(solver = 3);": "the annotation 'solver'", "annotation(Evaluate = true);": "the annotation 'Evaluate'",
+    "Length q = b.s annotation(Varying = true);": "the annotation 'Varying'",
+}
+WRONG = {
+    "parameter Length L(displayUnit = \"furlong\") = 1; output Length y = L;": "'furlong' is not a unit",
+    "parameter Length L(displayUnit = \"kg\") = 1; output Length y = L;": "cannot be shown in kg",
+    "annotation(experiment(StopTime = 1[kg]));": "StopTime is in kg", "annotation(experiment = 3);": "an experiment has no value",
+    "annotation(experiment(StopTime = 1, StopTime = 2));": "given twice", 'annotation(allow = "L9999");': "no warning 'L9999'",
+    "annotation(experiment(StopTime = 1)); annotation(experiment(StopTime = 2));": "given twice",
+    "Block c(m = 1, base = world, s(start = 1), s(start = 2));": "given twice",
+}
+
+
+@pytest.mark.parametrize("text", VAIN)
+def test_what_changes_nothing_is_pointed_at(scene: Write, text: str) -> None:
+    (told,) = scene(f"model M {BODY} {text} end M;").warnings
+    assert told.startswith("warning[L0224]") and VAIN[text] in told, told
+    assert "scene.lag:1:" in told
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_what_cannot_be_meant_is_refused(scene: Write, text: str) -> None:
+    with pytest.raises(lag.LagError) as error:
+        scene(f"model M {BODY} {text} end M;")
+    assert WRONG[text] in str(error.value)
+
+
+@pytest.mark.parametrize("text", [
+    'annotation(Documentation(info = "x"), version = "1", __mine = 3);', "annotation(experiment(StopTime = 100[ms]));",
+    "Disc d[2](each m = 1, each r = 1, each center = b.center);", "constant Integer n = 2; Disc d[n](each m = 1, each r = 1, "
+    "each center = b.center);", "PointMass p(m = 1, center = world); Spring r(a = p.center, b = b.center, k = 1);",
+    "Weld w(a = world); PointMass p(m = 1, center = w.b);", "Block c(m = 1, base = world, s(start = 1), s(fixed = true));",
+    "Bar wall(m = 1, L = 1, a = world); Spring r(a = wall.b, b = b.center, k = 1);", "input Force u(min = 0) = 1; "
+    "AppliedForce f(at = b.center, force = {u, 0});"])
+def test_what_has_an_effect_is_not(scene: Write, text: str) -> None:
+    assert scene(f"model M {BODY} {text} end M;").warnings == []
+
+
+def test_imports_that_nothing_uses(tmp_path: Path) -> None:
+    """What a file brings that is imported by another one counts for it."""
+    for name, text in (("parts", f"model Part {BODY} end Part;"), ("all", 'import "parts.lag"; model Other Block b; end Other;'),
+                       ("none", "model None Block b; end None;")):
+        (tmp_path / f"{name}.lag").write_text(text)
+    main = tmp_path / "main.lag"
+    main.write_text('import "all.lag"; import "none.lag"; import "all.lag"; model M Part p; end M;')
+    found = lag.load(main).warnings
+    assert [x.partition(": ")[2].splitlines()[0] for x in found] == ["nothing uses 'none.lag'", "'all.lag' is imported already"]
+
+
+def test_inputs_keep_to_their_limits(scene: Write) -> None:
+    text = "model M input Force u(min = 0, max = 2, start = {}); Block b(m = 1, base = world); " \
+           "AppliedForce f(at = b.center, force = {{u, 0}}); end M;"
+    model = scene(text.format(1))
+    for inputs in ({"u": 3.0}, ([0.0, 1.0], {"u": [0.0, -1.0]})):
+        with pytest.raises(lag.LagError, match=r"L0605.*the input 'u' is"):
+            model.simulate(at=[1], inputs=inputs)
+    with pytest.raises(lag.LagError, match="L0605"):
+        scene(text.format(5)).simulate(at=[1])
