@@ -15,6 +15,8 @@
 
 /* Forces that a way is looked for with are so much larger than all others. */
 static const double LARGE = 1024;
+static const double GAINED = 1e-12; /* of the kinetic energy: by rounding */
+enum { HALVINGS = 50 };
 
 static double *impulse_in_d(const LagRun *run, int reset) { return &run->d[run->model->n_modes + run->model->n_switches + reset]; }
 
@@ -200,6 +202,87 @@ static int solve_smooth(LagRun *run, int count)
     return count;
 }
 
+/* Of rates v[n] as they are, with no rate of time. */
+static double energy_of(LagRun *run, const double *v)
+{
+    double *present = run->motion.y + run->model->n, energy = 0;
+    const int n = run->model->n;
+    memcpy(run->impacts.state, present, (size_t)n * sizeof *v);
+    for (int sign = 1; sign >= -1; sign -= 2) {
+        for (int i = 0; i < n; ++i)
+            present[i] = sign * v[i];
+        energy += kinetic_energy(run) / 2;
+    }
+    memset(present, 0, (size_t)n * sizeof *v);
+    energy -= kinetic_energy(run);
+    memcpy(present, run->impacts.state, (size_t)n * sizeof *v);
+    return energy;
+}
+
+/* What the impulses that were found give to the motion, as it looks to who moves along with what is struck (s->impulse, s->slip: its rates):
+ * with rates at which nothing there closes or slips. */
+static double energy_gained(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    LagComplementarity *p = &s->problem;
+    const int n = run->model->n;
+    double *seen = s->slope, *rate = p->change;
+    for (int i = 0; i < count; ++i)
+        rate[i] = -s->sense[i] * s->impulse[s->which[i]];
+    for (int k = 0; k < run->model->n_rubs; ++k)
+        if (s->place[k] >= 0)
+            rate[s->place[k]] = s->slip[k];
+    lag_complementarity_find_balance(p, rate);
+    for (int turn = 0; turn < 2; ++turn) {
+        const double *v = turn == 0 ? run->motion.y + n : s->after;
+        double *to = seen + turn * n;
+        memcpy(to, v, (size_t)n * sizeof *v);
+        for (int j = 0; j < p->size; ++j)
+            for (int i = 0; i < n; ++i)
+                to[i] -= s->way[i + j * n] * (j < count ? s->sense[j] : 1) * rate[j];
+    }
+    return energy_of(run, seen + n) - energy_of(run, seen);
+}
+
+/* Whether all that is struck are contacts, some of which turn back. */
+static int turns_back(const LagRun *run, int count)
+{
+    int some = 0;
+    for (int j = 0; j < count; ++j) {
+        if (!lag_impulses_push(run, run->impacts.which[j]))
+            return 0;
+        some |= run->impacts.wanted[run->impacts.which[j]] != 0;
+    }
+    return some;
+}
+
+/* With Newton's restitution friction may give energy (T.R. Kane, D.A. Levinson, Dynamics: theory and applications (1985), sec. 5.8), or
+ * there are no impulses, where a body is wedged: restitution is as large then as it can be. Returns 0 where there are none even without. */
+static int lessen(LagRun *run, int count)
+{
+    LagImpacts *s = &run->impacts;
+    double low = 0, high = 1, present = 1;
+    for (int turn = 0; turn < HALVINGS; ++turn) {
+        const double share = turn < HALVINGS - 1 ? (low + high) / 2 : low;
+        for (int j = 0; j < count; ++j)
+            s->wanted[s->which[j]] *= share / present;
+        const int is_found = lag_rubs_solve(run, count, 0);
+        if (turn == HALVINGS - 1)
+            return is_found;
+        *(is_found && energy_gained(run, count) <= 0 ? &low : &high) = present = share;
+    }
+    return 0;
+}
+
+/* Where something rubs. Returns 0 where there are no impulses. */
+static int solve_rough(LagRun *run, int count, int presses, double before)
+{
+    const int is_found = lag_rubs_solve(run, count, presses), may_lessen = !presses && turns_back(run, count);
+    if (may_lessen && (!is_found || energy_gained(run, count) > GAINED * before))
+        return lessen(run, count);
+    return is_found;
+}
+
 int lag_impulses_reset(LagRun *run, int presses)
 {
     LagImpacts *s = &run->impacts;
@@ -211,13 +294,13 @@ int lag_impulses_reset(LagRun *run, int presses)
     for (int j = 0; j < model->n_resets; ++j)
         if (s->fires[lag_event_of(model, j)])
             s->which[count++] = j;
-    const int is_found = rubs ? lag_rubs_solve(run, count, presses) : 1;
+    const double before = rubs ? kinetic_energy(run) : 0;
+    const int is_found = rubs ? solve_rough(run, count, presses, before) : 1;
     if (!rubs)
         count = solve_smooth(run, count);
     run->switches.is_live = is_live;
     if (!is_found)
         return 0;
-    const double before = rubs ? kinetic_energy(run) : 0;
     memcpy(v, s->after, size);
     memset(run->motion.carry + model->n, 0, size);
     count_energy(run, rubs ? before - kinetic_energy(run) : energy_taken(run, count));

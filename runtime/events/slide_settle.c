@@ -23,6 +23,7 @@
 enum { BLOCKS = 8, MOST_SINGLE = 3, MOST_TURNS = 20, LOOKS = 16 };
 /* What of dg/dt is rounding, by its terms: in the choice, and while they slide. */
 static const double ROUNDING = 1e-12, NOISE = DBL_EPSILON;
+static const double UNIT = 32; /* of rounding, that counts as an error of one unit: rounding.c */
 static const double NEARLY = 1e-9; /* of the terms of dg/dt */
 static const double MOMENT = 1e-3; /* of a step; of a second where no step tells of one */
 static const double FAINT = 1e-6;  /* of the jump a moment later, or of the largest so far */
@@ -261,6 +262,29 @@ static int hold(LagRun *run, int count)
     return sliding;
 }
 
+/* What is held together shares its rounding: a light one between heavy ones shakes what lies on it. Of the rates of what slides, into what is
+ * noise of accelerations; no more than the largest of those of its kind. */
+static void spread_noise(LagRun *run, int sliding)
+{
+    LagSliding *s = &run->sliding;
+    LagScale *scale = &run->scale;
+    const int n = run->model->n;
+    double *most = scale->motion;
+    memset(most, 0, (size_t)scale->kinds * sizeof *most);
+    for (int i = 0; i < n; ++i)
+        most[scale->kind[i]] = lag_max(scale->onset[i], most[scale->kind[i]]);
+    for (int k = 0; k < sliding; ++k)
+        s->change[k] = UNIT * s->noise[k];
+    lag_shares_solve(run, s->change);
+    for (int i = 0; i < n; ++i) {
+        double a = 0;
+        for (int k = 0; k < sliding; ++k)
+            a += fabs(s->way[i + k * n] * s->change[k]);
+        scale->onset[i] = lag_max(lag_min(a, most[scale->kind[i]]), scale->onset[i]);
+        scale->noise[i] = lag_max(scale->onset[i], scale->noise[i]);
+    }
+}
+
 /* -------- what holds with no force yet */
 
 /* What the present state does not tell: what friction that has no force, or a contact at which nothing presses, does where it need not
@@ -401,6 +425,8 @@ void lag_sliding_settle(LagRun *run, double t, const double *y, const int *candi
     if (is_right && find_open(run, count))
         choose_open(run, t, y, count);
     const int sliding = hold(run, count);
+    if (is_right)
+        spread_noise(run, sliding);
     s->grows &= sliding > 0;
     if (is_right)
         s->count = sliding;

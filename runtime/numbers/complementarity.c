@@ -93,6 +93,16 @@ void lag_complementarity_find_forces(LagComplementarity *p)
         p->force[i] = p->state[i] == LAG_ALL ? lag_complementarity_limit(p, i) : p->force[i];
 }
 
+void lag_complementarity_find_balance(LagComplementarity *p, double *rate)
+{
+    p->lu.size = p->size;
+    memcpy(p->lu.re, p->jump, (size_t)p->size * (size_t)p->size * sizeof *p->jump);
+    for (int i = 0; i < p->size; ++i)
+        rate[i] = -rate[i];
+    lag_dense_lu_factor(&p->lu);
+    lag_dense_lu_solve(&p->lu, rate, NULL);
+}
+
 /* How far state i is from being right, by the terms of w_i; not finite where there are no forces. `better`: what it should be. */
 static double wrong(const LagComplementarity *p, int i, int *better)
 {

@@ -41,6 +41,9 @@ int lag_complementarity_solve(LagComplementarity *problem);
 /* The forces of the states that are given, right or wrong: into force. */
 void lag_complementarity_find_forces(LagComplementarity *problem);
 
+/* The forces that alone make w = 0 of the rates rate[size], whatever r is: into rate. */
+void lag_complementarity_find_balance(LagComplementarity *problem, double *rate);
+
 /* What x_i ends at. */
 double lag_complementarity_limit(const LagComplementarity *problem, int i);
 

@@ -15,15 +15,18 @@ static const double LARGE_CHANGE = 0.5, SHRINK = 0.1;
 static void note_largest(double *largest, double value) { *largest = value > *largest ? value : *largest; }
 
 /* Change of the accelerations between k (here) and k_end (after h), relative to what moves coordinates of the same kind:
- * their accelerations, or their velocities. A kind without either says nothing, nor does one that they move by less than `faint`
- * units of error: a bar that meets the ground at one end is first turned by rounding. */
+ * their accelerations, or their velocities. A kind without either, but for rounding, says nothing, nor does one that they move by less than
+ * `faint` units of error: a bar that meets the ground at one end is first turned by rounding. */
 static double compare(const LagScale *scale, double h, double faint, const double *k, const double *k_end)
 {
     const int n = scale->n;
     double largest = 0;
     memset(scale->motion, 0, (size_t)scale->kinds * sizeof(double));
-    for (int i = 0; i < n; ++i)
-        note_largest(&scale->motion[scale->kind[i]], lag_max(fabs(k[i]), h * fabs(k[n + i])));
+    for (int i = 0; i < n; ++i) {
+        const double motion = lag_max(fabs(k[i]), h * fabs(k[n + i]));
+        if (motion > h * scale->onset[i])
+            note_largest(&scale->motion[scale->kind[i]], motion);
+    }
     for (int i = 0; i < n; ++i) {
         const double motion = scale->motion[scale->kind[i]], change = fabs(k_end[n + i] - k[n + i]) - scale->onset[i];
         if (motion > 0 && h * motion >= faint * scale->tolerance * scale->floor[i])

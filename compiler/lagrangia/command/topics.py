@@ -75,8 +75,9 @@ contact_force(x)      the force that holds x at the contact of `when x < 0 then 
                       angle. Forces and dissipation functions may depend on it, as friction does that presses with it: energy
                       dissipation mu*contact_force(x)*abs(slip). RoughStop is such a Stop; Friction(normal = stop.force) rubs
                       anywhere. It sticks, slips and is torn off as other dry friction; in impacts it takes mu times the impulse
-                      against the slip that is left, or what leaves none. Contacts and friction are one problem, at rest and in
-                      impacts: of its solutions those come first that hold. Where friction presses what slides further and no
+                      against the slip that is left, or what leaves none; restitution is less than e where friction
+                      would give energy with it. Contacts and friction are one problem, at rest and in impacts: of its
+                      solutions those come first that hold. Where friction presses what slides further and no
                       force holds it (Painleve's rod; a chalk that jumps), the slip is stopped by an impulse, without a collision;
                       a run that finds no impulse either ends with a word.
 when gap < 0 and x < edge then ...    a contact with an edge. With `or` nothing is held that rests.
