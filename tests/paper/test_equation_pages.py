@@ -24,6 +24,7 @@ from lagrangia.paper.sheet import ALL_FORMATS, ALL_FORMS
 from lagrangia.paper.typeset import line
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "equations"
+CLASSROOM = Path(__file__).parents[1] / "cases" / "classroom"
 ALL = sorted(EXAMPLES.glob("*.lag"))
 LARGE = ("chain", "scissor_lift")
 SLOW = ("scissor_lift", "andrews_squeezer", "pantograph", "n_four_bars")
@@ -54,6 +55,13 @@ def refused(capsys, *arguments: str) -> str:
                                   "skate", "quarter_car", "spring_pendulum"])
 def test_worked(name: str, capsys, compare) -> None:
     compare(equations(capsys, name, "--form", "worked"), GOLDEN / f"{name}.worked.txt")
+
+
+@pytest.mark.parametrize("path", sorted(CLASSROOM.glob("*.lag")), ids=lambda path: path.stem)
+def test_derivations_of_the_classroom(path: Path, capsys, compare) -> None:
+    """Each read line by line, as a teacher reads it."""
+    assert main(["equations", str(path), "--form", "worked"]) == 0
+    compare(capsys.readouterr().out, GOLDEN / "classroom" / f"{path.stem}.txt")
 
 
 @pytest.mark.parametrize("form", [form for form in ALL_FORMS if form not in ("worked", "conservative")])

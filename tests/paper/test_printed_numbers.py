@@ -19,7 +19,7 @@ from lagrangia.paper.sheet import Request, page_of
 from lagrangia.paper.typeset import line
 
 QUICK = ("suspended_bar", "disc_and_block_damped", "slider_crank", "cart_pole")
-ELSEWHERE = ("Small motion",)  # its matrices are compared with those of lag linearize
+ELSEWHERE = ("Small motion", "Checks")  # compared with lag linearize, and in test_checks.py
 BESIDE, ROUNDED = 1e-12, 1e-5  # of formulas with a decimal that is printed to six digits
 
 

@@ -60,6 +60,7 @@ class Ring:
         self.composite: dict[int, Series] = {}  # atoms that are sums: their whole powers are multiplied out
         self._known: dict[Expr, Series] = {}
         self._inside: dict[int, frozenset[Expr]] = {}  # symbols of atoms
+        self.stated: set[tuple[Angle, bool]] = set()  # sines and cosines that were met as such
         self.whole = {self._atom(sp.pi)}  # atoms of angles that are not halved: pi, and what depends on time alone
         self.pi = 0
 
@@ -168,6 +169,7 @@ class Ring:
             where = self._number(atom)
             parts[where] = parts.get(where, Fraction(0)) + number
         key, sign = self._oriented(_sorted(parts), isinstance(e, sp.sin))
+        self.stated.add(key)
         return {} if sign == 0 else {((), *key): Fraction(sign)}
 
     def _oriented(self, angle: Angle, is_sine: bool) -> tuple[tuple[Angle, bool], int]:
@@ -294,7 +296,7 @@ class Ring:
         terms = []
         for powers, waves in groups.items():
             atoms = tuple((self.atoms[n], k) for n, k in powers)
-            for number, factors in _paired(waves, self.whole):
+            for number, factors in _paired(waves, self.whole, self.stated):
                 x = number
                 merged: dict[Expr, int] = {}
                 for angle, is_sine in factors:
@@ -316,9 +318,9 @@ class Ring:
 _Wave = tuple[Angle, bool]
 
 
-def _paired(waves: dict[_Wave, Fraction], whole: set[int]) -> list[tuple[Fraction, list[_Wave]]]:
-    """1 - cos 2a = 2 sin^2 a, 1 + cos 2a = 2 cos^2 a, sin 2a = 2 sin a cos a; cos p + cos q and its like as products, where
-    that leaves fewer angles in all."""
+def _paired(waves: dict[_Wave, Fraction], whole: set[int], stated: set[_Wave]) -> list[tuple[Fraction, list[_Wave]]]:
+    """1 - cos 2a = 2 sin^2 a, 1 + cos 2a = 2 cos^2 a, and beside another constant cos 2a = 2 cos^2 a - 1; sin 2a = 2 sin a cos a,
+    unless sin 2a is stated somewhere; cos p + cos q and its like as products, where that leaves fewer angles in all."""
     waves, found = dict(waves), []
     constant: _Wave = ((), False)
     for wave in sorted(waves):
@@ -329,8 +331,11 @@ def _paired(waves: dict[_Wave, Fraction], whole: set[int]) -> list[tuple[Fractio
         if not is_sine and abs(waves.get(constant, Fraction(0))) == abs(waves[wave]):
             x = waves.pop(constant)
             found.append((2 * x, [(half, waves.pop(wave) == -x)] * 2))  # 1 - cos: twice the square of a sine; 1 + cos
-        elif is_sine and waves[wave].denominator % 2 == 0:
+        elif is_sine and (waves[wave].denominator % 2 == 0 or _is_double(wave, whole, stated)):
             found.append((2 * waves.pop(wave), [(half, True), (half, False)]))
+        elif not is_sine and constant in waves and _is_double(wave, whole, stated):
+            waves[constant] -= waves[wave]
+            found.append((2 * waves.pop(wave), [(half, False)] * 2))
     for one, other in combinations(sorted(waves), 2):
         if one in waves and other in waves:
             product = _as_product(one, other, waves[one], waves[other], whole)
@@ -339,6 +344,12 @@ def _paired(waves: dict[_Wave, Fraction], whole: set[int]) -> list[tuple[Fractio
                 found.append(product)
     found += [(x, [wave] if wave[0] else []) for wave, x in waves.items()]
     return found
+
+
+def _is_double(wave: _Wave, whole: set[int], stated: set[_Wave]) -> bool:
+    """Of an angle whose half cannot be halved once more, and not stated as such."""
+    half = _halved(wave[0], whole)
+    return wave not in stated and half is not None and _halved(half, whole) is None
 
 
 def _as_product(p: _Wave, q: _Wave, x: Fraction, y: Fraction, whole: set[int]) -> tuple[Fraction, list[_Wave]] | None:

@@ -334,7 +334,7 @@ forms     lagrange      d/dt dT/dv - dT/dq + dV/dq + dD/dv = f, written out for 
                         derivative, small motion, matrices, constants. Formulas have letters; --first-letter f goes on from
                         another page. --level short (results), full, lecture (more); --sections kinetic,potential,equations of
                         system, coordinates, data, positions, principle, kinetic, potential, dissipation, forces, constraints,
-                        equations, small, matrices, constants
+                        equations, small, matrices, constants, checks (units, M positive, the energy theorem)
           exercise      the statement: the scene, its coordinates and data, without the solution (see --check)
 formats   text, markdown (formulas between dollars), latex (--fragment: the body alone, which needs amsmath, with labels lag:a),
           html (one page that needs no network and prints well; a click on TeX shows a formula's LaTeX),

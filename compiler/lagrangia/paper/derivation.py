@@ -15,6 +15,7 @@ from lagrangia.paper.book import (
     parameters_table,
     positive_block,
 )
+from lagrangia.paper.check_steps import checks
 from lagrangia.paper.document import Block, Display, Document, Heading, Inline, display, lettered, paragraph, say
 from lagrangia.paper.energy_steps import dissipation, kinetic, potential
 from lagrangia.paper.equation_steps import equations_of_motion, forces
@@ -127,5 +128,6 @@ SECTIONS: Mapping[str, Section] = {
     "principle": lambda b, _: principle(b), "kinetic": lambda b, _: kinetic(b), "potential": _potential,
     "dissipation": lambda b, _: dissipation(b), "forces": lambda b, _: forces(b), "constraints": _constraints,
     "equations": lambda b, _: equations_of_motion(b), "small": small_motion, "matrices": _matrices, "constants": _constants,
+    "checks": lambda b, _: checks(b),
 }
-_LONG = ("positions", "principle", "forces", "small")  # left out of the short derivation
+_LONG = ("positions", "principle", "forces", "small", "checks")  # left out of the short derivation

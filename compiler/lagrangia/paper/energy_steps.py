@@ -7,7 +7,7 @@ from lagrangia.dynamics.energies import Term
 from lagrangia.paper.book import Book, equal, time_derivative
 from lagrangia.paper.document import Block, Display, Heading, display, paragraph, say
 from lagrangia.paper.forms import component_sub
-from lagrangia.paper.layout import Bracket, Name, Node, Numeral, Power, Product, Relation, added, product
+from lagrangia.paper.layout import Bracket, Name, Node, Numeral, Power, Product, Relation, Total, added, product
 from lagrangia.paper.points import in_speeds, points_of, with_speeds
 from lagrangia.paper.typeset import line
 from lagrangia.paper.virtual import dissipative_pull
@@ -30,9 +30,15 @@ def kinetic(book: Book) -> list[Block]:
         changed = [(n, x) for n, x, y in zip(names, put_in, by_body, strict=True) if x != y]
         blocks += [paragraph(say("with the velocities put in:")), *display([equal(n, x) for n, x in changed])] if changed else []
         return [*blocks, paragraph(say("In all:")), Display((equal(T, Relation(added(*names), whole)),), ("T",))]
-    lines = [x for x in dict.fromkeys([*by_body, *put_in]) if x != whole]
+    lines = [x for x in dict.fromkeys([*by_body, *put_in]) if not _is_same(x, whole)]
     blocks += display([equal(T, x) for x in lines])
     return [*blocks, *([paragraph(say("In all:"))] if lines else []), Display((equal(T, whole),), ("T",))]
+
+
+def _is_same(one: Node, other: Node) -> bool:
+    """But for the order of the terms."""
+    terms = [set(x.items) if isinstance(x, Total) else {(1, x)} for x in (one, other)]
+    return terms[0] == terms[1]
 
 
 def _component(book: Book, letter: str, term: Term, k: int, terms: tuple[Term, ...]) -> Name:

@@ -113,7 +113,7 @@ def _general(book: Book) -> Node:
 def _coordinate(book: Book, k: int) -> list[Block]:
     e, p, q, rate = book.equations, book.parts, book.q[k], book.rate(k)
     of_T, step = book.partial("T", rate), time_derivative(book.partial("T", rate))
-    momentum = book.presentation.momentum(e.momenta[k])
+    momentum = book.presentation.momentum(e.momenta[k], k)
     changing = book.presentation.kept(e.momentum_rates[k], sp.S.Zero, k).left
     lines: list[Node] = [equal(of_T, momentum), equal(step, changing), equal(book.partial("T", q), book.sum(e.dT_dq[k]))]
     pieces: list[Node] = [changing, negative(book.sum(e.dT_dq[k]))]

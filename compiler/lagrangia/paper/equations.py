@@ -17,7 +17,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Energies, Load, Term
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.mentions import leaves
-from lagrangia.paper.symbolic import GRAVITY, SymbolicScene, mapped
+from lagrangia.paper.symbolic import ACCELERATION, GRAVITY, SymbolicScene, mapped
 
 
 @dataclass(frozen=True)
@@ -116,11 +116,12 @@ def sum_of(terms: tuple[Term, ...]) -> Expr:
 
 
 def split_potential(energies: Energies, model: FlatModel) -> tuple[tuple[Term, ...], tuple[Term, ...]]:
-    """Terms of V_f, which speak of gravity, and those of V_e."""
+    """Terms of V_f, which speak of gravity (that of the world, or a parameter that is an acceleration), and those of V_e."""
+    named = {name for name, v in model.variables.items() if v.kind == "parameter" and v.unit == ACCELERATION} | {GRAVITY}
     bindings = {name: v.binding for name, v in model.variables.items() if v.kind == "variable"}
 
     def is_field(term: Term) -> bool:
-        return any(getattr(leaf, "name", "") == GRAVITY for leaf in leaves([term.statement.value], bindings))
+        return any(getattr(leaf, "name", "") in named for leaf in leaves([term.statement.value], bindings))
 
     return (tuple(t for t in energies.potential if is_field(t)), tuple(t for t in energies.potential if not is_field(t)))
 

@@ -121,7 +121,7 @@ PHRASES: Mapping[str, tuple[str, str, str, str]] = {
         "Como {0} é arbitrário, o parêntese é 0.", "Da {0} beliebig ist, ist die Klammer 0.",
                                                "{0} étant arbitraire, la parenthèse est nulle.",
                                                "Como {0} es arbitrario, el paréntesis es 0."),
-    "The {0} are not independent: they keep the constraints. With a multiplier for each constraint {1} joins each equation, "
+    "The {0} are not independent: they keep the constraints. With a multiplier for each constraint, {1} joins each equation, "
     "whose "
     "bracket is then 0.": (
         "Os {0} não são independentes: respeitam os vínculos. Com um multiplicador para cada vínculo, {1} entra em cada equação, "
@@ -320,6 +320,36 @@ PHRASES: Mapping[str, tuple[str, str, str, str]] = {
         "Nichts hängt von der Zeit ab und nichts geht verloren: Das Jacobi-Integral ist konstant.",
         "Rien ne dépend du temps et rien ne se perd : l'intégrale de Jacobi est constante.",
         "Nada depende del tiempo y nada se pierde: la integral de Jacobi es constante."),
+    # ---- checks
+    "Checks": ("Verificações", "Proben", "Vérifications", "Comprobaciones"),
+    "Each term of the equations has one unit, {0}.": (
+        "Cada termo das equações tem uma só unidade, {0}.", "Jeder Term der Gleichungen hat eine Einheit, {0}.",
+        "Chaque terme des équations a une même unité, {0}.", "Cada término de las ecuaciones tiene una sola unidad, {0}."),
+    "{0}: {1}": ("{0}: {1}", "{0}: {1}", "{0} : {1}", "{0}: {1}"),
+    "{0} is symmetric and positive:": ("{0} é simétrica e positiva:", "{0} ist symmetrisch und positiv:",
+                                       "{0} est symétrique et positive :", "{0} es simétrica y positiva:"),
+    "{0} is symmetric, and positive at {1} positions taken at random.": (
+        "{0} é simétrica, e positiva em {1} posições tomadas ao acaso.",
+        "{0} ist symmetrisch, und positiv an {1} zufälligen Lagen.",
+        "{0} est symétrique, et positive en {1} positions prises au hasard.",
+        "{0} es simétrica, y positiva en {1} posiciones tomadas al azar."),
+    "{0} is symmetric but not positive: not every motion has kinetic energy.": (
+        "{0} é simétrica mas não positiva: nem todo movimento tem energia cinética.",
+        "{0} ist symmetrisch, aber nicht positiv: Nicht jede Bewegung hat kinetische Energie.",
+        "{0} est symétrique mais pas positive : tout mouvement n'a pas d'énergie cinétique.",
+        "{0} es simétrica pero no positiva: no todo movimiento tiene energía cinética."),
+    "The energy theorem: what has no potential, and sources, change the energy by their power:": (
+        "O teorema da energia: o que não tem potencial, e as fontes, mudam a energia por sua potência:",
+        "Der Energiesatz: Was kein Potential hat, und Quellen, ändern die Energie um ihre Leistung:",
+        "Le théorème de l'énergie : ce qui n'a pas de potentiel, et les sources, changent l'énergie de leur puissance :",
+        "El teorema de la energía: lo que no tiene potencial, y las fuentes, cambian la energía por su potencia:"),
+    "The energy theorem, with {0} of weights: what has no potential, and sources, change the energy by their power:": (
+        "O teorema da energia, com {0} dos pesos: o que não tem potencial, e as fontes, mudam a energia por sua potência:",
+        "Der Energiesatz, mit {0} der Gewichte: Was kein Potential hat, und Quellen, ändern die Energie um ihre Leistung:",
+        "Le théorème de l'énergie, avec {0} des poids : ce qui n'a pas de potentiel, et les sources, changent l'énergie de leur "
+        "puissance :",
+        "El teorema de la energía, con {0} de los pesos: lo que no tiene potencial, y las fuentes, cambian la energía por su "
+        "potencia:"),
     # ---- scenes too large to read
     "Coordinates: {0}; constraints: {1}; terms in the kinetic energy alone: {2}.": (
         "Coordenadas: {0}; vínculos: {1}; termos só na energia cinética: {2}.",

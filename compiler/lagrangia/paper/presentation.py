@@ -8,6 +8,7 @@ from lagrangia.algebra.with_sympy import Expr
 from lagrangia.base.records import dataclass
 from lagrangia.paper.grouping import Group, Symbols
 from lagrangia.paper.layout import Bracket, Node, Numeral, Power, Quotient, Relation, Total, product, total
+from lagrangia.paper.shapes import Powers
 from lagrangia.paper.stated import StatedTerms, opened, pulled_out
 from lagrangia.paper.terms import Signed, positive_first
 from lagrangia.paper.typeset import line
@@ -53,11 +54,14 @@ class Presentation(StatedTerms):
         """left = right as they are, the acceleration of `own` first."""
         return Relation(self._accelerations(left, own), self._accelerations(right, None))
 
-    def momentum(self, expression: Expr) -> Node:
-        """A sum of coefficients times rates."""
+    def momentum(self, expression: Expr, own: int | None = None) -> Node:
+        """A sum of coefficients times rates, that of `own` first."""
         items: Signed = []
         rest = expression
-        for v in self.symbols.rates:
+        rates = list(self.symbols.rates)
+        if own is not None:
+            rates.insert(0, rates.pop(own))
+        for v in rates:
             mine = sp.Add(*(x for x in sp.Add.make_args(rest) if x.has(v)))
             items += self._factored(mine, v) if mine != 0 else []
             rest = rest - mine
@@ -119,20 +123,25 @@ class Presentation(StatedTerms):
         groups = self._groups(expression)
         if len(groups) == 1:
             return [self.term(groups[0])]
-        pulled, groups = pulled_out(self._groups(expression / a))
+        number, pulled, groups = pulled_out(self._groups(expression / a))
         coefficient, sign = self._constants_first(groups), 1
         if isinstance(coefficient, Total) and all(s < 0 for s, _ in coefficient.items):
             coefficient, sign = Total(tuple((-s, item) for s, item in coefficient.items)), -1
-        factors = [self.power(x, k) for x, k in sorted(pulled, key=self._factor_key)]
+        factors = self._shared(number, pulled)
         return [(sign, product([*factors, coefficient, self.symbols.names[a]]))]
 
     def coefficient(self, expression: Expr) -> Node:
         """A sum with what does not move first, what its terms share outside: an entry of M."""
-        pulled, groups = pulled_out(self._groups(expression))
-        inside = self._constants_first(groups)
-        if not pulled or not isinstance(inside, Total):
+        number, pulled, groups = pulled_out(self._groups(expression))
+        inside, shared = self._constants_first(groups), self._shared(number, pulled)
+        if not shared or not isinstance(inside, Total):
             return self._constants_first(self._groups(expression))
-        return product([*(self.power(x, k) for x, k in sorted(pulled, key=self._factor_key)), inside])
+        return product([*shared, inside])
+
+    def _shared(self, number: Fraction, powers: Powers) -> list[Node]:
+        """Factors that stand before a bracket."""
+        numbers: list[Node] = [self.number(number)] if number != 1 else []
+        return [*numbers, *(self.power(x, k) for x, k in sorted(powers, key=self._factor_key))]
 
     def _constants_first(self, groups: list[Group]) -> Node:
         groups = sorted(groups, key=lambda g: not g.is_constant)

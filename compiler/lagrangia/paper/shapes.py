@@ -21,6 +21,7 @@ Polynomial: TypeAlias = tuple[tuple[Fraction, Powers], ...]
 _ONE = Fraction(1)
 _MOST_TERMS, _MOST_ATOMS = 24, 10  # of what is factored
 _MOST_SEARCHED = 10  # terms of which all ways of drawing symbols out are tried: their number doubles with each term
+_MOST_OWN = 12  # larger whole numbers are data, 50 N, and not of squares and halves
 
 
 @dataclass(frozen=True)
@@ -81,11 +82,14 @@ def factored_out(polynomial: Sequence[tuple[Fraction, Powers]]) -> tuple[Fractio
 
 
 def usual_number(numbers: Sequence[Fraction]) -> Fraction:
-    """The factor that leaves the fewest numbers, its own counted: 1 for a - L/2, 1/2 for I/2 + m/8; negative when all are."""
+    """The factor that leaves the fewest numbers, its own counted, and whole ones whole: 1 for a - L/2, 1/2 for I/2 + m/8, 2 for
+    4 k + 2 m; negative when all are."""
     sizes = [abs(x) for x in numbers]
+    is_whole = all(x.denominator == 1 and x <= _MOST_OWN for x in sizes)
 
-    def cost(number: Fraction) -> tuple[int, bool, Fraction]:
-        return (number != 1) + sum(x != number for x in sizes), number not in sizes, -number
+    def cost(number: Fraction) -> tuple[int, bool, bool, Fraction]:
+        breaks = is_whole and any((x / number).denominator != 1 for x in sizes)
+        return (number != 1) + sum(x != number for x in sizes), breaks, number not in sizes, -number
 
     return min({_ONE, *sizes}, key=cost) * (-1 if all(x < 0 for x in numbers) else 1)
 

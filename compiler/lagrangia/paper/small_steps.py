@@ -20,7 +20,7 @@ def small_motion(book: Book, linear: Linear | None) -> list[Block]:
         sines = _sines(deviations(book, linear))
         words = say("Products of small quantities are left out, as in {0}:", sines) if sines else \
             say("Products of small quantities are left out:")
-        blocks += [paragraph(words), *_scalars(book, linear)]
+        blocks += [paragraph(words), *(_scalars(book, linear) if book.equations.n > 1 or linear.J else [])]
     return [*blocks, *linear_blocks(book, linear, "matrix form", has_where=False)]
 
 

@@ -10,7 +10,7 @@ from lagrangia.algebra.with_sympy import Expr, slope
 from lagrangia.base.records import dataclass
 from lagrangia.paper.grouping import Group
 from lagrangia.paper.layout import Bracket, Node, Numeral, Power, Total, total
-from lagrangia.paper.shapes import Powers, merged
+from lagrangia.paper.shapes import Powers, merged, usual_number
 from lagrangia.paper.terms import Signed, Terms, positive_first
 from lagrangia.paper.typeset import line
 
@@ -64,12 +64,12 @@ class StatedTerms(Terms):
             return self._multiplied_out(kept)
         sign, brackets, (outside,) = 1, [], groups
         for inside, power in sums:
-            layout, pulled = self._inside(inside, is_nested, is_pulled=power == 1)
+            layout, number, pulled = self._inside(inside, is_nested, is_pulled=power == 1)
             if not isinstance(layout, Total):
                 return self._multiplied_out(kept)
             if all(s < 0 for s, _ in layout.items):
                 layout, sign = Total(tuple((1, node) for _, node in layout.items)), sign * (-1) ** power
-            outside = replace(outside, common=merged(outside.common, pulled))
+            outside = replace(outside, number=outside.number * number, common=merged(outside.common, pulled))
             brackets.append(Bracket(layout) if power == 1 else Power(Bracket(layout), Numeral(Fraction(power))))
         outer, node = self.term(outside, brackets)
         if len(sums) == 1 and node == brackets[0] and isinstance(brackets[0], Bracket):
@@ -80,12 +80,12 @@ class StatedTerms(Terms):
         rest, sums = kept
         return opened(self.sum(sp.Mul(rest, *(base**power for base, power in sums)), self.gathered))
 
-    def _inside(self, expression: Expr, is_nested: bool, is_pulled: bool) -> tuple[Node, Powers]:
+    def _inside(self, expression: Expr, is_nested: bool, is_pulled: bool) -> tuple[Node, Fraction, Powers]:
         if is_nested and any(_is_sum(x) and x.is_Pow for x in sp.preorder_traversal(expression)):
-            return self.stated(expression), ()
+            return self.stated(expression), Fraction(1), ()
         groups = self.grouping.groups(expression, self.gathered)
-        pulled, groups = pulled_out(groups) if is_pulled else ((), groups)
-        return total(positive_first([item for group in groups for item in self.items(group)])), pulled
+        number, pulled, groups = pulled_out(groups) if is_pulled else (Fraction(1), (), groups)
+        return total(positive_first([item for group in groups for item in self.items(group)])), number, pulled
 
 
 def opened(node: Node) -> Signed:
@@ -97,17 +97,15 @@ def _is_sum(x: Expr) -> bool:
     return bool(x.is_Add or (x.is_Pow and x.base.is_Add and x.exp.is_Integer and x.exp > 0))
 
 
-def pulled_out(groups: list[Group]) -> tuple[Powers, list[Group]]:
-    """The parameters that all groups share, and the groups without them."""
+def pulled_out(groups: list[Group]) -> tuple[Fraction, Powers, list[Group]]:
+    """The number and the parameters that all groups share, and the groups without them."""
+    number = abs(usual_number([g.number for g in groups])) if len(groups) > 1 else Fraction(1)
     common = dict(groups[0].common) if len(groups) > 1 else {}
     for g in groups[1:]:
         here = dict(g.common)
         common = {x: min(k, here[x]) for x, k in common.items() if x in here and k > 0 and here[x] > 0}
     common = {x: k for x, k in common.items() if k > 0}
-    if not common:
-        return (), groups
-
     def less(powers: Powers) -> Powers:
         return tuple((x, k - common.get(x, Fraction(0))) for x, k in powers if k != common.get(x))
 
-    return tuple(common.items()), [replace(g, common=less(g.common)) for g in groups]
+    return number, tuple(common.items()), [replace(g, number=g.number / number, common=less(g.common)) for g in groups]

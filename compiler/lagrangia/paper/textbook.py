@@ -12,7 +12,7 @@ from lagrangia.paper.grouping import Rank, Symbols
 from lagrangia.paper.layout import Name
 from lagrangia.paper.notation import LETTERS_OF_PAGES, Wanted, name_all, own_letters
 from lagrangia.paper.presentation import Presentation
-from lagrangia.paper.symbolic import GRAVITY, SymbolicScene
+from lagrangia.paper.symbolic import ACCELERATION, GRAVITY, SymbolicScene
 
 _MOST_SEEN = 700  # terms of equations that are laid out to see how their brackets stand
 _NUMBER, _LOAD, _MASS, _GRAVITY, _LENGTH, _OTHER = range(-2, 4)
@@ -85,7 +85,7 @@ def ranks(scene: SymbolicScene) -> dict[Expr, Rank]:
 
 
 def _kind(name: str, unit: str) -> int:
-    if name.startswith(GRAVITY):
+    if name.startswith(GRAVITY) or unit == ACCELERATION:
         return _GRAVITY
     if unit.startswith(("kg", "N", "J", "W")):
         return _MASS
@@ -101,7 +101,7 @@ def loads_of(scene: SymbolicScene) -> frozenset[Expr]:
 
 def weights_of(scene: SymbolicScene) -> frozenset[Expr]:
     """The symbols of gravity."""
-    return frozenset(p.symbol for p in scene.parameters if p.name.startswith(GRAVITY))
+    return frozenset(p.symbol for p in scene.parameters if p.name.startswith(GRAVITY) or p.unit == ACCELERATION)
 
 
 def _lengths(e: Equations, taken: set[Name]) -> dict[Expr, Name]:

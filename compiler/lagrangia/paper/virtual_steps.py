@@ -186,7 +186,7 @@ def _in_coordinates(book: Book) -> list[Block]:
         return [*blocks, paragraph(say("As the {0} are independent of each other, each bracket is 0.", dq) if e.n > 1 else
                                    say("As {0} is arbitrary, the bracket is 0.", dq))]
     return [*blocks, paragraph(say("The {0} are not independent: they keep the constraints. With a multiplier for each "
-                                   "constraint {1} joins each equation, whose bracket is then 0.", dq,
+                                   "constraint, {1} joins each equation, whose bracket is then 0.", dq,
                                    total(multiplier_term(book))))]
 
 
