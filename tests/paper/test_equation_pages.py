@@ -305,7 +305,7 @@ def test_force_writes_everything_and_ends(capsys, monkeypatch) -> None:
     (["--names", "tilt.fi=theta"], "L0711"), (["--names", "tilt.phi=2x"], "L0711"),
     (["--names", "tilt.phi=x,guide.s=x"], "L0711"),
     (["--names", "tilt.phi=m"], "L0711"), (["--names", "tilt.phi=t"], "L0711"), (["--names", "m=x1,k1=x_1"], "L0711"),
-    (["--names", "tilt.phi=a,tilt.phi=b"], "L0706"), (["-p", "mass=3"], "L0702"),
+    (["--names", "tilt.phi=a,tilt.phi=b"], "L0712"), (["-p", "mass=3"], "L0702"),
     (["-p", "m=heavy"], "L0706"), (["-p", "m=3[s]"], "L0706"), (["-p", "m"], "L0706"),
     (["--form", "linear", "--about", "bar=1"], "L0706"), (["--form", "linear", "--about", "tilt.phi=up"], "L0706"),
     (["--model", "Nothing"], "L0003"), (["--format", "sympy", "--form", "matrix"], "L0704"), (["-p", "m=nan"], "L0706"),
