@@ -17,7 +17,9 @@ from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Energies, Load, Term
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.mentions import leaves
-from lagrangia.paper.symbolic import ACCELERATION, GRAVITY, SymbolicScene, mapped
+from lagrangia.paper.symbolic import GRAVITY, SymbolicScene, mapped
+
+ACCELERATION = "m/s2"  # the unit of gravity, also of one that a model brings along
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,6 @@ from lagrangia.language.mentions import nodes
 from lagrangia.language.tree import Array, Flat, Number, Ref, Unary
 
 GRAVITY = "world.gravity"
-ACCELERATION = "m/s2"  # the unit of gravity, also of one that a model brings along
 _PRODUCTS_OF_A_SIZE = 2000
 _LONGEST = 1500  # parts of the expression of one variable or function: some 10 s
 

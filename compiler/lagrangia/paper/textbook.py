@@ -7,12 +7,12 @@ from itertools import count
 import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
-from lagrangia.paper.equations import Equations
+from lagrangia.paper.equations import ACCELERATION, Equations
 from lagrangia.paper.grouping import Rank, Symbols
 from lagrangia.paper.layout import Name
 from lagrangia.paper.notation import LETTERS_OF_PAGES, Wanted, name_all, own_letters
 from lagrangia.paper.presentation import Presentation
-from lagrangia.paper.symbolic import ACCELERATION, GRAVITY, SymbolicScene
+from lagrangia.paper.symbolic import GRAVITY, SymbolicScene
 
 _MOST_SEEN = 700  # terms of equations that are laid out to see how their brackets stand
 _NUMBER, _LOAD, _MASS, _GRAVITY, _LENGTH, _OTHER = range(-2, 4)
