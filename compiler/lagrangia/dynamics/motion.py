@@ -230,10 +230,11 @@ def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momen
     """None for scenes with too many coordinates."""
     symbols = kinematics.symbols
     q, v = (ca.vertcat(ca.SX(0, 1), *values.values()) for values in (symbols.positions, symbols.rates))
-    pattern = ca.jacobian_sparsity(momentum, v)
-    is_small = max(map(len, blocks_of(pattern)), default=0) <= MOST_COORDINATES
     most = _MOST_HELD if is_held else _MOST_FREE
-    if not 0 < v.numel() <= most or not is_small or (v.numel() > MOST_COORDINATES and not ca.depends_on(momentum, q)):
+    if not 0 < v.numel() <= most or ca.jacobian_sparsity(momentum, v[0]).nnz() > MOST_COORDINATES:
+        return None  # a chain's whole pattern has as many entries as there are pairs of links
+    largest = max(map(len, blocks_of(ca.jacobian_sparsity(momentum, v))), default=0)
+    if largest > MOST_COORDINATES or (v.numel() > MOST_COORDINATES and not ca.depends_on(momentum, q)):
         return None
     weights, springs = split_weights(kinematics, energies.potential)
     inner = inertial_force(kinematics, replace(energies, potential=weights, loads=()), bodies, q, v)
