@@ -271,6 +271,12 @@ STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN"
 CORNERS = STEPS | {ca.OP_FABS, ca.OP_FMIN, ca.OP_FMAX}
 
 
+def operations_in(expression: ca.SX) -> frozenset[int]:
+    """CasADi's operations that it is made by. All symbols are one vector: CasADi warns of functions with thousands of inputs."""
+    function = ca.Function("made", [ca.vertcat(ca.SX(0, 1), *ca.symvar(expression))], [expression])
+    return frozenset(map(function.instruction_id, range(function.n_instructions())))
+
+
 def uses(function: ca.Function, operations: frozenset[int]) -> bool:
     """Whether one of CasADi's operations is among a function's instructions."""
     return not operations.isdisjoint(function.instruction_id(k) for k in range(function.n_instructions()))

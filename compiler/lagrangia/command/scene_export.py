@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.diagnostics import Diagnostic, fail, suggest
 from lagrangia.base.result_files import Target, keep_apart, write_text
 from lagrangia.base.spelling import python_text
-from lagrangia.dynamics.switches import has_corners
+from lagrangia.dynamics.switches import bends
 from lagrangia.needs.origins import place_of_moving_support
 from lagrangia.study.small_motion import build_small_motion
 
@@ -78,7 +78,7 @@ def _require_smooth(model: "Model", target: str) -> None:
 def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
     """What the scene means and the export cannot keep: friction that sticks."""
     c = model.compilation
-    if target not in ("python", "casadi", "modelica") or not has_corners(c.run.h) or not c.motion.q.numel():
+    if target not in ("python", "casadi", "modelica") or not bends(c.run) or not c.motion.q.numel():
         return []
     spans = {load.statement.component: load.statement.span for load in c.energies.loads}
     spans |= {term.statement.component: term.statement.span for term in c.energies.dissipation}

@@ -36,12 +36,13 @@ def _values(function: ca.Function) -> tuple[list[_Instruction], "array[float]"]:
     """The instructions, with the places of those that made their operands in this list instead of places in w; the constants."""
     found: list[_Instruction] = []
     constants: array[float] = array("d")
-    known: dict[tuple[float, ...], int] = {}
+    known, known_ops = dict[tuple[float, ...], int](), _OPS
     held = [0] * function.sz_w()
-    for k in range(function.n_instructions()):
-        op, inputs, outputs = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
-        if op in _OPS:
-            own, a = _OPS[op], held[inputs[0]]
+    each = range(function.n_instructions())
+    read = map(function.instruction_id, each), map(function.instruction_input, each), map(function.instruction_output, each)
+    for k, (op, inputs, outputs) in enumerate(zip(*read, strict=True)):
+        if (own := known_ops.get(op)) is not None:
+            a = held[inputs[0]]
             b = held[inputs[1]] if len(inputs) > 1 else a
             key: tuple[float, ...] = (own, b, a) if b < a and op in _COMMUTATIVE else (own, a, b)
             made = own, 0, a, b

@@ -14,6 +14,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import symbols_in
+from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.partition import Partition
@@ -72,6 +73,11 @@ class Motion:
     collected: Collected | None = None  # where that is the way
     impacts: Impacts = field(default_factory=Impacts)  # whose forces are among those in h
     lengths: tuple[ca.SX, ...] = ()  # x of |x| that are lengths
+
+    @cached_property
+    def operations(self) -> frozenset[int]:
+        """CasADi's, of which h is made."""
+        return operations_in(self.h)
 
     @cached_property
     def nodes(self) -> dict[str, int]:

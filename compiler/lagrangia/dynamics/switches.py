@@ -19,7 +19,7 @@ import casadi as ca
 
 from lagrangia.algebra.numbering import Numbering, rebuilt
 from lagrangia.algebra.scalars import Expression, as_expression, symbol, symbols_in
-from lagrangia.algebra.with_casadi import CORNERS, uses
+from lagrangia.algebra.with_casadi import CORNERS, operations_in
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.held_switches import RELATIONS, SIGNS, WHOLE, Holding, Pair, direction_in, ordered, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
@@ -65,23 +65,19 @@ class Switches:
         return {"rubs": self.rubs, "rests": tuple(order[pair] for pair in self.rests), "cones": tuple(cones)}
 
 
-def has_corners(force: ca.SX) -> bool:
-    """Whether forces bend or jump somewhere."""
-    return uses(_function_of(force), _BENT)
-
-
-def _function_of(force: ca.SX) -> ca.Function:
-    """Of all symbols as one vector: CasADi warns of functions with thousands of inputs."""
-    return ca.Function("h", [ca.vertcat(ca.SX(0, 1), *ca.symvar(force))], [force])
+def bends(motion: Motion) -> bool:
+    """Whether its forces bend or jump somewhere."""
+    return not _BENT.isdisjoint(motion.operations)
 
 
 def corners_remain(motion: Motion) -> bool:
     """Whether they do where no length is 0."""
-    if not motion.lengths or not has_corners(motion.h):
-        return has_corners(motion.h)
+    if not motion.lengths or not bends(motion):
+        return bends(motion)
     numbering = Numbering()
     signs = {_sign_of(x, numbering): symbol("s") for x in motion.lengths}
-    return has_corners(rebuilt([motion.h], numbering, Holding(signs, frozenset(), {}, numbering).made)[0])
+    (h,) = rebuilt([motion.h], numbering, Holding(signs, frozenset(), {}, numbering).made)
+    return not _BENT.isdisjoint(operations_in(h))
 
 
 def _sign_of(x: ca.SX, numbering: Numbering) -> Pair:
@@ -94,7 +90,7 @@ def find_switches(motion: Motion) -> Switches:
     those of events, the gaps of those that are contacts (or rates that go one way), and the rates of these, which are kept at 0
     where something rests."""
     numbering, events = Numbering(), motion.impacts.conditions
-    may_have = uses(_function_of(motion.h), _BENT | {ca.OP_SQRT})
+    may_have = not motion.operations.isdisjoint(_BENT | {ca.OP_SQRT})
     if not may_have and not events.numel():
         return Switches()
     signs = {_sign_of(x, numbering) for x in motion.lengths}
@@ -235,8 +231,7 @@ def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:
     or jump, and no sign changes. Where whole numbers are counted, sin(pi x)^2 is what touches 0."""
     moving, rates = symbols_in(motion.q), symbols_in(motion.v)
     numbering, found = Numbering(), dict[int, ca.SX]()
-    forces = switches.hold([motion.h])
-    if not uses(_function_of(forces[0]), _ROOTED):
+    if _ROOTED.isdisjoint(motion.operations):
         return ca.SX(0, 1), ca.SX(0, 1)
 
     def note(op: int, numbers: list[int], operands: list[Expression]) -> None:
@@ -244,7 +239,7 @@ def find_roots(motion: Motion, switches: Switches) -> tuple[ca.SX, ca.SX]:
         if is_asked and rates.isdisjoint(known):
             found.setdefault(numbers[0], operands[0] if op == ca.OP_SQRT else ca.sin(ca.pi * operands[0]) ** 2)
 
-    rebuilt(forces, numbering, note)
+    rebuilt(switches.hold([motion.h]), numbering, note)
     values = ca.vertcat(ca.SX(0, 1), *found.values())
     return values, ca.jtimes(values, ca.vertcat(motion.q, motion.t), ca.vertcat(motion.v, 1)) if found else values
 

@@ -20,7 +20,7 @@ from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.energies import Energies
 from lagrangia.dynamics.held_switches import SIGNS, Holding, Pair, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
-from lagrangia.dynamics.switches import has_corners
+from lagrangia.dynamics.switches import bends
 
 _TURNING = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN, ca.OP_FABS)
 _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
@@ -34,7 +34,7 @@ _HINT = ("what holds at rest is told by F_static, mu_static or tau_static of the
 
 def refuse_untold_rest(energies: Energies, motion: Motion) -> None:
     """Raises LagError L0918, placed at the term of the energies that jumps so, or at the load."""
-    if not has_corners(motion.h) or not _is_untold(motion.h, motion.v):
+    if not bends(motion) or not _is_untold(motion.h, motion.v):
         return
     for force, span in _apart(energies, motion.v):
         if _is_untold(force, motion.v):
