@@ -49,6 +49,11 @@ def gaps(kind: str, a: Pose, b: Pose, slide: Slide | None) -> list[Scalar]:
     return place if kind == "hinge" else [*place, b.phi - a.phi]
 
 
+def gap_of(kind: str, part: int) -> str:
+    """What the gap of a cut joint is: x, y, angle, or across a slide."""
+    return (("angle", "across") if kind == "slider" else ("x", "y", "angle"))[part]
+
+
 def coordinate(a: Pose, b: Pose, slide: Slide | None, is_inverse: bool) -> Scalar:
     """That of a hinge or slider."""
     if slide is None:

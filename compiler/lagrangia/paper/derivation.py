@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.constraints.rows import Row
+from lagrangia.frames.planar_joints import gap_of
 from lagrangia.paper.book import (
     Book,
     constants_block,
@@ -107,7 +109,29 @@ def _constraints(book: Book, _: Linear | None) -> list[Block]:
                 name, q = Name("Phi", label), book.q[k] if i < e.scene.holonomic else book.rate(k)
                 slopes.append(equal(Slope(name, q), book.sum(x)))
     return [Heading(say("Constraints"), 2), *constraints_block(book), paragraph(say("with the slopes")), Display(tuple(slopes)),
-            paragraph(say("Each multiplier is the generalised force that keeps its constraint."))]
+            paragraph(say("Each multiplier is the force that keeps its constraint: {0}.", _holders(book)))]
+
+
+def _holders(book: Book) -> list[Inline]:
+    """What each multiplier is: lambda d(gap) is the work on the frame before the cut joint."""
+    names = [book.presentation.symbols.names[x] for x in book.equations.multipliers]
+    found: list[Inline] = []
+    for name, row in zip(names, book.equations.scene.kept, strict=True):
+        found += ["; " if found else "", _holder(name, row)]
+    return found
+
+
+def _holder(name: Name, row: Row) -> Inline:
+    if row.loop is None:
+        return say("{0} of '{1}'", name, row.span.text.rstrip("; "))
+    joint, frame = row.loop.coordinate.rpartition(".")[0] or row.loop.around, row.loop.a
+    match gap_of(row.loop.kind, row.part):
+        case "angle":
+            return say("{0} the torque in {1}, on {2}", name, joint, frame)
+        case "across":
+            return say("{0} the force across {1}, on {2}", name, joint, frame)
+        case axis:
+            return say("{0} the force along {1} in {2}, on {3}", name, Name(axis), joint, frame)
 
 
 def _matrices(book: Book, _: Linear | None) -> list[Block]:

@@ -209,11 +209,20 @@ PHRASES: Mapping[str, tuple[str, str, str, str]] = {
     "{0}, with the multipliers {1}:": ("{0}, com os multiplicadores {1}:", "{0}, mit den Multiplikatoren {1}:",
                                        "{0}, avec les multiplicateurs {1} :", "{0}, con los multiplicadores {1}:"),
     "with the slopes": ("com as derivadas", "mit den Ableitungen", "avec les dérivées", "con las derivadas"),
-    "Each multiplier is the generalised force that keeps its constraint.": (
-        "Cada multiplicador é a força generalizada que mantém seu vínculo.",
-        "Jeder Multiplikator ist die verallgemeinerte Kraft, die seine Bindung hält.",
-        "Chaque multiplicateur est la force généralisée qui maintient sa liaison.",
-        "Cada multiplicador es la fuerza generalizada que mantiene su ligadura."),
+    "Each multiplier is the force that keeps its constraint: {0}.": (
+        "Cada multiplicador é a força que mantém seu vínculo: {0}.",
+        "Jeder Multiplikator ist die Kraft, die seine Bindung hält: {0}.",
+        "Chaque multiplicateur est la force qui maintient sa liaison : {0}.",
+        "Cada multiplicador es la fuerza que mantiene su ligadura: {0}."),
+    "{0} of '{1}'": ("{0} de '{1}'", "{0} von '{1}'", "{0} de '{1}'", "{0} de '{1}'"),
+    "{0} the torque in {1}, on {2}": ("{0} o momento em {1}, sobre {2}", "{0} das Moment in {1}, auf {2}",
+                                      "{0} le moment en {1}, sur {2}", "{0} el momento en {1}, sobre {2}"),
+    "{0} the force across {1}, on {2}": ("{0} a força transversal a {1}, sobre {2}", "{0} die Kraft quer zu {1}, auf {2}",
+                                         "{0} la force transversale à {1}, sur {2}",
+                                         "{0} la fuerza transversal a {1}, sobre {2}"),
+    "{0} the force along {1} in {2}, on {3}": (
+        "{0} a força ao longo de {1} em {2}, sobre {3}", "{0} die Kraft längs {1} in {2}, auf {3}",
+        "{0} la force suivant {1} en {2}, sur {3}", "{0} la fuerza a lo largo de {1} en {2}, sobre {3}"),
     "A support jumps at times, or its rate: there {0} stays as it is, but for what holds the scene and the impulses of "
     "dampers, and "
     "the equations hold in between.": (

@@ -20,7 +20,7 @@ from lagrangia.algebra.with_sympy import TIME, Expr, SympyAlgebra, exact_through
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import scalars
-from lagrangia.constraints.rows import Constraints
+from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.dynamics.energies import Energies, Term, evaluate_energies
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
@@ -97,6 +97,7 @@ class SymbolicScene:
     holonomic: int  # the first so many rows are positions, the others rates
     events: tuple[Event, ...] = ()
     positive: tuple[Expr, ...] = ()  # lengths that start positive, whose sizes were taken for themselves
+    kept: tuple[Row, ...] = ()  # where the rows come from
 
     @property
     def given_rates(self) -> list[tuple[Expr, Expr]]:
@@ -134,10 +135,9 @@ def build_symbolic(kinematics: Kinematics, constraints: Constraints, is_small: b
     inputs = {label: x for v in kinematics.graph.model.variables.values() if v.kind == "input"
               for label, x in scalars(v.name, s.values[v.name])}
     q, v, a = (tuple(x.values()) for x in (s.positions, s.rates, s.accelerations))
-    parameters, given = tuple(symbolic.table.parameters.values()), tuple(symbolic.given.values())
-    holonomic = sum(row.is_holonomic for row in kept)
-    return SymbolicScene(symbolic, tuple(s.positions), q, v, a, s.time, inputs, parameters, given, symbolic.dependent_values(),
-                         energies, rows, holonomic, events, symbolic.positive())
+    return SymbolicScene(symbolic, tuple(s.positions), q, v, a, s.time, inputs, tuple(symbolic.table.parameters.values()),
+                         tuple(symbolic.given.values()), symbolic.dependent_values(), energies, rows,
+                         sum(row.is_holonomic for row in kept), events, symbolic.positive(), tuple(kept))
 
 
 def mapped(energies: Energies, change: Callable[[Expr], Expr]) -> Energies:
