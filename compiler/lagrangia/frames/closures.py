@@ -33,6 +33,11 @@ def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
     return planar_joints.gaps(closure.kind, *_ends(frames, closure, level), _slide(frames, closure))
 
 
+def gap_of(closure: Closure, part: int) -> str:
+    """What its so-manieth gap is: x, y, angle, or across a slide."""
+    return planar_joints.gap_of(closure.kind, part)
+
+
 def cut_coordinate(frames: Frames, closure: Closure, level: int) -> Scalar:
     """The coordinate of the cut joint, read off the frames."""
     assert closure.freedom is not None

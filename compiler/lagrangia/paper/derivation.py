@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.constraints.rows import Row
-from lagrangia.frames.planar_joints import gap_of
+from lagrangia.frames.closures import gap_of
 from lagrangia.paper.book import (
     Book,
     constants_block,
@@ -125,7 +125,7 @@ def _holder(name: Name, row: Row) -> Inline:
     if row.loop is None:
         return say("{0} of '{1}'", name, row.span.text.rstrip("; "))
     joint, frame = row.loop.coordinate.rpartition(".")[0] or row.loop.around, row.loop.a
-    match gap_of(row.loop.kind, row.part):
+    match gap_of(row.loop, row.part):
         case "angle":
             return say("{0} the torque in {1}, on {2}", name, joint, frame)
         case "across":
