@@ -210,11 +210,19 @@ static void note_events(LagRun *run)
     }
 }
 
+int lag_impacts_striking(const LagRun *run)
+{
+    for (int k = 0; k < run->model->n_whens; ++k)
+        if (run->impacts.fires[k])
+            return 1 + k;
+    return 0;
+}
+
 LagStatus lag_impacts_strike(LagRun *run)
 {
     LagImpacts *s = &run->impacts;
     const int sliding = run->sliding.count;
-    int rounds = 0, is_found = 1;
+    int rounds = 0, is_found = 1, latest = 0;
     if (run->model->n_whens == 0)
         return LAG_OK;
     run->sliding.count = 0; /* accelerations as the shares say: forces that hold give no impulses but by events of their own */
@@ -224,6 +232,7 @@ LagStatus lag_impacts_strike(LagRun *run)
     if (fire)
         lag_sliding_note_impact(run, run->switches.g);
     for (; fire && is_found && rounds < MOST_ROUNDS; ++rounds) {
+        latest = lag_impacts_striking(run);
         read_wanted(run);
         is_found = lag_impulses_reset(run, 0);
         if ((rounds & (rounds + 1)) == 0) /* now and then: what was at rest has a speed now */
@@ -241,8 +250,10 @@ LagStatus lag_impacts_strike(LagRun *run)
     const int stands = run->motion.t - run->motion.t_old <= lag_time_resolution(run->motion.t);
     s->at_once = stands ? s->at_once + 1 : 0;
     if (!is_found)
-        return lag_fail(run, LAG_NO_IMPULSE, -1, 0, 0);
-    return rounds < MOST_ROUNDS && s->at_once < MOST_AT_ONCE ? LAG_OK : lag_fail(run, LAG_EVENTS_GO_ON, -1, 0, 0);
+        return lag_fail(run, LAG_NO_IMPULSE, -1, 0, lag_impacts_striking(run));
+    if (rounds < MOST_ROUNDS && s->at_once < MOST_AT_ONCE)
+        return LAG_OK;
+    return lag_fail(run, LAG_EVENTS_GO_ON, -1, 0, lag_impacts_striking(run) ? lag_impacts_striking(run) : latest);
 }
 
 int lag_impacts_press(LagRun *run)

@@ -38,6 +38,9 @@ void lag_impacts_reset(LagRun *run);
  * LAG_OK, or a failure where such events do not end. */
 LagStatus lag_impacts_strike(LagRun *run);
 
+/* 1 + the first event whose rates are reset now; 0: none. */
+int lag_impacts_striking(const LagRun *run);
+
 /* At the present state: contacts in switches.turned that no forces hold, since friction presses them further, take the impulse that stops
  * their slip (an impact without a collision). Returns 0 where there is none. */
 int lag_impacts_press(LagRun *run);

@@ -87,7 +87,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
     }
     const int is_bend = lag_switches_enter(run);
     if (run->sliding.jams)
-        return lag_fail(run, LAG_NO_IMPULSE, -1, 0, 0);
+        return lag_fail(run, LAG_NO_IMPULSE, -1, 0, lag_impacts_striking(run));
     if (run->sliding.count > run->methods.table->most_sliding)
         lag_turn_pass(run);
     else if (run->methods.table->begins_low)

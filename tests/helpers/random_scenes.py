@@ -46,7 +46,10 @@ class _Slider:
 
 
 def random_scene(seed: int) -> RandomScene:
-    return _Builder(seed).build(FAMILIES[seed % len(FAMILIES)])
+    """Every fourth of each family has a second part, which does not know of the first."""
+    kind, turn = seed % len(FAMILIES), seed // len(FAMILIES)
+    beside = FAMILIES[(kind + turn // 4) % len(FAMILIES)] if turn % 4 == 3 else None
+    return _Builder(seed).build(FAMILIES[kind], beside)
 
 
 class _Builder:
@@ -69,13 +72,16 @@ class _Builder:
         self.hinges: list[tuple[str, int, int]] = []  # name, body below, body
         self.sliders: list[_Slider] = []
         self.is_uneven = False
+        self.mark = ""  # of names in a part
 
-    def build(self, family: str) -> RandomScene:
+    def build(self, family: str, beside: str | None) -> RandomScene:
         gravity = (self.number(-2, 2), self.number(-10, 2))
         self.lines.append(f"World world(gravity = {{{gravity[0]}, {gravity[1]}}});")
         getattr(self, f"_{family}")()
         if not self.is_uneven:
             self.loads_of_all_kinds()
+            if beside is not None:
+                self.part_beside(beside)
         columns = [(f"{name}.center.{axis}", 3 * k + j) for k, name in enumerate(self.names)
                    for j, axis in enumerate(("x", "y", "phi")) if not (axis == "phi" and k in self.points)]
         equations = ["initial equation", *self.starts] if self.starts else []
@@ -83,6 +89,14 @@ class _Builder:
         system = System(self.m, self.I, gravity, self.ties, self.loads, self.kinks, self.contacts, self.brakes)
         return RandomScene(family, f"{text}\nend Scene;\n", system, np.array(self.x), np.array(self.v),
                            tuple(name for name, _ in columns), tuple(k for _, k in columns), self.is_uneven)
+
+    def part_beside(self, family: str) -> None:
+        self.mark = "_2"
+        for part in (self.frames, self.hinges, self.sliders):
+            part.clear()
+        getattr(self, f"_{family}")()
+        if not self.is_uneven:
+            self.loads_of_all_kinds()
 
     # ---------------------------------------------------------------- numbers
 
@@ -187,7 +201,7 @@ class _Builder:
             stiffness, length, c = self.number(1, 20), self.number(0, 0.3), self.number(0, 0.5)
             if frame.slider is None:
                 at = at[0] + 4, at[1]  # far from its anchor, where a length is smooth
-                self.lines.append(f"SpringDamper p{k}(a = {self.ground(at).name}, b = {frame.name}, k = {stiffness}, "
+                self.lines.append(f"SpringDamper p{k}{self.mark}(a = {self.ground(at).name}, b = {frame.name}, k = {stiffness}, "
                                   f"s_rel0 = {length}, c = {c});")
                 self.loads.append(spring(Point(GROUND, at), frame.point, stiffness, length, c))
         if self.hinges and self.chance(0.5):
@@ -199,7 +213,7 @@ class _Builder:
             self.loads.append(torsion(below, body, stiffness, c))
         if self.chance(0.6):
             frame, size, omega = self.some_frame(), self.number(-5, 5), self.number(1, 6)
-            self.lines.append(f"AppliedForce drive(at = {frame.name}, force = {{{size}*sin({omega}*time), {size}}});")
+            self.lines.append(f"AppliedForce drive{self.mark}(at = {frame.name}, force = {{{size}*sin({omega}*time), {size}}});")
             self.loads.append(push(frame.point, lambda t, r: size * np.array([np.sin(omega * t), 1])))
 
     # ---------------------------------------------------------------- the families
@@ -282,7 +296,7 @@ class _Builder:
             normal, place = (float(np.cos(angle)), float(np.sin(angle))), self.place(frame.point)
             below = self.number(0.05, 0.4)
             at = (float(place[0] - below * normal[0]), float(place[1] - below * normal[1]))
-            self.lines.append(f"Stop c{k}(a = {self.ground(at).name}, b = {frame.name}, "
+            self.lines.append(f"Stop c{k}{self.mark}(a = {self.ground(at).name}, b = {frame.name}, "
                               f"along = {{{normal[0]!r}, {normal[1]!r}}}, e = {e});")
             self.contacts.append(Contact(Along(frame.point, normal, at), e))
 

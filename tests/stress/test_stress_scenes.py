@@ -1,9 +1,8 @@
 """Random scenes of all kinds by every solver, held against bodies in maximal coordinates: no run is silently wrong.
 
-LAGRANGIA_SCENES=10000 asks for that many, as before a release; each wrong run is told with its seed, solver and tolerance.
+`pytest --scenes 10000 tests/stress/test_stress_scenes.py` looks at that many, as before a release, in some hours; each wrong
+run is told with its seed, solver and tolerance.
 """
-
-import os
 
 import pytest
 
@@ -11,8 +10,8 @@ from lagrangia.native.build import find_compiler
 from stress.verdicts import Verdict, look_at_all
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
-FEW, MANY = 24, int(os.environ.get("LAGRANGIA_SCENES", "48"))
-LONG = {26} if MANY <= 48 else set()  # 90 s in its reference
+FEW = 24
+LONG = 26  # 90 s in its reference
 
 
 def _told(verdicts: list[Verdict]) -> list[str]:
@@ -29,7 +28,8 @@ def test_a_few_scenes(first: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("half", [0, 1])
-def test_many_scenes(half: int) -> None:
-    verdicts = look_at_all([seed for seed in range(FEW + half, FEW + MANY, 2) if seed not in LONG])
+def test_many_scenes(half: int, pytestconfig: pytest.Config) -> None:
+    many = pytestconfig.getoption("--scenes")
+    verdicts = look_at_all([seed for seed in range(FEW + half, FEW + many, 2) if seed != LONG or many > 48])
     assert _told(verdicts) == []
     assert sum(verdict.word == "right" for verdict in verdicts) > 0.95 * len(verdicts)

@@ -1,13 +1,14 @@
 """What every solver says of a random scene, held against the reference in maximal coordinates.
 
 A run is right, refused (it ends with a sentence), or wrong: rows further from the reference than the tolerance explains, rods and
-hinges that are open, an energy account that is open. Wrong is what must not be.
+hinges that are open, an energy account that is open, rows that another solver contradicts at the same tolerance. Wrong is
+what must not be.
 """
 
 import tempfile
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import cpu_count
 from pathlib import Path
 
@@ -29,7 +30,6 @@ _EXPLAINED = 300.0  # tolerances, for each size that an error at the start grows
 _REFERENCE = 1e-9  # what the reference itself may err by, likewise
 _APART = 1e-9  # m, of rods and hinges
 _ROUNDING = 2e-15  # of each size, times the ratio of the masses: what a row of rods makes of a last digit
-_LEFT_OUT = ("taylor", "islands")  # of C that is compiled for each scene; solvers of parts
 _OPEN = {("rods", "adams")}  # between masses far apart Adams' methods err by up to a thousand tolerances; auto does not take them
 
 
@@ -57,9 +57,29 @@ def look_at(seed: int, tolerances: tuple[float, ...] = TOLERANCES) -> list[Verdi
         path.write_text(scene.text, encoding="utf-8")
         model = lag.Model(path, outputs=scene.columns)
         model.native = False
-        solvers = [AUTO, *(name for name in applicable(model.scene) if name not in _LEFT_OUT)]
+        solvers = [AUTO, *applicable(model.scene)]
         solvers = [name for name in solvers if (scene.family, name) not in _OPEN or not scene.is_uneven]
-        return [_judge(model, scene, right, growth, solver, tolerance, seed) for solver in solvers for tolerance in tolerances]
+        return [x for tolerance in tolerances for x in _together(model, scene, right, growth, solvers, tolerance, seed)]
+
+
+def _together(model: lag.Model, scene: RandomScene, right: Motion, growth: Array, solvers: list[str], tolerance: float, seed: int
+              ) -> list[Verdict]:
+    """All at one tolerance: each is held against the reference, and against the first."""
+    judged = [_judge(model, scene, right, growth, solver, tolerance, seed) for solver in solvers]
+    first = next((rows for _, rows in judged if rows is not None), np.zeros((0, 0)))
+    size, known = max(1.0, float(np.abs(first).max(initial=0.0))), slice(right.count)
+    bound = 2 * (_EXPLAINED * tolerance + _ROUNDING * _unevenness(scene)) * size * growth[known]
+
+    def compared(verdict: Verdict, rows: Array | None) -> Verdict:
+        apart = 0.0 if rows is None else _largest(np.abs(rows - first).max(axis=1)[known] / bound)
+        return replace(verdict, word="wrong", figure=apart, said="another solver") if apart > 1 else verdict
+
+    return [compared(verdict, rows) if verdict.word == "right" else verdict for verdict, rows in judged]
+
+
+def _unevenness(scene: RandomScene) -> float:
+    """The ratio of masses that are far apart."""
+    return max(scene.system.m) / min(scene.system.m) if scene.is_uneven else 0.0
 
 
 def _growth(scene: RandomScene, right: Motion) -> Array:
@@ -76,17 +96,17 @@ def _growth(scene: RandomScene, right: Motion) -> Array:
 
 
 def _judge(model: lag.Model, scene: RandomScene, right: Motion, growth: Array, solver: str, tolerance: float, seed: int
-           ) -> Verdict:
+           ) -> tuple[Verdict, Array | None]:
+    """With the rows of a run that was not refused."""
     try:
         run = model.simulate(at=[0.0, *TIMES], tolerance=tolerance, solver=solver, max_steps=_MOST_STEPS)
     except RunError as error:
-        return Verdict(seed, scene.family, solver, tolerance, "refused", 0.0, str(error).splitlines()[0][:160])
+        return Verdict(seed, scene.family, solver, tolerance, "refused", 0.0, str(error).splitlines()[0][:160]), None
     got = np.array([run[name] for name in scene.columns]).T[1:]
     if run.statistics.energy_is_open:
-        return Verdict(seed, scene.family, solver, tolerance, "refused", 0.0, run.warnings[0])
+        return Verdict(seed, scene.family, solver, tolerance, "refused", 0.0, run.warnings[0]), None
     count, rows = right.count, right.rows[:, list(scene.picked)]
-    apart = max(scene.system.m) / min(scene.system.m) if scene.is_uneven else 0.0
-    bound = _EXPLAINED * tolerance + _REFERENCE + _ROUNDING * apart
+    bound = _EXPLAINED * tolerance + _REFERENCE + _ROUNDING * _unevenness(scene)
     size = max(1.0, float(np.abs(rows).max(initial=0.0)))
     figures = {"rows": _largest(np.abs(got[:count] - rows).max(axis=1) / (size * growth * bound))}
     state = np.zeros((len(got), len(scene.x0)))
@@ -97,8 +117,8 @@ def _judge(model: lag.Model, scene: RandomScene, right: Motion, growth: Array, s
     stored = max(1e-3, float(np.ptp(account.kinetic)), float(np.ptp(account.potential)), float(np.abs(account.work).max()))
     figures["account"] = _largest(np.abs(account.residual[: count + 1]) / (stored * bound * (growth[-1] if count else np.inf)))
     worst = max(figures, key=lambda name: figures[name])
-    return Verdict(seed, scene.family, solver, tolerance, "wrong" if figures[worst] > 1 else "right", figures[worst],
-                   f"{worst}; {'; '.join(run.warnings)}")
+    word = "wrong" if figures[worst] > 1 else "right"
+    return Verdict(seed, scene.family, solver, tolerance, word, figures[worst], f"{worst}; {'; '.join(run.warnings)}"), got
 
 
 def _largest(values: Array) -> float:

@@ -23,7 +23,8 @@ from lagrangia.dynamics.switches import corners_remain
 from lagrangia.frames.graph import rate_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.dimensions import unit_of
-from lagrangia.language.flat import FlatModel
+from lagrangia.language.events import kept_by
+from lagrangia.language.flat import FlatModel, When
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
 from lagrangia.native.c_code import jet_tape, may_hide, usual_rhs
@@ -214,7 +215,7 @@ def _freedom(kinematics: Kinematics, motion: Motion, constraints: Constraints, i
 def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, object]:
     """As text: the scene outlives the source it points at."""
     model = kinematics.graph.model
-    contacts = [f"the contact {f'of {when.component} ' if when.component else ''}({when.span})" for when in model.whens]
+    contacts = [_called(model, when) for when in model.whens]
     lines = find_idle_lines(kinematics, initial).diagnostics
     found = (*model.warnings, *lines, *find_idle_statements(kinematics.graph, lines).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
@@ -262,3 +263,8 @@ def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> 
             found.append(Parameter(name, variable.unit, value, variable.minimum, variable.maximum, variable.description,
                                    str(variable.span), number, variable.locked, source is not None))
     return tuple(found)
+
+
+def _called(model: FlatModel, when: When) -> str:
+    what = "the contact" if kept_by(model, when) is not None else f"the event '{when.condition.span.text}'"
+    return f"{what} {f'of {when.component} ' if when.component else ''}({when.span})"

@@ -154,12 +154,8 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
     if failure.status is Status.STEP_TOO_SMALL:
         return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; a singularity "
                 "(a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")
-    if failure.status is Status.EVENTS_GO_ON:
-        return (f"the motion cannot be continued beyond t = {failure.time:.9g}: events that reset rates bring each other about "
-                "without end; look at what `when` and reinit make of each other there")
-    if failure.status is Status.NO_IMPULSE:
-        return (f"the motion cannot be continued beyond t = {failure.time:.9g}: contacts and their friction have neither forces "
-                "nor impulses that go together (Painleve's paradox: rigid bodies jam); try less friction, or springs in between")
+    if failure.status in (Status.EVENTS_GO_ON, Status.NO_IMPULSE):
+        return f"the motion cannot be continued beyond t = {failure.time:.9g}: {_of_events(scene, failure)}"
     if failure.status is Status.CONSTRAINTS_OPEN:
         return (f"the constraints do not close at t = {failure.time:.6g}: one is open by {failure.value:.1e} of the motion, near "
                 "a singular position or between masses too uneven for the tolerance; try a smaller one, or another solver")
@@ -170,6 +166,16 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
+
+
+def _of_events(scene: Scene, failure: Failure) -> str:
+    """What does not end or go together, with the place of one of those events: 1 + its number is the failure's value."""
+    first = f", one of them {scene.notes['contacts'][int(failure.value) - 1]}" if failure.value > 0 else ""
+    if failure.status is Status.EVENTS_GO_ON:
+        return (f"events that reset rates bring each other about without end{first}; look at what `when` and reinit make of each "
+                "other there")
+    return (f"contacts and their friction have neither forces nor impulses that go together{first} (Painleve's paradox: rigid "
+            "bodies jam); try less friction, or springs in between")
 
 
 def shortcomings(progress: Progress) -> list[str]:
