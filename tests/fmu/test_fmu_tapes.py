@@ -34,9 +34,9 @@ pytestmark = pytest.mark.skipif(find_fmu(RUNTIME, "2") is None, reason="the run 
 # ---------------------------------------------------------------- digits
 
 
-def steps(path: Path, version: str, code: str) -> list[float]:
+def steps(path: Path, version: str, engine: str) -> list[float]:
     """What thirty steps of Co-Simulation say, and slopes and derivatives of Model Exchange."""
-    one = Instance(path, version, "CoSimulation", code=code).start()
+    one = Instance(path, version, "CoSimulation", engine=engine).start()
     scene = model_of(path).scene
     h = min(scene.stop - scene.start, 3.0) / 30
     names = [column.name for column in (*scene.coordinates, *scene.outputs)]
@@ -45,7 +45,7 @@ def steps(path: Path, version: str, code: str) -> list[float]:
         one.step(scene.start + k * h, h)
         found += [*one.states(), *(one.get(*names))]
     one.free()
-    other = Instance(path, version, "ModelExchange", code=code).start()
+    other = Instance(path, version, "ModelExchange", engine=engine).start()
     knowns = [u.variable.derivative.name for u in other.description.derivatives]
     unknowns = [u.variable.name for u in other.description.derivatives]
     found += [*other.slopes(), *other.forward(unknowns, knowns, [1.0 + k for k in range(len(knowns))])]
@@ -64,7 +64,7 @@ def test_scenes_beside_each_other_do_not_meet() -> None:
     """One library, copied, in one process: each has its own scene; several instances of each."""
     paths = [EXAMPLES / f"{name}.lag" for name in ("double_pendulum", "four_bar", "pendulum")]
     alone = [steps(path, "2", "tape") for path in paths]
-    many = [Instance(path, version, kind, code="tape").start() for path in paths for version in VERSIONS for kind in KINDS]
+    many = [Instance(path, version, kind, engine="tape").start() for path in paths for version in VERSIONS for kind in KINDS]
     assert [steps(path, "2", "tape") for path in paths] == alone
     for instance in many:
         instance.free()
@@ -87,7 +87,7 @@ def test_auto_takes_what_costs_less(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     assert has_tape()
     monkeypatch.setattr("lagrangia.fmu.export.saved_seconds", lambda scene, evaluations: 1.0)
     assert not has_tape()
-    assert has_tape(code="tape")
+    assert has_tape(engine="tape")
     monkeypatch.setattr("lagrangia.fmu.export.has_compiler", lambda: False)
     assert has_tape()
 
@@ -104,8 +104,8 @@ def test_no_compiler_is_needed(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("words", "said"), [
-    (["--code", "tape", "--platforms", FAR], "only this machine's binary runs tapes"),
-    (["--code", "fast"], "there is no code of an FMU 'fast'"),
+    (["--engine", "tape", "--platforms", FAR], "only this machine's binary runs tapes"),
+    (["--engine", "fast"], "there is no engine of an FMU 'fast'"),
 ])
 def test_what_cannot_be_is_refused(words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", str(EXAMPLES / "pendulum.lag"), "--to", "fmu", "-o", str(tmp_path / "x.fmu"), *words]) == 2
@@ -115,7 +115,7 @@ def test_what_cannot_be_is_refused(words: list[str], said: str, tmp_path: Path, 
 def test_without_the_library_a_tape_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("lagrangia.fmu.export.find_fmu", lambda *rest: None)
     with pytest.raises(lag.LagError, match="no library for FMUs came with the package"):
-        model_of(EXAMPLES / "pendulum.lag").export_fmu(tmp_path / "x.fmu", code="tape")
+        model_of(EXAMPLES / "pendulum.lag").export_fmu(tmp_path / "x.fmu", engine="tape")
 
 
 # ---------------------------------------------------------------- files that are not the library's
@@ -250,7 +250,7 @@ def test_own_types_are_those_of_the_standard(version: str) -> None:
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_library_has_the_functions_of_a_compiled_one(version: str) -> None:
-    folders = [unpacked(EXAMPLES / "pendulum.lag", version, code) / "binaries" for code in ("tape", "native")]
+    folders = [unpacked(EXAMPLES / "pendulum.lag", version, engine) / "binaries" for engine in ("tape", "native")]
     found = []
     for folder in folders:
         (file,) = folder.rglob("*.so")

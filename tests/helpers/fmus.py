@@ -18,7 +18,7 @@ from lagrangia.native.prebuilt import find_fmu
 
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 _FOLDER = TemporaryDirectory(prefix="lagrangia-fmus-")
-_CODE = "tape" if find_fmu(data_folder("runtime"), "2") else "native"
+_ENGINE = "tape" if find_fmu(data_folder("runtime"), "2") else "native"
 VERSIONS, KINDS = ("2", "3"), ("CoSimulation", "ModelExchange")
 
 
@@ -27,26 +27,26 @@ def model_of(path: Path) -> lag.Model:
     return lag.load(path)
 
 
-def fmu_of(path: Path, version: str, code: str = _CODE) -> Path:
+def fmu_of(path: Path, version: str, engine: str = _ENGINE) -> Path:
     """For this machine alone, with sources; by the library that comes with the package, where it did."""
-    return _exported(path, version, code)
+    return _exported(path, version, engine)
 
 
-def unpacked(path: Path, version: str, code: str = _CODE) -> Path:
-    return _unpacked(path, version, code)
+def unpacked(path: Path, version: str, engine: str = _ENGINE) -> Path:
+    return _unpacked(path, version, engine)
 
 
 @cache
-def _exported(path: Path, version: str, code: str) -> Path:
-    target = Path(_FOLDER.name) / f"{path.stem}-{abs(hash(path))}-{version}-{code}.fmu"
-    export_fmu(model_of(path), Export(version, platforms=(host_platform() or "host",), code=code), target)
+def _exported(path: Path, version: str, engine: str) -> Path:
+    target = Path(_FOLDER.name) / f"{path.stem}-{abs(hash(path))}-{version}-{engine}.fmu"
+    export_fmu(model_of(path), Export(version, platforms=(host_platform() or "host",), engine=engine), target)
     return target
 
 
 @cache
-def _unpacked(path: Path, version: str, code: str) -> Path:
-    folder = fmu_of(path, version, code).with_suffix("")
-    fmpy.extract(str(fmu_of(path, version, code)), str(folder))
+def _unpacked(path: Path, version: str, engine: str) -> Path:
+    folder = fmu_of(path, version, engine).with_suffix("")
+    fmpy.extract(str(fmu_of(path, version, engine)), str(folder))
     return folder
 
 
@@ -65,16 +65,16 @@ def instance_of(path: Path, version: str, kind: str, name: str = "one") -> "Inst
 class Instance:
     """One instance of an FMU, called in the same words for both versions."""
 
-    def __init__(self, path: Path, version: str, kind: str, name: str = "one", code: str = _CODE, **options: object) -> None:
+    def __init__(self, path: Path, version: str, kind: str, name: str = "one", engine: str = _ENGINE, **options: object) -> None:
         self.version, self.kind = version, kind
-        self.description = fmpy.read_model_description(str(fmu_of(path, version, code)))
+        self.description = fmpy.read_model_description(str(fmu_of(path, version, engine)))
         self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
         interface = self.description.coSimulation if kind == "CoSimulation" else self.description.modelExchange
         module = fmpy.fmi2 if version == "2" else fmpy.fmi3
         cls = getattr(module, f"FMU{version}{'Slave' if kind == 'CoSimulation' else 'Model'}")
         token = self.description.guid or self.description.instantiationToken
         self.fmu = cls(guid=token, modelIdentifier=interface.modelIdentifier,
-                       unzipDirectory=str(unpacked(path, version, code)), instanceName=name)
+                       unzipDirectory=str(unpacked(path, version, engine)), instanceName=name)
         self.fmu.instantiate(**options)
 
     def start(self, values: dict[str, float] | None = None, tolerance: float = 1e-8, begin: float = 0.0) -> "Instance":

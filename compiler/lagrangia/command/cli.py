@@ -392,7 +392,7 @@ def _add_export(parser: argparse.ArgumentParser) -> None:
     add("--fmi", metavar="VERSION", help="of an FMU: 2 (the default), 3 or both")
     add("--kind", metavar="KIND,...", help="of an FMU: Model Exchange (me), Co-Simulation (cs); both by default")
     add("--platforms", metavar="LIST", help="of an FMU's binaries: host (the default), all, or names: x86_64-windows, ...")
-    add("--code", metavar="CODE", help="of an FMU's binary for this machine: tape (no compiler), native, or auto (the default)")
+    add("--engine", metavar="ENGINE", help="of an FMU for this machine: tape (no compiler), native, or auto (the default)")
     add("--sources", action=argparse.BooleanOptionalAction, help="put the C sources into an FMU, by default")
     add("--outputs", metavar="NAME,NAME,...", help="more outputs of an FMU")
     add("--info", action="append", default=[], metavar="NAME=TEXT", help="author, version, copyright, license of an FMU")

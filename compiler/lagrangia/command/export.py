@@ -15,7 +15,7 @@ from lagrangia.command.arguments import (
 from lagrangia.command.scene_export import TARGETS
 
 _WRITTEN = ("modelica", "sympy", "latex")  # with names on paper
-_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "code", "outputs", "info"), ("fmu",)) | {"names": _WRITTEN}
+_MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "engine", "outputs", "info"), ("fmu",)) | {"names": _WRITTEN}
 
 
 def _refuse_idle(options: Namespace) -> None:

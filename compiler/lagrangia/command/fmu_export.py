@@ -20,7 +20,7 @@ from lagrangia.view.statics import tells_reactions
 if TYPE_CHECKING:
     from lagrangia.model import Model
 
-OPTIONS = ("fmi", "kind", "platforms", "sources", "code")  # of export_fmu, under their names there
+OPTIONS = ("fmi", "kind", "platforms", "sources", "engine")  # of export_fmu, under their names there
 
 
 def export_fmu_command(options: Namespace) -> int:

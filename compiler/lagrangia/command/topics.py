@@ -414,7 +414,7 @@ lag simulate X.fmu             runs any FMU, to compare; pip install "lagrangia[
 
 Export. --fmi 2, 3 or both; --kind me,cs (Model Exchange, Co-Simulation; both in one archive); --platforms host, all, or names
 of x86_64-linux (glibc 2.17), aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin; --no-sources; --outputs NAME,...;
---code: what comes with the package for this machine, a library that runs the scene's tape and needs no C compiler (tape), code
+--engine: what comes with the package for this machine, a library that runs the scene's tape and needs no C compiler (tape), code
 compiled for the scene (native), or what costs less in a hundred runs (auto); both have the same digits. Other platforms, or this
 one by its name, are compiled. The library reads the scene from the FMU's resources, whose folder importers tell;
 -p NAME=VALUE other start values; --info author=TEXT, version, copyright, license. Parameters are tunable, derivatives exact,

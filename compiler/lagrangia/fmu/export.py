@@ -37,7 +37,7 @@ from lagrangia.run.rules import FMU_RUNS, Code, Moment, decide
 
 VERSIONS = ("2", "3")
 KINDS = ("me", "cs")
-CODES = ("auto", "tape", "native")
+ENGINES = ("auto", "tape", "native")
 INFO = ("author", "version", "copyright", "license")
 EXTRA = "io.github.lagrangia"  # its folder in extra/
 SCENE = "scene.json"  # in it: which model of which file was exported, and with what
@@ -53,8 +53,8 @@ _UNUSED = ("batch.c", "batch.h", "reduce.c", "reduce.h", "layout.c", "layout.h",
 @dataclass(frozen=True)
 class Export:
     """What is wanted of an FMU. `info`: author, version, copyright, license; `outputs` are among those of the model already;
-    `code`: "tape": this machine's binary is the library that comes with the package, and the scene a file, "native": the scene is
-    compiled, "auto": what costs less time."""
+    `engine`: "tape": this machine's binary is the library that comes with the package, and the scene a file, "native": the scene
+    is compiled, "auto": what costs less time."""
 
     version: str = "2"
     kinds: tuple[str, ...] = KINDS
@@ -62,7 +62,7 @@ class Export:
     sources: bool = True
     parameters: Mapping[str, float] = field(default_factory=dict)
     info: Mapping[str, str] = field(default_factory=dict)
-    code: str = "native"
+    engine: str = "native"
 
 
 @dataclass(frozen=True)
@@ -84,15 +84,15 @@ def export_fmu(model: Exportable, wanted: Export, path: Path, tell: Callable[[st
 
 def export_fmus(
     model: Exportable, path: str | os.PathLike[str] | None, fmi: str | int, kind: str, platforms: str, sources: bool,
-    parameters: Mapping[str, float] | None, info: Mapping[str, str] | None, code: str, tell: Callable[[str], None] | None,
+    parameters: Mapping[str, float] | None, info: Mapping[str, str] | None, engine: str, tell: Callable[[str], None] | None,
 ) -> list[Path]:
     """One archive for each version, from one description of the scene. Raises LagError."""
     versions = VERSIONS if fmi == "both" else read_choice(fmi, VERSIONS, "version of FMI")
     kinds = read_choice(kind, KINDS, "kind of FMU")
     chosen = read_platforms(platforms)
-    (asked,) = read_choice(code, CODES, "code of an FMU")
+    (asked,) = read_choice(engine, ENGINES, "engine of an FMU")
     if asked == "tape" and chosen != (host_platform(),):
-        fail("L0706", "only this machine's binary runs tapes: others are compiled", None, "leave --code or --platforms out")
+        fail("L0706", "only this machine's binary runs tapes: others are compiled", None, "leave --engine or --platforms out")
     if platforms != "host" and asked == "auto":
         asked = "native"  # others are meant, too
     wanted = Export("", kinds, chosen, sources, parameters or {}, _checked_info(info), asked)
@@ -157,17 +157,17 @@ def _shipped(described: FmuModel, wanted: Export) -> dict[str, bytes] | None:
     """The library that came with the package, for this machine's platform; None where the scene is to be compiled. Raises
     LagError L0706 where it was asked for and is not there."""
     host = host_platform()
-    if wanted.code == "native" or host is None or wanted.platforms != (host,):
+    if wanted.engine == "native" or host is None or wanted.platforms != (host,):
         return None
     library = find_fmu(data_folder("runtime"), wanted.version)
     saved = saved_seconds(described.scene, FMU_RUNS * described.evaluations)
     facts = {"is_shipped": library is not None, "saved": saved, "compiling": _BUILDING + compile_seconds(described.scene),
-             "has_compiler": wanted.code == "auto" and has_compiler()}
+             "has_compiler": wanted.engine == "auto" and has_compiler()}
     if decide(Moment.BINARY, facts).takes is Code.TAPE and library is not None:
         return {host: library.read_bytes()}
-    if wanted.code == "tape":
+    if wanted.engine == "tape":
         fail("L0706", "no library for FMUs came with the package: it can only compile them", None,
-             "leave --code out, or install lagrangia where there is a C compiler")
+             "leave --engine out, or install lagrangia where there is a C compiler")
     return None
 
 
