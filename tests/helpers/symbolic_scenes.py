@@ -10,6 +10,7 @@ from lagrangia.paper.equations import Equations, derive
 from lagrangia.paper.symbolic import build_symbolic
 
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
+CLASSROOM = Path(__file__).parents[1] / "cases" / "classroom"
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from helpers.symbolic_scenes import EXAMPLES
+from helpers.symbolic_scenes import CLASSROOM, EXAMPLES
 from lagrangia.command.cli import main
 
 BAR = ["equations", str(EXAMPLES / "suspended_bar.lag"), "--names", "guide.s=x,tilt.phi=theta", "--check"]
@@ -38,6 +38,29 @@ def test_unreadable(equation: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert "error[L0706]" in capsys.readouterr().err
 
 
-def test_constraints_are_not_supported_yet(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["equations", str(EXAMPLES / "slider_crank.lag"), "--check", "piston.m*s'' = 0"]) == 2
-    assert "not supported yet" in capsys.readouterr().err
+# -------------------------------------------------------------------- scenes with constraints
+
+ROLLING = ["equations", str(CLASSROOM / "rolling_with_multiplier.lag"), "--check"]
+CRANK = ["equations", str(EXAMPLES / "slider_crank.lag"), "--check"]
+
+
+@pytest.mark.parametrize(("scene", "equation"), [
+    (ROLLING, "m*(R - r)^2*phi'' + m*g*(R - r)*sin(phi) + (R - r)*lambda = 0"), (ROLLING, "I*theta'' + r*λ = 0"),
+    (ROLLING, "(m + I/r^2)*(R - r)^2*phi'' + m*g*(R - r)*sin(phi) = 0"),  # without its multiplier
+    (ROLLING, "m*(R - r)^2*phi'' + m*g*(R - r)*sin(phi) - (R - r)/r*I*theta'' = 0"),
+    (CRANK, "piston.m*guide.s'' = -λ_1"),
+])
+def test_right_under_constraints(scene: list[str], equation: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*scene, equation]) == 0
+    assert "is an equation of the scene" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("scene", "equation", "told"), [
+    (ROLLING, "(m - I/r^2)*(R - r)^2*phi'' + m*g*(R - r)*sin(phi) = 0", "no equation of the scene"),
+    (ROLLING, "m*(R - r)^2*phi'' + m*g*(R - r)*sin(phi) + R*lambda = 0", "r λ"),
+    (ROLLING, "(R - r)*phi'' + r*theta'' = 0", "from the constraints alone"),
+    (CRANK, "piston.m*guide.s'' = λ_1", "− 2 λ₁"),
+])
+def test_wrong_under_constraints(scene: list[str], equation: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*scene, equation]) == 1
+    assert told in capsys.readouterr().out

@@ -16,7 +16,7 @@ import sympy as sp
 
 import lagrangia as lag
 from helpers.printed_numbers import everything_laid_out
-from helpers.symbolic_scenes import EXAMPLES, derived
+from helpers.symbolic_scenes import CLASSROOM, EXAMPLES, derived
 from lagrangia.command.cli import WRONG, main
 from lagrangia.paper.layout import Bracket, Name, Numeral, Product, Relation, Total, broken
 from lagrangia.paper.notation import Wanted, name_all
@@ -24,7 +24,6 @@ from lagrangia.paper.sheet import ALL_FORMATS, ALL_FORMS
 from lagrangia.paper.typeset import line
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "equations"
-CLASSROOM = Path(__file__).parents[1] / "cases" / "classroom"
 ALL = sorted(EXAMPLES.glob("*.lag"))
 LARGE = ("chain", "scissor_lift")
 SLOW = ("scissor_lift", "andrews_squeezer", "pantograph", "n_four_bars")

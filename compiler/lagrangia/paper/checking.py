@@ -1,11 +1,6 @@
-"""A student's equation against the scene's: whether it follows from Lagrange's equations, by value, and what is amiss.
-
-It follows where its terms of accelerations are a combination r = M^T c of the scene's, with factors c of parameters and
-positions, and the rest is the same combination of what is left of the scene's equations: at random points.
-"""
+"""A student's equation against the scene's: whether it follows from Lagrange's equations, and what is amiss; see follows.py."""
 
 import ast
-import random
 import re
 from collections.abc import Callable, Mapping
 from typing import NoReturn
@@ -15,10 +10,12 @@ import sympy as sp
 from lagrangia.algebra.with_sympy import Expr
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.paper.book import Book
+from lagrangia.paper.follows import Follows, closed_points
 from lagrangia.paper.layout import LETTERS, Name
+from lagrangia.paper.rest_points import Begin
 from lagrangia.paper.typeset import line
 
-_POINTS, _BESIDE = 20, 1e-9
+_BESIDE = 1e-9  # of the scene's equations in it
 _HIGHEST = 20  # of powers
 _DIGITS = str.maketrans("₀₁₂₃₄₅₆₇₈₉²³−", "012345678923-")
 _FUNCTIONS: Mapping[str, Callable[..., Expr]] = {"sin": sp.sin, "cos": sp.cos, "tan": sp.tan, "exp": sp.exp, "log": sp.log,
@@ -28,53 +25,30 @@ _OPERATORS: Mapping[type, Callable[[Expr, Expr], Expr]] = {
     ast.Pow: lambda x, y: x**y}
 
 
-def check_equation(book: Book, text: str) -> tuple[bool, str]:
-    """Whether the equation is the scene's, and what to say.
+def check_equation(book: Book, text: str, begin: Callable[[], Begin]) -> tuple[bool, str]:
+    """Whether the equation is the scene's, and what to say. Points of scenes with constraints lie near their start.
 
-    Raises LagError L0706 for what cannot be read, L0912 for scenes with constraints or whose masses leave M singular.
+    Raises LagError L0706 for what cannot be read or has no value, L0912 where M and J leave accelerations open.
     """
     e = book.equations
-    if e.rows:
-        fail("L0912", "not supported yet: --check of a scene with constraints", e.scene.kinematics.graph.model.span,
-             "write the scene without them: a rolling disc by an equation that is linear")
     mine = _Reader(book).equation(text)
-    scene = [e.ring.tidy(e.left[k] - e.f[k]) for k in range(e.n)]
-    factors = [sp.sympify(mine).diff(a) for a in e.scene.a]
-    if not any(x != 0 for x in factors):
+    scene = [e.ring.tidy(e.left[k] + e.reactions[k] - e.f[k]) for k in range(e.n)]
+    if not any(sp.sympify(mine).diff(x) != 0 for x in (*e.scene.a, *e.multipliers)):
         return False, "No acceleration stands in it: it is no equation of motion."
-    if _follows(book, mine, scene, factors):
-        return True, "It is an equation of the scene: it follows from Lagrange's equations."
-    return False, "\n".join(["It is no equation of the scene.", *_amiss(book, mine, scene, factors)])
+    system = Follows(book, mine, scene)
+    points = closed_points(book, system, begin()) if e.rows else system.points()
+    shares = [system.shares(at) for at in points]
+    if any(x is None for x in shares):
+        return False, "\n".join(["It is no equation of the scene.", *_amiss(book, mine, scene)])
+    if not any(abs(x) > _BESIDE for share in shares if share is not None for x in share):
+        return False, "It follows from the constraints alone: it says nothing of forces."
+    return True, "It is an equation of the scene: it follows from Lagrange's equations."
 
 
-def _follows(book: Book, mine: Expr, scene: list[Expr], factors: list[Expr]) -> bool:
-    """At random points: c from the accelerations, and then nothing is left."""
-    e = book.equations
-    chosen = random.Random(3)
-    rows = [*scene, mine, *factors, *(x for row in e.M for x in row)]
-    free = sorted({y for x in rows for y in sp.sympify(x).free_symbols}, key=str)
-    function = sp.lambdify(free, rows, "math")
-    for _ in range(_POINTS):
-        try:
-            found = function(*(chosen.uniform(0.3, 1.4) for _ in free))
-        except (ValueError, ZeroDivisionError, OverflowError):
-            fail("L0706", "--check: the equation has no value where coordinates and parameters are about 1", None,
-                 "roots of what may be negative, quotients by what may be 0")
-        residuals, here, r = found[: e.n], found[e.n], sp.Matrix(found[e.n + 1 : 2 * e.n + 1])
-        M = sp.Matrix(e.n, e.n, found[2 * e.n + 1 :])
-        if M.rank() < e.n:
-            fail("L0912", "not supported yet: --check of a scene with a coordinate that moves no mass",
-                 e.scene.kinematics.graph.model.span)
-        c = M.T.LUsolve(r)
-        shares = [float(x) * y for x, y in zip(c, residuals, strict=True)]
-        if abs(here - sum(shares)) > _BESIDE * (abs(here) + sum(map(abs, shares))):
-            return False
-    return True
-
-
-def _amiss(book: Book, mine: Expr, scene: list[Expr], factors: list[Expr]) -> list[str]:
+def _amiss(book: Book, mine: Expr, scene: list[Expr]) -> list[str]:
     """Which terms differ from the equation of one coordinate, where the accelerations are those of one."""
     e, tidy = book.equations, book.equations.ring.tidy
+    factors = [sp.sympify(mine).diff(a) for a in e.scene.a]
     for k in range(e.n):
         if e.M[k][k] == 0 or factors[k] == 0:
             continue
@@ -101,6 +75,9 @@ class _Reader:
                 self.known[_plain(source) + "__d" * marks] = x
         for p in scene.parameters:
             self.known.setdefault(_plain(p.name), p.symbol)
+        for x in book.equations.multipliers:
+            for label in _spellings(book.presentation.symbols.names[x]):
+                self.known.setdefault(label, x)
 
     def equation(self, text: str) -> Expr:
         """left - right."""
@@ -113,6 +90,7 @@ class _Reader:
     def _side(self, text: str) -> Expr:
         plain = re.sub(r"([\w\]])²", r"\1**2", text).translate(_DIGITS).replace("^", "**")
         plain = re.sub(r"\b(\w+)\(t\)", r"\1", plain)
+        plain = re.sub(r"\blambda", "λ", plain)  # a word of Python's own
         plain = re.sub(r"([\w\].]+)('+)", lambda m: _plain(m[1]) + "__d" * len(m[2]), plain)
         try:
             tree = ast.parse(plain.strip(), mode="eval").body

@@ -152,7 +152,10 @@ def _book(kinematics: Kinematics, scene: SymbolicScene, request: Request, has_ki
 def checked(path: Path, equation: str, request: Request, model: str | None = None,
             structural: Mapping[str, Any] | None = None) -> tuple[bool, str]:
     """Whether an equation is one of the scene, and what to say of it. Raises LagError as check_equation and written_book do."""
-    return check_equation(written_book(path, request, model, structural), equation)
+    def begin() -> Begin:
+        return start_of(request.parameters, path, model, structural)
+
+    return check_equation(written_book(path, request, model, structural), equation, begin)
 
 
 def page_of(path: Path, request: Request, model: str | None = None, structural: Mapping[str, Any] | None = None
