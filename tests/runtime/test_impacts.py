@@ -440,7 +440,7 @@ def test_what_cannot_have_them_says_so(scene: Write, say: Callable[[lag.Model], 
 
 def test_equations_tell_of_events(scene: Write) -> None:
     told = " ".join(scene(BALL).equations().split())
-    assert "Where − s comes to be positive, s' becomes − e s'" in told
+    assert "where − s comes to be positive, s' becomes − e s'" in told
     assert "Between events: Nothing depends on time and nothing is lost" in told
 
 
