@@ -113,3 +113,5 @@ double lag_conditions_error(const LagRun *run, double unknown)
 {
     return unknown * run->scale.tolerance / (ROUNDINGS * DBL_EPSILON);
 }
+
+double lag_conditions_rounding(const LagRun *run, double error) { return error / run->scale.tolerance * (ROUNDINGS * DBL_EPSILON); }

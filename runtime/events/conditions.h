@@ -27,6 +27,9 @@ void lag_conditions_find_unknown(LagRun *run, double t, const double *y);
 /* What counts as an error of g of one tolerance, by what is unknown of it. */
 double lag_conditions_error(const LagRun *run, double unknown);
 
+/* And back: what of a condition cannot be told, where one tolerance is `error`. */
+double lag_conditions_rounding(const LagRun *run, double error);
+
 /* How far condition i is from changing; negative: it has. */
 static inline double lag_depth(const LagSwitches *s, int i, const double *g) { return s->slides[i] || s->held[i] > 0 ? g[i] : -g[i]; }
 

@@ -20,6 +20,7 @@ static const double NO_TIME = 1e-6; /* of what is left of a run; of a second, wh
 static const double AT_ONCE = 16;  /* times what of a time is rounding: no step is so short */
 static const double LEFT = 1e-6; /* of all that there is: enough to hold */
 static const double OTHER_SPEED = 16; /* times: derivatives by rates are others */
+static const double KNOWN_SLIP = 0.03; /* of a slip */
 static const double JUST = 1e-9; /* of all that holds: where importers look for the place at which it is not enough */
 static const double BEYOND = 2; /* times what a slip has gone back: it stopped */
 static const double COARSE = 20; /* tolerances of an importer: errors of rates that are next to none */
@@ -57,6 +58,13 @@ static double faintest_slip(const LagRun *run, const int *places)
     const double end = lag_min(run->segment_end, run->settings.t_stop), whole = isfinite(end) ? end - run->motion.t : 1;
     const double jump = lag_max(run->sliding.most_jump[places[0]], run->sliding.most_jump[places[1]]);
     return run->scale.tolerance * NO_TIME * whole * jump;
+}
+
+/* That of what is rounding of times. */
+static double late_slip(const LagRun *run, const int *places)
+{
+    const double jump = lag_max(run->sliding.most_jump[places[0]], run->sliding.most_jump[places[1]]);
+    return AT_ONCE * lag_time_resolution(run->motion.t) * jump;
 }
 
 /* The slip of rates that are errors of an importer's steps: their sizes are nominal values then. */
@@ -128,7 +136,7 @@ double lag_cones_kick(LagRun *run, int i)
     const double most = lag_max(KICK * least_slip(run, k), KNOWN * unknown);
     const double slow = lag_max(speed, faintest_slip(run, places));
     const int is_narrow = run->sliding.system.is_narrow[k] && run->impacts.coarse == 0; /* nothing is stiff aside */
-    const double least = run->sliding.leaves[k] || run->impacts.coarse > 0 ? is_narrow ? LITTLE * most : most : 0;
+    const double least = run->sliding.leaves[k] || run->impacts.coarse > 0 ? is_narrow ? lag_max(LITTLE * most, late_slip(run, places)) : most : 0;
     const double kick = lag_max(least, lag_min(slow, most));
     return kick * component(run, i) / hypot(component(run, places[0]), component(run, places[1]));
 }
@@ -165,11 +173,19 @@ void lag_cones_enter(LagRun *run)
         }
 }
 
+/* Errors of rates that count beside a slip: those across it turn the force; but rounding of states and of times does not. */
+static double known_error(const LagRun *run, int k, double speed)
+{
+    const LagSliding *s = &run->sliding;
+    const double rounding = KNOWN * lag_conditions_rounding(run, lag_max(s->error[cone(run, k)[0]], s->error[cone(run, k)[1]]));
+    return lag_max(KNOWN_SLIP * speed, lag_max(rounding, late_slip(run, cone(run, k))));
+}
+
 int lag_cones_look(LagRun *run)
 {
     LagSliding *s = &run->sliding;
     int some = 0;
-    s->stops = INFINITY;
+    s->stops = s->known_error = INFINITY;
     if (run->model->n_cones > 0)
         lag_sliding_rates(run, run->motion.t, run->motion.y);
     for (int k = 0; k < run->model->n_cones; ++k) {
@@ -177,6 +193,8 @@ int lag_cones_look(LagRun *run)
         s->slip[2 * k] = s->g[x];
         s->slip[2 * k + 1] = s->g[y];
         const double speed = hypot(s->g[x], s->g[y]), slows = -(s->g[x] * s->rate[x] + s->g[y] * s->rate[y]) / speed;
+        if (!is_held(run, cone(run, k)))
+            s->known_error = lag_min(known_error(run, k, speed), s->known_error);
         if (is_held(run, cone(run, k)) || !(slows > FAINT * lag_max(s->most_jump[x], s->most_jump[y])))
             continue;
         s->stops = lag_min(run->motion.t + NEAR * speed / slows, s->stops);
@@ -297,18 +315,24 @@ double *lag_cones_mirrored(LagRun *run, double t, const double *q, const double 
     return result;
 }
 
-int lag_cones_turn_round(LagRun *run)
+int lag_cones_have_turned(LagRun *run, double t, const double *y)
 {
-    const LagMotion *m = &run->motion;
     LagSwitches *s = &run->switches;
     const double *slip = run->sliding.slip;
+    const int n = run->model->n;
     int some = 0;
-    if (run->model->n_cones == 0 || m->t - m->t_old <= AT_ONCE * lag_time_resolution(m->t))
-        return 0;
-    lag_conditions_by(run, m->t, m->y, m->y + m->n, s->slope + m->n, s->g_inside, s->rate_inside);
+    lag_conditions_by(run, t, y, y + n, s->slope + n, s->g_inside, s->rate_inside);
     for (int k = 0; k < run->model->n_cones; ++k) {
         const int *places = cone(run, k);
         some |= !is_held(run, places) && slip[2 * k] * s->g_inside[places[0]] + slip[2 * k + 1] * s->g_inside[places[1]] < 0;
     }
     return some;
+}
+
+int lag_cones_turn_round(LagRun *run)
+{
+    const LagMotion *m = &run->motion;
+    if (run->model->n_cones == 0 || m->t - m->t_old <= AT_ONCE * lag_time_resolution(m->t))
+        return 0;
+    return lag_cones_have_turned(run, m->t, m->y);
 }

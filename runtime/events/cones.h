@@ -62,6 +62,9 @@ void lag_cones_note_beyond(LagRun *run);
  * what has turned is mirrored. `size`[n]: of rates. NULL: none has. */
 double *lag_cones_mirrored(LagRun *run, double t, const double *q, const double *v, const double *size);
 
+/* Whether a slip is turned round at a state, since the latest step began. */
+int lag_cones_have_turned(LagRun *run, double t, const double *y);
+
 /* Whether a slip turned round in the latest step, which has passed the place where it stops, though no evaluation has. */
 int lag_cones_turn_round(LagRun *run);
 

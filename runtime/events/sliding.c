@@ -18,6 +18,7 @@
 static const double ENOUGH = 2e-15, FAINT = 1e-5, SLOW = 0.3, MOST_RATIO = 0.9, MANY = 1000, REPEATED = 1e-8, MOST_FORCE = 3;
 static const double MOMENT = 1e-6, DRIFT = 10; /* of a step; of tolerances */
 static const double LEAST = 1e-6; /* change of a share of which accelerations have digits */
+static const double ROUGH = 1e-2; /* rounding of a small rate that is the difference of large ones */
 static const double MOVED = 2; /* times as far from 0 as before an impact: it was moved */
 /* Where equations contradict each other those of contacts, which come first, are kept. */
 static const double EARLY = 0.1;
@@ -111,7 +112,7 @@ void lag_sliding_reset(LagRun *run)
     lag_sliding_forget_impact(run);
     s->latest = s->first = 0;
     s->grows = s->is_lenient = 0;
-    s->stops = INFINITY;
+    s->stops = s->known_error = INFINITY;
     memset(s->beyond, 0, (size_t)run->model->n_cones * sizeof *s->beyond);
     lag_shares_reset(run);
     find_partners(run);
@@ -182,7 +183,7 @@ static int mends(LagRun *run, int count, double share, double most)
         s->state_here[i] = m->y[m->n + i] + share * s->slope_before[i];
     lag_conditions_by(run, m->t, m->y, s->state_here, run->switches.slope + m->n, s->g, s->rate);
     for (int k = 0; k < count; ++k)
-        if (!(fabs(s->g[s->which[k]]) <= (1 + FAINT) * most))
+        if (!(fabs(s->g[s->which[k]]) <= (1 + ROUGH) * most))
             return 0;
     return 1;
 }

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "events/accelerations.h"
+#include "events/cones.h"
 #include "methods/radau.h"
 #include "steps/step.h"
 
@@ -21,6 +22,7 @@ static const double GOAL = 0.001, ROUNDING = 2 * DBL_EPSILON, TIME_ROUNDING = 4 
  * pass because its flight was easy. */
 static const double UNSEEN = 1;
 static const double DIVERGED = 0.99, SLOWER = 0.8, FEWEST_UNITS = 1e-4, MOST_UNITS = 20;
+static const double MOST_LEFT = 1; /* units of error, of what accelerations lack */
 enum { BASE_ITERATIONS = 7, FEWEST_STAGES = 3 };
 
 int lag_radau_most_iterations(const LagRadauTableau *tableau)
@@ -247,12 +249,35 @@ LagConvergence lag_radau_solve(LagRadau *s, LagRun *run, double h, double *short
     return LAG_STAGES_SLOW;
 }
 
+/* Whether accelerations at the stages are those of the step, in units of error. Friction in the plane changes its direction with slips of
+ * next to nothing: iterations with derivatives by slow ones hardly change others, and converge where they are; and there are solutions
+ * with stages beyond the place where a slip turns round. Leaves residuals. */
+static int are_solved(LagRadau *s, LagRun *run, double h)
+{
+    LagMotion *m = &run->motion;
+    const int n = m->n;
+    subtract_slopes(s, n, h);
+    for (int i = 0; i < s->tableau->stages; ++i) {
+        for (int k = 0; k < n; ++k) {
+            m->point[k] = m->y[k] + s->place[i * n + k];
+            m->point[n + k] = m->y[n + k] + s->trial.rate[i * n + k];
+            if (!(fabs(h * s->force[i * n + k]) * s->weight[n + k] <= MOST_LEFT))
+                return 0;
+        }
+        if (lag_cones_have_turned(run, m->t + s->tableau->node[i] * h, m->point))
+            return 0;
+    }
+    return 1;
+}
+
 int lag_radau_finish(LagRadau *s, LagRun *run, double h)
 {
     LagMotion *m = &run->motion;
-    const int n = m->n, n_power = m->size - 2 * n, last = s->tableau->stages - 1;
+    const int n = m->n, n_power = m->size - 2 * n, last = s->tableau->stages - 1, slips = run->sliding.known_error < INFINITY;
     int worst;
-    if (n_power > 0 && !evaluate_stages(s, m, h, &worst)) /* the powers of the last iteration, not of the one before */
+    if ((n_power > 0 || slips) && !evaluate_stages(s, m, h, &worst)) /* the powers of the last iteration, not of the one before */
+        return 0;
+    if (slips && !are_solved(s, run, h))
         return 0;
     s->doubt = 0;
     memcpy(m->sum, s->place + last * n, (size_t)n * sizeof *m->sum);

@@ -36,6 +36,8 @@ double lag_step_aim(const LagRun *run)
 void lag_step_set_units(LagRun *run, double h)
 {
     lag_scale_set_step(&run->scale, h, run->methods.solver == LAG_SOLVER_IMPLICIT && run->sliding.count == 0);
+    if (run->sliding.known_error < INFINITY)
+        lag_scale_know_rates(&run->scale, run->sliding.known_error);
 }
 
 LagStatus lag_step_give_up(LagRun *run, int worst)

@@ -236,3 +236,12 @@ void lag_scale_set_step(LagScale *scale, double h, int is_implicit)
     scale->step = h;
     scale->reach = is_implicit ? 0 : h;
 }
+
+void lag_scale_know_rates(LagScale *scale, double most)
+{
+    double place = 0;
+    for (int i = 0; i < scale->n; ++i)
+        place = lag_max(lag_max(scale->largest[i], scale->size[i]), place);
+    if (place > 0)
+        scale->rate_rounding = lag_min(most / place, scale->rate_rounding);
+}

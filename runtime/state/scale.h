@@ -49,6 +49,9 @@ int lag_scale_at_rest(const LagScale *scale);
 /* Takes notice of how long steps are now; implicit ones are bound by no stability. */
 void lag_scale_set_step(LagScale *scale, double h, int is_implicit);
 
+/* Rates are known to `most` at least, whatever rounding of positions means in so short a step. */
+void lag_scale_know_rates(LagScale *scale, double most);
+
 /* What is smaller counts as 0: numbers end soon below, and with them their digits. */
 #define LAG_SCALE_NOTHING 1e-290
 

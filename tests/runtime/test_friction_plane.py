@@ -256,3 +256,24 @@ def test_the_tip_of_an_arm_is_dry_friction_of_its_joint(solver: str, scene: Writ
 def test_slips_in_the_plane_are_not_left_to_long_steps(scene: Write) -> None:
     with pytest.raises(lag.LagError, match="not supported yet: friction in the plane"):
         scene(puck(COMPONENT, u=1)).simulate(solver="pirk")
+
+
+@pytest.mark.parametrize("solver", ALL)
+def test_a_puck_is_hardly_turned_back(solver: str, scene: Write) -> None:
+    """By 1.02 of its friction: steps of 1e-9 s after the turn were unstable across the slip."""
+    model = scene(puck(COMPONENT, load("-3.06", "-4.08"), u=0.6, v=0.8))
+    along = turning_back(3, 5.1, 1)
+    for tolerance in (1e-6, 1e-10):
+        run = model.simulate(at=[3.0], tolerance=tolerance, solver=solver)
+        place = [run["p.center.x"][0], run["p.center.y"][0]]
+        np.testing.assert_allclose(place, [0.6 * along, 0.8 * along], rtol=0, atol=max(tolerance, 2e-9), err_msg=str(tolerance))
+
+
+def test_implicit_steps_solve_what_is_torn_off(scene: Write) -> None:
+    """Derivatives by slips of next to nothing are without measure: an arm was torn off with 0.124 rad/s."""
+    for at in (0.0, 0.5):
+        model = scene(ARM.format(turning="2[rad/s]*time", torque="8[N.m]*sin(2[rad/s]*time)"))
+        values = [model.simulate(at=[0.5, 1.2, 2.0], tolerance=tolerance, solver=solver, parameters={"at": at})["h.phi"]
+                  for solver, tolerance in (("erk", 1e-12), ("implicit", 1e-8), ("implicit", 1e-6))]
+        np.testing.assert_allclose(values[1], values[0], rtol=0, atol=1e-8)
+        np.testing.assert_allclose(values[2], values[0], rtol=0, atol=1e-6)
