@@ -410,7 +410,7 @@ with parameters=, initial=, inputs=, time=, about=. A linearisation has .M, .C, 
 _FMU = """\
 lag export FILE --to fmu       writes an FMU: the scene with the same C run time and the same functions as `lag simulate`
 lag fmu check X.fmu ...        looks for faults in any FMU, whoever made it
-lag simulate X.fmu             runs any FMU, to compare; pip install "lagrangia[fmu]" brings FMPy, which all but FMUs on tapes need
+lag simulate X.fmu             runs any FMU, to compare; pip install "lagrangia[fmu]" brings FMPy, needed but for FMUs on tapes
 
 Export. --fmi 2, 3 or both; --kind me,cs (Model Exchange, Co-Simulation; both in one archive); --platforms host, all, or names
 of x86_64-linux (glibc 2.17), aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin; --no-sources; --outputs NAME,...;
