@@ -56,6 +56,14 @@ def test_models_that_are_right_run(count: int) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", [10056, 30190, 30219])
+def test_models_that_once_took_too_long_or_ended_in_a_bug(seed: int) -> None:
+    """Long sums on paper, and lengths of too many terms."""
+    told = fuzz("valid", str(seed), "1").splitlines()
+    assert told[-1].endswith(" 0 faults of 0 kinds"), "\n".join(told)
+
+
+@pytest.mark.slow
 def test_no_command_does_what_none_may() -> None:
     told = fuzz("100000", str(150 + int(os.environ.get("LAGRANGIA_FUZZ", "0")))).splitlines()
     assert told[-1].endswith(" 0 faults of 0 kinds"), "\n".join(told)

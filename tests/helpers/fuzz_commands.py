@@ -124,7 +124,7 @@ def random_case(seed: int) -> Case:
 def valid_case(seed: int) -> Case:
     """A model that is right, mostly to be simulated."""
     chance = random.Random(-seed)
-    run = ("simulate", "scene.lag", "--interval", "0.1", "--engine", "tape", "--max-steps", "500000", "-o", "out.csv")
+    run = ("simulate", "scene.lag", "--interval", "0.1", "--engine", "tape", "--max-steps", "100000", "-o", "out.csv")
     return Case(valid_model(seed), run if chance.random() < 0.7 else chance.choice(ORDINARY))
 
 
