@@ -8,7 +8,8 @@
 #include "state/state.h"
 
 static const double PAUSE = 0.05; /* s between two looks at the caller's wish to stop */
-static const double DOUBTFUL = 0.1, MUCH = 100, LITTLE = 1e-9; /* of an account: relative; of tolerances; J that may be rounding */
+/* Of an account: relative; of tolerances; J that may be rounding. */
+static const double DOUBTFUL = 0.1, HOPELESS = 0.5, MUCH = 100, LITTLE = 1e-9;
 enum { STEPS_PER_LOOK = 16, MANY_STEPS = 100 };
 
 struct LagBatch {
@@ -302,7 +303,7 @@ static int is_beyond_doubt(const LagBatch *batch, const LagStatistics *s, double
 {
     const int is_told = s->steps > MANY_STEPS || s->energy_residual > LITTLE;
     return is_told && missed > fmax(DOUBTFUL, MUCH * batch->run->settings.tolerance)
-        && (batch->model->n_power == 0 || rises_from_nothing(batch, s));
+        && (batch->model->n_power == 0 || missed > HOPELESS || rises_from_nothing(batch, s));
 }
 
 static void conclude(LagBatch *batch, LagStatus status, double *results, LagOutcome *outcome)

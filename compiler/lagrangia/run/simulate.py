@@ -21,6 +21,7 @@ from lagrangia.run.solvers import number_of
 _PAUSE, _FIRST = 0.1, 0.02  # seconds between two looks at the clock and the keyboard; before the first one on a tape
 _MANY_STEPS, _MUCH = 100, 100.0
 DOUBTFUL = 0.1  # of all energy: an account that misses by more
+HOPELESS = 0.5  # the same: no errors of integrals alone
 _LITTLE = 1e-9  # J: less may be rounding of energies that cancel
 
 
@@ -183,7 +184,8 @@ def shortcomings(progress: Progress) -> list[str]:
 
     Beside what the run time counted: an energy account that closes MUCH worse than the tolerance shows that errors have added up,
     in runs of many steps (in a few, the rounding of the first state can be all that moves). Where powers are integrated, whose
-    errors do not limit steps, they may be those of the account alone; where that is DOUBTFUL as a whole, so is the motion.
+    errors do not limit steps, they may be those of the account alone; where that is DOUBTFUL as a whole, so is the motion, and
+    where it is HOPELESS the run has failed.
     """
     statistics, tolerance = progress.statistics, progress.experiment.tolerance
     if statistics is None:
@@ -228,9 +230,10 @@ def loss(progress: Progress) -> str:
 
 
 def _is_beyond_doubt(progress: Progress) -> bool:
-    if _missed_energy(progress) <= max(DOUBTFUL, _MUCH * progress.experiment.tolerance):
+    missed = _missed_energy(progress)
+    if missed <= max(DOUBTFUL, _MUCH * progress.experiment.tolerance):
         return False
-    return not progress.has_power or _rises_from_nothing(progress)
+    return not progress.has_power or missed > HOPELESS or _rises_from_nothing(progress)
 
 
 def _rises_from_nothing(progress: Progress) -> bool:
