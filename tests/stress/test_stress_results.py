@@ -98,9 +98,9 @@ def summary(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 def test_what_was_not_reached_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "scene.lag"
     file.write_text(oscillator(potential="s^2/2 + s^4/4"))
-    common = (str(file), "-o", str(tmp_path / "x.csv"), "--interval", "1000")
+    common = (str(file), "-o", str(tmp_path / "x.csv"))
     assert "raised to 1e-14" in summary(capsys, *common, "--stop", "10", "--tolerance", "1e-15", "--interval", "1")
-    long = summary(capsys, *common, "--stop", "50000", "--tolerance", "1e-5", "--solver", "erk")
+    long = summary(capsys, *common, "--interval", "1000", "--stop", "50000", "--tolerance", "1e-5", "--solver", "erk")
     assert "the tolerance 1e-05 was not kept to the end: errors have added up" in long
     short = summary(capsys, *common, "--stop", "10", "--tolerance", "1e-5", "--interval", "1")
     assert "tolerance 1e-05" in short and "was not kept" not in short and "raised" not in short
