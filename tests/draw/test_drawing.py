@@ -1,6 +1,7 @@
 """Scenes as textbooks draw them: what stands in the picture, where, and by which name."""
 
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,6 +17,7 @@ from lagrangia.command.cli import WRONG, main
 from lagrangia.draw.drawing import page_of
 from lagrangia.draw.page import FONT, Page
 from lagrangia.draw.strokes import SHAPES, Given
+from lagrangia.draw.tikz import write_tikz
 from lagrangia.language.figures import WORDS
 from lagrangia.run.request import Request
 
@@ -143,15 +145,32 @@ def test_one_point_is_a_picture(scene: Callable[[str], lag.Model]) -> None:
     assert texts(svg) == ["m"] and "<circle" in svg and "nan" not in svg
 
 
-@pytest.mark.parametrize(("suffix", "head"), [(".svg", b"<svg"), (".png", b"\x89PNG"), (".pdf", b"%PDF")])
+@pytest.mark.parametrize(("suffix", "head"), [(".svg", b"<svg"), (".png", b"\x89PNG"), (".pdf", b"%PDF"),
+                                              (".tex", b"% ")])
 def test_files(suffix: str, head: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["draw", str(EXAMPLES / "pendulum.lag"), "-o", f"x{suffix}", "--at", "0.2"]) == 0
     assert Path(f"x{suffix}").read_bytes().startswith(head)
 
 
+@pytest.mark.parametrize("name", ["suspended_bar", "quarter_car", "slider_crank"])
+def test_tikz_for_latex(name: str, tmp_path: Path) -> None:
+    """As many paths as the SVG has, all labels, and pdflatex reads it where it is installed."""
+    page = page_of(lag.load(EXAMPLES / f"{name}.lag"), Request(), {})
+    text = write_tikz(page)
+    assert text.count("\\draw") == len(page.paths) and text.count("\\node") == len(page.labels) > 2
+    assert text.isascii() and text.count("{") == text.count("}")
+    if shutil.which("pdflatex") is None or not subprocess.run(["kpsewhich", "tikz.sty"], capture_output=True, check=False).stdout:
+        return
+    (tmp_path / "page.tex").write_text(f"\\documentclass{{article}}\\usepackage{{amsmath,tikz}}\n\\begin{{document}}\n{text}"
+                                       "\\end{document}\n", encoding="utf-8")
+    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "page.tex"]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
+    assert run.returncode == 0, run.stdout.decode(errors="replace")[-1500:]
+
+
 @pytest.mark.parametrize(("given", "code"), [
-    (["-o", "x.tex"], "L0918"), (["-o", "x.csv"], "L0004"), (["--at", "soon"], "L0706"), (["--names", "a=b"], "L0711"),
+    (["-o", "x.csv"], "L0004"), (["--at", "soon"], "L0706"), (["--names", "a=b"], "L0711"),
     (["-p", "mass=2"], "L0701"),
 ])
 def test_what_cannot_be_drawn_is_told(given: list[str], code: str, tmp_path: Path, monkeypatch, capsys) -> None:

@@ -413,7 +413,7 @@ def _add_draw(parser: argparse.ArgumentParser) -> None:
     add("--at", metavar="T", help="the time at which it is drawn; the start by default")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
     add("-o", "--output", metavar="FILE",
-        help="the picture (.svg, .pdf, .png; - for the SVG on standard output); by default NAME.svg in this folder")
+        help="the picture (.svg, .pdf, .png, .tex: TikZ; - for the SVG on standard output); by default NAME.svg here")
 
 
 def _add_animate(parser: argparse.ArgumentParser) -> None:

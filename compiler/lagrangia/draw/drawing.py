@@ -13,6 +13,7 @@ from lagrangia.compile.pipeline import Compilation, flatten_file
 from lagrangia.draw.page import Page
 from lagrangia.draw.picture import draw_page
 from lagrangia.draw.svg import write_svg
+from lagrangia.draw.tikz import write_tikz
 from lagrangia.draw.values import States
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import Figure
@@ -23,7 +24,7 @@ from lagrangia.view.trajectory import Trajectory, moments
 if TYPE_CHECKING:
     from lagrangia.run.request import Values
 
-FORMATS = (".svg", ".pdf", ".png")
+FORMATS = (".svg", ".pdf", ".png", ".tex")
 
 
 class Drawable(Protocol):
@@ -76,18 +77,15 @@ def states_of(model: Drawable, run: Trajectory, values: "Values") -> States:
 
 
 def require_picture(path: str | os.PathLike[str]) -> None:
-    """Raises LagError L0004, L0918 for a file whose name ends in no format of drawings."""
-    suffix = Path(path).suffix.lower()
-    if suffix == ".tex":
-        fail("L0918", "not supported yet: drawings as TikZ", None, "LaTeX takes .pdf by \\includegraphics")
-    if suffix not in FORMATS:
+    """Raises LagError L0004 for a file whose name ends in no format of drawings."""
+    if Path(path).suffix.lower() not in FORMATS:
         fail("L0004", f"'{path}' is no drawing that can be written", None, f"its name should end in {', '.join(FORMATS)}")
 
 
 def save_page(page: Page, text: str, path: Path) -> None:
     """Writes the file, as its name ends. Raises LagError L0004 where it cannot be written."""
-    if path.suffix.lower() == ".svg":
-        write_text(path, text)
+    if path.suffix.lower() in (".svg", ".tex"):
+        write_text(path, text if path.suffix.lower() == ".svg" else write_tikz(page))
         return
     from lagrangia.draw.paint import paint_page
 
