@@ -210,7 +210,8 @@ def test_sweeps_are_never_mixed(run: Run) -> None:
     process.communicate()
     before = Path("x.csv.part").read_bytes()
     for change in (("--seed", "1"), ("--tolerance", "1e-7"), ("--stop", "39"), ("-p", "world.gravity={0,-9.8}")):
-        code, said = run(*LONG[1:], *change, "-o", "x.csv")
+        kept = [x for k, x in enumerate(LONG[1:]) if change[0] == "-p" or change[0] not in (x, LONG[k])]
+        code, said = run(*kept, *change, "-o", "x.csv")
         assert code == 2 and "belongs to another sweep" in said, change
     assert Path("x.csv.part").read_bytes() == before
     code, said = run(*LONG[1:6], "-p", "L=1", "--samples", "3", "--stop", "1", "--restart", "-o", "x.csv")

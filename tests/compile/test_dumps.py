@@ -30,7 +30,7 @@ def test_each_phase_is_as_it_was(scene: tuple[str, lag.Model], phase: str, compa
 
 
 def test_no_golden_file_is_left_over() -> None:
-    found = {path.relative_to(GOLDEN) for path in GOLDEN.rglob("*.txt") if path.parent.name != "equations"}  # test_equations.py's
+    found = {path.relative_to(GOLDEN) for path in GOLDEN.rglob("*.txt") if "equations" not in path.parts}  # of tests/paper
     assert found == {Path(s, f"{p}.txt") for s in SCENES for p in PHASES}
 
 
