@@ -17,9 +17,10 @@ from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
 from lagrangia.run.prepared import PreparedRun
 from lagrangia.run.request import Request, Values, check_values, plan
-from lagrangia.run.scene import Scene
+from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
+from lagrangia.view.run_pictures import Sight, known_column
 from lagrangia.view.trajectory import Trajectory, collect, moments
 
 if TYPE_CHECKING:
@@ -157,7 +158,8 @@ class Model:
         except KeyboardInterrupt:  # between two portions
             progress.interrupted = True
         trajectory = Trajectory(suited.scene, collect(suited.scene, kept), progress,
-                                suited.observer(np.array(progress.parameters), values), partial(suited._animate, values))
+                                suited.observer(np.array(progress.parameters), values), partial(suited._animate, values),
+                                suited.sight(values))
         if failure is not None:
             failure.trajectory = trajectory
             raise failure
@@ -322,6 +324,21 @@ class Model:
         labels, function = observer(compilation.kinematics, compilation.motion, compilation.constraints, (name,))
         found = np.array(function(*moments(self.scene, parameters, values, rows)))
         return found[0] if len(labels) == 1 else found.T
+
+    def sight(self, values: Values) -> Sight:
+        """What pictures of a run with these values ask of the model."""
+        return Sight(self._columns_of, partial(self._small_run, values))
+
+    def _columns_of(self, name: str) -> tuple[Column, ...]:
+        from lagrangia.compile.scenes import columns_of
+
+        known = known_column(self.scene, name)
+        return (known,) if known is not None else columns_of(self.compilation.kinematics, name)
+
+    def _small_run(self, values: Values, rows: "np.ndarray", names: Sequence[str]) -> "dict[str, np.ndarray]":
+        from lagrangia.study.small_run import small_run
+
+        return small_run(self.compilation, values, rows, names)
 
     def __reduce__(self) -> "tuple[Any, ...]":
         """Pickled as what it was loaded from: where it is unpickled, the file must be there."""

@@ -23,12 +23,14 @@ simulate --plot p.svg --plot-quantities y,y
 sweep -p m=1,2 -p m=3; sweep --outputs y,final(y); sweep -u u=0 -u u=1; explain -p m=1 -p m=2; equations -p m=1 -p m=2
 equations --form worked --sections kinetic,kinetic; modes -p m=1 -p m=2; linearize --from u,u; linearize --to y,y
 export --to fmu --info author=x --info author=y; export --to fmu --outputs y,y; draw --initial b.s=1 --initial b.s=2
-animate --trace b.center,b.center; animate --curves y,y"""
+animate --trace b.center,b.center; animate --curves y,y; simulate --plot p.svg --spectrum y,y
+simulate --plot p.svg --beside m=1,m=2; simulate --plot p.svg --overlay u.csv --overlay u.csv"""
 IDLE = """simulate --at 0,1 --interval 0.1; simulate --plot-quantities y; simulate --stats --quiet; simulate --dump flat --stop 3
 simulate --dump flat -o x.csv; simulate --solver casadi:cvodes --engine tape; simulate --solver casadi:cvodes --max-step 0.1
 simulate --solver linear --max-step 0.1; equations --about b.s=1; equations --level short; equations --sections kinetic
 equations --first-letter f; equations --check b.s=0 --format latex; response --at 1,2 --range 1:10; response --at 1 --points 30
-export --to python --force"""
+export --to python --force; simulate --spectrum y; simulate --section y; simulate --overlay u.csv; simulate --linear
+simulate --beside m=2"""
 OTHERS = {"simulate --outputs ,": "names nothing", "simulate --allow L9999": "no warning 'L9999'",
           "sweep -p m=1,2 --seed 3": "random",
           "sweep -p m=1,2 --sampling lhs": "random", "sweep -p m=1,2 --together": "side by side"}

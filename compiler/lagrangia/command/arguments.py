@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.base.diagnostics import WARNINGS, fail
-from lagrangia.base.result_files import keep_apart, open_with_care, require_kind
+from lagrangia.base.result_files import keep_apart, require_kind
+from lagrangia.base.tables import read_table
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
 from lagrangia.run.request import Request
@@ -200,28 +201,6 @@ def read_inputs(given: list[str], scene: Any) -> Any:
     return times, columns | {name: [value] * len(times) for name, value in constants.items()}
 
 
-def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
-    """A CSV file with a line of names, one of them time. Raises LagError L0703."""
-    try:
-        with open(path, newline="", encoding="utf-8", opener=open_with_care) as stream:
-            rows = [row for row in csv.reader(stream) if row]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        fail("L0703", f"the table '{path}' cannot be read: {getattr(error, 'strerror', None) or error}")
-    if len(rows) < 2 or "time" not in [cell.strip() for cell in rows[0]]:
-        fail("L0703", f"the table '{path}' needs a line of names, one of them time, and at least one row")
-    names = [cell.strip() for cell in rows[0]]
-    columns: dict[str, list[float]] = {name: [] for name in names}
-    for number, row in enumerate(rows[1:], 2):
-        if len(row) != len(names):
-            fail("L0703", f"{path}:{number} has {len(row)} cells, not {len(names)}")
-        for name, cell in zip(names, row, strict=True):
-            try:
-                columns[name].append(float(cell))
-            except ValueError:
-                fail("L0703", f"{path}:{number}: '{cell}' is no number")
-    return columns.pop("time"), columns
-
-
 # -------------------------------------------------------------------- where results go
 
 
@@ -253,5 +232,5 @@ def keep_foreign(options: Namespace, target: str, names: Sequence[str]) -> None:
 
 def keep_inputs(options: Namespace, *targets: str | Path | None) -> None:
     """Raises LagError L0004 where a result would take the place of the model or of a table that is read."""
-    tables = input_tables(getattr(options, "input", []))
+    tables = [*input_tables(getattr(options, "input", [])), *getattr(options, "overlay", [])]
     keep_apart([*targets, getattr(options, "plot", None)], [options.file, *tables])

@@ -269,7 +269,13 @@ def _add_simulate(parser: argparse.ArgumentParser) -> None:
     add("--reactions", action="store_true", help="report the force and torque of every joint and tie")
     add("-o", "--output", metavar="FILE", help="the result (FILE.csv; - for standard output); by default NAME.csv in this folder")
     add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
-    add("--plot-quantities", metavar="NAME,NAME,...", help="what the picture shows; all coordinates by default")
+    add("--plot-quantities", metavar="NAME,...",
+        help="what the picture shows, over time, or one against another (theta:theta'); all coordinates by default")
+    add("--spectrum", metavar="NAME,...", help="amplitudes over frequency in the picture")
+    add("--section", metavar="NAME[=VALUE]", help="the picture shows the states in which this rises through 0, or the value")
+    add("--overlay", action="append", default=[], metavar="FILE.csv", help="a table beside the run in the picture: a measurement")
+    add("--beside", action="append", default=[], metavar="NAME=VALUE,...", help="another run in the picture, with these values")
+    add("--linear", action="store_true", help="small motion beside the run in the picture")
     add("--solver", default="auto", metavar="NAME", help="auto, erk, erk5, linear, implicit, ...; see `lag help solver`")
     add("--engine", choices=("auto", "native", "tape"), default="auto",
         help="compiled, interpreted, or (auto) what costs less time; the reckoning is shown by --stats")

@@ -12,13 +12,13 @@ from typing import Any
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, quoted
+from lagrangia.base.tables import read_table
 from lagrangia.command.arguments import (
     asked,
     assignments,
     input_tables,
     names_once,
     prepare_target,
-    read_table,
 )
 from lagrangia.fmu.description import Description
 from lagrangia.fmu.process import SPOKEN, Inputs
@@ -28,10 +28,12 @@ from lagrangia.language.values import read_value
 from lagrangia.view.curves import draw
 
 # Options of `lag simulate` that only a model has a meaning for, and their usual values.
-_ONLY_MODELS = {"model": (None, "the FMU is one model"), "reactions": (False, "what it reports is in its description: --outputs"),
+_ONLY_MODELS: dict[str, tuple[Any, str]] = {"model": (None, "the FMU is one model"),
+                "reactions": (False, "what it reports is in its description: --outputs"),
                 "solver": ("auto", "an FMU for Co-Simulation has its own, Model Exchange is integrated by CVode"),
                 "engine": ("auto", "an FMU is compiled"), "max_step": (0.0, "--interval sets the communication step"),
-                "max_steps": (0, ""), "dump": (None, "it has no phases")}
+                "max_steps": (0, ""), "dump": (None, "it has no phases"), "spectrum": (None, ""), "section": (None, ""),
+                "overlay": ([], ""), "beside": ([], ""), "linear": (False, "its equations are not known")}
 
 
 def simulate_fmu_command(options: Namespace) -> int:

@@ -22,13 +22,14 @@ from lagrangia.command.arguments import (
     tell_warnings,
     values_with_units,
 )
+from lagrangia.command.run_picture import Planned, draw_picture, plan_picture
 from lagrangia.command.summary import summarise, tell_assembly, tell_moved, tell_reactions
 from lagrangia.model import NO_COMPILER, Model
 from lagrangia.run.request import Experiment, check_values, plan
 from lagrangia.run.scene import ALL_REACTIONS
 from lagrangia.run.simulate import Progress, loss
 from lagrangia.view.statics import tells_reactions
-from lagrangia.view.trajectory import ENERGIES, CsvWriter, EmptyCells, columns, csv_lines, csv_names
+from lagrangia.view.trajectory import ENERGIES, CsvWriter, EmptyCells, Trajectory, collect, columns, csv_lines, csv_names
 
 _BAR_AFTER = 2.0  # seconds
 
@@ -56,10 +57,11 @@ def simulate_command(options: Namespace) -> int:
     request = asked(options, open_parameters(scene, given), initial, read_inputs(options.input, scene))
     experiment = plan(scene, request)
     values = check_values(scene, request.parameters, request.initial, request.inputs)
+    picture = plan_picture(options, model, request)
     tell_warnings(options, model)
     tell_inputs(options, model, experiment, request.inputs)
     compiled = time.perf_counter() - begin
-    return _run(options, model, experiment, values, compiled, target)
+    return _run(options, model, experiment, values, compiled, target, picture)
 
 
 def _load(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
@@ -80,7 +82,8 @@ def _without_repeated(options: Namespace, model: Model, given: list[tuple[str, s
     return model if kept == model.outputs else load_model(options, given, kept)
 
 
-def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, compiled: float, target: str) -> int:
+def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, compiled: float, target: str,
+         picture: Planned | None) -> int:
     scene = model.scene
     begin = time.perf_counter()
     if model.falls_back(options.solver) and not options.quiet:
@@ -98,15 +101,16 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
                 writer(portion)
                 first = first or portion[: 1 + 2 * scene.n]
                 last = portion[-len(columns(scene)) - ENERGIES :]
-                if options.plot is not None:
+                if picture is not None:
                     keep.append(portion)
         except RunError as error:
             failure = error
         except KeyboardInterrupt:  # while rows were written
             progress.interrupted = True
     bar.close()
-    if options.plot is not None:
-        _plot(options, model, progress, keep, values)
+    undrawn = None
+    if picture is not None and progress.rows:
+        undrawn = draw_picture(options, picture, model, _trajectory(model, progress, keep, values))
     if not options.quiet:
         summarise(options, model, progress, target, compiled, loaded)
         tell_assembly(scene, experiment, first, sys.stdout if target != "-" else sys.stderr)
@@ -115,16 +119,18 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     if progress.interrupted:
         print(f"interrupted at t = {progress.time:.6g}; the {progress.rows} rows before are kept", file=sys.stderr)
         return INTERRUPTED
-    _raise_failure(failure, progress, target)
+    _raise_failure(failure, progress, target, undrawn)
     return 0
 
 
-def _raise_failure(failure: RunError | None, progress: Progress, target: str) -> None:
-    """Raises RunError for a run that stopped, and for one that went on beyond all sense."""
+def _raise_failure(failure: RunError | None, progress: Progress, target: str, undrawn: RunError | None) -> None:
+    """Raises RunError for a run that stopped, for one that went on beyond all sense, and for what a picture lacks."""
     if failure is not None:
         raise RunError(f"{failure}\n{progress.rows} rows before it are kept in {target}")
     if why := loss(progress):
         raise RunError(f"{why}\nthe rows are kept in {target}")
+    if undrawn is not None:
+        raise undrawn
 
 
 class _writer:
@@ -156,14 +162,11 @@ class _writer:
             print(f"warning: {text}", file=sys.stderr)
 
 
-def _plot(options: Namespace, model: Model, progress: Progress, rows: list[Sequence[float]], values: Any) -> None:
+def _trajectory(model: Model, progress: Progress, rows: list[Sequence[float]], values: Any) -> Trajectory:
     import numpy as np
 
-    from lagrangia.view.trajectory import Trajectory, collect
-
     observer = model.observer(np.array(progress.parameters), values)
-    trajectory = Trajectory(model.scene, collect(model.scene, rows), progress, observer)
-    trajectory.plot(*names_once(options.plot_quantities, "--plot-quantities"), path=options.plot)
+    return Trajectory(model.scene, collect(model.scene, rows), progress, observer, sight=model.sight(values))
 
 
 class _Bar:

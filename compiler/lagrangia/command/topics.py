@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.folders import data_folder
+from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
 
 _LANGUAGE = """\
@@ -447,6 +448,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "functions": ("mathematical functions, sources in time, your own functions", lambda: _FUNCTIONS),
     "events": ("events that reset rates: impacts, contacts, kicks", lambda: _EVENTS),
     "drawing": ("how components look: the drawing section", drawing_topic),
+    "curves": ("pictures of runs: curves, phase portraits, spectra, sections", curves_topic),
     "units": ("units and dimensions", lambda: _UNITS),
     "solver": ("how a scene is run, tolerance, cache, environment", lambda: _SOLVER),
     "sweep": ("many runs: values, measures, failures, going on, clusters", lambda: _SWEEP),

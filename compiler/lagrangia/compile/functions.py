@@ -271,6 +271,11 @@ def observer(
     return labels, observer_of(kinematics, motion, constraints, y)
 
 
+def elements_of(kinematics: Kinematics, name: str) -> tuple[str, ...]:
+    """The names of the elements of a quantity; its own of a scalar. Raises LagError L0701."""
+    return _outputs(kinematics, (name,))[0]
+
+
 def observer_of(kinematics: Kinematics, motion: Motion, constraints: Constraints, y: ca.SX) -> ca.Function:
     """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p."""
     y = _solved(with_reactions(ca.substitute(y, kinematics.symbols.tau, ca.SX(1)), kinematics, motion, constraints), motion)

@@ -9,7 +9,7 @@ import casadi as ca
 
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
-from lagrangia.compile.functions import Functions, build_island_functions
+from lagrangia.compile.functions import Functions, build_island_functions, elements_of
 from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.parameters import scalars
@@ -247,6 +247,11 @@ def _units(model: FlatModel, name: str) -> tuple[str, str, str]:
     if variable is not None:
         return variable.unit, variable.display_unit, variable.description
     return unit_of(model, observe(model, name)), "", ""
+
+
+def columns_of(kinematics: Kinematics, name: str) -> tuple[Column, ...]:
+    """The elements of any quantity, as columns of results. Raises LagError L0701."""
+    return tuple(Column(label, *_units(kinematics.graph.model, label)) for label in elements_of(kinematics, name))
 
 
 def _parameters(model: FlatModel, kind: str, compiled_in: Mapping[str, Any]) -> tuple[Parameter, ...]:

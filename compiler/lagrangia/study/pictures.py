@@ -2,6 +2,7 @@
 
 import math
 import os
+from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ _COLUMNS = 3
 _COILS, _COIL_WIDTH = 7, 0.03
 _MOST_NAMES = 24
 _MOST_INSIDE = 4  # curves, named in the panel itself
+_MOST_MARKED, _APART = 30, 1.03  # resonances; ratio of two that are told from each other
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,7 @@ class Curves:
     frequencies: Vector
     magnitude: Vector
     phase: Vector
+    resonances: Mapping[tuple[int, int], tuple[float, ...]]  # Hz, by the places of output and input
 
 
 def draw_modes(modes: Shapes, path: str | os.PathLike[str] | None = None, first: int = _MOST_DRAWN) -> Any:
@@ -168,6 +171,7 @@ def draw_bode(response: Curves, path: str | os.PathLike[str] | None = None) -> A
         for panel in panels[:, j]:
             panel.grid(True, which="both", alpha=0.2)
             panel.margins(x=0)
+        _mark(panels[:, j], sorted(x for (_, of), peaks in response.resonances.items() if of == j for x in peaks))
         if len(response.labels) <= _MOST_INSIDE:
             panels[0, j].legend(frameon=False, fontsize=8)
     if len(response.labels) > _MOST_INSIDE:
@@ -176,6 +180,19 @@ def draw_bode(response: Curves, path: str | os.PathLike[str] | None = None) -> A
     if path is not None:
         save(figure, Path(path))
     return figure
+
+
+def _mark(panels: Any, resonances: Sequence[float]) -> None:
+    """Lines through magnitude and phase; one of several that are nearly the same."""
+    before = 0.0
+    for frequency in resonances[:_MOST_MARKED]:
+        if frequency < _APART * before:
+            continue
+        for panel in panels:
+            panel.axvline(frequency, color="0.4", linewidth=0.8, linestyle=":")
+        panels[0].annotate(f"{frequency:.4g} Hz", (frequency, 0.0), xycoords=("data", "axes fraction"), xytext=(2, 4),
+                           textcoords="offset points", rotation=90, fontsize=7, color="0.3", va="bottom")
+        before = frequency
 
 
 def _quarter_turns(phase: Vector) -> Any:

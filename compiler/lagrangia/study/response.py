@@ -4,7 +4,8 @@
 """
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,8 @@ _AROUND_PEAK = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 _LEAST_DAMPING = 1e-5
 _MOST_PEAKS = 60
 _OPPOSITE = 1e-12
+_REACH, _LOOKS = 3.0, 12  # damping ratios beside a natural frequency, where its peak is looked for, at so many places a side
+_SAME = 1e-3  # of a frequency: two peaks are one
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,19 @@ class Response:
         angle = np.angle(self.values)
         angle = np.where(angle > np.pi - _OPPOSITE, angle - 2 * np.pi, angle)  # what is opposed to the input lags by 180 degrees
         return np.asarray(np.degrees(np.unwrap(angle, axis=0)))
+
+    @cached_property
+    def resonances(self) -> Mapping[tuple[int, int], tuple[float, ...]]:
+        """Hz, by the places of output and input: the peaks of magnitude beside natural frequencies, in the range looked at."""
+        low, high = float(self.frequencies.min(initial=np.inf)), float(self.frequencies.max(initial=0.0))
+        sizes_at = cache(lambda f: np.abs(transfer(self.linearization, 2 * np.pi * f)))
+        found: dict[tuple[int, int], list[float]] = {(i, j): [] for _, _, i, j in self.pairs()}
+        for near, width in _vibrations(self.linearization):
+            for (i, j), peaks in found.items():
+                peak = _peak(sizes_at, (i, j), near, width)
+                if peak is not None and low <= peak <= high and all(abs(peak - x) > _SAME * peak for x in peaks):
+                    peaks.append(peak)
+        return {pair: tuple(sorted(peaks)) for pair, peaks in found.items()}
 
     def of(self, output: str, input: str | None = None) -> NDArray[np.complex128]:
         """(frequencies,) of one pair; the first input by default."""
@@ -81,7 +97,8 @@ class Response:
         from lagrangia.study.pictures import Curves, draw_bode
 
         labels = tuple(tuple(f"{y} [{self.unit(i, j)}]" for j in range(len(self.inputs))) for i, y in enumerate(self.outputs))
-        return draw_bode(Curves(self.name, self.inputs, labels, self.frequencies, self.magnitude, self.phase), path)
+        curves = Curves(self.name, self.inputs, labels, self.frequencies, self.magnitude, self.phase, self.resonances)
+        return draw_bode(curves, path)
 
 
 def ratio_unit(upper: str, lower: str) -> str:
@@ -117,6 +134,25 @@ def transfer(linear: Linearization, omega: float) -> NDArray[np.complex128]:
     except np.linalg.LinAlgError:
         return np.full((len(linear.outputs), len(linear.excitations)), np.inf, dtype=complex)
     return np.asarray(linear.output @ z + linear.D @ w)
+
+
+def _vibrations(linear: Linearization) -> list[tuple[float, float]]:
+    """Natural frequencies, Hz, and damping ratios of those that are damped little enough for a peak."""
+    s = linear.eigenvalues
+    oscillating = s[s.imag > 1e-6 * float(np.abs(s).max(initial=0.0))][:_MOST_PEAKS]
+    ratios = [(abs(x) / (2 * np.pi), max(-x.real / abs(x), _LEAST_DAMPING)) for x in oscillating]
+    return [(f, zeta) for f, zeta in ratios if 2 * zeta**2 < 1]
+
+
+def _peak(sizes_at: Callable[[float], Matrix], pair: tuple[int, int], near: float, width: float) -> float | None:
+    """Where it is largest within some widths, if not at their ends; looked for twice, the second time closely."""
+    for reach in (_REACH * width, _REACH * width / _LOOKS):
+        around = np.geomspace(near / (1 + reach), near * (1 + reach), 2 * _LOOKS + 1)
+        best = int(np.argmax(np.nan_to_num([sizes_at(float(f))[pair] for f in around], nan=np.inf)))
+        if best in (0, 2 * _LOOKS):
+            return None
+        near = float(around[best])
+    return near
 
 
 def _grid(linear: Linearization, span: tuple[float, float] | None, points: int) -> Matrix:

@@ -1,6 +1,5 @@
-"""Curves over time as a picture; matplotlib is imported here and nowhere else."""
+"""Panels as a picture; matplotlib is imported here and nowhere else in this room."""
 
-import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,13 +8,20 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import Target
 from lagrangia.run.scene import Column
+from lagrangia.view.plots import FREQUENCY, TIME, Line, Pair, Panel, Series, Wanted, build_picture
 
 if TYPE_CHECKING:
     import numpy as np
 
-_DEGREE = 180.0 / math.pi
 _FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".webp")
 _MOST_IN_LEGEND = 12
+_FAINTEST = 1e-5  # amplitude that a spectrum shows, of its largest
+_STYLES: dict[str, dict[str, Any]] = {
+    "line": {"linewidth": 1.2},
+    "dashed": {"linewidth": 1.2, "linestyle": (0, (5, 2))},
+    "dots": {"linestyle": "none", "marker": "o", "markersize": 3.5, "markerfacecolor": "none"},
+    "points": {"linestyle": "none", "marker": ".", "markersize": 4},
+}
 
 
 def require_format(path: str | os.PathLike[str]) -> None:
@@ -26,28 +32,33 @@ def require_format(path: str | os.PathLike[str]) -> None:
 
 def draw(title: str, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndarray]]",
          path: str | os.PathLike[str] | None = None) -> Any:
-    """One panel a unit, angles in degrees when the quantity is shown so; returns the matplotlib Figure.
+    """Quantities over time, one panel a unit, angles in degrees when the quantity is shown so; returns the matplotlib Figure.
 
     Raises LagError L0004 when the picture cannot be written.
     """
+    columns = {column.name: column for column, _ in curves}
+    values = {column.name: x for column, x in curves}
+    wanted = Wanted(tuple(Pair("", name) for name in columns))
+    return draw_panels(title, build_picture([Series("", time, values.get)], wanted, columns.__getitem__).panels, path)
+
+
+def draw_panels(title: str, panels: Sequence[Panel], path: str | os.PathLike[str] | None = None) -> Any:
+    """One below the other, those over time with one time axis; returns the matplotlib Figure. Raises LagError L0004."""
     from matplotlib.figure import Figure
 
     if path is not None:
         require_format(path)
-    panels: dict[str, list[tuple[Column, Any]]] = {}
-    for column, values in curves:
-        panels.setdefault(column.display_unit or column.unit, []).append((column, values))
-    figure = Figure(figsize=(8, 1.2 + 2.4 * max(1, len(panels))), layout="constrained")
-    axes = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]
-    for axis, (unit, members) in zip(axes, panels.items(), strict=False):
-        for column, values in members:
-            axis.plot(time, values * (_DEGREE if unit.startswith("deg") else 1.0), label=column.name, linewidth=1.2)
-        axis.set_ylabel(f"{_what(members)} [{unit}]" if unit else _what(members))
-        axis.grid(True, alpha=0.3)
-        axis.margins(x=0)
-        if 1 < len(members) <= _MOST_IN_LEGEND:
-            axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
-    axes[-1].set_xlabel("time [s]")
+    heights = [2.4 if panel.axis in (TIME, FREQUENCY) else 4.2 for panel in panels] or [2.4]
+    figure = Figure(figsize=(8, 1.2 + sum(heights)), layout="constrained")
+    axes = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
+    shared: dict[str, Any] = {}
+    for k, (axis, panel) in enumerate(zip(axes, panels, strict=False)):
+        _fill(axis, panel)
+        if panel.axis in (TIME, FREQUENCY):
+            axis.sharex(shared.setdefault(panel.axis, axis)) if panel.axis in shared else shared.setdefault(panel.axis, axis)
+        is_last = k + 1 == len(panels) or panels[k + 1].axis != panel.axis or panel.axis not in shared
+        axis.set_xlabel(panel.x_label if is_last else "")
+        axis.tick_params(labelbottom=is_last)
     axes[0].set_title(title, fontsize=11, wrap=True)
     take_literally(figure)
     if path is not None:
@@ -55,16 +66,33 @@ def draw(title: str, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndar
     return figure
 
 
+def _fill(axis: Any, panel: Panel) -> None:
+    for line in panel.lines:
+        _draw_line(axis, line)
+    axis.set_ylabel(panel.y_label)
+    axis.grid(True, alpha=0.3)
+    if panel.axis in (TIME, FREQUENCY):
+        axis.margins(x=0)
+    largest = max((float(line.y.max()) for line in panel.lines), default=0.0) if panel.axis == FREQUENCY else 0.0
+    if largest > 0:
+        axis.set_yscale("log")
+        axis.set_ylim(_FAINTEST * largest, 2 * largest)
+    if 1 < len(panel.lines) <= _MOST_IN_LEGEND:
+        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=8)
+
+
+def _draw_line(axis: Any, line: Line) -> None:
+    # a label that begins with _ is none to matplotlib: a space of no width before it keeps the name
+    label = f"\u200b{line.label}" if line.label.startswith("_") else line.label
+    axis.plot(line.x, line.y, label=label, color=f"C{line.rank % 10}", **_STYLES[line.kind])
+
+
 def take_literally(figure: Any) -> None:
-    """Names are text: a dollar in them begins no formula."""
-    from matplotlib.text import Text
-
-    for text in figure.findobj(Text):
-        text.set_parse_math(False)
-
-
-def _what(members: list[tuple[Column, Any]]) -> str:
-    return members[0][0].name if len(members) == 1 else ""
+    """Titles and names are text: a dollar in them begins no formula. Numbers along axes are matplotlib's own."""
+    for axis in figure.axes:
+        legend = axis.get_legend()
+        for text in (axis.title, axis.xaxis.label, axis.yaxis.label, *(legend.get_texts() if legend is not None else ())):
+            text.set_parse_math(False)
 
 
 def save(figure: Any, path: Path) -> None:

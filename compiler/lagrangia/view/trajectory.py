@@ -2,9 +2,11 @@
 
 import html
 import os
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
@@ -12,7 +14,9 @@ from lagrangia.base.result_files import Target, cells, quoted
 from lagrangia.run.request import Values
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import Progress, loss, shortcomings
-from lagrangia.view.curves import draw
+from lagrangia.view.curves import draw_panels
+from lagrangia.view.plots import Series
+from lagrangia.view.run_pictures import Sight, choose, known_column, picture_of, table_series
 
 if TYPE_CHECKING:
     import numpy as np
@@ -53,6 +57,7 @@ class Trajectory:
     progress: Progress
     observe: Callable[[str, "np.ndarray"], "np.ndarray"] | None = None
     show: Callable[..., str] | None = None  # as an animation
+    sight: Sight | None = None  # what pictures ask of its model
 
     def __repr__(self) -> str:
         names = self.names[1:]
@@ -123,13 +128,37 @@ class Trajectory:
         with CsvWriter(Path(path), self.scene) as writer:
             writer.write(self.rows.ravel().tolist())
 
-    def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Any:
-        """A picture of the quantities over time (all coordinates by default); saved when a path is given. Returns the figure."""
-        chosen = names or tuple(c.name for c in self.scene.coordinates)
-        by_name = {column.name: column for column in self.columns}
-        curves = [(by_name.get(name, Column(name, "", "", "")), self[name]) for name in chosen]
-        return draw(self.scene.description or self.scene.name, self.time, curves, path)
+    def plot(self, *names: str, path: str | os.PathLike[str] | None = None, spectrum: Sequence[str] = (),
+             section: str | tuple[str, float] | None = None,
+             overlay: "Mapping[str, Trajectory] | Sequence[Trajectory | str | os.PathLike[str]]" = (),
+             linear: bool = False) -> Any:
+        """A picture of quantities over time (all coordinates by default), or of one against another, "theta:theta'"; saved when a
+        path is given. Returns the figure.
 
+        `spectrum` names quantities whose amplitudes are shown over frequency; `section` is one, or a pair of one with a value in
+        SI units, through which it rises in the states that are shown; `overlay` are other runs (with labels, in a mapping) and
+        CSV files; `linear` shows small motion beside. Raises LagError, RunError.
+        """
+        sight = self.sight or Sight(self._known_columns, self._no_small_motion)
+        cut = (section, 0.0) if isinstance(section, str) else section
+        wanted = choose(self.scene, sight, names, (spectrum,) if isinstance(spectrum, str) else spectrum, cut)
+        pairs = overlay.items() if isinstance(overlay, Mapping) else [(f"run {k}", x) for k, x in enumerate(overlay, 2)]
+        beside = [x.series(label) if isinstance(x, Trajectory) else table_series(Path(x), sight, wanted)
+                  for label, x in pairs]
+        picture = picture_of(self.series(), self.rows, sight, wanted, beside, linear)
+        for note in picture.notes:
+            warnings.warn(note, stacklevel=2)
+        return draw_panels(self.scene.description or self.scene.name, picture.panels, path)
+
+    def series(self, label: str = "this run") -> Series:
+        """All quantities of its scene, for a picture of several runs."""
+        return Series(label, self.time, cache(self.__getitem__))
+
+    def _known_columns(self, name: str) -> tuple[Column, ...]:
+        return (known_column(self.scene, name) or Column(name, "", "", ""),)
+
+    def _no_small_motion(self, rows: "np.ndarray", names: Sequence[str]) -> NoReturn:
+        fail("L0918", "not supported yet: the small motion of a run without its model", None, "plot what simulate returned")
 
     def animate(self, path: str | os.PathLike[str] | None = None, *, traces: Sequence[str] = (), quantities: Sequence[str] = (),
                 names: Mapping[str, str] | None = None) -> str:

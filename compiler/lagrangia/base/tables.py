@@ -1,0 +1,31 @@
+"""Tables of numbers over time, as people give them."""
+
+import csv
+from pathlib import Path
+
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.result_files import open_with_care
+
+
+def read_table(path: Path) -> tuple[list[float], dict[str, list[float]]]:
+    """A CSV file with a line of names, one of them time. Raises LagError L0703."""
+    try:
+        with open(path, newline="", encoding="utf-8", opener=open_with_care) as stream:
+            rows = [row for row in csv.reader(stream) if row]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        fail("L0703", f"the table '{path}' cannot be read: {getattr(error, 'strerror', None) or error}")
+    if len(rows) < 2 or "time" not in [cell.strip() for cell in rows[0]]:
+        fail("L0703", f"the table '{path}' needs a line of names, one of them time, and at least one row")
+    names = [cell.strip() for cell in rows[0]]
+    if (twice := next((name for name in names if names.count(name) > 1), None)) is not None:
+        fail("L0703", f"the table '{path}' has two columns '{twice}'")
+    columns: dict[str, list[float]] = {name: [] for name in names}
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(names):
+            fail("L0703", f"{path}:{number} has {len(row)} cells, not {len(names)}")
+        for name, cell in zip(names, row, strict=True):
+            try:
+                columns[name].append(float(cell))
+            except ValueError:
+                fail("L0703", f"{path}:{number}: '{cell}' is no number")
+    return columns.pop("time"), columns

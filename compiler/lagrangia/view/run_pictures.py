@@ -1,0 +1,115 @@
+"""A run, and what is shown beside it -> a picture."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.records import dataclass
+from lagrangia.base.tables import read_table
+from lagrangia.language.units import parse_unit, spell
+from lagrangia.run.scene import Column, Scene
+from lagrangia.view.plots import Pair, Picture, Series, Wanted, build_picture, read_pair
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What pictures ask of a run's model: the elements of any quantity with their units, and small motion from a run's first row,
+    quantities by name, (rows,) each."""
+
+    columns_of: Callable[[str], tuple[Column, ...]]
+    small_motion: "Callable[[np.ndarray, Sequence[str]], dict[str, np.ndarray]]"
+
+
+def choose(scene: Scene, sight: Sight, names: Sequence[str], spectra: Sequence[str] = (),
+           section: tuple[str, float] | None = None) -> Wanted:
+    """What is shown: vectors by their elements; of nothing named, the coordinates over time, or a section's usual pair.
+
+    Raises LagError: L0701 for unknown quantities, L0706 for what does not go together.
+    """
+    pairs: list[Pair] = []
+    for text in names:
+        pair = read_pair(text)
+        elements = sight.columns_of(pair.y)
+        if pair.x and (len(elements) > 1 or len(sight.columns_of(pair.x)) > 1):
+            fail("L0706", f"'{text}' is of vectors", None, f"name elements: {elements[0].name}")
+        pairs += [pair] if pair.x else [Pair("", column.name) for column in elements]
+    lines = tuple(column.name for name in spectra for column in sight.columns_of(read_pair(name).y))
+    if section is not None:
+        if any(not pair.x for pair in pairs) or lines:
+            fail("L0706", "a section shows one quantity against another", None, "name pairs: --plot-quantities \"theta:theta'\"")
+        if len(sight.columns_of(section[0])) > 1:
+            fail("L0706", f"'{section[0]}' is a vector", None, f"name an element: {sight.columns_of(section[0])[0].name}")
+        return Wanted(tuple(pairs) or (_usual_pair(scene, section[0]),), (), section)
+    if not pairs and not lines:
+        pairs = [Pair("", column.name) for column in scene.coordinates]
+    return Wanted(tuple(pairs), lines)
+
+
+def _usual_pair(scene: Scene, crossed: str) -> Pair:
+    """A coordinate that is not the one crossed, and its rate."""
+    for coordinate, rate in zip(scene.coordinates, scene.rates, strict=True):
+        if coordinate.name != crossed:
+            return Pair(coordinate.name, rate.name)
+    fail("L0706", "a section of this scene needs a pair to be shown", None, "name one: --plot-quantities \"theta:theta'\"")
+
+
+def known_column(scene: Scene, name: str) -> Column | None:
+    """Of the time, a coordinate, a rate, an output, or another name of one; None of what needs the model."""
+    columns = (Column("time", "s", "", ""), *scene.coordinates, *scene.rates, *scene.outputs)
+    found = next((column for column in columns if column.name == name), None)
+    if found is None and (slot := scene.slot(name)) is not None:
+        return replace((*scene.coordinates, *scene.rates)[slot], name=name)
+    return found
+
+
+def picture_of(run: Series, rows: "np.ndarray", sight: Sight, wanted: Wanted, beside: Sequence[Series] = (),
+               is_linear: bool = False) -> Picture:
+    """The run, whose `rows` are (rows, width), with what is shown beside it.
+
+    Raises LagError L0702 of a run without rows, L0706; RunError where there is no small motion."""
+    if not len(rows):
+        fail("L0702", "nothing was computed that could be shown")
+    series = [run, *beside]
+    if is_linear:
+        series.append(Series("small motion", run.time, sight.small_motion(rows, wanted.names).get, is_linear=True))
+    return build_picture(series, wanted, lambda name: sight.columns_of(name)[0])
+
+
+def table_series(path: Path, sight: Sight, wanted: Wanted) -> Series:
+    """A CSV file with a column `time` in s, and columns named as quantities are: in SI units, or as `bob.x [mm]` says.
+
+    Raises LagError L0703 where it cannot be read, or has nothing that the picture shows.
+    """
+    import numpy as np
+
+    times, columns = read_table(path)
+    found: dict[str, Any] = {}
+    for head, values in columns.items():
+        name, space, unit = head.partition(" [")
+        name = read_pair(name).y
+        if name not in wanted.names:
+            continue
+        if name in found:
+            fail("L0703", f"the table '{path}' has two columns '{name}'")
+        factor, offset = _unit(path, head, unit, sight.columns_of(name)[0].unit) if space else (1.0, 0.0)
+        found[name] = np.array(values) * factor + offset
+    shown = [*({pair.names for pair in wanted.pairs}), *((name,) for name in wanted.spectra)]
+    if not any(set(names) <= set(found) for names in shown) or (wanted.section and wanted.section[0] not in found):
+        fail("L0703", f"the table '{path}' has nothing that the picture shows", None,
+             f"the picture shows {', '.join(wanted.names)}; the table has {', '.join(columns) or 'the time alone'}")
+    return Series(path.name, np.array(times), found.get, is_measured=True)
+
+
+def _unit(path: Path, head: str, text: str, wanted: str) -> tuple[float, float]:
+    try:
+        unit = parse_unit(text.rstrip().removesuffix("]"))
+    except ValueError as error:
+        fail("L0703", f"{path}: the column '{head}': {error}")
+    if wanted and unit.dimension != parse_unit(wanted).dimension:
+        fail("L0703", f"{path}: the column '{head}' is in {spell(unit.dimension)}, but the quantity in {wanted}")
+    return unit.factor, unit.offset
