@@ -30,7 +30,7 @@ simulate --dump flat -o x.csv; simulate --solver casadi:cvodes --engine tape; si
 simulate --solver linear --max-step 0.1; equations --about b.s=1; equations --level short; equations --sections kinetic
 equations --first-letter f; equations --check b.s=0 --format latex; response --at 1,2 --range 1:10; response --at 1 --points 30
 export --to python --force; simulate --spectrum y; simulate --section y; simulate --overlay u.csv; simulate --linear
-simulate --beside m=2"""
+simulate --beside m=2; equations --check b.s=0 --language de; equations --format sympy --language de"""
 OTHERS = {"simulate --outputs ,": "names nothing", "simulate --allow L9999": "no warning 'L9999'",
           "sweep -p m=1,2 --seed 3": "random",
           "sweep -p m=1,2 --sampling lhs": "random", "sweep -p m=1,2 --together": "side by side"}

@@ -33,8 +33,9 @@ RULES = (
           "the matrix exponential is exact in steps of any length"),
     _Rule(("equations",), ("about",), lambda o: o.form != "linear", "it is the point of --form linear"),
     _Rule(("equations",), ("level", "sections", "first_letter"), lambda o: o.form != "worked", "it belongs to --form worked"),
-    _Rule(("equations",), ("format", "output", "numbers"), lambda o: o.check is not None,
+    _Rule(("equations",), ("format", "output", "numbers", "language", "fragment"), lambda o: o.check is not None,
           "--check prints whether its equation holds"),
+    _Rule(("equations",), ("language",), lambda o: o.format == "sympy", "scripts are written in English"),
     _Rule(("response",), ("range", "points"), lambda o: o.at is not None, "--at says the frequencies"),
     _Rule(("export",), ("force",), lambda o: o.to not in ("sympy", "latex", "modelica"), "it is for sympy, latex and modelica"),
 )
