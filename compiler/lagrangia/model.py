@@ -352,7 +352,7 @@ class Model:
         default. Raises LagError for wrong input, RunError where nothing can rest.
         """
         most = None if starts is None else a_count_within("number of starts", starts, 1, MOST_STARTS)
-        return self._study(parameters, initial, inputs, time).equilibria(most)
+        return self.study(parameters, initial, inputs, time).equilibria(most)
 
     def linearize(self, *, about: str = "equilibrium", excitations: str | Sequence[str] | None = None,
                   outputs: str | Sequence[str] | None = None, parameters: Given = None, initial: Given = None,
@@ -363,12 +363,12 @@ class Model:
         the declared outputs. See `lag help analysis`. Raises LagError, RunError.
         """
         chosen = any_names("excitations", excitations), any_names("outputs", outputs)
-        return self._study(parameters, initial, inputs, time).linearize(about, *chosen)
+        return self.study(parameters, initial, inputs, time).linearize(about, *chosen)
 
     def modes(self, *, about: str = "equilibrium", mass_normalised: bool = False, parameters: Given = None, initial: Given = None,
               inputs: Given = None, time: float | None = None) -> "Modes":
         """Natural frequencies, mode shapes and damping ratios about the equilibrium, or about the "start"."""
-        return self._study(parameters, initial, inputs, time).modes(about, mass_normalised)
+        return self.study(parameters, initial, inputs, time).modes(about, mass_normalised)
 
     def response(self, excitations: str | Sequence[str] | None = None, outputs: str | Sequence[str] | None = None, *,
                  frequencies: Sequence[float] | None = None, span: tuple[float, float] | None = None, points: int = 400,
@@ -379,9 +379,10 @@ class Model:
         at = None if frequencies is None else [a_frequency(value) for value in numbers("frequencies", frequencies)]
         ends = None if span is None else a_span(span)
         count = a_count_within("number of points", points, 2, MOST_POINTS)
-        return self._study(parameters, initial, inputs, time).response(*chosen, about, at, ends, count)
+        return self.study(parameters, initial, inputs, time).response(*chosen, about, at, ends, count)
 
-    def _study(self, parameters: Any, initial: Any, inputs: Any, time: float | None) -> "Study":
+    def study(self, parameters: Given = None, initial: Given = None, inputs: Any = None, time: float | None = None) -> "Study":
+        """What small motion and rest are found of, with these numbers, at one time (s). Raises LagError."""
         from lagrangia.study.analysis import Study
 
         suited = self.fitting(parameters)

@@ -67,12 +67,15 @@ def linearize_command(options: Namespace) -> int:
 
 
 def modes_command(options: Namespace) -> int:
-    """`lag modes`: frequencies, damping and shapes as text, in a file, as a picture. Raises LagError, RunError."""
+    """`lag modes`: frequencies, damping and shapes as text, in a file, as a picture, as a page. Raises LagError, RunError."""
+    from lagrangia.draw.film import require_film
     from lagrangia.study.text import modes_text
 
     _require(options.output, ".json")
     if options.plot is not None:
         require_format(options.plot)
+    if options.animate is not None:
+        require_film(options.animate)
     model, values = _load(options)
     modes = model.modes(**values, about=options.about, mass_normalised=options.mass_normalised)
     _say(options, model, modes_text(modes))
@@ -81,7 +84,19 @@ def modes_command(options: Namespace) -> int:
     if options.plot is not None:
         modes.plot(options.plot)
         print(f"picture in {options.plot}")
+    if options.animate is not None:
+        _animate(options, model, modes, values)
     return 0
+
+
+def _animate(options: Namespace, model: Model, modes: Any, values: dict[str, Any]) -> None:
+    from lagrangia.draw.modes_film import animate_mode
+
+    if not len(modes):
+        fail("L0706", "--animate: there is no mode to be shown")
+    number = a_count_within("number of the mode", options.mode, 1, len(modes))
+    animate_mode(model.fitting(values["parameters"]), model.study(**values), modes, number - 1, options.animate)
+    print(f"mode {number} in {options.animate}")
 
 
 def response_command(options: Namespace) -> int:
@@ -116,7 +131,7 @@ def _say(options: Namespace, model: Model, text: str) -> None:
 
 def _load(options: Namespace) -> tuple[Model, dict[str, Any]]:
     """The model and the numbers it is looked at with. Raises LagError."""
-    keep_inputs(options, options.output)
+    keep_inputs(options, options.output, getattr(options, "animate", None))
     given = assignments(options.parameter, "-p")
     model = load_model(options, given, ())
     tell_warnings(options, model)

@@ -36,6 +36,7 @@ RULES = (
     _Rule(("equations",), ("format", "output", "numbers", "language", "fragment"), lambda o: o.check is not None,
           "--check prints whether its equation holds"),
     _Rule(("equations",), ("language",), lambda o: o.format == "sympy", "scripts are written in English"),
+    _Rule(("modes",), ("mode",), lambda o: o.animate is None, "--animate names the page that is to show it"),
     _Rule(("response",), ("range", "points"), lambda o: o.at is not None, "--at says the frequencies"),
     _Rule(("export",), ("force",), lambda o: o.to not in ("sympy", "latex", "modelica"), "it is for sympy, latex and modelica"),
 )

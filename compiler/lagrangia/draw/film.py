@@ -74,7 +74,7 @@ def animate_run(model: Drawable, run: Trajectory, values: Values, path: str | os
     if target.suffix.lower() == ".html":
         write_text(target, text)
     else:
-        _save_film(reel, target, tell)
+        save_film(reel, target, tell)
     return text
 
 
@@ -108,7 +108,8 @@ def frame_page(reel: Reel, moment: int) -> Page:
     return build_page([(Shape(strokes_at(reel, moment)), None)], view)
 
 
-def _save_film(reel: Reel, path: Path, tell: Callable[[int, int], None] | None) -> None:
+def save_film(reel: Reel, path: Path, tell: Callable[[int, int], None] | None) -> None:
+    """A GIF or WebP; `tell` hears how many pictures of how many are made. Raises LagError L0004."""
     from PIL import Image
 
     from lagrangia.draw.paint import paint_page

@@ -1,7 +1,7 @@
 """Statics and small motion of a compiled scene in numbers: positions of rest, linearisation, modes, frequency response."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -436,11 +436,9 @@ class Study:
         found = {way: find_modes(linear, self.names, mass_normalised, self.mechanism) for way, linear in linears.items()}
         return modes_of_ways(found) if len(found) > 1 else found[""]
 
-    @property
-    def mechanism(self) -> Mechanism:
-        """What can be drawn of the scene, its loops closed where a position is a little beside them."""
-        frames, places = self.places
-        values = {p.name: float(x) for p, x in zip(self.scene.parameters, self.p, strict=True)}
+    @cached_property
+    def closing(self) -> Callable[[Vector], Vector]:
+        """Gives a position whose loops are closed, of one a little beside it; the same where there are none, or none is found."""
         loops = any(row.is_holonomic for row in self.c.constraints.rows)
         statics = self.resting(self.equations(), 0.0).statics() if loops else None
 
@@ -448,6 +446,14 @@ class Study:
             found = None if statics is None else onto_constraints(statics, q, np.full(q.size, True))
             return q if found is None else found
 
+        return closed
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """What can be drawn of the scene, its loops closed where a position is a little beside them."""
+        frames, places = self.places
+        values = {p.name: float(x) for p, x in zip(self.scene.parameters, self.p, strict=True)}
+        closed = self.closing
         return build_mechanism(self.c.kinematics.graph, frames, lambda q: np.asarray(places(closed(q)).full()), values)
 
     def response(self, excitations: Sequence[str] | None, outputs: Sequence[str] | None, about: str,

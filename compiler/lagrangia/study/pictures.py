@@ -97,7 +97,7 @@ def _draw_bars(panel: Any, coordinates: tuple[str, ...], values: Vector) -> None
 
 def _draw_deflected(panel: Any, mechanism: Mechanism, q: Vector, shape: Vector) -> None:
     """At rest in grey, deflected to one side in colour and to the other lightly."""
-    factor = _factor(mechanism, q, shape)
+    factor = factor_of(mechanism, q, shape)
     size = mechanism.size(q)
     for place, style in ((q, {"color": "0.7", "zorder": 1}), (q - factor * shape, {"color": "C0", "alpha": 0.35, "zorder": 2}),
                          (q + factor * shape, {"color": "C0", "zorder": 3})):
@@ -110,7 +110,7 @@ def _draw_deflected(panel: Any, mechanism: Mechanism, q: Vector, shape: Vector) 
     panel.grid(True, alpha=0.2)
 
 
-def _factor(mechanism: Mechanism, q: Vector, shape: Vector) -> float:
+def factor_of(mechanism: Mechanism, q: Vector, shape: Vector) -> float:
     """Such that no frame moves further than a part of the scene's size, and nothing turns by more than half a radian."""
     small = 1e-4
     moved = (mechanism.places(q + small * shape) - mechanism.places(q)) / small

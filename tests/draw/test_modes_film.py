@@ -1,0 +1,56 @@
+"""Modes that play: the shape about the point, loops closed, as fast as it vibrates."""
+
+import base64
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.base.folders import data_folder
+from lagrangia.command.cli import WRONG, main
+
+EXAMPLES = data_folder("models") / "examples"
+
+
+def data_of(page: str) -> dict:
+    found = re.search(r'<script id="data" type="application/json">(.*?)</script>', page, re.DOTALL)
+    assert found is not None
+    return json.loads(found[1])
+
+
+def test_a_mode_sways_in_its_shape_with_its_period(tmp_path: Path) -> None:
+    """The bar's second mode: its ends move against each other in the ratio of the shape."""
+    page = tmp_path / "mode.html"
+    assert main(["modes", str(EXAMPLES / "suspended_bar.lag"), "--animate", str(page), "--mode", "2"]) == 0
+    mode = lag.load(EXAMPLES / "suspended_bar.lag").modes()[1]
+    data = data_of(page.read_text())
+    t = np.frombuffer(base64.b64decode(data["t"]), dtype="<f8")
+    assert t[-1] == pytest.approx(4 / mode.frequency)
+    poses = [np.frombuffer(base64.b64decode(s["poses"]), dtype="<f4").reshape(-1, 3) for s in data["strokes"] if "poses" in s]
+    bar = max(poses, key=lambda p: np.ptp(p[:, 2]))
+    angle = bar[:, 2] - bar[0, 2]
+    largest = float(np.abs(angle).max())
+    assert largest > 0.05
+    np.testing.assert_allclose(angle, largest * np.sign(angle[9]) * np.sin(2 * np.pi * mode.frequency * t), atol=1e-5)
+    assert not data["energies"]
+    assert f"mode 2: {mode.title}" in page.read_text()
+
+
+def test_loops_stay_closed() -> None:
+    model = lag.load(EXAMPLES / "four_bar.lag")
+    study, gap = model.study(), model.functions()["Phi"]
+    modes = study.modes("equilibrium", False)
+    q = np.array([modes.linearization.point[name] for name in modes.coordinates])
+    beside = q + 0.3 * modes.shapes[:, 0] / np.abs(modes.shapes[:, 0]).max()
+    open_by, left = (float(np.abs(np.array(gap(0, x, 0 * x, [], study.p))).max()) for x in (beside, study.closing(beside)))
+    assert open_by > 1e-3
+    assert left < 1e-9
+
+
+@pytest.mark.parametrize("options", [["--mode", "2"], ["--animate", "x.html", "--mode", "9"], ["--animate", "x.svg"]])
+def test_wrong_options_are_told(options: list[str], capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["modes", str(EXAMPLES / "suspended_bar.lag"), *options]) == WRONG
+    assert capfd.readouterr().err.startswith("error[L")
