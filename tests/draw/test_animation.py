@@ -141,3 +141,27 @@ def test_notebooks_show_models_and_runs() -> None:
     model = lag.load(EXAMPLES / "pendulum.lag")
     assert model._repr_html_().startswith("<svg")
     assert model.simulate(stop=0.5)._repr_html_().startswith("<iframe srcdoc=")
+
+
+def test_runs_beside_are_in_the_same_picture(tmp_path: Path) -> None:
+    """Thin, at the places of their own run; curves by their values."""
+    page = tmp_path / "two.html"
+    asked = ["animate", str(EXAMPLES / "double_pendulum.lag"), "--stop", "2", "--interval", "0.1", "-o", str(page)]
+    assert main([*asked, "--beside", "elbow.phi=1", "--curves", "elbow.phi"]) == 0
+    data = data_of(page.read_text())
+    own, other = data["curves"]
+    run = lag.load(EXAMPLES / "double_pendulum.lag").simulate(stop=2, interval=0.1, initial={"elbow.phi": 1})
+    assert (own["name"], other["name"]) == ("elbow.phi", "elbow.phi, elbow.phi=1")
+    assert np.allclose(numbers(other["y"], "<f4"), np.degrees(run["elbow.phi"]), atol=1e-3)
+    thin = [numbers(s["poses"], "<f4").reshape(-1, 3) for s in data["strokes"] if "poses" in s and s["l"] == "thin"]
+    frames = [run[f"lower.{frame}.r"] for frame in ("a", "b", "center")]
+    assert any(np.allclose(poses[:, :2], places, atol=1e-5) for poses in thin for places in frames), "its lower bar"
+
+
+@pytest.mark.parametrize("options", [["--beside", "elbow.q=1"], ["--beside", ","], ["--beside", "lower.L=2[kg]"],
+                                     ["--beside", "elbow.phi=1", "--beside", "elbow.phi=1"],
+                                     ["--beside", "elbow.phi=1", "--stroboscope", "3"]])
+def test_runs_beside_that_cannot_be_are_told(options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["animate", str(EXAMPLES / "double_pendulum.lag"), *options]) == WRONG
+    assert not list(tmp_path.iterdir())

@@ -17,8 +17,10 @@ from lagrangia.command.arguments import (
     tell_warnings,
     values_with_units,
 )
+from lagrangia.command.run_picture import beside_request, refuse_twice
 from lagrangia.draw.drawing import require_picture
 from lagrangia.draw.film import animate_run, draw_stroboscope, require_film
+from lagrangia.draw.several import Beside
 from lagrangia.model import Model
 from lagrangia.run.request import Request, check_values, plan
 from lagrangia.view.trajectory import Trajectory
@@ -35,6 +37,8 @@ def animate_command(options: Namespace) -> int:
     initial = values_with_units(assignments(options.initial, "--initial"), model.scene.start_units)
     request = Request(options.start, options.stop, options.tolerance, options.interval, initial=initial,
                       parameters=open_parameters(model.scene, given), inputs=read_inputs(options.input, model.scene))
+    refuse_twice("--beside", options.beside)
+    others = [(text, beside_request(model, request, text)) for text in options.beside]
     tell_inputs(options, model, plan(model.scene, request), request.inputs)
     failure: RunError | None = None
     try:
@@ -43,7 +47,8 @@ def animate_command(options: Namespace) -> int:
         if error.trajectory is None or not len(error.trajectory.rows):
             raise
         run, failure = error.trajectory, error
-    _write(options, model, run, request, target)
+    beside = [_beside(model, text, other) for text, other in others]
+    _write(options, model, run, request, target, beside)
     print(f"written to {target}")
     if failure is not None:
         raise RunError(f"{failure}\nwhat was computed before is shown in {target}")
@@ -54,8 +59,8 @@ def _target(options: Namespace) -> str:
     target: str = options.output or options.file.stem + (".html" if options.stroboscope is None else ".svg")
     if options.stroboscope is not None:
         a_count_within("number of positions", options.stroboscope, 1, _MOST_POSITIONS)
-        for option, value in (("--curves", options.curves), ("--names", options.names)):
-            if value is not None:
+        for option, value in (("--curves", options.curves), ("--names", options.names), ("--beside", options.beside)):
+            if value:
                 fail("L0706", f"{option} has no place in a picture of many positions", None, "leave it out")
         require_picture(target)
     else:
@@ -67,14 +72,21 @@ def _target(options: Namespace) -> str:
     return target
 
 
-def _write(options: Namespace, model: Model, run: Trajectory, request: Request, target: str) -> None:
+def _beside(model: Model, label: str, request: Request) -> Beside:
+    """Raises LagError; RunError where it fails."""
+    fitting = model.fitting(request.parameters)
+    return Beside(label, fitting, model.run(request),
+                  check_values(fitting.scene, request.parameters, request.initial, request.inputs))
+
+
+def _write(options: Namespace, model: Model, run: Trajectory, request: Request, target: str, beside: list[Beside]) -> None:
     values = check_values(model.scene, request.parameters, request.initial, request.inputs)
     traces = names_once(options.trace, "--trace")
     if options.stroboscope is not None:
         draw_stroboscope(model, run, values, options.stroboscope, target, traces)
         return
     animate_run(model, run, values, target, names=named_pairs(options.names or "", "--names"), traces=traces,
-                quantities=names_once(options.curves, "--curves"), tell=_tell if sys.stderr.isatty() else None)
+                quantities=names_once(options.curves, "--curves"), tell=_tell if sys.stderr.isatty() else None, beside=beside)
 
 
 def _tell(done: int, whole: int) -> None:

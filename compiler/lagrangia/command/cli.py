@@ -433,6 +433,7 @@ def _add_animate(parser: argparse.ArgumentParser) -> None:
     add("--interval", type=float, metavar="DT", help="time between two positions that are shown")
     add("--trace", metavar="FRAME,...", help="frames whose ways are drawn: --trace lower.b")
     add("--curves", metavar="NAME,...", help="quantities beside the picture; the coordinates and outputs by default")
+    add("--beside", action="append", default=[], metavar="NAME=VALUE,...", help="another run by thin lines, with these values")
     add("--stroboscope", type=int, metavar="N", help="so many positions in one picture (.svg, .pdf, .png)")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
     add("-o", "--output", metavar="FILE", help="the page or film (.html, .gif, .webp); by default NAME.html in this folder")

@@ -32,7 +32,8 @@ names whose symbols are written as by `lag equations`: label = k, label = {m, L}
 `lag draw` shows a scene at its start or --at T: forces by their directions, coordinates as arrows, what several things would
 do in one place (blocks, discs, shafts that numbers alone tie) side by side along what joins them. `lag animate` writes one
 HTML file that plays: space plays, arrows step, Home and End, + and - change the speed, L loops, T shows traces, N names, D
-light or dark; times are those of the run's rows (--interval). --stroboscope N puts N positions into one picture. Films are
+light or dark; times are those of the run's rows (--interval). --stroboscope N puts N positions into one picture,
+--beside NAME=VALUE,... another run with these parameters and start values beside it, by thin lines. Films are
 .gif and .webp.
 """
 

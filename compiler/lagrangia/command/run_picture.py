@@ -2,6 +2,7 @@
 
 import sys
 from argparse import Namespace
+from collections.abc import Sequence
 from pathlib import Path
 
 from lagrangia.base.diagnostics import RunError, fail
@@ -32,12 +33,17 @@ def plan_picture(options: Namespace, model: Model, request: Request) -> Planned 
     sight = model.sight(check_values(model.scene, request.parameters, request.initial, request.inputs))
     names, spectra = names_once(options.plot_quantities, "--plot-quantities"), names_once(options.spectrum, "--spectrum")
     wanted = choose(model.scene, sight, names, spectra, _section(options.section, sight))
-    for option, given in (("--overlay", options.overlay), ("--beside", options.beside)):
-        if (twice := next((text for text in given if given.count(text) > 1), None)) is not None:
-            fail("L0712", f"{option} {twice} is given twice")
+    refuse_twice("--overlay", options.overlay)
+    refuse_twice("--beside", options.beside)
     tables = tuple(table_series(Path(name), sight, wanted) for name in options.overlay)
-    runs = tuple((text, _beside(model, request, text)) for text in options.beside)
+    runs = tuple((text, beside_request(model, request, text)) for text in options.beside)
     return Planned(wanted, tables, runs)
+
+
+def refuse_twice(option: str, given: Sequence[str]) -> None:
+    """Raises LagError L0712 for a value that an option is given twice."""
+    if (twice := next((text for text in given if given.count(text) > 1), None)) is not None:
+        fail("L0712", f"{option} {twice} is given twice")
 
 
 def _section(text: str | None, sight: Sight) -> tuple[str, float] | None:
@@ -57,8 +63,8 @@ def _section(text: str | None, sight: Sight) -> tuple[str, float] | None:
     return name, level
 
 
-def _beside(model: Model, request: Request, text: str) -> Request:
-    """The same run but for these values, of parameters and start values."""
+def beside_request(model: Model, request: Request, text: str) -> Request:
+    """The same run but for these values, of parameters and start values: k=2[kN/m],phi=5[deg]. Raises LagError."""
     scene, given = model.scene, assignments(split_names(text), "--beside")
     if not given:
         fail("L0706", "--beside names nothing", None, "values with commas between them: --beside k1=2[kN/m],tilt.phi=5[deg]")

@@ -15,6 +15,7 @@ from lagrangia.draw.animation import Curve, write_animation
 from lagrangia.draw.drawing import Drawable, figures_of, require_picture, save_page, states_of
 from lagrangia.draw.page import Page, build_page, view_of
 from lagrangia.draw.reel import Reel, build_reel, strokes_at
+from lagrangia.draw.several import Beside, joined, labelled
 from lagrangia.draw.strokes import ARROWS, Shape, Stroke
 from lagrangia.draw.svg import write_svg
 from lagrangia.run.request import Values
@@ -60,14 +61,20 @@ def thinned(run: Trajectory, most: int) -> Trajectory:
 
 def animate_run(model: Drawable, run: Trajectory, values: Values, path: str | os.PathLike[str] | None = None, *,
                 names: Mapping[str, str] | None = None, traces: Sequence[str] = (), quantities: Sequence[str] = (),
-                tell: Callable[[int, int], None] | None = None) -> str:
+                tell: Callable[[int, int], None] | None = None, beside: Sequence[Beside] = ()) -> str:
     """The text of the page; with a path (.html, .gif, .webp) the file is written. `quantities` are the curves beside it, the
-    coordinates by default; `tell` hears how many pictures of how many are made. Raises LagError."""
+    coordinates by default; `tell` hears how many pictures of how many are made; `beside` are other runs in the same picture.
+    Raises LagError."""
     if path is not None:
         require_film(path)
     shown = thinned(run, MOST_FRAMES)
-    reel = reel_of(model, shown, values, names or {}, traces)
-    text = write_animation(reel, run.scene.description or run.scene.name, curves_of(shown, quantities), energies_of(shown))
+    others = [(other, thinned(other.run, MOST_FRAMES)) for other in beside]
+    reel = joined(reel_of(model, shown, values, names or {}, traces),
+                  [reel_of(other.model, its, other.values, {}, traces) for other, its in others])
+    curves = curves_of(shown, quantities)
+    for other, its in others:
+        curves += labelled(curves_of(its, quantities), other.label)
+    text = write_animation(reel, run.scene.description or run.scene.name, curves, energies_of(shown))
     if path is None:
         return text
     target = Path(path)
