@@ -37,6 +37,7 @@ ROOMS = """
     paper
     draw
     fmu
+    play
     model
     bench
     command
@@ -393,7 +394,7 @@ def test_c_calls_point_one_way(tmp_path: Path) -> None:
     assert [f"{file}.c -> {name}" for file, name, home in calls if room[home] > room[file]] == []
 
 
-FMI_ORDER = "compiled stored log evaluations settle values exchange cosimulation partial saved life".split()
+FMI_ORDER = "compiled image stored log evaluations settle values exchange cosimulation partial saved life play".split()
 
 
 def test_files_of_fmus_call_one_way(tmp_path: Path) -> None:

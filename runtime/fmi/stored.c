@@ -1,41 +1,17 @@
-/* An FMU whose scene is a file: what compiler/lagrangia/fmu/stored.py wrote for this library, as it lies in memory.
+/* An FMU whose scene is a file: what compiler/lagrangia/fmu/stored.py wrote for this library.
  *
- * Behind the head lie structures and vectors as C has them; where one points to another stands the distance of that one from
- * the beginning of the file. So the whole is read into one piece of memory, checked, and all pointers are set. Every instance has
- * its own: libraries of several FMUs, and instances in several threads, share nothing.
+ * The whole is read into one piece of memory and opened there (image.h). Every instance has its own: libraries of several FMUs,
+ * and instances in several threads, share nothing.
  */
+#include "fmi/image.h"
 #include "fmi/opening.h"
 
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#if !defined(LAG_BUILD)
-#define LAG_BUILD "unknown"
-#endif
-
 static const char FILE_NAME[] = "/scene.tape";
-enum { LONGEST_PATH = 4096, BUILD_SIZE = 64 };
-
-typedef struct {
-    char magic[8], build[BUILD_SIZE];
-    uint64_t size, checksum;            /* of the file, of all behind the head */
-    uint64_t fmu_size, model_size;      /* sizeof LagFmu, LagModel */
-    uint64_t root;                      /* of the LagFmu */
-    uint64_t n_pointers, pointers;      /* places that hold distances, and where they are listed */
-} Head;
-
-/* Adler-32 (RFC 1950). */
-static uint64_t checksum(const unsigned char *bytes, size_t size)
-{
-    uint64_t sum = 1, sums = 0;
-    for (size_t i = 0; i < size; ++i) {
-        sum = (sum + bytes[i]) % 65521;
-        sums = (sums + sum) % 65521;
-    }
-    return sums << 16 | sum;
-}
+enum { LONGEST_PATH = 4096 };
 
 static int digit(char c)
 {
@@ -86,38 +62,6 @@ static unsigned char *read_file(const char *path, size_t *size)
     return bytes;
 }
 
-/* NULL when it belongs to this library as a whole, else what is wrong. */
-static const char *fault(const Head *head, const unsigned char *bytes, size_t size)
-{
-    if (memcmp(head->magic, "LAGFMU\0\1", sizeof head->magic) != 0)
-        return "is no scene of Lagrangia";
-    if (strncmp(head->build, LAG_BUILD, BUILD_SIZE) != 0 || head->fmu_size != sizeof(LagFmu) || head->model_size != sizeof(LagModel))
-        return "was written for the library of another version";
-    if (head->size != size || size % 8 != 0 || head->checksum != checksum(bytes + sizeof *head, size - sizeof *head))
-        return "is damaged";
-    return NULL;
-}
-
-/* 0 when a place, or what it points to, is not in the file. */
-static int set_pointers(const Head *head, unsigned char *bytes, size_t size)
-{
-    if (head->root % 8 != 0 || head->root > size - sizeof(LagFmu) || head->pointers % 8 != 0 || head->pointers > size
-        || head->n_pointers > (size - head->pointers) / 8)
-        return 0;
-    for (uint64_t k = 0; k < head->n_pointers; ++k) {
-        uint64_t place, distance;
-        memcpy(&place, bytes + head->pointers + 8 * k, 8);
-        if (place % 8 != 0 || place > head->pointers - 8)
-            return 0;
-        memcpy(&distance, bytes + place, 8);
-        if (distance >= size)
-            return 0;
-        const void *target = bytes + distance;
-        memcpy(bytes + place, &target, sizeof target);
-    }
-    return 1;
-}
-
 const LagFmu *lag_fmu_open(const char *resources, void **memory, char *why, size_t room)
 {
     char path[LONGEST_PATH + 1];
@@ -131,19 +75,13 @@ const LagFmu *lag_fmu_open(const char *resources, void **memory, char *why, size
         snprintf(why, room, "%.600s, which holds the scene, cannot be read", path);
         return NULL;
     }
-    Head head;
-    const char *wrong = size < sizeof head + sizeof(LagFmu) ? "is damaged" : NULL;
-    if (!wrong) {
-        memcpy(&head, bytes, sizeof head);
-        wrong = fault(&head, bytes, size);
-    }
-    if (!wrong && !set_pointers(&head, bytes, size))
-        wrong = "is damaged";
+    const LagFmu *fmu = NULL;
+    const char *wrong = lag_image_open(bytes, size, &fmu);
     if (wrong) {
         snprintf(why, room, "%.600s %s", path, wrong);
         free(bytes);
         return NULL;
     }
     *memory = bytes;
-    return (const LagFmu *)(const void *)(bytes + head.root);
+    return fmu;
 }

@@ -156,6 +156,12 @@ def _animate(options: argparse.Namespace) -> int:
     return animate_command(options)
 
 
+def _play(options: argparse.Namespace) -> int:
+    from lagrangia.command.play import play_command
+
+    return play_command(options)
+
+
 def _analysis(options: argparse.Namespace) -> int:
     from lagrangia.command import analysis as analysis_commands
 
@@ -215,6 +221,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_equations(_add(commands, "equations", _equations, "write the equations of motion for people"))
     _add_draw(_add(commands, "draw", _draw, "draw the scene as a textbook does"))
     _add_animate(_add(commands, "animate", _animate, "show the motion of a scene"))
+    _add_play(_add(commands, "play", _play, "make a page that computes the motion, with sliders"))
     _add_equilibrium(_add(commands, "equilibrium", _analysis, "find positions of rest, their stability and reactions"))
     _add_linearize(_add(commands, "linearize", _analysis, "give the matrices of small motion"))
     _add_modes(_add(commands, "modes", _analysis, "find natural frequencies, damping ratios and mode shapes"))
@@ -437,6 +444,16 @@ def _add_animate(parser: argparse.ArgumentParser) -> None:
     add("--stroboscope", type=int, metavar="N", help="so many positions in one picture (.svg, .pdf, .png)")
     add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
     add("-o", "--output", metavar="FILE", help="the page or film (.html, .gif, .webp); by default NAME.html in this folder")
+
+
+def _add_play(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    _add_start(parser)
+    add("--stop", type=float, metavar="T", help="the end of the run whose digits are shown, in s; the page goes on")
+    add("--tolerance", type=float, metavar="TOL", help="error allowed, relative to the size of each coordinate (1e-8)")
+    add("--trace", metavar="FRAME,...", help="frames whose ways are drawn: --trace lower.b")
+    add("--names", metavar="NAME=SYMBOL,...", help="symbols of your own: --names tilt.phi=theta,guide.s=x")
+    add("-o", "--output", metavar="FILE.html", help="the page; without it a temporary file, which is opened")
 
 
 def _add_values(parser: argparse.ArgumentParser) -> None:

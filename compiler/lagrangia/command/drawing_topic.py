@@ -35,6 +35,11 @@ HTML file that plays: space plays, arrows step, Home and End, + and - change the
 light or dark; times are those of the run's rows (--interval). --stroboscope N puts N positions into one picture,
 --beside NAME=VALUE,... another run with these parameters and start values beside it, by thin lines. Films are
 .gif and .webp.
+
+`lag play` writes one HTML file that computes, from the same tape by the same run time, compiled to WebAssembly: sliders for
+parameters, start values and inputs, parts that can be dragged to where the motion starts, events at their exact times, and the
+digits of `lag simulate` at the same --tolerance. Space runs, the right arrow steps, R goes back to the start; + - T N D as above.
+Without -o it is opened at once. It needs zig, once for each version of the run time: pip install ziglang.
 """
 
 

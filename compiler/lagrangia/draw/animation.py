@@ -2,7 +2,7 @@
 
 import base64
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -30,10 +30,17 @@ class Curve:
 
 def write_animation(reel: Reel, title: str, curves: Sequence[Curve], energies: Sequence[Curve]) -> str:
     """The whole file."""
-    page = Path(__file__).with_name("animation.html").read_text(encoding="utf-8")
-    data = json.dumps(_data(reel, curves, energies), separators=(",", ":"), allow_nan=False)
-    data = data.replace("<", "\\u003c")  # a name cannot end the script
-    return page.replace("@TITLE@", escape(title)).replace("@DATA@", data)
+    return written(Path(__file__).with_name("animation.html"), {}, title, _data(reel, curves, energies))
+
+
+def written(page: Path, parts: Mapping[str, Path], title: str, data: Mapping[str, Any]) -> str:
+    """A page with its parts, those that all pages have among them, in the places of their names: @CSS@."""
+    text = page.read_text(encoding="utf-8")
+    own = Path(__file__)
+    for name, part in {"CSS": own.with_name("page.css"), "JS": own.with_name("page.js"), **parts}.items():
+        text = text.replace(f"@{name}@\n" if f"@{name}@\n" in text else f"@{name}@", part.read_text(encoding="utf-8"))
+    told = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")  # a name cannot end the script
+    return text.replace("@TITLE@", escape(title)).replace("@DATA@", told)
 
 
 def _data(reel: Reel, curves: Sequence[Curve], energies: Sequence[Curve]) -> dict[str, Any]:
@@ -44,7 +51,7 @@ def _data(reel: Reel, curves: Sequence[Curve], energies: Sequence[Curve]) -> dic
     length = float(reel.t[-1] - reel.t[0]) if len(reel.t) > 1 else 0.0
     return {
         "t": _text(reel.t.astype("<f8")), "low": _plain(reel.low), "high": _plain(reel.high), "span": span, "symbol": reel.symbol,
-        "speed": length / _WATCHED if length and not 2.0 <= length <= 2 * _WATCHED else 1.0,
+        "speed": speed_of(length),
         "strokes": [_stroke(moving, reel, span) for moving in order],
         "captions": [_caption(caption, reel, span) for caption in reel.captions],
         "traces": [{"name": name, "at": _small(points, reel, span)} for name, points in reel.traces],
@@ -52,6 +59,11 @@ def _data(reel: Reel, curves: Sequence[Curve], energies: Sequence[Curve]) -> dic
         "energies": [{**_curve(curve), "least": low} for curve, low in zip(energies, least, strict=True)],
         "most": float(np.nanmax(total, initial=0.0)) if len(energies) else 0.0,
     }
+
+
+def speed_of(length: float) -> float:
+    """At which a motion so long, s, is watched."""
+    return length / _WATCHED if length and not 2.0 <= length <= 2 * _WATCHED else 1.0
 
 
 def _caption(caption: Caption, reel: Reel, span: float) -> dict[str, Any]:

@@ -43,11 +43,16 @@ def reel_of(model: Drawable, run: Trajectory, values: Values, names: Mapping[str
     """The reel of a run, as far as it went. Raises LagError: L0701 for traces of no frame, L0702 for a run without rows."""
     if not len(run.rows):
         fail("L0702", "nothing was computed that could be shown")
+    require_traces(model, traces)
+    return build_reel(model.compilation, figures_of(model), states_of(model, run, values), names, traces)
+
+
+def require_traces(model: Drawable, traces: Sequence[str]) -> None:
+    """Raises LagError L0701 for what is no frame."""
     frames = model.compilation.flat.frames
     for name in traces:
         if name not in frames or name in model.compilation.graph.unused_frames:
             fail("L0701", f"there is no frame '{name}' to be traced", None, *filter(None, [suggest(name, frames)]))
-    return build_reel(model.compilation, figures_of(model), states_of(model, run, values), names, traces)
 
 
 def thinned(run: Trajectory, most: int) -> Trajectory:

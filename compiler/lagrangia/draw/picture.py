@@ -24,6 +24,7 @@ _SYMBOL, MOST_SYMBOL = 4.2, 5.0  # mm, on the page
 _ROUNDS = 3  # of finding the size of symbols: loose parts stand so many symbols apart
 _OTHER_TIMES = 12  # at which forces are looked at
 MOST_LABELS = 60
+SHORTEST_ARM = 0.02  # symbols
 _MOST_ALIKE = 2  # labels with the same words
 
 
@@ -76,6 +77,16 @@ def _label(figure: Figure) -> Flat | None:
 
 def arms_of(scenery: Scenery, moment: int) -> list[Stroke]:
     """Frames that sit at a fixed place of another one, away from it, are held by a rod."""
+    found = []
+    for pair in arms_between(scenery):
+        ends = np.array([scenery.numbers.place(frame)[:2, moment] + scenery.layout.offset(frame) for frame in pair])
+        if np.isfinite(ends).all() and float(np.linalg.norm(ends[1] - ends[0])) > SHORTEST_ARM * scenery.symbol:
+            found.append(Stroke(ends, RODS, "thick"))
+    return found
+
+
+def arms_between(scenery: Scenery) -> list[tuple[str, str]]:
+    """The frames of these rods."""
     tree, numbers = scenery.tree, scenery.numbers
     drawn = {numbers.items[k].figure.component for k in scenery.shown}
     found = []
@@ -87,9 +98,7 @@ def arms_of(scenery: Scenery, moment: int) -> list[Stroke]:
             continue
         if np.any(scenery.layout.offset(edge.parent) != scenery.layout.offset(edge.child)):
             continue  # drawn apart: what guides the child stands with it
-        ends = np.array([numbers.place(frame)[:2, moment] + scenery.layout.offset(frame) for frame in (edge.parent, edge.child)])
-        if np.isfinite(ends).all() and float(np.linalg.norm(ends[1] - ends[0])) > 0.02 * scenery.symbol:
-            found.append(Stroke(ends, RODS, "thick"))
+        found.append((edge.parent, edge.child))
     return found
 
 

@@ -78,7 +78,7 @@ class Scenery:
 
     def shape(self, k: int, moment: int) -> Shape:
         """What a figure looks like at a moment."""
-        given = self._given(k, moment)
+        given = self.given(k, moment)
         if not all(np.isfinite(x).all() for x in (given.places, *given.numbers, *given.options.values())):
             return Shape()
         shape = SHAPES[self.numbers.items[k].word](given)
@@ -88,6 +88,15 @@ class Scenery:
 
     def _walls(self, k: int, places: Vector) -> list[tuple[Vector, Vector]]:
         """Where a line is held by the ground, and the way into the scene; supports draw their own."""
+        found = []
+        for j, own in self.held_ends(k, places):
+            way = own if own.any() else places[1 - j] - places[j]
+            length = float(np.linalg.norm(way))
+            found += [(places[j], way / length)] if length > 0 else []
+        return found
+
+    def held_ends(self, k: int, places: Vector) -> list[tuple[int, Vector]]:
+        """Which ends of a line the ground holds, and the way from each into the scene; 0: to the other end."""
         item = self.numbers.items[k]
         if item.word not in _LINES:
             return []
@@ -98,14 +107,8 @@ class Scenery:
         else:
             fixed = [frame in self.tree.grounded for frame in item.frames]
             ways = [np.zeros(2), np.zeros(2)]
-        found = []
-        for j in range(2):
-            way = ways[j] if ways[j].any() else places[1 - j] - places[j]
-            length = float(np.linalg.norm(way))
-            is_held = any(float(np.linalg.norm(places[j] - spot)) < 0.5 * self.symbol for spot in self._supports)
-            if fixed[j] and length > 0 and not is_held:
-                found.append((places[j], way / length))
-        return found
+        return [(j, ways[j]) for j in range(2)
+                if fixed[j] and not any(float(np.linalg.norm(places[j] - spot)) < 0.5 * self.symbol for spot in self._supports)]
 
     @cached_property
     def _supports(self) -> list[Vector]:
@@ -114,7 +117,8 @@ class Scenery:
         hinges = [k for k in self.shown if items[k].word == "hatch" and "along" not in items[k].options]
         return [self.places(k, self.moment)[0, :2] for k in hinges if items[k].frames[0] in self.tree.grounded]
 
-    def _given(self, k: int, moment: int) -> Given:
+    def given(self, k: int, moment: int) -> Given:
+        """What a figure is drawn from at a moment."""
         item = self.numbers.items[k]
         values = self.numbers.values
         places = self.places(k, moment)
@@ -199,10 +203,11 @@ class Scenery:
         return (min(found), max(found)) if found else (0.0, 0.0)
 
     def _lean(self, k: int, moment: int) -> Vector:
-        """Of a support: away from what hangs on it; of an angle: to where what it turns reaches, in its own axes."""
+        """Of a support: away from what hangs on it at first, where it stays; of an angle: to where what it turns reaches,
+        in its own axes."""
         item = self.numbers.items[k]
         if item.word == "hatch" and item.frames[0]:
-            hanging = [self._far(frame, moment) for frame in self.tree.below.get(item.frames[0], [])]
+            hanging = [self._far(frame, self.moment) for frame in self.tree.below.get(item.frames[0], [])]
             total = sum((turned for _, turned in hanging), np.zeros(2))
             return np.array([0.0, 1.0 if total[1] < -1e-9 * self.symbol else -1.0])
         if item.measure == "angle" and item.frames[0]:

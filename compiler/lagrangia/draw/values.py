@@ -104,15 +104,33 @@ class _Rows:
         return planar.step(self._pose(base), Step(node.function, amount), value, self.kinematics.algebra)
 
 
-def evaluate_figures(c: Compilation, figures: Sequence[Figure], states: States) -> Numbers:
-    """Figures whose places are all there, and the frames they hang on with all that carries these. Raises LagError."""
+@dataclass(frozen=True)
+class Drawn:
+    """Figures as rows of one function of t, q, v, u, p, (rows, 1), and the frames they hang on with all that carries these."""
+
+    items: tuple[Item, ...]
+    frames: dict[str, int]
+    function: ca.Function
+
+
+def build_drawn(c: Compilation, figures: Sequence[Figure]) -> Drawn:
+    """Figures whose places are all there. Raises LagError."""
     rows = _Rows(c.kinematics)
     lost = set(c.graph.unused_frames)
     items = tuple(_item(c.flat, rows, figure, lost) for figure in figures)
     frames = {name: rows.add(c.kinematics.pose(name, 0).place) for name in c.flat.frames if name not in lost}
-    function = observer_of(c.kinematics, c.motion, c.constraints, ca.densify(ca.vertcat(*rows.scalars)))
-    values = np.array(function(states.t, states.q, states.v, states.u, states.p), dtype=float)
-    return Numbers(items, values.reshape(len(rows.scalars), -1), frames)
+    return Drawn(items, frames, observer_of(c.kinematics, c.motion, c.constraints, ca.densify(ca.vertcat(*rows.scalars))))
+
+
+def evaluate_drawn(drawn: Drawn, states: States) -> Numbers:
+    """Its rows at all moments."""
+    values = np.array(drawn.function(states.t, states.q, states.v, states.u, states.p), dtype=float)
+    return Numbers(drawn.items, values.reshape(drawn.function.numel_out(0), -1), drawn.frames)
+
+
+def evaluate_figures(c: Compilation, figures: Sequence[Figure], states: States) -> Numbers:
+    """Both. Raises LagError."""
+    return evaluate_drawn(build_drawn(c, figures), states)
 
 
 def _item(model: FlatModel, rows: _Rows, figure: Figure, lost: set[str]) -> Item:

@@ -46,8 +46,10 @@ _LONGEST_IDENTIFIER = 60
 _BUILDING = 0.5  # seconds for which zig compiles and links the smallest scene, when it has made the run time
 _EARLIEST = (1980, 1, 1, 0, 0, 0)  # in an archive; files in it have no dates
 _VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_unused.c", "fmi3_instance.h")}
-# Of the run time: many runs, what Python compares when it loads a library, and what only the package's library for FMUs needs.
-_UNUSED = ("batch.c", "batch.h", "reduce.c", "reduce.h", "layout.c", "layout.h", "stored.c")
+# Of the run time: many runs, what Python compares when it loads a library, what only the package's library for FMUs needs, and
+# what a page does.
+_UNUSED = ("batch.c", "batch.h", "reduce.c", "reduce.h", "layout.c", "layout.h", "stored.c", "image.c", "image.h",
+           "play.c", "play.h")
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,13 @@
 
 Structures and vectors as C has them, each at a multiple of eight bytes; in the place of a pointer stands the distance of what it
 points to from the beginning of the file, and all such places are listed at its end. It holds for this machine's kind of processor
-and this version of the run time: library and file go into an FMU together.
+and this version of the run time: library and file go into an FMU together. A page has the same with pointers of four bytes, as
+WebAssembly has them, and one function more.
 """
 
 import ctypes as c
 import struct
+import sys
 from array import array
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
@@ -23,7 +25,8 @@ NAME = "scene.tape"  # among the resources
 _HEAD = struct.Struct("=8s64s7Q")
 _MAGIC = b"LAGFMU\0\1"
 _TAPE, _FUNCTION, _MODEL = (cast("type[c.Structure]", MIRRORS[name]) for name in ("LagTape", "LagFunction", "LagModel"))
-_WORD = 8
+_WORD = 8  # what is put begins at a multiple of it
+_PAGE_TOKEN = "page"  # LAG_PLAY_TOKEN of play.h
 _VECTORS = ("reals", "integers", "booleans", "strings", "names", "state_start", "state_settable", "nominal", "input_start",
             "parameter_start", "minimum", "maximum", "parameter_settable")
 
@@ -42,13 +45,36 @@ class _Fmu(c.Structure):
     )
 
 
+class _Played(_Fmu):
+    """LagPlayed of play.c."""
+
+    _fields_ = (("drawing", _FUNCTION),)
+
+
 def write_stored(model: FmuModel, token: str) -> bytes:
     """The whole file. Equal input gives equal bytes."""
-    image = _Image()
+    image = _Image(_Layout(c.sizeof(c.c_void_p)))
+    fmu = _filled(_Fmu, model, token, sizes_of(model), image)
+    fmu.function("forward", model.forward, image)
+    fmu.function("adjoint", model.adjoint, image)
+    return image.whole(image.structure(fmu))
+
+
+def write_played(model: FmuModel, solver: int, drawing: Tape) -> bytes:
+    """The same for the run time in WebAssembly, with the numbers of the drawing; without derivatives, for which no page asks.
+    `solver` is what the scene is run with."""
+    image = _Image(_Layout(4))
+    played = _filled(_Played, model, _PAGE_TOKEN, {**sizes_of(model), "solver": solver}, image)
+    played.function("drawing", drawing, image)
+    return image.whole(image.structure(played))
+
+
+def _filled(kind: type[c.Structure], model: FmuModel, token: str, sizes: Mapping[str, int], image: "_Image") -> "_Struct":
+    """A LagFmu without its derivatives."""
     scene = model.scene
-    fmu = _Struct(_Fmu())
-    own = _Struct(_MODEL())
-    for name, size in sizes_of(model).items():
+    fmu = _Struct(kind, image.layout)
+    own = _Struct(_MODEL, image.layout)
+    for name, size in sizes.items():
         own.set(name, size)
     lists = {"coordinate_kind": scene.coordinate_kind, "fixed": scene.fixed, "event_kind": scene.event_kind, **scene.patterns}
     for name, places in lists.items():
@@ -68,16 +94,37 @@ def write_stored(model: FmuModel, token: str) -> bytes:
     fmu.point("parameter_settable", image.ints(model.settable))
     fmu.point("names", image.texts([variable.name for variable in model.variables]))
     fmu.point("strings", image.texts([str(x) for x in constants(model)["string"]]))
-    fmu.function("forward", model.forward, image)
-    fmu.function("adjoint", model.adjoint, image)
-    return image.whole(image.structure(fmu))
+    return fmu
+
+
+class _Layout:
+    """Structures as a processor has them whose pointers have `pointer` bytes: mirrors are those of this machine."""
+
+    def __init__(self, pointer: int) -> None:
+        self.pointer = pointer
+        self._word = {4: c.c_uint32, 8: c.c_uint64}[pointer]
+        self._known: dict[type[Any], type[Any]] = {}
+
+    def of(self, mirror: type[Any]) -> type[Any]:
+        """The same members in the same order, pointers and sizes as numbers of their bytes."""
+        if mirror not in self._known:
+            self._known[mirror] = self._made(mirror)
+        return self._known[mirror]
+
+    def _made(self, mirror: type[Any]) -> type[Any]:
+        if issubclass(mirror, c.Structure):
+            begins = c.Structure if mirror.__base__ is c.Structure else self.of(cast("type[Any]", mirror.__base__))
+            members = [(name, self.of(kind)) for name, kind, *_ in vars(mirror)["_fields_"]]
+            return type(mirror.__name__, (begins,), {"_fields_": members})
+        is_address = mirror in (c.c_void_p, c.c_size_t) or hasattr(mirror, "contents")
+        return self._word if is_address else mirror
 
 
 class _Struct:
     """A structure of C, and where its pointers lead: distances by their places in it."""
 
-    def __init__(self, values: Any) -> None:
-        self.values = values
+    def __init__(self, mirror: type[Any], layout: _Layout) -> None:
+        self.values = layout.of(mirror)()
         self.pointers: dict[int, int] = {}
 
     def set(self, name: str, value: float) -> None:
@@ -88,7 +135,9 @@ class _Struct:
 
     def function(self, name: str, tape: Tape, image: "_Image") -> None:
         code, numbers = bytes(memoryview(tape.code).cast("B")), bytes(memoryview(tape.constants).cast("B"))
-        plain = _Struct(_TAPE(len(code) // 16, len(numbers) // 8))
+        plain = _Struct(_TAPE, image.layout)
+        plain.set("n_instructions", len(code) // 16)
+        plain.set("n_constants", len(numbers) // 8)
         plain.point("code", image.put(code))
         plain.point("constants", image.put(numbers))
         own = getattr(self.values, name)
@@ -96,13 +145,14 @@ class _Struct:
         first = getattr(type(self.values), name).offset
         for member, distance in (("in_size", image.ints(tape.in_sizes)), ("out_size", image.ints(tape.out_sizes)),
                                  ("tape", image.structure(plain))):
-            self.pointers[first + getattr(_FUNCTION, member).offset] = distance
+            self.pointers[first + getattr(type(own), member).offset] = distance
 
 
 class _Image:
     """The file as it grows behind its head."""
 
-    def __init__(self) -> None:
+    def __init__(self, layout: _Layout) -> None:
+        self.layout = layout
         self._content = bytearray(_HEAD.size)
         self._places: list[int] = []
 
@@ -126,14 +176,16 @@ class _Image:
         return self._pointers([self.text(text) for text in texts])
 
     def _pointers(self, distances: Sequence[int]) -> int:
-        first = self.put(array("Q", distances).tobytes())
-        self._places += [first + _WORD * k for k in range(len(distances))]
+        size = self.layout.pointer
+        first = self.put(b"".join(distance.to_bytes(size, sys.byteorder) for distance in distances))
+        self._places += [first + size * k for k in range(len(distances))]
         return first
 
     def structure(self, made: _Struct) -> int:
         first = self.put(bytes(made.values))
         for place, distance in made.pointers.items():
-            struct.pack_into("=Q", self._content, first + place, distance)
+            at, size = first + place, self.layout.pointer
+            self._content[at : at + size] = distance.to_bytes(size, sys.byteorder)
             self._places.append(first + place)
         return first
 
@@ -142,7 +194,7 @@ class _Image:
         places = self._places
         listed = self.put(array("Q", places).tobytes())
         head = (_MAGIC, digest(data_folder("runtime")).encode(), len(self._content), adler32(self._content[_HEAD.size :]),
-                c.sizeof(_Fmu), c.sizeof(_MODEL), root, len(places), listed)
+                c.sizeof(self.layout.of(_Fmu)), c.sizeof(self.layout.of(_MODEL)), root, len(places), listed)
         return _HEAD.pack(*head) + self._content[_HEAD.size :]
 
 

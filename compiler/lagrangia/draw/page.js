@@ -1,0 +1,69 @@
+// What pages that play and pages that compute have in common.
+const $ = id => document.getElementById(id);
+let css = {};
+function bytes(text) { const b = atob(text), a = new Uint8Array(b.length); for (let i = 0; i < b.length; i++) a[i] = b.charCodeAt(i); return a.buffer; }
+const LW = { normal: 1.6, round: 1.6, thin: 1, dashed: 1, thick: 2.8 };
+
+function colours() { const s = getComputedStyle(document.documentElement); for (const k of ["fg", "bg", "soft", "grey", "line", "hot"]) css[k] = s.getPropertyValue("--" + k).trim(); }
+function fit(canvas) {
+  const r = devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
+  if (canvas.width !== Math.round(w * r) || canvas.height !== Math.round(h * r)) { canvas.width = Math.round(w * r); canvas.height = Math.round(h * r); }
+  const g = canvas.getContext("2d"); g.setTransform(r, 0, 0, r, 0, 0); g.clearRect(0, 0, w, h); return [g, w, h];
+}
+function ink(g, line, fill, is_closed) {
+  const fills = { none: "", white: css.bg, grey: css.grey, black: css.fg };
+  if (is_closed) g.closePath();
+  if (fills[fill]) { g.fillStyle = fills[fill]; g.fill(); }
+  g.strokeStyle = css.fg; g.lineWidth = LW[line]; g.setLineDash(line === "dashed" ? [5, 4] : []); g.stroke();
+}
+function words(g, pieces, x, y) {
+  const font = p => (p[1] ? "italic " : "") + (p[2] ? 11 : 15) + "px 'STIX Two Text','Times New Roman',serif";
+  let w = 0; for (const p of pieces) { g.font = font(p); w += g.measureText(p[0]).width; }
+  x = Math.max(2, Math.min(x - w / 2, g.canvas.clientWidth - w - 2));
+  g.strokeStyle = css.bg; g.lineWidth = 3; g.lineJoin = "round";  // lines do not run through words
+  let from = x; for (const p of pieces) { g.font = font(p); g.strokeText(p[0], from, y + 5 + (p[2] ? 4 : 0)); from += g.measureText(p[0]).width; }
+  for (const p of pieces) { g.font = font(p); g.fillText(p[0], x, y + 5 + (p[2] ? 4 : 0)); x += g.measureText(p[0]).width; }
+}
+const TINTS = ["#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf", "#8c564b", "#e377c2"];
+function graphs(canvas, all, T, N, from, to, now) {  // returns where time runs from left to right, of each graph
+  const [g, w, h] = fit(canvas), plots = []; g.font = "12px system-ui, sans-serif"; g.textBaseline = "middle";
+  const units = [...new Set(all.map(c => c.unit))], L = 56, R = 8, gap = 22, each = (h - 20) / Math.max(1, units.length);
+  units.forEach((unit, row) => {
+    const mine = all.filter(c => c.unit === unit), top = row * each + gap, bottom = (row + 1) * each - 4;
+    let lo = Infinity, hi = -Infinity;
+    for (const c of mine) for (let m = 0; m < N; m++) { const y = c.y[m]; if (isFinite(y)) { if (y < lo) lo = y; if (y > hi) hi = y; } }
+    if (!(lo <= hi)) { lo = 0; hi = 1; } if (hi - lo < 1e-12 * Math.max(Math.abs(lo), Math.abs(hi), 1e-300)) { lo -= 1; hi += 1; }
+    const X = t => L + (w - L - R) * (t - from) / (to - from || 1), Y = y => bottom - (bottom - top) * (y - lo) / (hi - lo);
+    g.strokeStyle = css.line; g.lineWidth = 1; g.strokeRect(L, top, w - L - R, bottom - top);
+    if (lo < 0 && hi > 0) { g.beginPath(); g.moveTo(L, Y(0)); g.lineTo(w - R, Y(0)); g.stroke(); }
+    g.fillStyle = css.soft; g.textAlign = "right"; g.fillText(short(hi), L - 4, top + 6); g.fillText(short(lo), L - 4, bottom - 6); g.fillText(unit, L - 4, (top + bottom) / 2);
+    let at = L; g.textAlign = "left";
+    mine.forEach((c, k) => {
+      g.strokeStyle = g.fillStyle = TINTS[k % TINTS.length]; g.lineWidth = 1.4; g.beginPath(); let on = false;
+      for (let m = 0; m < N; m++) { if (!isFinite(c.y[m])) { on = false; continue; } g[on ? "lineTo" : "moveTo"](X(T[m]), Y(c.y[m])); on = true; }
+      g.stroke(); if (at < w - 40) g.fillText(c.name, at, top - 9); at += g.measureText(c.name).width + 14;
+      if (isFinite(c.now)) { g.beginPath(); g.arc(X(now), Y(c.now), 3.5, 0, 7); g.fill(); }
+    });
+    g.strokeStyle = css.hot; g.lineWidth = 1; g.beginPath(); g.moveTo(X(now), top); g.lineTo(X(now), bottom); g.stroke();
+    plots.push([L, w - R]);
+  });
+  g.fillStyle = css.soft; g.textAlign = "left"; g.fillText(short(from) + " s", L, h - 9); g.textAlign = "right"; g.fillText(short(to) + " s", w - R, h - 9);
+  return plots;
+}
+function bars(canvas, energies, greatest) {
+  const [g, w] = fit(canvas); g.font = "12px system-ui, sans-serif"; g.textBaseline = "middle";
+  if (!energies.length) return;
+  let at = 56; const most = greatest || 1, room = w - 64, value = e => isFinite(e.value) ? e.value : 0;
+  energies.forEach((e, k) => { const v = Math.max(0, value(e) - e.least), x = room * v / most; g.fillStyle = TINTS[k]; g.globalAlpha = .8; g.fillRect(at, 8, x, 16); g.globalAlpha = 1; at += x; });
+  g.fillStyle = css.soft; g.textAlign = "right"; g.fillText("J", 50, 16); let x = 56; g.textAlign = "left";
+  energies.forEach((e, k) => { g.fillStyle = TINTS[k]; const s = e.name + " " + short(value(e)); g.fillText(s, x, 38); x += Math.max(g.measureText(s).width + 10, room / 3.2); });
+}
+function short(x) { const a = Math.abs(x); return x === 0 ? "0" : a >= 1e4 || a < 1e-3 ? x.toExponential(1) : String(+x.toPrecision(3)); }
+function other_theme() { const r = document.documentElement, dark = css.bg !== "#fff"; r.removeAttribute("data-dark"); r.removeAttribute("data-light"); r.setAttribute(dark ? "data-light" : "data-dark", ""); colours(); }
+const SPEEDS = [1e-6, 1e-5, 1e-4, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4, 10, 30, 100, 1000, 1e4, 1e5];
+const beside = (speed, by) => SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, SPEEDS.indexOf(speed) + by))];
+function faster(wanted) {  // the speed nearest to what is wanted becomes the chosen one
+  if (!$("speed").options.length) for (const s of SPEEDS) $("speed").add(new Option(s + " ×", s));
+  const speed = SPEEDS.reduce((a, b) => Math.abs(Math.log(b / wanted)) < Math.abs(Math.log(a / wanted)) ? b : a);
+  $("speed").value = speed; return speed;
+}

@@ -1,0 +1,155 @@
+"""`lag play`: a model -> one HTML file that computes its motion: run time, scene, drawing and controls."""
+
+import base64
+import gzip
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.result_files import write_text
+from lagrangia.draw.animation import speed_of, written
+from lagrangia.draw.drawing import Drawable, figures_of, states_of
+from lagrangia.draw.film import MOST_CURVES, require_traces, thinned
+from lagrangia.fmu.stored import write_played
+from lagrangia.fmu.tables import sizes_of
+from lagrangia.fmu.variables import Exportable, FmuModel, Variable, build_fmu_model
+from lagrangia.play.stage import build_stage
+from lagrangia.play.wasm import build_wasm
+from lagrangia.run.request import Request, Values, check_values, plan
+from lagrangia.run.runtime import Solver
+from lagrangia.view.trajectory import Trajectory
+
+_LOOKS = 60  # moments of the motion from which the picture's sizes are taken
+_MOST_SHOWN = 40  # quantities whose values are listed
+_DEGREE = 180.0 / math.pi
+_TURN, _RATE = math.pi, 10.0  # sliders of angles, and of rates of what is at rest, go so far
+_PARTS = ("figures", "machine", "player")
+
+
+class Playable(Drawable, Exportable, Protocol):
+    """What a page needs of a Model."""
+
+
+def play_scene(model: Playable, path: str | os.PathLike[str], request: Request, names: Mapping[str, str],
+               traces: Sequence[str] = ()) -> RunError | None:
+    """Writes the page; returns what stops the scene's run, which the page shows, too. Raises LagError: L0706 without zig, L0918
+    for inputs over time; RunError for what cannot start."""
+    program = build_wasm()
+    values = check_values(model.scene, request.parameters, request.initial, request.inputs)
+    if len(values.input_times) > 1:
+        fail("L0918", "not supported yet: inputs over time in a page that computes", None, "give constants: there are sliders")
+    if any(not math.isnan(x) for x in values.lost):
+        fail("L0918", "not supported yet: start values of what follows from other coordinates, in a page", None,
+             "give those of the others")
+    require_traces(model, traces)
+    failure: RunError | None = None
+    try:
+        run = model.run(request)
+    except RunError as error:
+        if error.trajectory is None or not len(error.trajectory.rows):
+            raise
+        run, failure = error.trajectory, error
+    write_text(Path(path), _page(model, request, values, run, names, traces, program))
+    return failure
+
+
+def _page(model: Playable, request: Request, values: Values, run: Trajectory, names: Mapping[str, str], traces: Sequence[str],
+          program: bytes) -> str:
+    scene = model.scene
+    states = states_of(model, thinned(run, _LOOKS), values)
+    stage = build_stage(model.compilation, figures_of(model), states, names, traces)
+    described = build_fmu_model(model, request.parameters)
+    image = write_played(described, _solver(described), stage.drawing)
+    experiment = plan(scene, request)
+    length = experiment.stop - experiment.start
+    size = float(np.max(np.subtract(stage.data["high"], stage.data["low"])))
+    data = {**stage.data, **_shown(described), "controls": [*_controls(described, size)], "given": [*_given(described, values)],
+            "n": scene.n, "movable": [*_movable(described, size)], "tolerance": experiment.tolerance, "start": scene.start,
+            "stop": experiment.stop, "window": length, "speed": speed_of(length),
+            "program": _packed(program), "image": _packed(image),
+            "sizes": {"n": scene.n, "values": 1 + max(v.reference for v in described.of(*_NUMBERS)),
+                      "drawing": sum(stage.drawing.out_sizes)}}
+    own = Path(__file__)
+    parts = {name.upper(): own.with_name(f"{name}.js") for name in _PARTS}
+    return written(own.with_name("player.html"), parts, scene.description or scene.name, data)
+
+
+_NUMBERS = ("time", "state", "slope", "output", "energy", "input", "parameter")  # groups of which the run time tells all
+
+
+def _solver(described: FmuModel) -> int:
+    """That of a run, but for islands, each of which has a model of its own there."""
+    own = int(described.scene.sizes.get("solver", Solver.AUTO))
+    return int(sizes_of(described)["solver"]) if own == Solver.ISLANDS else own
+
+
+def _packed(content: bytes) -> str:
+    return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode()
+
+
+def _unit(variable: Variable) -> tuple[str, float]:
+    """What it is shown in, and how many of it one SI unit is."""
+    unit = variable.display_unit or variable.unit
+    return ("" if unit == "1" else unit), (_DEGREE if unit.startswith("deg") else 1.0)
+
+
+def _shown(described: FmuModel) -> dict[str, Any]:
+    """Curves, energies and quantities that are listed."""
+    def told(variable: Variable, name: str = "") -> dict[str, Any]:
+        unit, scale = _unit(variable)
+        return {"name": name or variable.name, "ref": variable.reference, "unit": unit, "scale": scale}
+
+    n = described.scene.n
+    states, outputs, energies = described.of("state"), described.of("output"), described.of("energy")
+    rates = [told(v, f"{states[k].name}'") for k, v in enumerate(states[n:])]
+    return {"curves": [told(v) for v in (*states[:n], *outputs)][:MOST_CURVES],
+            "energies": [told(energies[k], name) for k, name in ((0, "T"), (1, "V"), (3, "dissipated"))],
+            "shown": [*map(told, states[:n]), *rates, *map(told, outputs)][:_MOST_SHOWN] + [told(v) for v in energies]}
+
+
+def _controls(described: FmuModel, size: float) -> Iterator[dict[str, Any]]:
+    """Sliders: inputs, parameters that are no consequence of others, start values."""
+    n = described.scene.n
+    given = dict(zip((v.reference for v in described.of("parameter")), described.given, strict=True))
+    for v in described.of("input"):
+        yield _control("input", v, float(v.start or 0.0), 1.0)
+    for v in described.of("parameter"):
+        if v.causality == "parameter":
+            yield _control("parameter", v, given[v.reference], 1.0)
+    for k, v in enumerate(described.of("state")):
+        if v.initial != "calculated":
+            reach = _RATE if k >= n else _TURN if _unit(v)[1] != 1.0 else size
+            yield _control("start", v, described.state_start[k], reach)
+
+
+def _control(kind: str, variable: Variable, value: float, reach: float) -> dict[str, Any]:
+    """From its lower limit, or 0 for what is positive, to its upper one, or three times what it is."""
+    unit, scale = _unit(variable)
+    least = 0.0 if kind == "parameter" and value > 0 else -max(reach, 3 * abs(value))
+    low = least if variable.minimum is None else max(variable.minimum, least)
+    most = 3 * value if kind == "parameter" and value > 0 else max(reach, 3 * abs(value))
+    high = most if variable.maximum is None else min(variable.maximum, most)
+    return {"kind": kind, "ref": variable.reference, "name": variable.name, "about": variable.description, "unit": unit,
+            "scale": scale, "value": value, "low": min(low, value), "high": max(high, value)}
+
+
+def _given(described: FmuModel, values: Values) -> Iterator[tuple[int, float]]:
+    """Start values and inputs that were asked for; parameters are the scene's own already."""
+    for v, x in zip(described.of("state"), (*values.q, *values.v), strict=True):
+        if not math.isnan(x):
+            yield v.reference, x
+    for v, x in zip(described.of("input"), values.input_values, strict=True):
+        if x != v.start:
+            yield v.reference, x
+
+
+def _movable(described: FmuModel, size: float) -> Iterator[dict[str, float]]:
+    """Coordinates that follow a part that is dragged, and by how much they move it about as far as the scene is large."""
+    for k, v in enumerate(described.of("state")[: described.scene.n]):
+        if v.initial != "calculated":
+            yield {"k": k, "size": 1.0 if _unit(v)[1] != 1.0 else size}

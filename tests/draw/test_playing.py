@@ -1,0 +1,241 @@
+"""Pages that compute: their digits are those of the run, their strokes those of the drawing, their controls change the motion."""
+
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.base.folders import data_folder
+from lagrangia.command.cli import FAILED, WRONG, main
+from lagrangia.draw.drawing import figures_of, states_of
+from lagrangia.draw.film import thinned
+from lagrangia.draw.picture import arms_of
+from lagrangia.draw.reel import build_reel
+from lagrangia.draw.strokes import Stroke
+from lagrangia.play import wasm
+from lagrangia.play.player import play_scene
+from lagrangia.run.request import Request, check_values
+
+EXAMPLES = data_folder("models") / "examples"
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+NODE = shutil.which("node")
+SCENES = ["double_pendulum", "bouncing_ball", "four_bar", "suspended_bar", "stick_slip"]
+needs_node = pytest.mark.skipif(wasm.zig() is None or NODE is None, reason="needs zig and Node.js")
+needs_browser = pytest.mark.skipif(wasm.zig() is None or BROWSER is None, reason="needs zig and Chromium")
+HEADLESS = """
+const html = require("fs").readFileSync(process.argv[1], "utf8");
+const D = JSON.parse(html.match(/<script id="data" type="application\\/json">(.*?)<\\/script>/s)[1]);
+const own = html.match(/<script>\\s*"use strict";(.*)<\\/script>/s)[1].split("const D = JSON")[0];
+const script = `return (async () => { ${own}; const m = await Machine.made(D.program, D.image, D.sizes); ${process.argv[2]} })()`;
+new Function("D", script)(D).then(told => console.log(JSON.stringify(told)));
+"""
+
+
+def written(model: lag.Model, page: Path, **asked) -> Path:
+    play_scene(model, page, Request(**asked), {})
+    return page
+
+
+def computed(page: Path, script: str) -> dict:
+    """What a script finds in the page's machine `m`, without its browser."""
+    done = subprocess.run([str(NODE), "-e", HEADLESS, str(page), script], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def written_for(scene: str, page: Path) -> lag.Model:
+    model = lag.load(EXAMPLES / f"{scene}.lag")
+    written(model, page)
+    return model
+
+
+@needs_node
+@pytest.mark.parametrize("scene", SCENES)
+def test_digits_are_those_of_the_run(scene: str, tmp_path: Path) -> None:
+    """After 1 s, with events (the ball, friction) and with a closed loop (four bars), looked at between."""
+    model = written_for(scene, tmp_path / "x.html")
+    told = computed(tmp_path / "x.html", """
+        if (!m.begin(D.given, D.tolerance, D.stop) || !m.step(0.3) || !m.step(1 - m.values()[0])) return m.message;
+        return [...m.values()];""")
+    run = model.simulate(at=[0.0, 1.0], stop=model.scene.stop)
+    ours = np.array(told[: 1 + 2 * model.scene.n])
+    assert np.allclose(ours, run.rows[-1][: len(ours)], rtol=1e-12, atol=1e-12)
+    energies = told[1 + 4 * model.scene.n + len(model.scene.outputs) :]
+    assert energies[:2] == pytest.approx([run.energy.kinetic[-1], run.energy.potential[-1]], rel=1e-11, abs=1e-11)
+
+
+@needs_node
+def test_a_page_goes_on_behind_the_end(tmp_path: Path) -> None:
+    model = written_for("pendulum", tmp_path / "x.html")
+    script = """m.begin(D.given, D.tolerance, D.stop); m.step(D.stop);
+        const end = m.values()[1]; m.step(1.5); return [end, ...m.values()];"""
+    end, time, later = computed(tmp_path / "x.html", script)[:3]
+    assert end == pytest.approx(model.simulate()["hinge.phi"][-1], abs=1e-12)
+    assert time == pytest.approx(model.scene.stop + 1.5)
+    assert later == pytest.approx(model.simulate(stop=model.scene.stop + 1.5)["hinge.phi"][-1], abs=1e-6)
+
+
+@needs_node
+@pytest.mark.parametrize("scene", SCENES)
+def test_strokes_are_those_of_drawings(scene: str, tmp_path: Path) -> None:
+    model = written_for(scene, tmp_path / "x.html")
+    run = thinned(model.run(Request()), 60)
+    reel = build_reel(model.compilation, figures_of(model), states_of(model, run, check_values(model.scene)), {}, [])
+    scenery = reel.scenery
+    for moment in (0, 20, len(run.rows) - 1):
+        rows = scenery.numbers.values[:, moment].tolist()
+        told = computed(tmp_path / "x.html", f"return picture(D, {json.dumps(rows)})")["strokes"]
+        shown = [k for k in scenery.shown if scenery.numbers.items[k].word != "trace"]
+        ours = [stroke for k in shown for stroke in scenery.shape(k, moment).strokes] + arms_of(scenery, moment)
+        assert sorted(map(by_python, ours)) == sorted(map(by_page, told))
+
+
+def by_python(stroke: Stroke) -> tuple:
+    return (stroke.layer, stroke.line, stroke.fill, stroke.is_closed, *rounded([stroke.radius, *stroke.points.ravel()]))
+
+
+def by_page(told: dict) -> tuple:
+    return (told["layer"], told["l"], told["f"], told["c"], *rounded([told["r"], *told["p"]]))
+
+
+def rounded(numbers: list) -> list:
+    return [round(float(x) + 1.2345e-7, 6) for x in numbers]  # to no border at which exact numbers stand
+
+
+@needs_node
+def test_values_change_the_motion_and_what_stops_it_is_told(tmp_path: Path) -> None:
+    model = written_for("pendulum", tmp_path / "x.html")
+    script = """const ref = name => D.controls.find(c => c.name === name).ref, told = [];
+        m.begin([[ref("L"), 0.5], [ref("hinge.phi"), 1]], D.tolerance, D.stop); m.step(1); told.push(m.values()[1]);
+        m.set(ref("L"), 2); m.step(0.5); told.push(m.values()[1]);
+        told.push(m.begin([[ref("m"), 0]], D.tolerance, D.stop) && m.step(1), m.message);
+        told.push(m.begin([], D.tolerance, D.stop) && m.step(1), m.message, m.values()[1]); return told;"""
+    short, changed, ran, why, again, silence, whole = computed(tmp_path / "x.html", script)
+    first = model.simulate(at=[0.0, 1.0], parameters={"L": 0.5}, initial={"hinge.phi": 1.0})
+    later = model.simulate(at=[0.0, 0.5], parameters={"L": 2.0}, initial={"hinge.phi": first["hinge.phi"][-1],
+                                                                         "hinge.w": first["hinge.w"][-1]})
+    assert short == pytest.approx(first["hinge.phi"][-1], abs=1e-11)
+    assert changed == pytest.approx(later["hinge.phi"][-1], abs=1e-6)
+    assert not ran and why
+    assert again and silence == ""
+    assert whole == pytest.approx(model.simulate(at=[0.0, 1.0], stop=model.scene.stop)["hinge.phi"][-1], abs=1e-12)
+
+
+@needs_node
+def test_inputs_act_from_where_they_are_set(scene: Callable[[str], lag.Model], tmp_path: Path) -> None:
+    model = scene("model M input Force F; Block b(m = 2, base = world); AppliedForce p(at = b.center, force = {F, 0}); end M;")
+    written(model, tmp_path / "x.html", inputs={"F": 1.0})
+    script = """m.begin(D.given, D.tolerance, D.stop); m.step(0.5);
+        m.set(D.controls.find(c => c.kind === "input").ref, 4); m.step(0.25); return m.values();"""
+    told = computed(tmp_path / "x.html", script)
+    assert told["0"] == 0.75
+    assert told["1"] == pytest.approx(0.5 * 0.5 * 0.5**2 + 0.25 * 0.25 + 0.5 * 2 * 0.25**2, abs=1e-12)
+
+
+@needs_node
+def test_a_run_that_stops_is_told_here_and_there(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("x.lag").write_text("model X Block b(m = 1, base = world, s(start = 1), v(start = 1));\n"
+                             "GeneralSpring s(V = -1[N/m2]*b.s^3); annotation(experiment(StopTime = 10)); end X;")
+    assert main(["play", "x.lag", "-o", "x.html"]) == FAILED
+    assert "x.html computes them" in capsys.readouterr().err
+    why = computed(Path("x.html"), "m.begin(D.given, D.tolerance, D.stop); return [m.step(9), m.message]")
+    assert why[0] is False and "no step is small enough" in why[1]
+
+
+def test_names_are_text(scene: Callable[[str], lag.Model], tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr("lagrangia.play.player.build_wasm", lambda: b"")
+    model = scene('model A "</script><b>" Revolute h(a = world); Bar bar(m = 1, L = 1, a = h.b);\n'
+                  'drawing text(bar.b, "</script>"); end A;')
+    page = written(model, tmp_path / "x.html").read_text()
+    assert page.count("</script>") == 2 and "<b>" not in page
+
+
+@needs_node
+def test_what_was_asked_for_is_where_the_page_begins(tmp_path: Path) -> None:
+    model = lag.load(EXAMPLES / "pendulum.lag")
+    asked = {"parameters": {"L": 0.7}, "initial": {"hinge.phi": 0.4, "hinge.w": -1.0}}
+    written(model, tmp_path / "x.html", **asked)
+    told = computed(tmp_path / "x.html", "m.begin(D.given, D.tolerance, D.stop); m.step(1); return m.values()[1];")
+    assert told == pytest.approx(model.simulate(at=[0.0, 1.0], stop=model.scene.stop, **asked)["hinge.phi"][-1], abs=1e-12)
+
+
+PLAY = """<script>
+const report = told => {
+  const p = document.createElement("pre");
+  p.id = "heard"; p.textContent = JSON.stringify(told); document.body.append(p);
+};
+setInterval(() => {}, 1);  // virtual time does not wait for what is compiled, but passes no faster than its tasks
+lagrangia.ready.then(() => {
+  const values = [lagrangia.go(1), lagrangia.time, lagrangia.value("hinge.phi")];
+  const press = key => document.dispatchEvent(new KeyboardEvent("keydown", {key}));
+  press("ArrowRight"); values.push(lagrangia.time); press("r");
+  values.push(lagrangia.time);
+  lagrangia.set("L", 0.5); lagrangia.go(1); values.push(lagrangia.value("hinge.phi"));
+  const box = $("scene").getBoundingClientRect();
+  document.getElementById("defaults").click();
+  held = D.frames.reduce((a, b) => rows[a[0]] > rows[b[0]] ? a : b);
+  for (let i = 0; i < 5; i++) {
+    const x = box.left + box.width / 2 + (0.6 - view.x(box.width / 2)) * view.k;
+    drag({ clientX: x, clientY: box.top + box.height / 2 - (-0.8 - view.y(box.height / 2)) * view.k });
+  }
+  values.push(D.controls.find(c => c.name === "hinge.phi").now);
+  document.getElementById("play").click(); values.push(lagrangia.running);
+  report({values, faults: window.faults, message: lagrangia.message});
+}).catch(e => report({faults: [String(e)]}));
+</script></body>"""
+
+
+def heard(page: Path) -> dict:
+    """What a page tells of itself, which takes another attempt where it was looked at before it had compiled."""
+    command = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={page.parent}/profile",
+               "--virtual-time-budget=20000", "--dump-dom", page.as_uri()]
+    for _ in range(8):
+        dom = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
+        if found := re.search(r'<pre id="heard">(.*?)</pre>', dom):
+            return json.loads(found[1])
+    raise AssertionError(dom[-1000:])
+
+
+@needs_browser
+def test_a_browser_runs_it(tmp_path: Path) -> None:
+    model = written_for("pendulum", tmp_path / "x.html")
+    page = (tmp_path / "x.html").read_text()
+    assert not re.search(r"https?://|src=|@[A-Z]+@", re.sub(r'<script id="data".*?</script>', "", page, flags=re.DOTALL))
+    assert len(page) < 500_000
+    page = page.replace("<head>", "<head><script>window.faults = []; onerror = e => faults.push(e); "
+                                  "onunhandledrejection = e => faults.push(String(e.reason));</script>")
+    (tmp_path / "x.html").write_text(page.replace("</body>", PLAY))
+    told = heard(tmp_path / "x.html")
+    assert (told["faults"], told["message"]) == ([], "")
+    went, time, phi, following, back, shorter, dragged, running = told["values"]
+    assert went and running and time == pytest.approx(1.0) and following > 1.0 and back == 0.0
+    assert phi == pytest.approx(model.simulate(at=[0.0, 1.0], stop=model.scene.stop)["hinge.phi"][-1], abs=1e-11)
+    assert shorter == pytest.approx(model.simulate(at=[0.0, 1.0], parameters={"L": 0.5})["hinge.phi"][-1], abs=1e-11)
+    assert dragged == pytest.approx(np.arctan2(0.6, 0.8), abs=1e-3)
+
+
+def test_without_zig_it_is_said_how_to_get_it(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LAGRANGIA_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(wasm, "zig", lambda: None)
+    assert main(["play", str(EXAMPLES / "pendulum.lag"), "-o", "x.html"]) == WRONG
+    told = capsys.readouterr().err
+    assert "error[L0706]" in told and "pip install ziglang" in told
+    assert not Path("x.html").exists()
+
+
+@pytest.mark.parametrize(("given", "code"), [(["-o", "x.gif"], "L0004"), (["-o", "x.html", "--trace", "bob"], "L0701")])
+def test_what_cannot_be_played_is_told(given: list[str], code: str, tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("lagrangia.play.player.build_wasm", lambda: b"")
+    monkeypatch.setattr("lagrangia.command.play.require_zig", lambda: [])
+    assert main(["play", str(EXAMPLES / "pendulum.lag"), *given]) == WRONG
+    assert f"error[{code}]" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
