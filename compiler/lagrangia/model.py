@@ -20,7 +20,7 @@ from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
-from lagrangia.view.run_pictures import Sight, known_column
+from lagrangia.view.sight import Sight, known_column
 from lagrangia.view.trajectory import Trajectory, collect, moments
 
 if TYPE_CHECKING:

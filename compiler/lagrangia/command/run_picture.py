@@ -13,7 +13,8 @@ from lagrangia.model import Model
 from lagrangia.run.request import Request, check_values
 from lagrangia.view.curves import draw_panels
 from lagrangia.view.plots import Series, Wanted, read_pair
-from lagrangia.view.run_pictures import Sight, choose, picture_of, table_series
+from lagrangia.view.run_pictures import choose, picture_of, table_series
+from lagrangia.view.sight import Sight
 from lagrangia.view.trajectory import Trajectory
 
 
@@ -26,10 +27,8 @@ class Planned:
     runs: tuple[tuple[str, Request], ...]
 
 
-def plan_picture(options: Namespace, model: Model, request: Request) -> Planned | None:
-    """None where there is to be no picture. Raises LagError for what cannot be shown."""
-    if options.plot is None:
-        return None
+def plan_picture(options: Namespace, model: Model, request: Request) -> Planned:
+    """Raises LagError for what cannot be shown."""
     sight = model.sight(check_values(model.scene, request.parameters, request.initial, request.inputs))
     names, spectra = names_once(options.plot_quantities, "--plot-quantities"), names_once(options.spectrum, "--spectrum")
     wanted = choose(model.scene, sight, names, spectra, _section(options.section, sight))

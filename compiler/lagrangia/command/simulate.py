@@ -22,10 +22,9 @@ from lagrangia.command.arguments import (
     tell_warnings,
     values_with_units,
 )
-from lagrangia.command.run_picture import Planned, draw_picture, plan_picture
 from lagrangia.command.summary import summarise, tell_assembly, tell_moved, tell_reactions
 from lagrangia.model import NO_COMPILER, Model
-from lagrangia.run.request import Experiment, check_values, plan
+from lagrangia.run.request import Experiment, Request, check_values, plan
 from lagrangia.run.scene import ALL_REACTIONS
 from lagrangia.run.simulate import Progress, loss
 from lagrangia.view.statics import tells_reactions
@@ -57,11 +56,23 @@ def simulate_command(options: Namespace) -> int:
     request = asked(options, open_parameters(scene, given), initial, read_inputs(options.input, scene))
     experiment = plan(scene, request)
     values = check_values(scene, request.parameters, request.initial, request.inputs)
-    picture = plan_picture(options, model, request)
+    picture = _planned(options, model, request) if options.plot is not None else None
     tell_warnings(options, model)
     tell_inputs(options, model, experiment, request.inputs)
     compiled = time.perf_counter() - begin
     return _run(options, model, experiment, values, compiled, target, picture)
+
+
+def _planned(options: Namespace, model: Model, request: Request) -> Any:
+    from lagrangia.command.run_picture import plan_picture
+
+    return plan_picture(options, model, request)
+
+
+def _draw(options: Namespace, picture: Any, model: Model, run: Trajectory) -> RunError | None:
+    from lagrangia.command.run_picture import draw_picture
+
+    return draw_picture(options, picture, model, run)
 
 
 def _load(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
@@ -83,7 +94,7 @@ def _without_repeated(options: Namespace, model: Model, given: list[tuple[str, s
 
 
 def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, compiled: float, target: str,
-         picture: Planned | None) -> int:
+         picture: Any) -> int:
     scene = model.scene
     begin = time.perf_counter()
     if model.falls_back(options.solver) and not options.quiet:
@@ -110,7 +121,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     bar.close()
     undrawn = None
     if picture is not None and progress.rows:
-        undrawn = draw_picture(options, picture, model, _trajectory(model, progress, keep, values))
+        undrawn = _draw(options, picture, model, _trajectory(model, progress, keep, values))
     if not options.quiet:
         summarise(options, model, progress, target, compiled, loaded)
         tell_assembly(scene, experiment, first, sys.stdout if target != "-" else sys.stderr)

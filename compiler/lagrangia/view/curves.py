@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import Target
 from lagrangia.run.scene import Column
-from lagrangia.view.plots import FREQUENCY, TIME, Line, Pair, Panel, Series, Wanted, build_picture
 
 if TYPE_CHECKING:
     import numpy as np
+
+    from lagrangia.view.plots import Line, Panel
 
 _FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".webp")
 _MOST_IN_LEGEND = 12
@@ -36,25 +37,27 @@ def draw(title: str, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndar
 
     Raises LagError L0004 when the picture cannot be written.
     """
+    from lagrangia.view.plots import Pair, Series, Wanted, build_picture
+
     columns = {column.name: column for column, _ in curves}
     values = {column.name: x for column, x in curves}
     wanted = Wanted(tuple(Pair("", name) for name in columns))
     return draw_panels(title, build_picture([Series("", time, values.get)], wanted, columns.__getitem__).panels, path)
 
 
-def draw_panels(title: str, panels: Sequence[Panel], path: str | os.PathLike[str] | None = None) -> Any:
+def draw_panels(title: str, panels: "Sequence[Panel]", path: str | os.PathLike[str] | None = None) -> Any:
     """One below the other, those over time with one time axis; returns the matplotlib Figure. Raises LagError L0004."""
     from matplotlib.figure import Figure
 
     if path is not None:
         require_format(path)
-    heights = [2.4 if panel.axis in (TIME, FREQUENCY) else 4.2 for panel in panels] or [2.4]
+    heights = [2.4 if panel.is_wide else 4.2 for panel in panels] or [2.4]
     figure = Figure(figsize=(8, 1.2 + sum(heights)), layout="constrained")
     axes = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
     shared: dict[str, Any] = {}
     for k, (axis, panel) in enumerate(zip(axes, panels, strict=False)):
         _fill(axis, panel)
-        if panel.axis in (TIME, FREQUENCY):
+        if panel.is_wide:
             axis.sharex(shared.setdefault(panel.axis, axis)) if panel.axis in shared else shared.setdefault(panel.axis, axis)
         is_last = k + 1 == len(panels) or panels[k + 1].axis != panel.axis or panel.axis not in shared
         axis.set_xlabel(panel.x_label if is_last else "")
@@ -66,22 +69,21 @@ def draw_panels(title: str, panels: Sequence[Panel], path: str | os.PathLike[str
     return figure
 
 
-def _fill(axis: Any, panel: Panel) -> None:
+def _fill(axis: Any, panel: "Panel") -> None:
     for line in panel.lines:
         _draw_line(axis, line)
     axis.set_ylabel(panel.y_label)
     axis.grid(True, alpha=0.3)
-    if panel.axis in (TIME, FREQUENCY):
+    if panel.is_wide:
         axis.margins(x=0)
-    largest = max((float(line.y.max()) for line in panel.lines), default=0.0) if panel.axis == FREQUENCY else 0.0
-    if largest > 0:
+    if panel.largest > 0:
         axis.set_yscale("log")
-        axis.set_ylim(_FAINTEST * largest, 2 * largest)
+        axis.set_ylim(_FAINTEST * panel.largest, 2 * panel.largest)
     if 1 < len(panel.lines) <= _MOST_IN_LEGEND:
         axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=8)
 
 
-def _draw_line(axis: Any, line: Line) -> None:
+def _draw_line(axis: Any, line: "Line") -> None:
     # a label that begins with _ is none to matplotlib: a space of no width before it keeps the name
     label = f"\u200b{line.label}" if line.label.startswith("_") else line.label
     axis.plot(line.x, line.y, label=label, color=f"C{line.rank % 10}", **_STYLES[line.kind])

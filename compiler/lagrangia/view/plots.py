@@ -79,6 +79,16 @@ class Panel:
     y_label: str
     lines: list[Line] = field(default_factory=list)
 
+    @property
+    def is_wide(self) -> bool:
+        """Over time or frequency: such panels share that axis."""
+        return self.axis in (TIME, FREQUENCY)
+
+    @property
+    def largest(self) -> float:
+        """The largest amplitude of a spectrum; 0 elsewhere."""
+        return max((float(line.y.max()) for line in self.lines), default=0.0) if self.axis == FREQUENCY else 0.0
+
 
 @dataclass(frozen=True)
 class Picture:

@@ -1,28 +1,17 @@
 """A run, and what is shown beside it -> a picture."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.base.records import dataclass
 from lagrangia.base.tables import read_table
 from lagrangia.language.units import parse_unit, spell
-from lagrangia.run.scene import Column, Scene
+from lagrangia.run.scene import Scene
 from lagrangia.view.plots import Pair, Picture, Series, Wanted, build_picture, read_pair
-
-if TYPE_CHECKING:
-    import numpy as np
-
-
-@dataclass(frozen=True)
-class Sight:
-    """What pictures ask of a run's model: the elements of any quantity with their units, and small motion from a run's first row,
-    quantities by name, (rows,) each."""
-
-    columns_of: Callable[[str], tuple[Column, ...]]
-    small_motion: "Callable[[np.ndarray, Sequence[str]], dict[str, np.ndarray]]"
+from lagrangia.view.sight import Sight
 
 
 def choose(scene: Scene, sight: Sight, names: Sequence[str], spectra: Sequence[str] = (),
@@ -58,16 +47,7 @@ def _usual_pair(scene: Scene, crossed: str) -> Pair:
     fail("L0706", "a section of this scene needs a pair to be shown", None, "name one: --plot-quantities \"theta:theta'\"")
 
 
-def known_column(scene: Scene, name: str) -> Column | None:
-    """Of the time, a coordinate, a rate, an output, or another name of one; None of what needs the model."""
-    columns = (Column("time", "s", "", ""), *scene.coordinates, *scene.rates, *scene.outputs)
-    found = next((column for column in columns if column.name == name), None)
-    if found is None and (slot := scene.slot(name)) is not None:
-        return replace((*scene.coordinates, *scene.rates)[slot], name=name)
-    return found
-
-
-def picture_of(run: Series, rows: "np.ndarray", sight: Sight, wanted: Wanted, beside: Sequence[Series] = (),
+def picture_of(run: Series, rows: np.ndarray, sight: Sight, wanted: Wanted, beside: Sequence[Series] = (),
                is_linear: bool = False) -> Picture:
     """The run, whose `rows` are (rows, width), with what is shown beside it.
 
@@ -85,8 +65,6 @@ def table_series(path: Path, sight: Sight, wanted: Wanted) -> Series:
 
     Raises LagError L0703 where it cannot be read, or has nothing that the picture shows.
     """
-    import numpy as np
-
     times, columns = read_table(path)
     found: dict[str, Any] = {}
     for head, values in columns.items():

@@ -5,13 +5,11 @@ through four of these tell how far it is to be trusted.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-
-if TYPE_CHECKING:
-    import numpy as np
 
 _AROUND, _FEWER = 6, 4
 _TRUSTED = 1e-2  # of the range of a quantity: so far apart the polynomials may be, of which the best one is meant
@@ -23,15 +21,13 @@ class Section:
     """`times` (k,) in s and `values` (quantities, k); `coarse`: how many crossings were left out, as rows are too far apart
     to tell where they are."""
 
-    times: "np.ndarray"
-    values: "np.ndarray"
+    times: np.ndarray
+    values: np.ndarray
     coarse: int
 
 
-def find_section(time: "np.ndarray", crossing: "np.ndarray", level: float, shown: "Sequence[np.ndarray]") -> Section:
+def find_section(time: np.ndarray, crossing: np.ndarray, level: float, shown: Sequence[np.ndarray]) -> Section:
     """Where `crossing` (rows,) rises through `level`: the `shown` quantities there, (rows,) each. Raises LagError L0706."""
-    import numpy as np
-
     if len(time) < _AROUND:
         fail("L0706", f"a section needs {_AROUND} rows at least, here are {len(time)}", None, "a smaller --interval gives more")
     apart = crossing - level
@@ -55,7 +51,7 @@ def find_section(time: "np.ndarray", crossing: "np.ndarray", level: float, shown
     return Section(np.array(times), found, coarse)
 
 
-def _at(t: "np.ndarray", x: "np.ndarray", where: float) -> float:
+def _at(t: np.ndarray, x: np.ndarray, where: float) -> float:
     """The polynomial through (t, x): Neville's scheme."""
     p = x.astype(float).copy()
     for m in range(1, len(t)):
@@ -63,7 +59,7 @@ def _at(t: "np.ndarray", x: "np.ndarray", where: float) -> float:
     return float(p[0])
 
 
-def _root(t: "np.ndarray", x: "np.ndarray", low: float, high: float) -> float:
+def _root(t: np.ndarray, x: np.ndarray, low: float, high: float) -> float:
     """By halves: the polynomial is below zero at `low`, and not at `high`."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)

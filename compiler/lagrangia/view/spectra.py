@@ -5,13 +5,10 @@ of the frequency axis): a vibration A cos(2 pi f t) gives a peak of A where f is
 elsewhere (Harris, On the use of windows for harmonic analysis with the discrete Fourier transform, Proc. IEEE 66, 1978).
 """
 
-from typing import TYPE_CHECKING
+import numpy as np
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
-
-if TYPE_CHECKING:
-    import numpy as np
 
 _EVEN = 1e-6  # of an interval
 _LEAST_ROWS = 8
@@ -21,18 +18,16 @@ _LEAST_ROWS = 8
 class Spectrum:
     """`frequencies` in Hz and `amplitude` in the unit of the quantity, (rows // 2 + 1,); resolved from `resolution` Hz on."""
 
-    frequencies: "np.ndarray"
-    amplitude: "np.ndarray"
+    frequencies: np.ndarray
+    amplitude: np.ndarray
     resolution: float
 
 
-def find_spectrum(name: str, time: "np.ndarray", values: "np.ndarray") -> Spectrum:
+def find_spectrum(name: str, time: np.ndarray, values: np.ndarray) -> Spectrum:
     """Of one quantity, (rows,). A last row that comes early, at the end of a run, is left out.
 
     Raises LagError L0706 for rows that are uneven or few, or values that are not finite.
     """
-    import numpy as np
-
     steps = np.diff(time)
     if len(steps) > 1 and steps[-1] < steps[0] * (1 - _EVEN):
         time, values, steps = time[:-1], values[:-1], steps[:-1]

@@ -15,12 +15,13 @@ from lagrangia.run.request import Values
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import Progress, loss, shortcomings
 from lagrangia.view.curves import draw_panels
-from lagrangia.view.plots import Series
-from lagrangia.view.run_pictures import Sight, choose, known_column, picture_of, table_series
+from lagrangia.view.sight import Sight, known_column
 
 if TYPE_CHECKING:
     import numpy as np
     import pandas
+
+    from lagrangia.view.plots import Series
 
 _ENERGIES = ("kinetic", "potential", "total", "dissipated", "work")
 ENERGIES = 5  # T, V, H, dissipated, work: the last of each row
@@ -139,6 +140,8 @@ class Trajectory:
         SI units, through which it rises in the states that are shown; `overlay` are other runs (with labels, in a mapping) and
         CSV files; `linear` shows small motion beside. Raises LagError, RunError.
         """
+        from lagrangia.view.run_pictures import choose, picture_of, table_series
+
         sight = self.sight or Sight(self._known_columns, self._no_small_motion)
         cut = (section, 0.0) if isinstance(section, str) else section
         wanted = choose(self.scene, sight, names, (spectrum,) if isinstance(spectrum, str) else spectrum, cut)
@@ -150,8 +153,10 @@ class Trajectory:
             warnings.warn(note, stacklevel=2)
         return draw_panels(self.scene.description or self.scene.name, picture.panels, path)
 
-    def series(self, label: str = "this run") -> Series:
+    def series(self, label: str = "this run") -> "Series":
         """All quantities of its scene, for a picture of several runs."""
+        from lagrangia.view.plots import Series
+
         return Series(label, self.time, cache(self.__getitem__))
 
     def _known_columns(self, name: str) -> tuple[Column, ...]:
