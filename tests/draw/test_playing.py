@@ -166,34 +166,43 @@ def test_what_was_asked_for_is_where_the_page_begins(tmp_path: Path) -> None:
     assert told == pytest.approx(model.simulate(at=[0.0, 1.0], stop=model.scene.stop, **asked)["hinge.phi"][-1], abs=1e-12)
 
 
-PLAY = """<script>
+LISTEN = """<script>
 const report = told => {
   const p = document.createElement("pre");
   p.id = "heard"; p.textContent = JSON.stringify(told); document.body.append(p);
 };
+const pull = (x, y) => {
+  const box = $("scene").getBoundingClientRect(), at = box.left + box.width / 2 + (x - view.x(box.width / 2)) * view.k;
+  drag({ clientX: at, clientY: box.top + box.height / 2 - (y - view.y(box.height / 2)) * view.k });
+};
 setInterval(() => {}, 1);  // virtual time does not wait for what is compiled, but passes no faster than its tasks
 lagrangia.ready.then(() => {
-  const values = [lagrangia.go(1), lagrangia.time, lagrangia.value("hinge.phi")];
-  const press = key => document.dispatchEvent(new KeyboardEvent("keydown", {key}));
-  press("ArrowRight"); values.push(lagrangia.time); press("r");
-  values.push(lagrangia.time);
-  lagrangia.set("L", 0.5); lagrangia.go(1); values.push(lagrangia.value("hinge.phi"));
-  const box = $("scene").getBoundingClientRect();
-  document.getElementById("defaults").click();
-  held = D.frames.reduce((a, b) => rows[a[0]] > rows[b[0]] ? a : b);
-  for (let i = 0; i < 5; i++) {
-    const x = box.left + box.width / 2 + (0.6 - view.x(box.width / 2)) * view.k;
-    drag({ clientX: x, clientY: box.top + box.height / 2 - (-0.8 - view.y(box.height / 2)) * view.k });
-  }
-  values.push(D.controls.find(c => c.name === "hinge.phi").now);
-  document.getElementById("play").click(); values.push(lagrangia.running);
+  const values = [];
+  @SCRIPT@
   report({values, faults: window.faults, message: lagrangia.message});
 }).catch(e => report({faults: [String(e)]}));
 </script></body>"""
+PLAY = """values.push(lagrangia.go(1), lagrangia.time, lagrangia.value("hinge.phi"));
+  const press = key => document.dispatchEvent(new KeyboardEvent("keydown", {key}));
+  press("ArrowRight"); values.push(lagrangia.time); press("r"); values.push(lagrangia.time);
+  lagrangia.set("L", 0.5); lagrangia.go(1); values.push(lagrangia.value("hinge.phi"));
+  document.getElementById("defaults").click();
+  held = D.frames.reduce((a, b) => rows[a[0]] > rows[b[0]] ? a : b);
+  for (let i = 0; i < 5; i++) pull(0.6, -0.8);
+  values.push(D.controls.find(c => c.name === "hinge.phi").now);
+  document.getElementById("play").click(); values.push(lagrangia.running);"""
+PULL = """held = D.frames.reduce((a, b) => rows[a[0] + 1] > rows[b[0] + 1] ? a : b);
+  const [x, y] = place_of(held, rows);
+  for (let i = 1; i <= 4; i++) pull(x - 0.03 * i, y + 0.001 * i);
+  values.push(x, place_of(held, rows)[0], now[1], now[2], now[3]); lagrangia.go(0.5); values.push(lagrangia.time);"""
 
 
-def heard(page: Path) -> dict:
+def heard(page: Path, script: str) -> dict:
     """What a page tells of itself, which takes another attempt where it was looked at before it had compiled."""
+    watched = "<head><script>window.faults = []; onerror = e => faults.push(e); " \
+              "onunhandledrejection = e => faults.push(String(e.reason));</script>"
+    text = page.read_text().replace("<head>", watched)
+    page.write_text(text.replace("</body>", LISTEN.replace("@SCRIPT@", script)))
     command = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={page.parent}/profile",
                "--virtual-time-budget=20000", "--dump-dom", page.as_uri()]
     for _ in range(8):
@@ -209,16 +218,25 @@ def test_a_browser_runs_it(tmp_path: Path) -> None:
     page = (tmp_path / "x.html").read_text()
     assert not re.search(r"https?://|src=|@[A-Z]+@", re.sub(r'<script id="data".*?</script>', "", page, flags=re.DOTALL))
     assert len(page) < 500_000
-    page = page.replace("<head>", "<head><script>window.faults = []; onerror = e => faults.push(e); "
-                                  "onunhandledrejection = e => faults.push(String(e.reason));</script>")
-    (tmp_path / "x.html").write_text(page.replace("</body>", PLAY))
-    told = heard(tmp_path / "x.html")
+    told = heard(tmp_path / "x.html", PLAY)
     assert (told["faults"], told["message"]) == ([], "")
     went, time, phi, following, back, shorter, dragged, running = told["values"]
     assert went and running and time == pytest.approx(1.0) and following > 1.0 and back == 0.0
     assert phi == pytest.approx(model.simulate(at=[0.0, 1.0], stop=model.scene.stop)["hinge.phi"][-1], abs=1e-11)
     assert shorter == pytest.approx(model.simulate(at=[0.0, 1.0], parameters={"L": 0.5})["hinge.phi"][-1], abs=1e-11)
     assert dragged == pytest.approx(np.arctan2(0.6, 0.8), abs=1e-3)
+
+
+@needs_browser
+def test_a_loop_is_dragged_as_a_whole(tmp_path: Path) -> None:
+    model = written_for("four_bar", tmp_path / "x.html")
+    told = heard(tmp_path / "x.html", PULL)
+    assert (told["faults"], told["message"]) == ([], "")
+    begin, end, *angles, time = told["values"]
+    assert end == pytest.approx(begin - 0.12, abs=0.01)
+    assert time == pytest.approx(0.5)
+    started = model.simulate(at=[0.0], initial={"O.phi": angles[0]})
+    assert angles == pytest.approx(started.rows[0, 1:4].tolist(), abs=1e-9)
 
 
 def test_without_zig_it_is_said_how_to_get_it(tmp_path: Path, monkeypatch, capsys) -> None:

@@ -28,6 +28,7 @@ _LOOKS = 60  # moments of the motion from which the picture's sizes are taken
 _MOST_SHOWN = 40  # quantities whose values are listed
 _DEGREE = 180.0 / math.pi
 _TURN, _RATE = math.pi, 10.0  # sliders of angles, and of rates of what is at rest, go so far
+_FIXED = 1  # LAG_START_FIXED of model.h
 _PARTS = ("figures", "machine", "player")
 
 
@@ -69,7 +70,8 @@ def _page(model: Playable, request: Request, values: Values, run: Trajectory, na
     length = experiment.stop - experiment.start
     size = float(np.max(np.subtract(stage.data["high"], stage.data["low"])))
     data = {**stage.data, **_shown(described), "controls": [*_controls(described, size)], "given": [*_given(described, values)],
-            "n": scene.n, "movable": [*_movable(described, size)], "tolerance": experiment.tolerance, "start": scene.start,
+            "n": scene.n, "movable": [*_movable(described, size)], "is_looped": _is_looped(described),
+            "tolerance": experiment.tolerance, "start": scene.start,
             "stop": experiment.stop, "window": length, "speed": speed_of(length),
             "program": _packed(program), "image": _packed(image),
             "sizes": {"n": scene.n, "values": 1 + max(v.reference for v in described.of(*_NUMBERS)),
@@ -149,7 +151,15 @@ def _given(described: FmuModel, values: Values) -> Iterator[tuple[int, float]]:
 
 
 def _movable(described: FmuModel, size: float) -> Iterator[dict[str, float]]:
-    """Coordinates that follow a part that is dragged, and by how much they move it about as far as the scene is large."""
-    for k, v in enumerate(described.of("state")[: described.scene.n]):
-        if v.initial != "calculated":
-            yield {"k": k, "size": 1.0 if _unit(v)[1] != 1.0 else size}
+    """Coordinates that follow a part that is dragged, and by how much they move it about as far as the scene is large. Of loops
+    those with fixed starts, or as many as are free: the others follow from them."""
+    scene = described.scene
+    given = [k for k, v in enumerate(described.of("state")[: scene.n]) if v.initial != "calculated"]
+    if _is_looped(described):
+        given = [k for k in given if scene.fixed[k] == _FIXED] or given[: max(0, scene.n - scene.sizes["n_holonomic"])]
+    for k in given:
+        yield {"k": k, "size": 1.0 if _unit(described.of("state")[k])[1] != 1.0 else size}
+
+
+def _is_looped(described: FmuModel) -> bool:
+    return described.scene.sizes["n_holonomic"] > 0
