@@ -8,13 +8,7 @@ from typing import Any
 
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.base.result_files import write_text
-from lagrangia.command.arguments import (
-    assignments,
-    keep_inputs,
-    load_model,
-    number,
-    open_parameters,
-)
+from lagrangia.command.arguments import assignments, keep_inputs, load_model, number, open_parameters
 from lagrangia.native.build import find_compiler
 from lagrangia.run.request import Request
 

@@ -13,7 +13,7 @@ LOWERED = 0.28  # of the font: how far a subscript is set below
 
 def write_svg(page: Page) -> str:
     """The whole file."""
-    width, height = _number(page.width), _number(page.height)
+    width, height = millimetres(page.width), millimetres(page.height)
     head = (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}" '
             f'fill="none" stroke="#000" stroke-width="{LINES["normal"]}" stroke-linecap="round" stroke-linejoin="round">')
     title = [f"<title>{escape(page.title)}</title>"] if page.title else []
@@ -29,8 +29,8 @@ def _path(path: Stroke, height: float) -> str:
     looks += f' fill="{FILLS[path.fill]}"' if path.fill != "none" else ""
     if path.radius > 0:
         x, y = path.points[0]
-        return f'<circle cx="{_number(x)}" cy="{_number(height - y)}" r="{_number(path.radius)}"{looks}/>'
-    points = " ".join(f"{_number(x)},{_number(height - y)}" for x, y in path.points)
+        return f'<circle cx="{millimetres(x)}" cy="{millimetres(height - y)}" r="{millimetres(path.radius)}"{looks}/>'
+    points = " ".join(f"{millimetres(x)},{millimetres(height - y)}" for x, y in path.points)
     return f'<{"polygon" if path.is_closed else "polyline"} points="{points}"{looks}/>'
 
 
@@ -38,13 +38,14 @@ def _label(label: Label, height: float) -> str:
     x, y = label.at
     pieces, low = [], False
     for text, is_italic, is_lowered in label.words.pieces:
-        shift = "" if is_lowered == low else f' dy="{_number((1 if is_lowered else -1) * LOWERED * FONT)}"'
-        looks = (' font-style="italic"' if is_italic else "") + (f' font-size="{_number(0.7 * FONT)}"' if is_lowered else "")
+        shift = "" if is_lowered == low else f' dy="{millimetres((1 if is_lowered else -1) * LOWERED * FONT)}"'
+        looks = (' font-style="italic"' if is_italic else "") + (f' font-size="{millimetres(0.7 * FONT)}"' if is_lowered else "")
         pieces.append(f"<tspan{shift}{looks}>{escape(text)}</tspan>")
         low = is_lowered
-    return f'<text x="{_number(x)}" y="{_number(height - y + 0.33 * FONT)}">{"".join(pieces)}</text>'
+    return f'<text x="{millimetres(x)}" y="{millimetres(height - y + 0.33 * FONT)}">{"".join(pieces)}</text>'
 
 
-def _number(x: float) -> str:
+def millimetres(x: float) -> str:
+    """A length on the page, to a thousandth."""
     text = f"{x:.3f}".rstrip("0").rstrip(".")
     return "0" if text in ("-0", "") else text

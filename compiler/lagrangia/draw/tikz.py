@@ -2,21 +2,20 @@
 
 from lagrangia.draw.page import Label, Page
 from lagrangia.draw.strokes import Stroke
-from lagrangia.draw.svg import FILLS, LINES
-from lagrangia.paper.latex import latex_escape
-from lagrangia.paper.layout import LETTERS
+from lagrangia.draw.svg import LINES, millimetres
+from lagrangia.paper.latex import latex, latex_escape
+from lagrangia.paper.layout import Name
+from lagrangia.paper.notation import GREEK
 
 _GREYS = {"none": "", "white": "fill=white", "grey": "fill=black!22", "black": "fill=black"}
-_COMMANDS = {shown: name for name, shown in LETTERS.items() if not name.startswith("script ")} | {"φ": "varphi"}
 
 
 def write_tikz(page: Page) -> str:
     """The text of a file for \\input; the document loads the package tikz."""
-    assert _GREYS.keys() == FILLS.keys()
     head = [f"% {line}" for line in page.title.splitlines()]
     begin = (f"\\begin{{tikzpicture}}[x=1mm, y=1mm, line width={LINES['normal']}mm, line cap=round, line join=round, "
              "every node/.style={inner sep=0, font=\\small}]")
-    bounds = f"\\useasboundingbox (0,0) rectangle ({_number(page.width)},{_number(page.height)});"
+    bounds = f"\\useasboundingbox (0,0) rectangle ({millimetres(page.width)},{millimetres(page.height)});"
     return "\n".join([*head, begin, bounds, *map(_path, page.paths), *map(_label, page.labels), "\\end{tikzpicture}"]) + "\n"
 
 
@@ -25,9 +24,9 @@ def _path(path: Stroke) -> str:
     looks += ["dash pattern=on 1.2mm off 0.8mm"] if path.line == "dashed" else []
     looks += [_GREYS[path.fill]] if path.fill != "none" else []
     options = f"[{', '.join(looks)}] " if looks else " "
-    points = [f"({_number(x)},{_number(y)})" for x, y in path.points]
+    points = [f"({millimetres(x)},{millimetres(y)})" for x, y in path.points]
     if path.radius > 0:
-        return f"\\draw{options}{points[0]} circle[radius={_number(path.radius)}];"
+        return f"\\draw{options}{points[0]} circle[radius={millimetres(path.radius)}];"
     return f"\\draw{options}{' -- '.join(points)}{' -- cycle' if path.is_closed else ''};"
 
 
@@ -40,15 +39,10 @@ def _label(label: Label) -> str:
         letters = "".join(map(_letter, text))
         words += f"\\mathrm{{{letters}}}" if is_word or not (is_italic or is_lowered) else letters
         low = is_lowered
-    return f"\\node at ({_number(x)},{_number(y)}) {{${words}{'}' if low else ''}$}};"
+    return f"\\node at ({millimetres(x)},{millimetres(y)}) {{${words}{'}' if low else ''}$}};"
 
 
 def _letter(c: str) -> str:
-    if c in _COMMANDS:
-        return f"\\{_COMMANDS[c]} "
+    if c in GREEK:
+        return f"{latex(Name(GREEK[c]))} "
     return c if c.isascii() and (c.isalnum() or c in "(),+-=") else f"\\text{{{latex_escape(c)}}}" if c != " " else "\\ "
-
-
-def _number(x: float) -> str:
-    text = f"{x:.3f}".rstrip("0").rstrip(".")
-    return "0" if text in ("-0", "") else text

@@ -12,7 +12,7 @@ _ATTRIBUTES = {"force": ("F", ""), "torque": ("M", ""), "s_rel0": ("s", "0"), "p
                "omega": ("omega", "")}
 _AXES = {"1": "x", "2": "y"}
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
-_GREEK = {shown: name for name, shown in LETTERS.items() if not name.startswith("script ")} | {"ϕ": "phi", "ϵ": "epsilon"}
+GREEK = {shown: name for name, shown in LETTERS.items() if not name.startswith("script ")} | {"ϕ": "phi", "ϵ": "epsilon"}
 _VARIANTS = {"varphi": "phi", "varepsilon": "epsilon"}  # which stand on paper by themselves
 LETTERS_OF_PAGES = ("T", "V", "D", "L", "E", "H", "W")  # energies, D, the Lagrangian, Jacobi's integral, virtual work
 
@@ -69,7 +69,7 @@ def own_letters(sources: Iterable[str], given: Mapping[str, str], taken: Iterabl
 def _plain(text: str) -> str:
     """A name as people write it, in the letters of the source: \\theta_1 and θ_1 are theta_1, x_{cm} is x_cm."""
     text = re.sub(r"\\([A-Za-z]+)", r"\1", re.sub(r"\{(\w+)\}", r"\1", text))
-    base, *rest = "".join(_GREEK.get(c, c) for c in text).split("_")
+    base, *rest = "".join(GREEK.get(c, c) for c in text).split("_")
     return "_".join([_VARIANTS.get(base, base), *rest])
 
 
