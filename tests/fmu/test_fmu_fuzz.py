@@ -13,7 +13,7 @@ pytest.importorskip("fmpy")
 from helpers.fmus import EXAMPLES, fmu_of
 from lagrangia.fmu.build import standard_headers
 
-SEQUENCES, CALLS = int(os.environ.get("LAGRANGIA_FUZZ", "5000")), 12  # LAGRANGIA_FUZZ=100000 takes two minutes
+SEQUENCES, CALLS = int(os.environ.get("LAGRANGIA_FUZZ", "1500")), 12  # LAGRANGIA_FUZZ=100000 takes two minutes
 COMMON = """
 #include <math.h>
 #include <stdint.h>

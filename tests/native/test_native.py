@@ -137,7 +137,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (EXAMPLES / "chain.lag", "erk5", {"n": 17}), (EXAMPLES / "chain.lag", "erk", {"n": 18}), (ROW, "taylor", {"n": 19}),
     (EXAMPLES / "chain.lag", "adams", {"n": 19}), (EXAMPLES / "four_bar.lag", "adams", {}),
     (EXAMPLES / "chain.lag", "pirk", {"n": 6}), (EXAMPLES / "andrews_squeezer.lag", "pirk", {}),
-], ids=str)
+], ids=lambda given: given.stem if isinstance(given, Path) else str(given))
 def test_wide_registers_and_vectors_change_no_digit(file: Path, solver: str, structural: dict[str, int], built: Path,
                                                     monkeypatch: pytest.MonkeyPatch) -> None:
     def rows() -> "object":

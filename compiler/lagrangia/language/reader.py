@@ -141,7 +141,9 @@ class _Stack:
         children: list[Any] = []
         for place, is_open, before in kept:
             children.extend([None] * before)
-            if is_open:
+            if is_open and not children:
+                children = values[place]  # it was the stack's alone: a repetition grows by one, and is not copied
+            elif is_open:
                 children.extend(values[place])
             else:
                 children.append(values[place])
