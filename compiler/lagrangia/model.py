@@ -62,21 +62,17 @@ class Model:
         self.path, self.model, self.structural, self.outputs = path, model, dict(structural or {}), tuple(outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
-        self._runtime: Runtime | None = None
         self._has_engine = False
         self._engines: dict[str, Engine | None] = {}  # of solvers that want one of their own
         self.native: bool | None = None  # native code, a tape, or what costs less time
         found = find_scene(path, model, self.structural, self.outputs, self.formulas)
         self.is_cached = found is not None
-        self.scene: Scene = found if found is not None else self._compile_and_keep()
-
-    def _compile_and_keep(self) -> Scene:
-        self._runtime = find_runtime()
-        return self._keep(self.compilation.scene)
+        self._runtime: Runtime | None = None if self.is_cached else find_runtime()
+        self.scene: Scene = found if found is not None else self._keep(self.compilation.scene)
 
     def _keep(self, scene: Scene) -> Scene:
-        imports = [(self.path.parent / item.path) for item in self.compilation.syntax.imports]
-        keep_scene(scene, self.path, self.model, self.structural, self.outputs, imports, self.formulas)
+        keep_scene(scene, self.path, self.model, self.structural, self.outputs,
+                   [self.path.parent / item.path for item in self.compilation.syntax.imports], self.formulas)
         return scene
 
     @property
@@ -112,6 +108,15 @@ class Model:
 
             self._compilation = compile_file(self.path, self.model, self.structural, self.outputs, self.formulas)
         return self._compilation
+
+    def completed(self) -> "Model":
+        """Itself, with the matrix of implicit steps, which large scenes get when it is first asked for."""
+        if self.scene.sizes.get("jacobian_waits"):
+            from lagrangia.compile.pipeline import with_implicit_steps
+
+            self._compilation = with_implicit_steps(self.compilation, self.outputs)
+            self.scene, self._has_engine = self._keep(self._compilation.scene), False
+        return self
 
     @property
     def engine(self) -> Engine | None:
@@ -171,7 +176,7 @@ class Model:
         """A run for many calls, run([q, ...], [p, ...]), by values of all that `initial` and `parameters` name, in this order.
         All else is `asked` for once, as of `simulate`. Raises LagError, RunError."""
         experiment = plan(self.scene, Request(**asked))
-        suited = self._for_all_of(parameters) if parameters else self
+        suited = (self._for_all_of(parameters) if parameters else self).completed()
         values = check_values(suited.scene, parameters, initial, asked.get("inputs"))
         if (engine := suited.engine_for(experiment.solver)) is None:
             fail("L0901", "not supported yet: prepared runs without a run time of our own: call simulate")
@@ -241,8 +246,7 @@ class Model:
 
         if path is not None:
             require_place(path, [self.path, *([] if runs is None else [runs])])
-        measures = read_measures(outputs)
-        model = self._with_outputs(quantities(measures))
+        model = self._with_outputs(quantities(measures := read_measures(outputs)))
         request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
         design = Design(None if runs is None else Path(runs), samples, seed, sampling, together, seconds_per_run)
         model, job = model.prepared_for(measures, request, design)
@@ -256,7 +260,7 @@ class Model:
         from lagrangia.study.sweep.measures import usual_measures
         from lagrangia.study.sweep.plan import build_job
 
-        job = build_job(self.scene, measures or usual_measures(self.scene), request, design)
+        job = build_job(self.completed().scene, measures or usual_measures(self.scene), request, design)
         suited = self._suited(job.parameter_sets, evaluate_each)
         return (self, job) if suited is self else suited.prepared_for(measures, request, design)
 
@@ -274,7 +278,7 @@ class Model:
             from lagrangia.study.casadi_solvers import simulate_casadi
 
             return simulate_casadi(self.compilation, experiment, values, watch)
-        return simulate(self.scene, engine, experiment, values, watch)
+        return simulate(self.scene, engine, experiment, values, watch, lambda: self.completed().engine)
 
     def falls_back(self, solver: str) -> bool:
         """Whether CasADi takes the place of our own solver, as there is neither a run time nor a C compiler.
@@ -305,7 +309,7 @@ class Model:
         if solver != "implicit":
             return self.engine
         if solver not in self._engines:
-            self._engines[solver] = load_engine(self.scene, self._runtime, self.native, WAYS[solver].number)
+            self._engines[solver] = load_engine(self.completed().scene, self._runtime, self.native, WAYS[solver].number)
         return self._engines[solver]
 
     def observer(self, parameters: "np.ndarray", values: Any) -> Any:
@@ -351,8 +355,8 @@ class Model:
         Each has `.position`, `.stability`, `.eigenvalues`, `.reactions`; time stands still at `time` (s), the start time by
         default. Raises LagError for wrong input, RunError where nothing can rest.
         """
-        most = None if starts is None else a_count_within("number of starts", starts, 1, MOST_STARTS)
-        return self.study(parameters, initial, inputs, time).equilibria(most)
+        return self.study(parameters, initial, inputs, time).equilibria(
+            None if starts is None else a_count_within("number of starts", starts, 1, MOST_STARTS))
 
     def linearize(self, *, about: str = "equilibrium", excitations: str | Sequence[str] | None = None,
                   outputs: str | Sequence[str] | None = None, parameters: Given = None, initial: Given = None,
@@ -362,8 +366,8 @@ class Model:
         `excitations` and `outputs` are names; by default the inputs with all loads that depend on time, and the coordinates with
         the declared outputs. See `lag help analysis`. Raises LagError, RunError.
         """
-        chosen = any_names("excitations", excitations), any_names("outputs", outputs)
-        return self.study(parameters, initial, inputs, time).linearize(about, *chosen)
+        return self.study(parameters, initial, inputs, time).linearize(about, any_names("excitations", excitations),
+                                                                      any_names("outputs", outputs))
 
     def modes(self, *, about: str = "equilibrium", mass_normalised: bool = False, parameters: Given = None, initial: Given = None,
               inputs: Given = None, time: float | None = None) -> "Modes":
@@ -433,7 +437,7 @@ class Model:
         if unknown := [name for name in self.suited(values).scene.notes["balanced"] if name not in told]:
             fail("L0704", f"the coordinate '{unknown[0]}' moves no mass while a parameter is 0, which an FMU lets change", None,
                  "write `final` before it, as in PointMass knot(final m = 0)")
-        return export_fmus(suited, path, fmi, kind, platforms, sources, parameters, info, engine, tell)
+        return export_fmus(suited.completed(), path, fmi, kind, platforms, sources, parameters, info, engine, tell)
 
     def functions(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":
         """CasADi Functions of t, q, v, u, p: M, h, rhs, energies, outputs, jacobian.
@@ -487,8 +491,7 @@ class Model:
         import numpy as np
 
         values = check_values(self.scene, parameters)
-        function = self.compilation.functions.table["parameters"]
-        return np.array(function(values.parameters, values.mask)).ravel()
+        return np.array(self.compilation.functions.table["parameters"](values.parameters, values.mask)).ravel()
 
     def __repr__(self) -> str:
         return f"<{self.name}: {', '.join(self.coordinate_names[:6])}{', ...' if self.scene.n > 6 else ''}>"

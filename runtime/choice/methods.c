@@ -24,7 +24,7 @@ int lag_methods_permit(const LagModel *model, int32_t solver)
     case LAG_SOLVER_PIRK:
     case LAG_SOLVER_ERK9: return 1;
     case LAG_SOLVER_LINEAR: return lag_parts.linear && model->linear_pattern;
-    case LAG_SOLVER_IMPLICIT: return lag_present(&model->jacobian) || lag_present(&model->tangent);
+    case LAG_SOLVER_IMPLICIT: return model->jacobian_waits || lag_present(&model->jacobian) || lag_present(&model->tangent);
     case LAG_SOLVER_ISLANDS: return lag_parts.islands && model->n_islands > 1;
     case LAG_SOLVER_CONSERVATIVE: return lag_parts.explicit_conservative && (model->is_separable || lag_present(&model->velocity));
     case LAG_SOLVER_TAYLOR: return model->n_jets > 0;

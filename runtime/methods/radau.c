@@ -157,7 +157,7 @@ static double attempt(LagRadau *s, LagRun *run, double t_new, LagConvergence *co
     return error;
 }
 
-static LagStatus step(LagRun *run)
+static LagStatus go_on(LagRun *run)
 {
     LagRadau *s = run->methods.self;
     LagMotion *m = &run->motion;
@@ -196,6 +196,11 @@ static LagStatus step(LagRun *run)
         if (run->step < lag_step_smallest(m->t))
             return lag_step_give_up(run, worst);
     }
+}
+
+static LagStatus step(LagRun *run)
+{
+    return run->model->jacobian_waits ? lag_fail(run, LAG_WANTS_JACOBIAN, -1, 0, 0) : go_on(run);
 }
 
 /* Between the states that a step solves for its order is lower, and stiff springs make much of what is off there: what happens in a step

@@ -8,6 +8,8 @@ void lag_implicit_matrix_layout(LagImplicitMatrix *m, const LagModel *model, int
 {
     const size_t size = (size_t)(model->n + model->n_multipliers), entries = (size_t)model->n_entries;
     m->n = model->n;
+    if (model->jacobian_waits)
+        return;
     m->size = (int)size;
     m->entries = model->n_entries;
     m->is_sparse = model->n_lower > 0;

@@ -94,6 +94,7 @@ struct LagModel {
     int is_swing;     /* one degree of freedom, energy is kept, and nothing but the state decides */
     int is_steady;    /* accelerations and conditions do not depend on time */
     int is_separable; /* energy is kept, and accelerations follow from positions alone: M is constant */
+    int jacobian_waits; /* it is made when it is asked for; until then there is none, and a run that wants it ends */
     const int *jacobian_pattern; /* of the matrix's columns: starts (size + 1), rows (n_entries), order (size = n + n_multipliers);
                                   * colours (n) of those of the coordinates */
 

@@ -23,7 +23,7 @@ const LagSize lag_sizes[] = {
     SIZE_OF(LagReduction),
     SIZE_OF(LagSweep),
     SIZE_OF(LagOutcome),
-    COUNT_OF("LagStatus", LAG_NO_PROGRESS),
+    COUNT_OF("LagStatus", LAG_WANTS_JACOBIAN),
     COUNT_OF("LAG_SOLVER", LAG_SOLVERS - 1),
     COUNT_OF("LagOp", LAG_OP_COUNT - 1),
     COUNT_OF("LagJetOp", LAG_JET_COUNT - 1),

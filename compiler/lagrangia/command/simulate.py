@@ -49,7 +49,7 @@ def simulate_command(options: Namespace) -> int:
     if options.dump is not None:
         from lagrangia.compile.dumps import dump
 
-        print(dump(model.compilation, options.dump))
+        print(dump(model.completed().compilation, options.dump))
         return 0
     keep_foreign(options, target, [column.name for column in (*scene.coordinates, *scene.rates)])
     initial = values_with_units(assignments(options.initial, "--initial"), scene.start_units)

@@ -51,15 +51,17 @@ class Functions:
 
 def build_functions(
     kinematics: Kinematics, motion: Motion, constraints: Constraints, initial: InitialConditions, hamilton: Hamilton | None,
-    outputs: tuple[str, ...],
+    outputs: tuple[str, ...], is_implicit: bool = False,
 ) -> Functions:
-    """`outputs` are the names to report besides coordinates and rates; see language/observables.py. Raises LagError L0701."""
+    """`outputs` are the names to report besides coordinates and rates; see language/observables.py. `is_implicit`: implicit steps
+    are asked for, whose matrix else waits where it is large. Raises LagError L0701."""
     names, y = _outputs(kinematics, outputs)
     y = with_reactions(y, kinematics, motion, constraints)
     held, modes = motion.constrained, kinematics.algebra.modes
     symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
     power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
-    jacobian, flow = build_jacobian(kinematics, motion), [hamilton.velocity, hamilton.force] if hamilton else []
+    jacobian = build_jacobian(kinematics, motion, is_implicit)
+    flow = [hamilton.velocity, hamilton.force] if hamilton else []
     kick, switches = find_kick(kinematics, motion), find_switches(motion)
     found, c, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": switches.hold([y]), "energies": [energy],
@@ -78,14 +80,13 @@ def build_functions(
         "outputs": ca.Function("outputs", full, found["outputs"], all_labels, ["y"]),
         "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
     }
-    table |= _functions_of_constraints(motion, found, d, c)
-    table |= _flow_functions(motion, hamilton, found["flow"], c) | _mode_functions(motion, modes)
-    table |= _kick_function(state, found["kick"], kick.before)
+    table |= _functions_of_constraints(motion, found, d, c) | _flow_functions(motion, hamilton, found["flow"], c)
+    table |= _mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
     table |= _start_functions(kinematics, motion, initial)
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     patterns |= {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places, **switches.patterns}
-    refused |= _refusals(bool(jacobian.values), bool(len(patterns.get("cones", ()))))
+    refused |= _refusals(bool(jacobian.values) or "jacobian_waits" in jacobian.sizes, bool(len(patterns.get("cones", ()))))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
 

@@ -113,6 +113,21 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], form
                        scene, took)
 
 
+def with_implicit_steps(made: Compilation, outputs: tuple[str, ...]) -> Compilation:
+    """The same with the matrix of implicit steps, which waited."""
+    from lagrangia.compile.functions import build_functions
+    from lagrangia.compile.scenes import build_scene, divide
+    from lagrangia.dynamics.freedom import is_held_still
+
+    with deep_recursion(), _without_collections():
+        flow, stuck, hamilton = _flow(made.kinematics, made.constraints, made.energies, made.run)
+        functions = build_functions(made.struck, made.run, made.constraints, made.initial, hamilton,
+                                    _reported(made.graph, outputs), is_implicit=True)
+        is_still = is_held_still(made.kinematics, made.motion, made.constraints, made.initial, functions.table)
+        scene = build_scene(made.kinematics, made.run, made.constraints, made.initial, functions, is_still, flow, stuck)
+        return replace(made, functions=functions, scene=divide(scene, made.kinematics, made.run, made.initial))
+
+
 def _start(kinematics: "Kinematics", constraints: "Constraints", is_as_written: bool
            ) -> "tuple[Constraints, InitialConditions]":
     """The constraints, by their slopes where they only just hold unless `is_as_written`, and where it begins; raises LagError for

@@ -25,6 +25,9 @@ from lagrangia.frames.kinematics import Kinematics
 # takes longer than runs save (a chain of 20 links: 0.7 s for 22 000).
 _LONGEST = 4_000
 _MOST_ENTRIES = 2_000_000  # of the matrix: some 1 400 links in a chain
+# Coordinates up to which it is made with the scene: of a chain of 100 it takes a quarter of the compilation, of 1 000 two fifths,
+# and few runs ask for it.
+_AT_ONCE = 30
 # Sparse elimination pays when it takes so many times fewer operations than dense loops, which run several times faster.
 _SPARSE_PAYS = 6
 
@@ -38,7 +41,8 @@ class Jacobian:
     tangent: tuple[ca.SX, ...]
     along: tuple[ca.SX, ca.SX]
     pattern: tuple[int, ...]
-    sizes: Mapping[str, int]  # n_entries; n_lower, n_upper: entries of the factors, 0 when elimination is dense; n_colours
+    sizes: Mapping[str, int]  # n_entries; n_lower, n_upper: entries of the factors, 0 when elimination is dense; n_colours;
+    # jacobian_waits where there are none of them yet
 
     @property
     def values(self) -> tuple[ca.SX, ...]:
@@ -46,11 +50,13 @@ class Jacobian:
         return self.parts or self.tangent
 
 
-def build_jacobian(kinematics: Kinematics, motion: Motion) -> Jacobian:
-    """Neither parts nor a tangent when the matrix would be too large to be of use: its pattern alone takes O(n^2) for a chain."""
-    if coupled_pairs(kinematics) > _MOST_ENTRIES:
+def build_jacobian(kinematics: Kinematics, motion: Motion, is_asked: bool = True) -> Jacobian:
+    """Neither parts nor a tangent when the matrix would be too large to be of use: its pattern alone takes O(n^2) for a chain.
+    Nor where it is large and not `is_asked`, before somebody asks: then it waits."""
+    is_too_large = coupled_pairs(kinematics) > _MOST_ENTRIES
+    if is_too_large or not (is_asked or motion.q.numel() <= _AT_ONCE):
         sizes = dict.fromkeys(("n_entries", "n_lower", "n_upper", "n_colours"), 0)
-        return Jacobian((), (), (ca.SX(0, 1), ca.SX(0, 1)), (), sizes)
+        return Jacobian((), (), (ca.SX(0, 1), ca.SX(0, 1)), (), sizes if is_too_large else sizes | {"jacobian_waits": 1})
     held = motion.constrained
     q, v, a, nothing = motion.q, motion.v, motion.a, ca.SX(0, 1)
     force, momentum, bias = ca.jtimes(motion.momentum, v, a) + motion.h, motion.momentum, nothing

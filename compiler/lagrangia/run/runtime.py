@@ -42,6 +42,7 @@ class Status(IntEnum):
     NO_IMPULSE = 13
     CONSTRAINTS_OPEN = 14
     NO_PROGRESS = 15
+    WANTS_JACOBIAN = 16
 
 
 _STATUS = tuple(Status)
@@ -195,7 +196,7 @@ class _Model(c.Structure):
         ("solver", c.c_int),
         *((name, c.c_int) for name in ("n_entries", "n_lower", "n_upper", "n_colours")),
         *((name, c.c_int) for name in ("rhs_cost", "jacobian_cost", "has_corners", "may_hide", "conditions_know_time", "is_swing",
-                                           "is_steady", "is_separable")),
+                                           "is_steady", "is_separable", "jacobian_waits")),
         ("jacobian_pattern", _Ints),
         ("n_islands", c.c_int),
         ("island", _Ints),

@@ -5,8 +5,8 @@ The run time itself is C (runtime/); rows come in portions, so that memory stays
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import field
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import field, replace
 from typing import NoReturn
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, RunError, tell_miss
@@ -46,9 +46,11 @@ class Progress:
 
 
 def simulate(
-    scene: Scene, engine: Engine, experiment: Experiment, values: Values, watch: Callable[[Progress], None] | None = None
+    scene: Scene, engine: Engine, experiment: Experiment, values: Values, watch: Callable[[Progress], None] | None = None,
+    complete: Callable[[], Engine | None] | None = None,
 ) -> "tuple[Progress, Iterator[Sequence[float]]]":
-    """The progress, and an iterator over portions of rows (flat; t, q, v, y, T, V, H, dissipated, work).
+    """The progress, and an iterator over portions of rows (flat; t, q, v, y, T, V, H, dissipated, work). `complete` gives
+    the engine of the scene with the matrix of implicit steps, where it has none yet.
 
     Raises LagError for values the scene cannot have, at once; the iterator raises RunError when the run cannot go on, after the
     rows computed so far. KeyboardInterrupt ends the rows and marks the progress.
@@ -57,7 +59,7 @@ def simulate(
     progress = Progress(experiment, parameters=run.parameters, has_power=scene.sizes["n_power"] > 0,
                         is_driven=bool(scene.notes["is_driven"]), contacts=tuple(scene.notes["contacts"]),
                         engine=engine.how)
-    return progress, _rows(scene, engine, run, progress, watch)
+    return progress, _all_rows(_Parts(scene, engine, run, values, complete), progress, watch)
 
 
 def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Values) -> Run:
@@ -80,11 +82,35 @@ def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Valu
     return run
 
 
-def _rows(
-    scene: Scene, engine: Engine, run: Run, progress: Progress, watch: Callable[[Progress], None] | None
-) -> Iterator[Sequence[float]]:
-    begin = time.perf_counter()
-    looks = _Looks(engine, progress)
+@dataclass
+class _Parts:
+    """What runs, and with which values."""
+
+    scene: Scene
+    engine: Engine
+    run: Run
+    values: Values
+    complete: Callable[[], Engine | None] | None
+
+    def completed(self, experiment: Experiment) -> "_Parts":
+        """The run from its start, where implicit steps can go on."""
+        engine = self.complete() if self.complete is not None else None
+        assert engine is not None
+        return replace(self, engine=engine, run=start_run(self.scene, engine, experiment, self.values), complete=None)
+
+
+def _all_rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] | None) -> Iterator[Sequence[float]]:
+    """A run that wants the matrix of implicit steps, which waits in large scenes, is done once more with it: up to there its
+    steps are the same, so that rows that were told before are not told again."""
+    while (yield from _rows(parts, progress, watch)):
+        parts = parts.completed(progress.experiment)
+
+
+def _rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] | None
+          ) -> Generator[Sequence[float], None, bool]:
+    """Those that were not told before; returns whether it wants the matrix of implicit steps."""
+    begin, told, known = time.perf_counter() - progress.seconds, progress.rows, 0
+    looks, run = _Looks(parts.engine, progress), parts.run
     with run:
         for times in progress.experiment.times():
             done = 0
@@ -94,18 +120,23 @@ def _rows(
                     rows = run.advance(times[done:], pause)
                 except KeyboardInterrupt:
                     progress.interrupted = True
-                    return
+                    return False
                 finally:
                     progress.seconds, progress.statistics, progress.time = time.perf_counter() - begin, run.statistics, run.time
                 looks.look()
                 done += rows.count
-                progress.rows += rows.count
-                if rows.count:
-                    yield rows.values
+                new = min(rows.count, max(0, known + rows.count - told))
+                known += rows.count
+                progress.rows += new
+                if new:
+                    yield rows.values[(rows.count - new) * rows.width :]
                 if watch is not None:
                     watch(progress)
+                if rows.status is Status.WANTS_JACOBIAN and parts.complete is not None:
+                    return True
                 if rows.status not in (Status.OK, Status.PAUSED):
-                    raise RunError(explain(scene, run.failure, run.parameters))
+                    raise RunError(explain(parts.scene, run.failure, run.parameters))
+    return False
 
 
 @dataclass
