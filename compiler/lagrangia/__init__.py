@@ -20,7 +20,7 @@ To add, beside a test in the room of the same name and a line in CHANGELOG.md:
   runtime/choice/methods.c, its name in run/solvers.py, its paragraph in command/topics.py.
 - a rule by which `auto` chooses: a row of runtime/choice/choice.c, of what is decided before a run of run/rules.py.
 - a form of the equations: a function of the book in paper/, with its name in FORMS of paper/forms.py.
-- a subcommand: command/NAME.py, its options in command/cli.py, its row in README.md.
+- a subcommand: command/NAME.py, its row in command/parser.py, its options in one of command/*_options.py, its row in README.md.
 - a diagnostic: fail("L0...", what, span, what to do) where it is found (base/diagnostics.py); a text that brings it about in
   tests/errors/NAME.lag, and `pytest tests/language/test_errors.py --update` writes what is said beside it.
 - an option of a run: run/request.py, which the command line, Python, sweeps, benchmarks and FMUs hand down.

@@ -20,7 +20,7 @@ from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
-from lagrangia.view.sight import Sight, known_column
+from lagrangia.view.sight import Shown, Sight, known_column
 from lagrangia.view.trajectory import Trajectory, collect, moments
 
 if TYPE_CHECKING:
@@ -49,6 +49,12 @@ def load(path: str | os.PathLike[str], *, model: str | None = None, **structural
     a dictionary, lag.load("x.lag", **{"left.n": 3}). Raises LagError when the file is wrong.
     """
     return Model(Path(path), model, structural)
+
+
+def _animate(run: Trajectory, path: str | os.PathLike[str] | None, **asked: Any) -> str:
+    from lagrangia.draw.film import animate_run
+
+    return animate_run(run, path, **asked)
 
 
 class Model:
@@ -163,7 +169,7 @@ class Model:
         except KeyboardInterrupt:  # between two portions
             progress.interrupted = True
         trajectory = Trajectory(suited.scene, collect(suited.scene, kept), progress,
-                                suited.observer(np.array(progress.parameters), values), partial(suited._animate, values),
+                                suited.observer(np.array(progress.parameters), values), Shown(suited, values, request, _animate),
                                 suited.sight(values))
         if failure is not None:
             failure.trajectory = trajectory
@@ -410,11 +416,6 @@ class Model:
 
         request = Request(at=None if at is None else [at], parameters=parameters, initial=initial, inputs=inputs)
         return draw_scene(self, path, request, names or {})
-
-    def _animate(self, values: Values, run: Trajectory, path: Any, **asked: Any) -> str:
-        from lagrangia.draw.film import animate_run
-
-        return animate_run(self, run, values, path, **asked)
 
     def _repr_html_(self) -> str:
         return self.draw()

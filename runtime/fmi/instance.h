@@ -58,6 +58,12 @@ typedef struct {
     double dissipated, work, last_time;   /* Model Exchange: the energy account up to the last completed step */
 } LagVital;
 
+/* Inputs over all time, linear between rows: of a page, which needs not wait for what its importer sets. */
+typedef struct {
+    int rows; /* 0: they are set as time goes on */
+    const double *times, *values; /* rows; rows x n_inputs */
+} LagForeseen;
+
 struct LagInstance {
     const LagFmu *fmu;
     void *fmu_memory;        /* opening.h */
@@ -71,6 +77,7 @@ struct LagInstance {
     void *wrapper;           /* what the version of the standard keeps around it */
     char *name;
     LagSaved *states;        /* those that were saved and not freed */
+    LagForeseen foreseen;
 
     double *memory;          /* all vectors below up to `scratch` */
     size_t saved_size;       /* so many of them are part of the state */

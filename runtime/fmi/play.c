@@ -16,7 +16,7 @@
 
 #include "model/function.h"
 
-enum { LONGEST_MESSAGE = 1000 };
+enum { LONGEST_MESSAGE = 1000, MOST_EVENTS = 1000 };
 
 /* The scene of a page: stored.py's `Played`. */
 typedef struct {
@@ -31,6 +31,9 @@ struct LagPlayer {
     double *drawing; /* of the drawing, then its work */
     unsigned int *references;
     size_t n_values;
+    double *inputs; /* times[rows], then rows of all inputs; NULL: they are held */
+    int rows;
+    double events[1 + MOST_EVENTS]; /* how many, and their times */
 };
 
 const LagFmu *lag_fmu_open(const char *resources, void **memory, char *why, size_t room)
@@ -102,19 +105,57 @@ int lag_play_reset(LagPlayer *player)
     return (int)lag_instance_reset(player->instance);
 }
 
+int lag_play_inputs(LagPlayer *player, double *table, int rows)
+{
+    for (int i = 1; i < rows; ++i)
+        if (!(table[i] >= table[i - 1]))
+            return (int)lag_instance_log(player->instance, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "times of inputs fall");
+    player->inputs = table;
+    player->rows = rows;
+    return (int)LAG_ANSWER_OK;
+}
+
+/* What they are now, for all that is asked of the present. */
+static void show_inputs(LagPlayer *player)
+{
+    LagInstance *s = player->instance;
+    const int n = s->model->n_inputs, rows = player->rows;
+    const double t = s->vital.t, *times = player->inputs;
+    int k = 0;
+    while (k + 1 < rows && times[k + 1] <= t)
+        ++k;
+    for (int i = 0; i < n && rows > 0; ++i) {
+        const double *here = times + rows + (size_t)k * (size_t)n + i;
+        const int is_between = k + 1 < rows && t > times[k];
+        s->u[i] = is_between ? *here + (here[n] - *here) * (t - times[k]) / (times[k + 1] - times[k]) : *here;
+    }
+}
+
 int lag_play_set(LagPlayer *player, unsigned int reference, double value)
 {
-    return (int)lag_instance_set(player->instance, &reference, 1, &value);
+    LagInstance *s = player->instance;
+    int index = 0;
+    const int n = s->model->n_inputs, group = lag_instance_locate(s->fmu, reference, &index);
+    double *column = group == LAG_GROUP_INPUT && player->rows > 0 ? player->inputs + player->rows + index : NULL;
+    for (int i = 0; column && i < player->rows; ++i)
+        column[(size_t)i * (size_t)n] = value;
+    const LagAnswer answer = lag_instance_set(s, &reference, 1, &value);
+    s->vital.inputs_changed |= column != NULL;
+    return (int)answer;
 }
 
 int lag_play_begin(LagPlayer *player, double tolerance, double stop)
 {
     LagInstance *s = player->instance;
     LagAnswer answer = lag_instance_setup(s, 1, tolerance, s->fmu->start, stop > s->fmu->start, stop);
+    s->foreseen = (LagForeseen){player->rows, player->inputs, player->inputs ? player->inputs + player->rows : NULL};
     if (answer == LAG_ANSWER_OK)
         answer = lag_instance_enter_initialization(s);
     if (answer == LAG_ANSWER_OK)
         answer = lag_instance_exit_initialization(s);
+    if (s->run)
+        lag_run_log_events(s->run, player->events + 1, MOST_EVENTS);
+    show_inputs(player);
     return (int)answer;
 }
 
@@ -132,6 +173,7 @@ int lag_play_step(LagPlayer *player, double h)
     }
     if (answer == LAG_ANSWER_OK && end > vital->t)
         answer = lag_instance_step(s, vital->t, end - vital->t, &result);
+    show_inputs(player);
     return (int)answer;
 }
 
@@ -139,6 +181,15 @@ const double *lag_play_values(LagPlayer *player)
 {
     const LagAnswer answer = lag_instance_get(player->instance, player->references, player->n_values, player->values);
     return answer == LAG_ANSWER_OK ? player->values : NULL;
+}
+
+const double *lag_play_events(LagPlayer *player)
+{
+    LagRun *run = player->instance->run;
+    player->events[0] = run ? lag_run_logged(run) : 0;
+    if (run)
+        lag_run_log_events(run, player->events + 1, MOST_EVENTS);
+    return player->events;
 }
 
 const double *lag_play_drawing(LagPlayer *player, const double *q)

@@ -41,9 +41,11 @@ int lag_instance_locate(const LagFmu *fmu, unsigned int reference, int *index)
     return -1;
 }
 
-/* Inputs held at their present values, or going on with their slopes until t + h. */
+/* Inputs held at their present values, or going on with their slopes until t + h, or all that is known of them. */
 static LagStatus set_inputs(LagInstance *s, double t)
 {
+    if (s->foreseen.rows > 0)
+        return lag_run_set_inputs(s->run, s->foreseen.times, s->foreseen.values, s->foreseen.rows);
     const size_t n = (size_t)s->model->n_inputs;
     s->table[0] = t;
     if (n > 0)

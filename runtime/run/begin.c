@@ -52,6 +52,7 @@ static void clear(LagRun *run)
     run->motion.energy = run->motion.doubt = 0;
     run->wanted = run->paced = run->settings.t_start;
     run->row_spacing = 0;
+    run->logged = 0;
 }
 
 LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)

@@ -198,4 +198,13 @@ const LagStatistics *lag_run_statistics(LagRun *run)
     return &run->statistics;
 }
 
+void lag_run_log_events(LagRun *run, double *times, int most)
+{
+    run->event_log = times;
+    run->most_logged = most;
+    run->logged = 0;
+}
+
+int lag_run_logged(const LagRun *run) { return run->logged; }
+
 const LagFailure *lag_run_failure(const LagRun *run) { return &run->failure; }

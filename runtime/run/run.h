@@ -52,6 +52,12 @@ LAG_API LagStatus lag_run_row(LagRun *run, double *row);
 LAG_API double lag_run_time(const LagRun *run);
 LAG_API const LagStatistics *lag_run_statistics(LagRun *run);
 
+/* From now on the times of events go into times[most], rising, as many as it holds; the caller keeps it. */
+LAG_API void lag_run_log_events(LagRun *run, double *times, int most);
+
+/* How many it holds. */
+LAG_API int lag_run_logged(const LagRun *run);
+
 /* About the last call that did not answer LAG_OK or LAG_PAUSED. */
 LAG_API const LagFailure *lag_run_failure(const LagRun *run);
 

@@ -79,6 +79,8 @@ struct LagRun {
     double given_energy;  /* by jumps of modes, inputs and parameters, where no work is integrated */
     double deadline;      /* by lag_clock, of the call under way; infinity: none */
     unsigned ticks;       /* steps and rows, to look at the clock now and then */
+    double *event_log;    /* where the times of the first so many events go; NULL: nowhere */
+    int logged, most_logged;
 };
 
 /* Records a failure and returns its status. */

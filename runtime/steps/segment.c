@@ -125,6 +125,8 @@ LagStatus lag_segment_next(LagRun *run)
         return status;
     lag_project_present(run);
     lag_account_close(run);
+    if (run->logged < run->most_logged)
+        run->event_log[run->logged++] = t;
     ++run->statistics.events;
     return lag_segment_evaluate(run);
 }

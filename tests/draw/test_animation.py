@@ -63,6 +63,9 @@ def test_names_are_text(scene: Callable[[str], lag.Model]) -> None:
     assert [["</script>", 0, 0]] in [c["words"] for c in data_of(page)["captions"]]
 
 
+SHORT = ["animate", str(EXAMPLES / "pendulum.lag"), "--stop", "2", "--interval", "0.25", "--trace", "bob.center", "-o"]
+
+
 @pytest.mark.parametrize(("suffix", "kind"), [("gif", "GIF"), ("webp", "WEBP")])
 def test_films_have_a_picture_for_each_position(suffix: str, kind: str, tmp_path: Path, monkeypatch) -> None:
     from PIL import Image, features
@@ -70,10 +73,61 @@ def test_films_have_a_picture_for_each_position(suffix: str, kind: str, tmp_path
     if suffix == "webp" and not features.check("webp"):
         pytest.skip("this Pillow knows no WebP")
     monkeypatch.chdir(tmp_path)
-    assert main(["animate", str(EXAMPLES / "pendulum.lag"), "--stop", "1", "--interval", "0.25", "-o", f"x.{suffix}"]) == 0
+    assert main([*SHORT, f"x.{suffix}"]) == 0
     with Image.open(f"x.{suffix}") as film:
-        assert (film.format, getattr(film, "n_frames", 1)) == (kind, 5)
+        assert (film.format, getattr(film, "n_frames", 1)) == (kind, 9)
         assert max(film.size) > 300
+        if suffix == "gif":
+            assert film.info["duration"] == 250
+    assert not list(tmp_path.glob(".x*")), "nothing is left beside it"
+
+
+def test_an_mp4_has_pictures_at_an_even_rate(tmp_path: Path, monkeypatch) -> None:
+    ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    monkeypatch.chdir(tmp_path)
+    assert main([*SHORT, "x.mp4"]) == 0
+    reader = ffmpeg.read_frames("x.mp4")
+    found = next(reader)
+    width, height = found["source_size"]
+    frames = [np.frombuffer(frame, np.uint8).reshape(height, width, 3) for frame in reader]
+    assert (found["fps"], len(frames)) == (25.0, 51)
+    assert width % 2 == height % 2 == 0 and min(width, height) > 100
+    assert (frames[0] < 100).any() and np.abs(frames[0].astype(int) - frames[20]).max() > 100, "it moves"
+
+
+def test_an_mp4_needs_ffmpeg(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("lagrangia.draw.film.find_spec", lambda name: None)
+    assert main([*SHORT, "x.mp4"]) == WRONG
+    assert "pip install imageio-ffmpeg" in capsys.readouterr().err
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def test_a_moving_svg_is_where_the_run_is(tmp_path: Path, monkeypatch) -> None:
+    """Its bob at each row, in one round as long as the run; without a script."""
+    monkeypatch.chdir(tmp_path)
+    assert main([*SHORT, "x.svg"]) == 0
+    root = ElementTree.parse("x.svg").getroot()
+    (bob,) = [g for g in root.iter(f"{SVG}g") if g.find(f"{SVG}g/{SVG}circle[@fill='#c8c8c8']") is not None]
+    motion = bob.find(f"{SVG}animateTransform")
+    assert motion.attrib["type"] == "translate" and motion.attrib["dur"] == "2s" and motion.attrib["repeatCount"] == "indefinite"
+    places = np.array([[float(x) for x in pair.split(",")] for pair in motion.attrib["values"].split(";")])
+    run = lag.load(EXAMPLES / "pendulum.lag").simulate(stop=2, interval=0.25)
+    lengths = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.linalg.norm(np.diff(run["bob.center.r"], axis=0), axis=1)
+    assert len(places) == 9 and np.ptp(lengths) < 0.05 * lengths.mean(), "all at one scale"
+    assert root.find(f"{SVG}polyline[@pathLength]") is not None and "<script" not in Path("x.svg").read_text()
+
+
+def test_rows_stand_at_impacts(tmp_path: Path) -> None:
+    """Pages show times of the run itself, and mark events beside their curves."""
+    run = lag.load(EXAMPLES / "bouncing_ball.lag").simulate(stop=1, interval=0.1)
+    assert len(run.events) == 2 and not set(run.events) <= set(run.time)
+    data = data_of(run.animate())
+    times = numbers(data["t"], "<f8")
+    assert set(run.events) <= set(times) and len(times) == len(run.time) + 2
+    assert np.allclose(data["events"], run.events)
 
 
 def test_many_positions_in_one_picture(tmp_path: Path, monkeypatch) -> None:
@@ -97,10 +151,11 @@ def test_a_run_that_fails_is_shown_as_far_as_it_went(tmp_path: Path, monkeypatch
 
 
 @pytest.mark.parametrize(("given", "code"), [
-    (["-o", "x.mp4"], "L0918"), (["-o", "x.svg"], "L0918"), (["-o", "x.csv"], "L0004"), (["--trace", "bob"], "L0701"),
-    (["--curves", "theta"], "L0701"), (["--stroboscope", "0"], "L0702"),
-    (["--stroboscope", "3", "--curves", "hinge.phi"], "L0706"),
-    (["-o", "x.gif", "--trace", "bob.center"], "L0918"),
+    (["-o", "x.csv"], "L0004"), (["--trace", "bob"], "L0701"), (["--curves", "theta"], "L0701"),
+    (["--stroboscope", "0"], "L0702"),
+    (["--stroboscope", "3", "--curves", "hinge.phi"], "L0706"), (["-o", "x.gif", "--names", "hinge.phi=theta"], "L0706"),
+    (["--beside", "L=1:2:0.001"], "L0706"), (["--beside", "L=normal(1,2)"], "L0706"), (["--beside", "L=1,L=2"], "L0712"),
+    (["--beside", "none.csv"], "L0713"), (["--beside", "x=1:2:1"], "L0701"),
 ])
 def test_what_cannot_be_shown_is_told(given: list[str], code: str, tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
@@ -165,3 +220,30 @@ def test_runs_beside_that_cannot_be_are_told(options: list[str], tmp_path: Path,
     monkeypatch.chdir(tmp_path)
     assert main(["animate", str(EXAMPLES / "double_pendulum.lag"), *options]) == WRONG
     assert not list(tmp_path.iterdir())
+
+
+def test_rows_of_a_sweep_are_shown_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As a range or as the table that a sweep wrote; and in Python, by runs."""
+    monkeypatch.chdir(tmp_path)
+    scene = str(EXAMPLES / "pendulum.lag")
+    assert main(["sweep", scene, "-p", "L=1:2:0.5", "--stop", "1", "-o", "table.csv", "--quiet"]) == 0
+    asked = ["animate", scene, "--stop", "1", "--interval", "0.25", "--curves", "bob.center.x"]
+    assert main([*asked, "--beside", "L=1:2:0.5", "-o", "range.html"]) == 0
+    assert main([*asked, "--beside", "table.csv", "-o", "table.html"]) == 0
+    first, second = (data_of(Path(f"{name}.html").read_text()) for name in ("range", "table"))
+    assert [curve["name"] for curve in first["curves"][1:]] == [f"bob.center.x, L = {x} m" for x in ("1", "1.5", "2")]
+    assert first["curves"] == second["curves"]
+    model = lag.load(EXAMPLES / "pendulum.lag")
+    runs = {f"L = {x:g} m": model.simulate(stop=1, interval=0.25, parameters={"L": x}) for x in (1, 1.5, 2)}
+    page = model.simulate(stop=1, interval=0.25).animate(quantities=["bob.center.x"], beside=runs)
+    assert data_of(page)["curves"] == first["curves"]
+
+
+def test_a_table_of_something_else_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    for text, why in (("L,height\n1,2\n", "'height' is no parameter"), ("run,max(x)\n0,1\n", "its columns are no"),
+                      ("L\n1[kg]\n", "kg"), ("L,L\n1,2\n", "two columns 'L'")):
+        Path("x.csv").write_text(text)
+        assert main(["animate", str(EXAMPLES / "pendulum.lag"), "--beside", "x.csv"]) == WRONG
+        assert why in capsys.readouterr().err
+    assert main(["animate", str(EXAMPLES / "pendulum.lag"), "--beside", "x.csv", "-o", "x.csv"]) == WRONG

@@ -32,7 +32,7 @@ def texts(svg: str) -> list[str]:
 
 
 def page(name: str) -> Page:
-    return page_of(lag.load(EXAMPLES / f"{name}.lag"), Request(), {})
+    return page_of(lag.load(EXAMPLES / f"{name}.lag"), Request(), {})[0]
 
 
 def boxes(page: Page) -> list[tuple[str, np.ndarray, np.ndarray]]:
@@ -156,7 +156,7 @@ def test_files(suffix: str, head: bytes, tmp_path: Path, monkeypatch: pytest.Mon
 @pytest.mark.parametrize("name", ["suspended_bar", "quarter_car", "slider_crank"])
 def test_tikz_for_latex(name: str, tmp_path: Path) -> None:
     """As many paths as the SVG has, all labels, and pdflatex reads it where it is installed."""
-    page = page_of(lag.load(EXAMPLES / f"{name}.lag"), Request(), {})
+    page, _ = page_of(lag.load(EXAMPLES / f"{name}.lag"), Request(), {})
     text = write_tikz(page)
     assert text.count("\\draw") == len(page.paths) and text.count("\\node") == len(page.labels) > 2
     assert text.isascii() and text.count("{") == text.count("}")

@@ -50,7 +50,7 @@ def test_loops_stay_closed() -> None:
     assert left < 1e-9
 
 
-@pytest.mark.parametrize("options", [["--mode", "2"], ["--animate", "x.html", "--mode", "9"], ["--animate", "x.svg"]])
+@pytest.mark.parametrize("options", [["--mode", "2"], ["--animate", "x.html", "--mode", "9"], ["--animate", "x.csv"]])
 def test_wrong_options_are_told(options: list[str], capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["modes", str(EXAMPLES / "suspended_bar.lag"), *options]) == WRONG
     assert capfd.readouterr().err.startswith("error[L")

@@ -32,7 +32,8 @@ HEADLESS = """
 const html = require("fs").readFileSync(process.argv[1], "utf8");
 const D = JSON.parse(html.match(/<script id="data" type="application\\/json">(.*?)<\\/script>/s)[1]);
 const own = html.match(/<script>\\s*"use strict";(.*)<\\/script>/s)[1].split("const D = JSON")[0];
-const script = `return (async () => { ${own}; const m = await Machine.made(D.program, D.image, D.sizes); ${process.argv[2]} })()`;
+const made = "const m = await Machine.made(D.program, D.image, D.sizes, D.inputs)";
+const script = `return (async () => { ${own}; ${made}; ${process.argv[2]} })()`;
 new Function("D", script)(D).then(told => console.log(JSON.stringify(told)));
 """
 
@@ -257,3 +258,33 @@ def test_what_cannot_be_played_is_told(given: list[str], code: str, tmp_path: Pa
     assert main(["play", str(EXAMPLES / "pendulum.lag"), *given]) == WRONG
     assert f"error[{code}]" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+PUSHED = """model Pushed input Force u; parameter Mass m = 2; Block b(m = m, base = world); Spring s(k = 50, stretch = b.s);
+AppliedForce f(at = b.center, force = {u, 0}); annotation(experiment(StopTime = 3)); end Pushed;"""
+
+
+@needs_node
+def test_inputs_over_time_play_until_they_are_set(scene: Callable[[str], lag.Model], tmp_path: Path) -> None:
+    """Digits of the run with the same table, events at its corners; what is set is held, and given again at the next start."""
+    times, u = [0.0, 1.0, 1.0, 2.5], [0.0, 10.0, -4.0, 3.0]
+    model = scene(PUSHED)
+    page = written(model, tmp_path / "x.html", inputs=(times, {"u": u}))
+    told = computed(page, """
+        const ref = D.controls.find(c => c.kind === "input").ref, told = [];
+        const go = (...to) => {
+            for (const t of to) if (!m.step(t - m.values()[0])) throw m.message;
+            told.push(m.values()[1], m.values()[ref]);
+        };
+        m.begin(D.given, D.tolerance, D.stop); go(0.5, 3); told.push([...m.events()]);
+        m.begin(D.given, D.tolerance, D.stop); go(0.5); m.set(ref, 2); go(3);
+        m.begin(D.given, D.tolerance, D.stop); go(3); return told;""")
+    run = model.simulate(at=[0.0, 0.5, 3.0], inputs=(times, {"u": u}))
+    assert told[:2] == pytest.approx([run["b.s"][2], 3.0], rel=1e-9)
+    assert told[2] == pytest.approx([1.0, 2.5])
+    assert told[3:5] == pytest.approx([run["b.s"][1], 5.0], rel=1e-9)
+    held = model.simulate(at=[0.0, 3.0], inputs=([0.0, 0.5, 0.5], {"u": [0.0, 5.0, 2.0]}))
+    assert told[5:7] == pytest.approx([held["b.s"][1], 2.0], rel=1e-7)
+    assert told[7:] == pytest.approx(told[:2], rel=1e-12)
+    slider = next(c for c in json.loads(re.search(r'application/json">(.*?)</script>', page.read_text())[1])["controls"])
+    assert (slider["name"], slider["varies"], slider["high"]) == ("u", True, 10.0)

@@ -9,6 +9,7 @@ import pytest
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError
+from lagrangia.base.folders import data_folder
 from lagrangia.command.cli import WRONG, main
 from lagrangia.run.scene import Column
 from lagrangia.view.curves import draw
@@ -174,3 +175,20 @@ def test_resonances_of_a_response_are_where_it_has_its_peaks(scene) -> None:
     assert [text.get_text() for text in response.plot().axes[0].texts] == [f"{peak:.4g} Hz"]
     with pytest.raises(LagError):
         model.simulate(stop=1).plot("nothing")
+
+
+def test_events_are_marked_where_time_runs(scene) -> None:
+    """At impacts, in panels over time alone; none where nothing happens, and no bar of too many."""
+    ball = lag.load(data_folder("models") / "examples" / "bouncing_ball.lag").simulate(stop=1)
+    height = 1.3 - 0.8
+    assert ball.events[0] == pytest.approx(np.sqrt(2 * height / 9.81), abs=1e-9)
+    over_time, plane = ball.plot("y.s", "x.s:y.s").axes
+    (marks,) = over_time.collections
+    assert np.allclose([segment[0][0] for segment in marks.get_segments()], ball.events) and not plane.collections
+    quiet = scene(OSCILLATOR).simulate(stop=1)
+    assert quiet.events.size == 0 and not quiet.plot().axes[0].collections
+    many = scene('model M input Force u; Block b(m = 1, base = world); AppliedForce f(at = b.center, force = {u, 0}); end M;')
+    times = np.linspace(0, 1, 602)
+    run = many.simulate(stop=1, inputs=(times, {"u": times % 0.01}))
+    with pytest.warns(UserWarning, match="events are not marked"):
+        assert not run.plot().axes[0].collections

@@ -14,7 +14,7 @@ from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.base.tables import read_table
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
-from lagrangia.run.request import Request
+from lagrangia.run.request import USUAL, Request
 from lagrangia.view.curves import require_format
 
 _TABLES = (".csv", ".txt", ".dat")
@@ -152,10 +152,22 @@ def number(text: str, option: str) -> float:
 def asked(options: Namespace, parameters: Mapping[str, Any], initial: Mapping[str, Any], inputs: Any,
           outputs: Sequence[str] = ()) -> Request:
     """What the options ask of a run, with the values that were read for it."""
+    def given(name: str) -> Any:
+        return getattr(options, name, getattr(USUAL, name))
+
     texts = getattr(options, "at", None)
     at = None if texts is None else [number(text, "--at") for text in texts.split(",") if text.strip()]
-    return Request(options.start, options.stop, options.tolerance, options.interval, at, options.solver, options.max_step,
-                   options.max_steps, parameters, initial, inputs, outputs)
+    return Request(given("start"), given("stop"), given("tolerance"), given("interval"), at, given("solver"), given("max_step"),
+                   given("max_steps"), parameters, initial, inputs, outputs)
+
+
+def load_asked(options: Namespace) -> tuple[Model, Request]:
+    """The model, whose warnings are told, and what the options ask of a run of it. Raises LagError."""
+    given = assignments(options.parameter, "-p")
+    model = load_model(options, given, ())
+    tell_warnings(options, model)
+    initial = values_with_units(assignments(options.initial, "--initial"), model.scene.start_units)
+    return model, asked(options, open_parameters(model.scene, given), initial, read_inputs(options.input, model.scene))
 
 
 def open_parameters(scene: Any, given: list[tuple[str, str]]) -> dict[str, float]:
@@ -232,5 +244,6 @@ def keep_foreign(options: Namespace, target: str, names: Sequence[str]) -> None:
 
 def keep_inputs(options: Namespace, *targets: str | Path | None) -> None:
     """Raises LagError L0004 where a result would take the place of the model or of a table that is read."""
-    tables = [*input_tables(getattr(options, "input", [])), *getattr(options, "overlay", [])]
+    tables = [*input_tables(getattr(options, "input", [])), *getattr(options, "overlay", []),
+              *(text for text in getattr(options, "beside", []) if "=" not in text)]
     keep_apart([*targets, getattr(options, "plot", None)], [options.file, *tables])

@@ -12,12 +12,14 @@ lag simulate FILE --plot FILE.png (.svg, .pdf)     the coordinates over time, a 
                              other coordinate and its rate. Crossings that the rows do not tell well are left out, and counted
 --overlay FILE.csv           a measurement, or another run: a column `time` in s, others named as quantities are, in SI units or
                              as `theta [deg]` says; up to 400 rows as points. Several with several --overlay
---beside NAME=VALUE,...      another run with these parameters and start values in the picture: --beside k=2[kN/m],theta=5[deg]
+--beside NAME=VALUE,...      another run with these parameters and start values in the picture: --beside k=2[kN/m],theta=5[deg];
+                             k=1:5:1 several of them, FILE.csv those of a table that `lag sweep` wrote
 --linear                     small motion about the equilibrium near the start beside it, dashed, from the same start and excited
                              as the run is
 
-In Python: run.plot("theta:theta'", "bob.y", path="p.svg", spectrum=["theta"], overlay=["measured.csv", other], linear=True), and
-run.plot(section=("theta", 0.5)); angles in rad there. lag response FILE --plot shows magnitude and phase with the resonances.
+Impacts, switches and corners of inputs are marked along time axes: run.events in Python. There run.plot("theta:theta'", "bob.y",
+path="p.svg", spectrum=["theta"], overlay=["measured.csv", other], linear=True) and run.plot(section=("theta", 0.5)) draw the
+same; angles in rad. lag response FILE --plot shows magnitude and phase with the resonances.
 """
 
 

@@ -3,18 +3,8 @@
 from argparse import Namespace
 
 from lagrangia.base.result_files import is_device
-from lagrangia.command.arguments import (
-    assignments,
-    keep_inputs,
-    load_model,
-    named_pairs,
-    number,
-    open_parameters,
-    read_inputs,
-    tell_warnings,
-    values_with_units,
-)
-from lagrangia.draw.drawing import require_picture
+from lagrangia.command.arguments import keep_inputs, load_asked, named_pairs, number
+from lagrangia.draw.drawing import draw_scene, require_picture
 
 
 def draw_command(options: Namespace) -> int:
@@ -23,13 +13,9 @@ def draw_command(options: Namespace) -> int:
     if target != "-" and not is_device(target):
         require_picture(target)
         keep_inputs(options, target)
-    given = assignments(options.parameter, "-p")
-    model = load_model(options, given, ())
-    tell_warnings(options, model)
-    initial = values_with_units(assignments(options.initial, "--initial"), model.scene.start_units)
-    at = None if options.at is None else number(options.at, "--at")
-    text = model.draw(None if target == "-" else target, at=at, names=named_pairs(options.names or "", "--names"),
-                      parameters=open_parameters(model.scene, given), initial=initial,
-                      inputs=read_inputs(options.input, model.scene))
+    if options.at is not None:
+        number(options.at, "--at")  # one
+    model, request = load_asked(options)
+    text = draw_scene(model, None if target == "-" else target, request, named_pairs(options.names or "", "--names"))
     print(text.rstrip() if target == "-" else f"written to {target}")
     return 0

@@ -33,13 +33,15 @@ names whose symbols are written as by `lag equations`: label = k, label = {m, L}
 do in one place (blocks, discs, shafts that numbers alone tie) side by side along what joins them. `lag animate` writes one
 HTML file that plays: space plays, arrows step, Home and End, + and - change the speed, L loops, T shows traces, N names, D
 light or dark; times are those of the run's rows (--interval). --stroboscope N puts N positions into one picture,
---beside NAME=VALUE,... another run with these parameters and start values beside it, by thin lines. Films are
-.gif and .webp.
+--beside NAME=VALUE,... another run with these parameters and start values beside it, by thin lines; --beside k=1:5:1 several
+(from:to:step, or linspace(1,5,9)), --beside FILE.csv those of a table, such as `lag sweep` writes. Impacts and switches have rows
+of their own. Films are .gif, .webp, .mp4 (pip install imageio-ffmpeg) and .svg, which browsers play as they show any picture.
 
 `lag play` writes one HTML file that computes, from the same tape by the same run time, compiled to WebAssembly: sliders for
 parameters, start values and inputs, parts that can be dragged to where the motion starts, events at their exact times, and the
-digits of `lag simulate` at the same --tolerance. Space runs, the right arrow steps, R goes back to the start; + - T N D as above.
-Without -o it is opened at once. It needs zig, once for each version of the run time: pip install ziglang.
+digits of `lag simulate` at the same --tolerance. Inputs of -u FILE.csv go on over time, until their slider is moved. Space runs,
+the right arrow steps, R goes back to the start; + - T N D as above. Without -o it is opened at once. It needs zig, once for each
+version of the run time: pip install ziglang.
 """
 
 

@@ -38,6 +38,10 @@ RULES = (
     _Rule(("equations",), ("language",), lambda o: o.format == "sympy", "scripts are written in English"),
     _Rule(("modes",), ("mode",), lambda o: o.animate is None, "--animate names the page that is to show it"),
     _Rule(("response",), ("range", "points"), lambda o: o.at is not None, "--at says the frequencies"),
+    _Rule(("animate",), ("curves", "names", "beside"), lambda o: o.stroboscope is not None,
+          "a stroboscope shows positions alone"),
+    _Rule(("animate",), ("curves", "names"), lambda o: o.output is not None and not o.output.lower().endswith(".html"),
+          "it is for pages: write .html"),
     _Rule(("export",), ("force",), lambda o: o.to not in ("sympy", "latex", "modelica"), "it is for sympy, latex and modelica"),
 )
 

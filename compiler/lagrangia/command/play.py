@@ -5,21 +5,10 @@ from argparse import Namespace
 from pathlib import Path
 
 from lagrangia.base.diagnostics import RunError, fail
-from lagrangia.command.arguments import (
-    assignments,
-    keep_inputs,
-    load_model,
-    named_pairs,
-    names_once,
-    open_parameters,
-    read_inputs,
-    tell_inputs,
-    tell_warnings,
-    values_with_units,
-)
+from lagrangia.command.arguments import keep_inputs, load_asked, named_pairs, names_once, tell_inputs
 from lagrangia.play.player import play_scene
 from lagrangia.play.wasm import require_zig
-from lagrangia.run.request import Request, plan
+from lagrangia.run.request import plan
 
 
 def play_command(options: Namespace) -> int:
@@ -29,12 +18,7 @@ def play_command(options: Namespace) -> int:
             fail("L0004", f"'{options.output}' is no page that can be written", None, "its name should end in .html")
         keep_inputs(options, options.output)
     require_zig()
-    given = assignments(options.parameter, "-p")
-    model = load_model(options, given, ())
-    tell_warnings(options, model)
-    initial = values_with_units(assignments(options.initial, "--initial"), model.scene.start_units)
-    request = Request(stop=options.stop, tolerance=options.tolerance, initial=initial,
-                      parameters=open_parameters(model.scene, given), inputs=read_inputs(options.input, model.scene))
+    model, request = load_asked(options)
     tell_inputs(options, model, plan(model.scene, request), request.inputs)
     target = options.output or _temporary(options.file.stem)
     failure = play_scene(model.completed(), target, request, named_pairs(options.names or "", "--names"),

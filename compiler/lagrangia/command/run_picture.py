@@ -2,12 +2,12 @@
 
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
 from pathlib import Path
 
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.records import dataclass
-from lagrangia.command.arguments import assignments, names_once, split_names, values_with_units
+from lagrangia.command.arguments import names_once
+from lagrangia.command.beside import refuse_twice, requests_beside
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
 from lagrangia.run.request import Request, check_values
@@ -33,16 +33,9 @@ def plan_picture(options: Namespace, model: Model, request: Request) -> Planned:
     names, spectra = names_once(options.plot_quantities, "--plot-quantities"), names_once(options.spectrum, "--spectrum")
     wanted = choose(model.scene, sight, names, spectra, _section(options.section, sight))
     refuse_twice("--overlay", options.overlay)
-    refuse_twice("--beside", options.beside)
     tables = tuple(table_series(Path(name), sight, wanted) for name in options.overlay)
-    runs = tuple((text, beside_request(model, request, text)) for text in options.beside)
+    runs = tuple(requests_beside(model, request, options.beside))
     return Planned(wanted, tables, runs)
-
-
-def refuse_twice(option: str, given: Sequence[str]) -> None:
-    """Raises LagError L0712 for a value that an option is given twice."""
-    if (twice := next((text for text in given if given.count(text) > 1), None)) is not None:
-        fail("L0712", f"{option} {twice} is given twice")
 
 
 def _section(text: str | None, sight: Sight) -> tuple[str, float] | None:
@@ -60,24 +53,6 @@ def _section(text: str | None, sight: Sight) -> tuple[str, float] | None:
     if isinstance(level, list):
         fail("L0706", f"--section {text}: one number is needed")
     return name, level
-
-
-def beside_request(model: Model, request: Request, text: str) -> Request:
-    """The same run but for these values, of parameters and start values: k=2[kN/m],phi=5[deg]. Raises LagError."""
-    scene, given = model.scene, assignments(split_names(text), "--beside")
-    if not given:
-        fail("L0706", "--beside names nothing", None, "values with commas between them: --beside k1=2[kN/m],tilt.phi=5[deg]")
-    for name, _ in given:
-        if name in scene.structural:
-            fail("L0918", f"not supported yet: the structural parameter '{name}' beside another run", None, "make two pictures")
-    starts = values_with_units([(n, v) for n, v in given if n in scene.start_units], scene.start_units)
-    others = [(n, v) for n, v in given if n not in scene.start_units]
-    parameters = values_with_units(others, {p.name: p.unit for p in scene.parameters})
-    changed = Request(request.start, request.stop, request.tolerance, request.interval, request.at, request.solver,
-                      request.max_step, request.max_steps, {**(request.parameters or {}), **parameters},
-                      {**(request.initial or {}), **starts}, request.inputs)
-    check_values(scene, changed.parameters, changed.initial, changed.inputs)
-    return changed
 
 
 def draw_picture(options: Namespace, planned: Planned, model: Model, run: Trajectory) -> RunError | None:

@@ -34,7 +34,11 @@ _BAR_AFTER = 2.0  # seconds
 
 
 def simulate_command(options: Namespace) -> int:
-    """`lag simulate`: runs a scene and writes its rows; returns the exit code. Raises LagError, RunError."""
+    """`lag simulate`: runs a scene, or an FMU, and writes its rows; returns the exit code. Raises LagError, RunError."""
+    if options.file.suffix.lower() == ".fmu":
+        from lagrangia.command.fmu_simulate import simulate_fmu_command
+
+        return simulate_fmu_command(options)
     if options.kind is not None:
         fail("L0706", "--kind belongs to FMUs", None, f"'{options.file}' is none: its name would end in .fmu")
     target = prepare_target(options)

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -11,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.draw.reel import Caption, Moving, Reel
-from lagrangia.draw.strokes import Stroke
+from lagrangia.draw.reel import Caption, Moving, Reel, in_order
 
 Vector = NDArray[np.float64]
 _GONE, _LAST = 65535, 65534  # of sixteen bits: nothing there; the far corner
+_MOST_MARKS = 1000  # of events
 _WATCHED = 8.0  # s: a motion is played so that it takes about as long, by a round factor
 
 
@@ -28,31 +29,35 @@ class Curve:
     values: Vector
 
 
-def write_animation(reel: Reel, title: str, curves: Sequence[Curve], energies: Sequence[Curve]) -> str:
-    """The whole file."""
-    return written(Path(__file__).with_name("animation.html"), {}, title, _data(reel, curves, energies))
+def write_animation(reel: Reel, title: str, curves: Sequence[Curve], energies: Sequence[Curve],
+                    events: Vector | None = None) -> str:
+    """The whole file; `events` are times that curves mark, s."""
+    marks = [] if events is None else _plain(events[:_MOST_MARKS])
+    parts = [Path(__file__).with_suffix(suffix) for suffix in (".css", ".html", ".js")]
+    return written(parts, title, {**_data(reel, curves, energies), "events": marks})
 
 
-def written(page: Path, parts: Mapping[str, Path], title: str, data: Mapping[str, Any]) -> str:
-    """A page with its parts, those that all pages have among them, in the places of their names: @CSS@."""
-    text = page.read_text(encoding="utf-8")
+def written(parts: Sequence[Path], title: str, data: Mapping[str, Any]) -> str:
+    """A page of its parts, those that all pages have before them: styles (.css), what is seen (.html), scripts (.js)."""
     own = Path(__file__)
-    for name, part in {"CSS": own.with_name("page.css"), "JS": own.with_name("page.js"), **parts}.items():
-        text = text.replace(f"@{name}@\n" if f"@{name}@\n" in text else f"@{name}@", part.read_text(encoding="utf-8"))
+    whole = [own.with_name("page.css"), own.with_name("page.js"), *parts]
+    text = own.with_name("page.html").read_text(encoding="utf-8")
+    for place, kind in (("STYLE", ".css"), ("BODY", ".html"), ("SCRIPT", ".js")):
+        found = [part.read_text(encoding="utf-8").rstrip() for part in whole if part.suffix == kind]
+        text = text.replace(f"@{place}@", "\n".join(found))
     told = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")  # a name cannot end the script
-    return text.replace("@TITLE@", escape(title)).replace("@DATA@", told)
+    return re.sub("@(TITLE|DATA)@", lambda place: escape(title) if place[1] == "TITLE" else told, text)
 
 
 def _data(reel: Reel, curves: Sequence[Curve], energies: Sequence[Curve]) -> dict[str, Any]:
     span = float(np.max(reel.high - reel.low)) or 1.0
-    order = sorted(reel.strokes, key=lambda moving: (moving.stroke.layer, -_extent(moving.stroke)))
     least = [float(np.nanmin(curve.values, initial=0.0)) for curve in energies]
     total = sum((curve.values - low for curve, low in zip(energies, least, strict=True)), np.zeros(len(reel.t)))
     length = float(reel.t[-1] - reel.t[0]) if len(reel.t) > 1 else 0.0
     return {
         "t": _text(reel.t.astype("<f8")), "low": _plain(reel.low), "high": _plain(reel.high), "span": span, "symbol": reel.symbol,
         "speed": speed_of(length),
-        "strokes": [_stroke(moving, reel, span) for moving in order],
+        "strokes": [_stroke(moving, reel, span) for moving in in_order(reel)],
         "captions": [_caption(caption, reel, span) for caption in reel.captions],
         "traces": [{"name": name, "at": _small(points, reel, span)} for name, points in reel.traces],
         "curves": [_curve(curve) for curve in curves],
@@ -69,10 +74,6 @@ def speed_of(length: float) -> float:
 def _caption(caption: Caption, reel: Reel, span: float) -> dict[str, Any]:
     return {"words": [[text, int(is_italic), int(is_lowered)] for text, is_italic, is_lowered in caption.words.pieces],
             "at": _small(caption.at, reel, span), "side": _text(np.nan_to_num(caption.aside).astype("<f4"))}
-
-
-def _extent(stroke: Stroke) -> float:
-    return 2 * stroke.radius + (float(np.ptp(stroke.points, axis=0).max()) if stroke.fill != "none" else 0.0)
 
 
 def _stroke(moving: Moving, reel: Reel, span: float) -> dict[str, Any]:
@@ -99,4 +100,4 @@ def _text(values: Any) -> str:
 
 
 def _plain(values: Vector) -> list[float]:
-    return [float(f"{x:.7g}") for x in values]
+    return [float(f"{x:.9g}") for x in values]

@@ -2,12 +2,13 @@
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from lagrangia.base.diagnostics import fail
+from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.result_files import Target, write_text
 from lagrangia.compile.pipeline import Compilation, flatten_file
 from lagrangia.draw.page import Page
@@ -25,14 +26,20 @@ if TYPE_CHECKING:
     from lagrangia.run.request import Values
 
 FORMATS = (".svg", ".pdf", ".png", ".tex")
+_MOMENTS = 300  # at which a motion that ends early is looked at
 
 
-class Drawable(Protocol):
-    """What a picture needs of a Model."""
+class Located(Protocol):
+    """Which model it is, and of which file."""
 
     path: Path
     model: str | None
     structural: dict[str, Any]
+
+
+class Drawable(Located, Protocol):
+    """What a picture needs of a Model."""
+
     scene: Scene
 
     @property
@@ -45,27 +52,50 @@ class Drawable(Protocol):
 
 
 def draw_scene(model: Drawable, path: str | os.PathLike[str] | None, request: Request, names: Mapping[str, str]) -> str:
-    """The text of an SVG, at the request's last time; the file as well where a path is given. Raises LagError, RunError."""
+    """The text of an SVG, at the request's last time; the file as well where a path is given.
+
+    Raises LagError; RunError where the motion ends before, of which the last moment is drawn."""
     if path is not None:
         require_picture(path)
-    page = page_of(model, request, names)
+    page, failure = page_of(model, request, names)
     text = write_svg(page)
     if path is not None:
         save_page(page, text, Path(path))
+    if failure is not None:
+        where = "" if path is None else f"\nwhat was computed before is drawn in {path}"
+        raise RunError(f"{failure}{where}")
     return text
 
 
-def page_of(model: Drawable, request: Request, names: Mapping[str, str]) -> Page:
-    """The page of a scene where the request's last time is, or at its start."""
+def page_of(model: Drawable, request: Request, names: Mapping[str, str]) -> tuple[Page, RunError | None]:
+    """The page of a scene where the request's last time is, or at its start; or where the motion ends before, and why.
+
+    Raises LagError; RunError where nothing was computed."""
     begin = model.scene.start if request.at is None else request.at[-1]
     asked = Request(at=[begin], parameters=request.parameters, initial=request.initial, inputs=request.inputs)
     model = model.fitting(request.parameters)
-    run = model.run(asked)
+    run, failure = _run_until(model, asked, begin)
     values = check_values(model.scene, request.parameters, request.initial, request.inputs)
-    return draw_page(model.compilation, figures_of(model), states_of(model, run, values), names)
+    return draw_page(model.compilation, figures_of(model), states_of(model, run, values), names), failure
 
 
-def figures_of(model: Drawable) -> tuple[Figure, ...]:
+def _run_until(model: Drawable, asked: Request, end: float) -> tuple[Trajectory, RunError | None]:
+    try:
+        return model.run(asked), None
+    except RunError:
+        if end <= model.scene.start:
+            raise
+    failure = None
+    try:  # again, with moments before
+        run = model.run(replace(asked, at=np.linspace(model.scene.start, end, _MOMENTS).tolist()))
+    except RunError as error:
+        if error.trajectory is None or not len(error.trajectory.rows):
+            raise
+        run, failure = error.trajectory, error
+    return replace(run, rows=run.rows[-1:]), failure
+
+
+def figures_of(model: Located) -> tuple[Figure, ...]:
     """All figures of a scene, those of the library as well. Raises LagError."""
     flat = flatten_file(model.path, model.model, model.structural, is_drawn=True)[1]
     return check_dimensions(flat).figures

@@ -1,50 +1,64 @@
-"""`Model.animate` and `lag animate`: a run, and the file that shows it move."""
+"""`Trajectory.animate` and `lag animate`: a run, and the file that shows it move."""
 
-import io
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangia.base.diagnostics import fail, suggest
-from lagrangia.base.result_files import Target, write_text
+from lagrangia.base.diagnostics import RunError, fail, suggest
+from lagrangia.base.result_files import write_text
 from lagrangia.draw.animation import Curve, write_animation
 from lagrangia.draw.drawing import Drawable, figures_of, require_picture, save_page, states_of
-from lagrangia.draw.page import Page, build_page, view_of
+from lagrangia.draw.frames import save_frames
+from lagrangia.draw.moving_svg import write_moving_svg
+from lagrangia.draw.page import build_page, view_of
 from lagrangia.draw.reel import Reel, build_reel, strokes_at
-from lagrangia.draw.several import Beside, joined, labelled
+from lagrangia.draw.several import joined, labelled
 from lagrangia.draw.strokes import ARROWS, Shape, Stroke
 from lagrangia.draw.svg import write_svg
-from lagrangia.run.request import Values
+from lagrangia.view.sight import Shown
 from lagrangia.view.trajectory import Trajectory
 
 Vector = NDArray[np.float64]
-FORMATS = (".html", ".gif", ".webp")
+FORMATS = (".html", ".svg", ".gif", ".webp", ".mp4")
 MOST_CURVES = 8
 MOST_FRAMES = 3000  # of a page; longer runs show each so-manieth row
-_FILM_FRAMES, _FILM_RATE = 150, 25.0  # pictures of a film, and how many a second
-_FILM_DPI = 130
+MOST_POSITIONS = 200  # of a stroboscope
+_MOST_NUMBERS = 6_000_000  # of what moves, over all frames: some 40 MB of a page
+_FEWEST_FRAMES = 60
+_MOST_EVENTS = 300  # that get rows of their own
+_QUICK = 10.0  # s: what took longer is not run again for them
 _DEGREE = 180.0 / np.pi
 
 
 def require_film(path: str | os.PathLike[str]) -> None:
-    """Raises LagError L0004, L0918 for a file whose name ends in no format of animations."""
+    """Raises LagError L0004 for a file whose name ends in no format of animations, L0706 where what writes it is missing."""
     suffix = Path(path).suffix.lower()
-    if suffix in (".mp4", ".svg"):
-        fail("L0918", f"not supported yet: animations as {suffix[1:].upper()}", None, "write .html, .gif or .webp")
     if suffix not in FORMATS:
         fail("L0004", f"'{path}' is no animation that can be written", None, f"its name should end in {', '.join(FORMATS)}")
+    if suffix == ".mp4" and not find_spec("imageio_ffmpeg"):
+        fail("L0706", "films as MP4 are written by ffmpeg, which was not found", None, "pip install imageio-ffmpeg brings it")
 
 
-def reel_of(model: Drawable, run: Trajectory, values: Values, names: Mapping[str, str], traces: Sequence[str]) -> Reel:
+def reel_of(run: Trajectory, names: Mapping[str, str], traces: Sequence[str]) -> Reel:
     """The reel of a run, as far as it went. Raises LagError: L0701 for traces of no frame, L0702 for a run without rows."""
     if not len(run.rows):
         fail("L0702", "nothing was computed that could be shown")
-    require_traces(model, traces)
-    return build_reel(model.compilation, figures_of(model), states_of(model, run, values), names, traces)
+    shown = shown_by(run)
+    require_traces(shown.model, traces)
+    states = states_of(shown.model, run, shown.values)
+    return build_reel(shown.model.compilation, figures_of(shown.model), states, names, traces)
+
+
+def shown_by(run: Trajectory) -> Shown:
+    """What a run knows of its model. Raises LagError L0918 where it knows none."""
+    if run.show is None:
+        fail("L0918", "not supported yet: the animation of a run without its model", None, "animate what simulate returned")
+    return run.show
 
 
 def require_traces(model: Drawable, traces: Sequence[str]) -> None:
@@ -61,33 +75,70 @@ def thinned(run: Trajectory, most: int) -> Trajectory:
     if len(rows) <= most:
         return run
     kept = np.unique(np.linspace(0, len(rows) - 1, most).round().astype(int))
-    return Trajectory(run.scene, rows[kept], run.progress, run.observe, run.show)
+    return replace(run, rows=rows[kept])
 
 
-def animate_run(model: Drawable, run: Trajectory, values: Values, path: str | os.PathLike[str] | None = None, *,
-                names: Mapping[str, str] | None = None, traces: Sequence[str] = (), quantities: Sequence[str] = (),
-                tell: Callable[[int, int], None] | None = None, beside: Sequence[Beside] = ()) -> str:
-    """The text of the page; with a path (.html, .gif, .webp) the file is written. `quantities` are the curves beside it, the
-    coordinates by default; `tell` hears how many pictures of how many are made; `beside` are other runs in the same picture.
-    Raises LagError."""
+def animate_run(run: Trajectory, path: str | os.PathLike[str] | None = None, *, names: Mapping[str, str] | None = None,
+                traces: Sequence[str] = (), quantities: Sequence[str] = (), tell: Callable[[int, int], None] | None = None,
+                beside: Mapping[str, Trajectory] | None = None, note: Callable[[str], None] | None = None) -> str:
+    """The text of the page; with a path (.html, .svg, .gif, .webp, .mp4) the file is written. `quantities` are the curves beside
+    it, the coordinates by default; `tell` hears how many pictures of how many are made; `beside` are other runs in the same
+    picture, `note` hears what is left out. Raises LagError."""
     if path is not None:
         require_film(path)
-    shown = thinned(run, MOST_FRAMES)
-    others = [(other, thinned(other.run, MOST_FRAMES)) for other in beside]
-    reel = joined(reel_of(model, shown, values, names or {}, traces),
-                  [reel_of(other.model, its, other.values, {}, traces) for other, its in others])
-    curves = curves_of(shown, quantities)
-    for other, its in others:
-        curves += labelled(curves_of(its, quantities), other.label)
-    text = write_animation(reel, run.scene.description or run.scene.name, curves, energies_of(shown))
-    if path is None:
-        return text
-    target = Path(path)
-    if target.suffix.lower() == ".html":
-        write_text(target, text)
-    else:
-        save_film(reel, target, tell)
+    labels = [*(beside or {})]
+    whole = _with_events([run, *(beside or {}).values()])
+    most = _frames_of(whole, note)
+    first, *others = [thinned(one, most) for one in whole]
+    reel = joined(reel_of(first, names or {}, traces), [reel_of(other, {}, traces) for other in others])
+    curves = curves_of(first, quantities)
+    for label, other in zip(labels, others, strict=True):
+        curves += labelled(curves_of(other, quantities), label)
+    text = write_animation(reel, run.scene.description or run.scene.name, curves, energies_of(first), whole[0].events)
+    if path is not None:
+        save_reel(reel, text, Path(path), tell)
     return text
+
+
+def save_reel(reel: Reel, text: str, path: Path, tell: Callable[[int, int], None] | None = None) -> None:
+    """The page whose text is given, or a film. Raises LagError L0004."""
+    suffix = path.suffix.lower()
+    if suffix == ".html":
+        write_text(path, text)
+    elif suffix == ".svg":
+        write_text(path, write_moving_svg(reel))
+    else:
+        save_frames(reel, path, tell)
+
+
+def _with_events(runs: list[Trajectory]) -> list[Trajectory]:
+    """The same runs with rows at their events, too, where these are no more than can be told from each other."""
+    times = runs[0].time
+    if any(one.show is None or one.progress.seconds > _QUICK or not np.array_equal(one.time, times) for one in runs):
+        return runs
+    found = np.concatenate([one.events for one in runs])
+    inside = found[(found > times[0]) & (found < times[-1])] if len(times) else found[:0]
+    missing = np.setdiff1d(inside, times)
+    return [_again(one, np.union1d(times, missing)) for one in runs] if 0 < len(missing) <= _MOST_EVENTS else runs
+
+
+def _again(run: Trajectory, times: Vector) -> Trajectory:
+    """A run with rows at other times, of which it has reached the last."""
+    shown = shown_by(run)
+    try:
+        found: Trajectory = shown.model.run(replace(shown.request, at=times.tolist(), interval=None))
+    except RunError as error:
+        return error.trajectory if error.trajectory is not None and len(error.trajectory.rows) else run
+    return found
+
+
+def _frames_of(runs: Sequence[Trajectory], note: Callable[[str], None] | None) -> int:
+    """How many rows are shown: fewer of what is large, which is told."""
+    moving = sum(3 * len(shown_by(run).model.compilation.flat.frames) for run in runs)
+    most = max(_FEWEST_FRAMES, min(MOST_FRAMES, _MOST_NUMBERS // max(1, moving)))
+    if len(runs[0].rows) > most and note is not None:
+        note(f"{most} of {len(runs[0].rows)} rows are shown: all would make the file too large")
+    return most
 
 
 def curves_of(run: Trajectory, names: Sequence[str]) -> list[Curve]:
@@ -110,44 +161,11 @@ def energies_of(run: Trajectory) -> list[Curve]:
     return [*found, Curve("dissipated", "J", energy.dissipated)] if np.any(energy.dissipated != 0) else found
 
 
-# -------------------------------------------------------------------- films and strobes
-
-
-def frame_page(reel: Reel, moment: int) -> Page:
-    """One picture of a film: all of them are as large."""
-    corners = Stroke(np.array([reel.low, reel.high]), 0)
-    view = view_of([corners], np.inf)
-    return build_page([(Shape(strokes_at(reel, moment)), None)], view)
-
-
-def save_film(reel: Reel, path: Path, tell: Callable[[int, int], None] | None) -> None:
-    """A GIF or WebP; `tell` hears how many pictures of how many are made. Raises LagError L0004."""
-    from PIL import Image
-
-    from lagrangia.draw.paint import paint_page
-
-    count = len(reel.t)
-    kept = np.unique(np.linspace(0, count - 1, min(count, _FILM_FRAMES)).round().astype(int))
-    images = []
-    for k, moment in enumerate(kept):
-        picture = io.BytesIO()
-        paint_page(frame_page(reel, int(moment))).savefig(picture, dpi=_FILM_DPI, format="png", facecolor="white")
-        images.append(Image.open(picture).convert("RGB" if path.suffix.lower() == ".webp" else "P"))
-        if tell is not None:
-            tell(k + 1, len(kept))
-    length = float(reel.t[-1] - reel.t[0])
-    each = 1000 * max(1 / _FILM_RATE, length / len(kept)) if length <= 30 else 1000 / _FILM_RATE  # ms; long runs are shown faster
-    with Target(path, binary=True) as target:
-        images[0].save(target.stream, format=path.suffix[1:].upper(), save_all=True, append_images=images[1:],
-                       duration=round(each), loop=0)
-
-
-def draw_stroboscope(model: Drawable, run: Trajectory, values: Values, count: int, path: str | os.PathLike[str] | None,
-                     traces: Sequence[str] = ()) -> str:
+def draw_stroboscope(run: Trajectory, count: int, path: str | os.PathLike[str] | None, traces: Sequence[str] = ()) -> str:
     """So many positions in one picture, the first ones thin: the text of the SVG; the file too, where a path is given."""
     if path is not None:
         require_picture(path)
-    reel = reel_of(model, thinned(run, MOST_FRAMES), values, {}, traces)
+    reel = reel_of(thinned(run, MOST_FRAMES), {}, traces)
     moments = np.unique(np.linspace(0, len(reel.t) - 1, count).round().astype(int))
     shapes = []
     for moment in moments:

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrangia.base.result_files import write_text
 from lagrangia.draw.animation import write_animation
 from lagrangia.draw.drawing import Drawable, figures_of
-from lagrangia.draw.film import require_film, save_film
+from lagrangia.draw.film import require_film, save_reel
 from lagrangia.draw.reel import build_reel
 from lagrangia.draw.values import States
 from lagrangia.study.analysis import Study
@@ -22,7 +21,7 @@ _NO_PERIOD = 1.0  # s, of what sways though it does not vibrate
 
 def animate_mode(model: Drawable, study: Study, modes: Modes, k: int, path: str | os.PathLike[str] | None = None) -> str:
     """Mode k (from 0), q = point + A shape sin(omega t) with loops closed, A such that it is well seen: the text of the page; a
-    path (.html, .gif, .webp) is written as well. Raises LagError."""
+    path (.html, .svg, .gif, .webp, .mp4) is written as well. Raises LagError."""
     if path is not None:
         require_film(path)
     mode = modes[k]
@@ -37,8 +36,6 @@ def animate_mode(model: Drawable, study: Study, modes: Modes, k: int, path: str 
     states = States(still, positions, rates, np.repeat(study.u.reshape(-1, 1), t.size, axis=1), study.p.reshape(-1, 1))
     reel = replace(build_reel(model.compilation, figures_of(model), states, {}, ()), t=t)
     text = write_animation(reel, f"{modes.name}, mode {k + 1}: {mode.title}", (), ())
-    if path is not None and Path(path).suffix.lower() == ".html":
-        write_text(Path(path), text)
-    elif path is not None:
-        save_film(reel, Path(path), None)
+    if path is not None:
+        save_reel(reel, text, Path(path))
     return text

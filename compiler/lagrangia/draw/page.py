@@ -91,7 +91,7 @@ def bounds_of(strokes: Sequence[Stroke]) -> tuple[Vector, Vector]:
 def build_page(shapes: Sequence[tuple[Shape, Words | None]], view: View, title: str = "") -> Page:
     """Paths by their layers, and labels; those that find no room make the page larger."""
     strokes = [stroke for shape, _ in shapes for stroke in shape.strokes]
-    order = sorted(range(len(strokes)), key=lambda k: (strokes[k].layer, -_extent(strokes[k])))  # small things lie on large ones
+    order = sorted(range(len(strokes)), key=lambda k: (strokes[k].layer, -strokes[k].extent))
     paths = [_in_mm(strokes[k], view) for k in order]
     taken = _sampled(paths)
     boxes: list[Vector] = []
@@ -103,10 +103,6 @@ def build_page(shapes: Sequence[tuple[Shape, Words | None]], view: View, title: 
         boxes.append(np.array([centre - half, centre + half]))
         labels.append(Label(words, (float(centre[0]), float(centre[1]))))
     return _grown(Page(view.width, view.height, tuple(paths), tuple(labels), title), boxes)
-
-
-def _extent(stroke: Stroke) -> float:
-    return 2 * stroke.radius + (float(np.ptp(stroke.points, axis=0).max()) if stroke.fill != "none" else 0.0)
 
 
 def _in_mm(stroke: Stroke, view: View) -> Stroke:

@@ -28,13 +28,13 @@ SHORTEST_ARM = 0.02  # symbols
 _MOST_ALIKE = 2  # labels with the same words
 
 
-def draw_page(c: Compilation, figures: Sequence[Figure], states: States, names: Mapping[str, str]) -> Page:
+def draw_page(c: Compilation, figures: Sequence[Figure], states: States, names: Mapping[str, str], is_named: bool = True) -> Page:
     """The page of a scene at the first moment of `states`. Raises LagError."""
     at_other_times = _at_other_times(c, states)
     numbers = evaluate_figures(c, figures, at_other_times)
     scenery = fit_scenery(numbers, Tree(c.graph, constants_of(c, states)), [0], True)
     shapes = {k: scenery.shape(k, 0) for k in scenery.shown}
-    labels = words_of(c, scenery, names)
+    labels = words_of(c, scenery, names) if is_named else {}
     arms = Shape(arms_of(scenery, 0))
     drawn = [(arms, None), *((shape, labels.get(k)) for k, shape in shapes.items())]
     strokes = [stroke for shape, _ in drawn for stroke in shape.strokes]

@@ -178,3 +178,15 @@ def strokes_at(reel: Reel, moment: int) -> list[Stroke]:
             s = moving.stroke
             found.append(Stroke(moving.points[moment], s.layer, s.line, s.fill, s.is_closed, s.radius))
     return found
+
+
+def ways_until(reel: Reel, moment: int) -> list[Vector]:
+    """The traces up to a moment, (points, 2) each, m."""
+    ways = [points[: moment + 1] for _, points in reel.traces]
+    ways = [way[np.isfinite(way).all(axis=1)] for way in ways]
+    return [way for way in ways if len(way) > 1]
+
+
+def in_order(reel: Reel) -> list[Moving]:
+    """What is drawn later hides what was drawn before; small things lie on large ones."""
+    return sorted(reel.strokes, key=lambda moving: (moving.stroke.layer, -moving.stroke.extent))

@@ -88,25 +88,22 @@ class Scenery:
 
     def _walls(self, k: int, places: Vector) -> list[tuple[Vector, Vector]]:
         """Where a line is held by the ground, and the way into the scene; supports draw their own."""
-        found = []
-        for j, own in self.held_ends(k, places):
-            way = own if own.any() else places[1 - j] - places[j]
-            length = float(np.linalg.norm(way))
-            found += [(places[j], way / length)] if length > 0 else []
-        return found
+        return [(places[j], way) for j, way in self.held_ends(k, places)]
 
     def held_ends(self, k: int, places: Vector) -> list[tuple[int, Vector]]:
-        """Which ends of a line the ground holds, and the way from each into the scene; 0: to the other end."""
+        """Which ends of a line the ground holds, and the way from each into the scene, of length 1."""
         item = self.numbers.items[k]
         if item.word not in _LINES:
             return []
         if k in self.layout.ends:
             ends = self.layout.ends[k]
             fixed = [end.is_wall or (end.frame in self.tree.grounded and not end.is_rim) for end in ends]
-            ways = [end.way for end in ends]
+            own = [end.way for end in ends]
         else:
             fixed = [frame in self.tree.grounded for frame in item.frames]
-            ways = [np.zeros(2), np.zeros(2)]
+            own = [np.zeros(2), np.zeros(2)]
+        first = self.places(k, self.moment)[:, :2]
+        ways = [own[j] if own[j].any() else _upright(first[1 - j] - first[j]) for j in range(2)]
         return [(j, ways[j]) for j in range(2)
                 if fixed[j] and not any(float(np.linalg.norm(places[j] - spot)) < 0.5 * self.symbol for spot in self._supports)]
 
@@ -233,6 +230,14 @@ class Scenery:
     def extents(self) -> dict[str, float]:
         """Half of what is drawn about each frame, m: it hides the ends of lines that lead there."""
         return extents_of(self.numbers, self.tree, self.moment, self.symbol)
+
+
+def _upright(way: Vector) -> Vector:
+    """The axis that is nearest to it: ground stands, whatever hangs on it."""
+    axis = int(np.argmax(np.abs(way)))
+    found = np.zeros(2)
+    found[axis] = -1.0 if way[axis] < 0 else 1.0
+    return found
 
 
 def extents_of(numbers: Numbers, tree: Tree, moment: int, symbol: float) -> dict[str, float]:

@@ -6,25 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.base.records import dataclass
 from lagrangia.draw.animation import Curve
-from lagrangia.draw.drawing import Drawable
 from lagrangia.draw.reel import Moving, Reel
 from lagrangia.draw.strokes import BODIES, RODS, SPRINGS
-from lagrangia.run.request import Values
-from lagrangia.view.trajectory import Trajectory
 
 _SHOWN = (RODS, SPRINGS, BODIES)  # of the others: their supports and arrows would hide those of the first
-
-
-@dataclass(frozen=True)
-class Beside:
-    """Another run, with the model and the values that it is of."""
-
-    label: str
-    model: Drawable
-    run: Trajectory
-    values: Values
 
 
 def joined(first: Reel, others: Sequence[Reel]) -> Reel:

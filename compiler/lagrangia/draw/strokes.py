@@ -25,6 +25,11 @@ class Stroke:
     is_closed: bool = False
     radius: float = 0.0
 
+    @property
+    def extent(self) -> float:
+        """How large it is, if it hides what lies below: small things lie on large ones."""
+        return 2 * self.radius + (float(np.ptp(self.points, axis=0).max()) if self.fill != "none" else 0.0)
+
     def moved(self, shift: Vector, angle: float) -> "Stroke":
         """Turned about the origin, then shifted."""
         c, s = np.cos(angle), np.sin(angle)

@@ -22,7 +22,7 @@ from lagrangia.base.version import VERSION
 from lagrangia.compile.pipeline import read_files
 from lagrangia.fmu.build import DARWIN, PLATFORMS, Platform, build_binaries, host_platform, read_platforms, universal
 from lagrangia.fmu.page import license_text, write_page, write_terminals
-from lagrangia.fmu.pictures import draw_graph, draw_icon
+from lagrangia.fmu.pictures import Icon, draw_graph, draw_icon
 from lagrangia.fmu.source import scene_source, table_source
 from lagrangia.fmu.stored import NAME as STORED
 from lagrangia.fmu.stored import write_stored
@@ -69,9 +69,9 @@ class Export:
 
 @dataclass(frozen=True)
 class Extras:
-    """What an FMU carries beside the model: icon (PNG), component graph (SVG), equations (text), files of its own folder."""
+    """What an FMU carries beside the model: icon, component graph (SVG), equations (text), files of its own folder."""
 
-    icon: bytes
+    icon: Icon
     graph: str
     equations: str
     files: Mapping[str, bytes]
@@ -179,9 +179,9 @@ def _documents(described: FmuModel, about: About, wanted: Export, extras: Extras
     files = {"documentation/index.html": write_page(described, about, extras.equations, extras.graph).encode(),
              "documentation/licenses/license.txt": license_text(about, has_windows).encode()}
     if wanted.version == "2":
-        files["model.png"] = extras.icon
+        files["model.png"] = extras.icon.png
     else:
-        files |= {"terminalsAndIcons/icon.png": extras.icon,
+        files |= {"terminalsAndIcons/icon.png": extras.icon.png, "terminalsAndIcons/icon.svg": extras.icon.svg,
                   "terminalsAndIcons/terminalsAndIcons.xml": write_terminals(described).encode()}
     return files | {f"extra/{EXTRA}/{name}": content for name, content in extras.files.items()}
 

@@ -177,24 +177,24 @@ function shape_of(figure, rows, S) {
   if (![...g.at, ...g.n, ...Object.values(g.o)].every(list => list.every(isFinite))) return { strokes: [], spot: null };
   const shape = SHAPES[figure.word](g);
   for (const [j, wx, wy] of figure.held) {
-    const [x, y] = g.at[j], u = wx || wy ? wx : g.at[1 - j][0] - x, v = wx || wy ? wy : g.at[1 - j][1] - y, n = hypot(u, v);
-    if (n > 0) shape.strokes.push(...hatched(x, y, [v / n, -u / n], 1.3 * S, S));
+    const [x, y] = g.at[j];
+    shape.strokes.push(...hatched(x, y, [wy, -wx], 1.3 * S, S));
   }
   return shape;
 }
 const extent = s => { let lx = Infinity, ly = Infinity, hx = -Infinity, hy = -Infinity; if (s.f === "none") return 2 * s.r; for (let i = 0; i < s.p.length; i += 2) { lx = Math.min(lx, s.p[i]); hx = Math.max(hx, s.p[i]); ly = Math.min(ly, s.p[i + 1]); hy = Math.max(hy, s.p[i + 1]); } return 2 * s.r + Math.max(hx - lx, hy - ly); };
-// All of a moment: strokes in the order in which they are drawn, captions [words, x, y, aside x, aside y].
+// All of a moment: strokes in the order in which they are drawn, named [words, x, y, aside x, aside y].
 function picture(data, rows) {
-  const strokes = [], captions = [];
+  const strokes = [], named = [];
   for (const figure of data.figures) {
     const shape = shape_of(figure, rows, data.symbol);
     for (const s of shape.strokes) strokes.push([s.layer, -extent(s), strokes.length, s]);
-    if (figure.words && shape.spot) { const [x, y, u, v] = shape.spot, n = hypot(u, v) || 1; captions.push([figure.words, x, y, u / n, v / n]); }
+    if (figure.words && shape.spot) { const [x, y, u, v] = shape.spot, n = hypot(u, v) || 1; named.push([figure.words, x, y, u / n, v / n]); }
   }
   for (const [[a, ax, ay], [b, bx, by]] of data.arms) {
     const p = [rows[a] + ax, rows[a + 1] + ay, rows[b] + bx, rows[b + 1] + by];
     if (hypot(p[2] - p[0], p[3] - p[1]) > data.shortest * data.symbol) strokes.push([RODS, 0, strokes.length, stroke(p, RODS, "thick")]);
   }
   strokes.sort((a, b) => a[0] - b[0] || a[1] - b[1] || a[2] - b[2]);
-  return { strokes: strokes.map(s => s[3]), captions };
+  return { strokes: strokes.map(s => s[3]), named };
 }

@@ -1,14 +1,14 @@
 const D = JSON.parse($("data").textContent), S = D.symbol, WINDOW = D.window || 1, MOST_ROWS = 6000;
 const state = { trace: true, names: true };
 const given = new Map(D.given);  // what is not as declared, by reference
-let machine, now, rows, T, curves, traces, least, most, low, high, running = false, failed = false, last = 0, speed = 1, view = null;
+let machine, now, rows, T, curves, traces, events, least, most, low, high, running = false, failed = false, last = 0, speed = 1, view = null;
 
 function tell(text) { $("told").textContent = text; }
 function restart() {  // from the start, with all that is given
   failed = !machine.begin(given, D.tolerance, D.stop);
   if (failed) { running = false; tell(machine.message); }
   else tell("");
-  T = []; curves = D.curves.map(c => ({ ...c, y: [] })); traces = D.traces.map(() => []); least = most = 0; low = [...D.low]; high = [...D.high];
+  T = []; events = []; curves = D.curves.map(c => ({ ...c, y: [] })); traces = D.traces.map(() => []); least = most = 0; low = [...D.low]; high = [...D.high];
   look(); return !failed;
 }
 function look() {  // what the run time has now becomes a row of the page
@@ -22,13 +22,14 @@ function look() {  // what the run time has now becomes a row of the page
   D.traces.forEach(([, k, x, y], i) => traces[i].push(rows[k] + x, rows[k + 1] + y));
   const V = now[D.energies[1].ref], sum = D.energies.reduce((s, e) => s + now[e.ref], 0);
   least = Math.min(least, V); most = Math.max(most, sum - least);
+  if (events.length > MOST_ROWS) events = events.slice(-MOST_ROWS / 2);
   if (T.length > MOST_ROWS) { const half = (list, width) => list.filter((_, i) => (i / width | 0) % 2 === 0); T = half(T, 1); for (const c of curves) c.y = half(c.y, 1); traces = traces.map(t => half(t, 2)); }
 }
 function advance(h) {  // in pieces that curves can show; false when the run stops
   const pieces = Math.min(2000, Math.max(1, Math.ceil(h / (WINDOW / 500))));
   const from = now[0];
   for (let i = 1; i <= pieces && !failed; i++) {
-    if (machine.step(from + h * i / pieces - now[0])) look();
+    if (machine.step(from + h * i / pieces - now[0])) { look(); events.push(...machine.events()); }
     else { failed = true; running = false; tell(machine.message); }
   }
   return !failed;
@@ -38,7 +39,7 @@ function change(control, value) {
   if (is_same) given.delete(control.ref); else given.set(control.ref, value);
   control.now = value; show(control);
   if (control.kind === "start" || failed || now[0] === D.start) restart();
-  else if (machine.set(control.ref, value)) look();
+  else if (machine.set(control.ref, value)) { look(); machine.events(); events = events.filter(t => t <= now[0]); }  // that is none of the scene
   else { const why = machine.message; restart(); tell(why); }
   draw();
 }
@@ -56,7 +57,7 @@ function controls() {
       const label = document.createElement("label"), name = document.createElement("span"), side = document.createElement("span"), unit = document.createElement("small");
       [c.range, c.field] = ["range", "number"].map(type => { const i = document.createElement("input"); i.type = type; i.step = "any"; i.setAttribute("aria-label", c.name); return i; });
       c.range.min = c.low * c.scale; c.range.max = c.high * c.scale; c.now = given.has(c.ref) ? given.get(c.ref) : c.value;
-      name.textContent = c.name; label.title = c.about; unit.textContent = " " + c.unit;
+      name.textContent = c.name + (c.varies ? " (over time)" : ""); label.title = c.about; unit.textContent = " " + c.unit;
       side.append(c.field, unit); label.append(name, side, c.range); group.append(label);
       c.range.oninput = () => change(c, c.range.value / c.scale);
       c.field.onchange = () => { if (isFinite(c.field.valueAsNumber)) change(c, c.field.valueAsNumber / c.scale); else show(c); };
@@ -69,7 +70,7 @@ function controls() {
 }
 // ------------------------------------------------------------ drawing
 function scene() {
-  const [g, w, h] = fit($("scene")), { strokes, captions } = picture(D, rows);
+  const [g, w, h] = fit($("scene")), { strokes, named } = picture(D, rows);
   for (const s of strokes) if (s.layer !== ARROWS && s.layer !== RAILS) for (let i = 0; i < s.p.length; i++) { const k = i % 2; low[k] = Math.min(low[k], s.p[i] - s.r); high[k] = Math.max(high[k], s.p[i] + s.r); }
   const W = high[0] - low[0], H = high[1] - low[1], k = Math.min((w - 16) / W, (h - 16) / H, 42 / S);
   const X = x => w / 2 + (x - low[0] - W / 2) * k, Y = y => h / 2 - (y - low[1] - H / 2) * k;
@@ -83,12 +84,12 @@ function scene() {
     ink(g, s.l, s.f, s.c && !s.r);
   }
   g.setLineDash([]);
-  if (state.names) { g.fillStyle = css.fg; for (const [text, x, y, u, v] of captions) words(g, text, X(x) + 15 * u, Y(y) - 13 * v); }
+  if (state.names) captions(g, named.map(([words, x, y, u, v]) => ({ words, x: X(x), y: Y(y), u, v })));
 }
 function draw() {
   scene();
   const t = now[0], from = Math.max(D.start, t - WINDOW), first = T.findIndex(u => u >= from);
-  graphs($("curves"), curves.map(c => ({ name: c.name, unit: c.unit, y: c.y.slice(first), now: now[c.ref] * c.scale })), T.slice(first), T.length - first, from, from + WINDOW, t);
+  graphs($("curves"), curves.map(c => ({ name: c.name, unit: c.unit, y: c.y.slice(first), now: now[c.ref] * c.scale })), T.slice(first), T.length - first, from, from + WINDOW, t, events.filter(u => u <= t));
   bars($("energy"), D.energies.map((e, i) => ({ name: e.name, least: i === 1 ? least : 0, value: now[e.ref] })), most);
   for (const v of D.shown) v.cell.textContent = (now[v.ref] * v.scale).toPrecision(6) + " " + v.unit;
   $("now").textContent = "t = " + (WINDOW < 0.1 ? t.toExponential(3) : t.toFixed(3)) + " s"; $("play").innerHTML = running ? "&#10074;&#10074;" : "&#9654;";
@@ -149,7 +150,7 @@ function drag(e) {
 }
 async function open_page() {
   colours();
-  machine = await Machine.made(D.program, D.image, D.sizes);
+  machine = await Machine.made(D.program, D.image, D.sizes, D.inputs);
   controls(); fast(D.speed);
   if (!restart()) { const why = machine.message; given.clear(); restart(); tell(why); }
   $("play").onclick = play; $("ahead").onclick = ahead; $("reset").onclick = reset; $("defaults").onclick = defaults; $("theme").onclick = theme;

@@ -29,7 +29,7 @@ _MOST_SHOWN = 40  # quantities whose values are listed
 _DEGREE = 180.0 / math.pi
 _TURN, _RATE = math.pi, 10.0  # sliders of angles, and of rates of what is at rest, go so far
 _FIXED = 1  # LAG_START_FIXED of model.h
-_PARTS = ("figures", "machine", "player")
+_PARTS = ("player.css", "player.html", "figures.js", "machine.js", "player.js")
 
 
 class Playable(Drawable, Exportable, Protocol):
@@ -38,12 +38,10 @@ class Playable(Drawable, Exportable, Protocol):
 
 def play_scene(model: Playable, path: str | os.PathLike[str], request: Request, names: Mapping[str, str],
                traces: Sequence[str] = ()) -> RunError | None:
-    """Writes the page; returns what stops the scene's run, which the page shows, too. Raises LagError: L0706 without zig, L0918
-    for inputs over time; RunError for what cannot start."""
+    """Writes the page; returns what stops the scene's run, which the page shows, too. Raises LagError (L0706 without zig), or
+    RunError for what cannot start."""
     program = build_wasm()
     values = check_values(model.scene, request.parameters, request.initial, request.inputs)
-    if len(values.input_times) > 1:
-        fail("L0918", "not supported yet: inputs over time in a page that computes", None, "give constants: there are sliders")
     if any(not math.isnan(x) for x in values.lost):
         fail("L0918", "not supported yet: start values of what follows from other coordinates, in a page", None,
              "give those of the others")
@@ -69,16 +67,16 @@ def _page(model: Playable, request: Request, values: Values, run: Trajectory, na
     experiment = plan(scene, request)
     length = experiment.stop - experiment.start
     size = float(np.max(np.subtract(stage.data["high"], stage.data["low"])))
-    data = {**stage.data, **_shown(described), "controls": [*_controls(described, size)], "given": [*_given(described, values)],
-            "n": scene.n, "movable": [*_movable(described, size)], "is_looped": _is_looped(described),
+    data = {**stage.data, **_shown(described), "controls": [*_given_inputs(described, values), *_controls(described, size)],
+            "given": [*_given(described, values)],
+            "inputs": _inputs(values), "n": scene.n, "movable": [*_movable(described, size)], "is_looped": _is_looped(described),
             "tolerance": experiment.tolerance, "start": scene.start,
             "stop": experiment.stop, "window": length, "speed": speed_of(length),
             "program": _packed(program), "image": _packed(image),
             "sizes": {"n": scene.n, "values": 1 + max(v.reference for v in described.of(*_NUMBERS)),
                       "drawing": sum(stage.drawing.out_sizes)}}
-    own = Path(__file__)
-    parts = {name.upper(): own.with_name(f"{name}.js") for name in _PARTS}
-    return written(own.with_name("player.html"), parts, scene.description or scene.name, data)
+    parts = [Path(__file__).with_name(part) for part in _PARTS]
+    return written(parts, scene.description or scene.name, data)
 
 
 _NUMBERS = ("time", "state", "slope", "output", "energy", "input", "parameter")  # groups of which the run time tells all
@@ -115,11 +113,9 @@ def _shown(described: FmuModel) -> dict[str, Any]:
 
 
 def _controls(described: FmuModel, size: float) -> Iterator[dict[str, Any]]:
-    """Sliders: inputs, parameters that are no consequence of others, start values."""
+    """Sliders: parameters that are no consequence of others, start values."""
     n = described.scene.n
     given = dict(zip((v.reference for v in described.of("parameter")), described.given, strict=True))
-    for v in described.of("input"):
-        yield _control("input", v, float(v.start or 0.0), 1.0)
     for v in described.of("parameter"):
         if v.causality == "parameter":
             yield _control("parameter", v, given[v.reference], 1.0)
@@ -127,6 +123,23 @@ def _controls(described: FmuModel, size: float) -> Iterator[dict[str, Any]]:
         if v.initial != "calculated":
             reach = _RATE if k >= n else _TURN if _unit(v)[1] != 1.0 else size
             yield _control("start", v, described.state_start[k], reach)
+
+
+def _inputs(values: Values) -> dict[str, Any] | None:
+    """Over time: their table, times first; None where they are constants."""
+    if len(values.input_times) < 2:
+        return None
+    return {"rows": len(values.input_times),
+            "table": base64.b64encode(np.array([*values.input_times, *values.input_values]).tobytes()).decode()}
+
+
+def _given_inputs(described: FmuModel, values: Values) -> Iterator[dict[str, Any]]:
+    """Sliders of inputs; those that a table gives over time begin with its first row, and are held where they are moved."""
+    columns = np.reshape(values.input_values, (len(values.input_times), -1)).T
+    has_table = len(values.input_times) > 1
+    for v, x in zip(described.of("input"), columns, strict=True):
+        first, most = (float(x[0]), float(np.abs(x).max())) if has_table else (float(v.start or 0.0), 1.0)
+        yield _control("input", v, first, most or 1.0) | {"varies": bool(np.ptp(x) > 0)}
 
 
 def _control(kind: str, variable: Variable, value: float, reach: float) -> dict[str, Any]:
@@ -145,9 +158,10 @@ def _given(described: FmuModel, values: Values) -> Iterator[tuple[int, float]]:
     for v, x in zip(described.of("state"), (*values.q, *values.v), strict=True):
         if not math.isnan(x):
             yield v.reference, x
-    for v, x in zip(described.of("input"), values.input_values, strict=True):
-        if x != v.start:
-            yield v.reference, x
+    if len(values.input_times) == 1:
+        for v, x in zip(described.of("input"), values.input_values, strict=True):
+            if x != v.start:
+                yield v.reference, x
 
 
 def _movable(described: FmuModel, size: float) -> Iterator[dict[str, float]]:

@@ -18,7 +18,7 @@ from lagrangia.native.prebuilt import digest, sources
 
 _FILES = ("cosimulation", "evaluations", "exchange", "image", "life", "log", "partial", "play", "saved", "settle", "values")
 _MANY_RUNS = ("batch", "reduce", "layout")  # no page makes many, or compares structures
-_CALLS = ("room", "new", "message", "reset", "set", "begin", "step", "values", "drawing")
+_CALLS = ("room", "new", "message", "reset", "inputs", "set", "begin", "step", "values", "events", "drawing")
 # As prebuilt.py has them: the same operations in the same order.
 _FLAGS = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-std=c99", "-ffp-contract=off", "-fno-math-errno", "-O2",
           "-fvisibility=hidden", "-Wno-pass-failed", "-Wl,--strip-all", *(f"-Wl,--export=lag_play_{call}" for call in _CALLS))

@@ -12,6 +12,7 @@ from typing import NoReturn
 from lagrangia.base.diagnostics import Diagnostic, LagError, RunError, tell_miss
 from lagrangia.base.records import dataclass
 from lagrangia.run.engines import Engine
+from lagrangia.run.event_log import log_events
 from lagrangia.run.formulas import zero_masses
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Failure, Run, Settings, Statistics, Status
@@ -40,6 +41,7 @@ class Progress:
     contacts: tuple[str, ...] = ()  # of each event, what to call it
     interrupted: bool = False
     engine: str = ""  # native, tape, or an integrator of CasADi
+    events: Sequence[float] = ()  # times of the first ones, s
 
 
 # -------------------------------------------------------------------- the run
@@ -111,6 +113,7 @@ def _rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] |
     """Those that were not told before; returns whether it wants the matrix of implicit steps."""
     begin, told, known = time.perf_counter() - progress.seconds, progress.rows, 0
     looks, run = _Looks(parts.engine, progress), parts.run
+    log = log_events(parts.engine.runtime.library, run, parts.scene, parts.values)
     with run:
         for times in progress.experiment.times():
             done = 0
@@ -123,6 +126,8 @@ def _rows(parts: _Parts, progress: Progress, watch: Callable[[Progress], None] |
                     return False
                 finally:
                     progress.seconds, progress.statistics, progress.time = time.perf_counter() - begin, run.statistics, run.time
+                    if log is not None:
+                        progress.events = log.times()
                 looks.look()
                 done += rows.count
                 new = min(rows.count, max(0, known + rows.count - told))

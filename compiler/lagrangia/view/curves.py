@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 _FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".webp")
 _MOST_IN_LEGEND = 12
+_MARK = 0.05  # of a panel: ticks at events
 _FAINTEST = 1e-5  # amplitude that a spectrum shows, of its largest
 _STYLES: dict[str, dict[str, Any]] = {
     "line": {"linewidth": 1.2},
@@ -70,6 +71,8 @@ def draw_panels(title: str, panels: "Sequence[Panel]", path: str | os.PathLike[s
 
 
 def _fill(axis: Any, panel: "Panel") -> None:
+    if panel.marks:  # along the lower edge
+        axis.vlines(panel.marks, 0, _MARK, transform=axis.get_xaxis_transform(), color="0.35", linewidth=0.7)
     for line in panel.lines:
         _draw_line(axis, line)
     axis.set_ylabel(panel.y_label)

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 from lagrangia.base.diagnostics import fail
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _DEGREE = 180.0 / math.pi
 _FEW = 400  # points of a measurement that are drawn each
+_MOST_MARKS = 500  # events that are marked: more would be a bar
 TIME, PLANE, FREQUENCY = "time", "plane", "frequency"
 
 
@@ -57,6 +58,7 @@ class Series:
     values: "Callable[[str], np.ndarray | None]"
     is_measured: bool = False
     is_linear: bool = False
+    events: "np.ndarray | None" = None  # times that are marked, s
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,7 @@ class Panel:
     x_label: str
     y_label: str
     lines: list[Line] = field(default_factory=list)
+    marks: Sequence[float] = ()  # times of events, s
 
     @property
     def is_wide(self) -> bool:
@@ -118,10 +121,13 @@ def build_picture(series: Sequence[Series], wanted: Wanted, column_of: Callable[
 
     Raises LagError L0706 where rows make no spectrum or section.
     """
-    panels, notes = [], []
     over_time = [pair.y for pair in wanted.pairs if not pair.x] if wanted.section is None else []
+    marks = series[0].events if over_time and series[0].events is not None else ()
+    panels, notes = [], []
+    if len(marks) > _MOST_MARKS:
+        notes, marks = [f"{len(marks)} events are not marked: they would be a bar"], ()
     for unit, names in _by_unit(over_time, column_of).items():
-        panels.append(_panel(series, TIME, "time [s]", unit, names, column_of))
+        panels.append(replace(_panel(series, TIME, "time [s]", unit, names, column_of), marks=tuple(marks)))
     plane = [pair for pair in wanted.pairs if pair.x]
     if wanted.section is None:
         panels += [_phase(series, pair, column_of) for pair in plane]

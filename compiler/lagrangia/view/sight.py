@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.records import dataclass
+from lagrangia.run.request import Request, Values
 from lagrangia.run.scene import Column, Scene
 
 if TYPE_CHECKING:
@@ -18,6 +19,16 @@ class Sight:
 
     columns_of: Callable[[str], tuple[Column, ...]]
     small_motion: "Callable[[np.ndarray, Sequence[str]], dict[str, np.ndarray]]"
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What pictures of a run ask for: its model, the values and the request it ran with, and what makes an animation of it."""
+
+    model: Any
+    values: Values
+    request: Request
+    animate: Callable[..., str]
 
 
 def known_column(scene: Scene, name: str) -> Column | None:

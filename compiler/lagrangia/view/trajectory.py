@@ -15,7 +15,7 @@ from lagrangia.run.request import Values
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import Progress, loss, shortcomings
 from lagrangia.view.curves import draw_panels
-from lagrangia.view.sight import Sight, known_column
+from lagrangia.view.sight import Shown, Sight, known_column
 
 if TYPE_CHECKING:
     import numpy as np
@@ -57,7 +57,7 @@ class Trajectory:
     rows: "np.ndarray"  # (rows, width)
     progress: Progress
     observe: Callable[[str, "np.ndarray"], "np.ndarray"] | None = None
-    show: Callable[..., str] | None = None  # as an animation
+    show: Shown | None = None  # as an animation
     sight: Sight | None = None  # what pictures ask of its model
 
     def __repr__(self) -> str:
@@ -79,6 +79,13 @@ class Trajectory:
     def statistics(self) -> Any:
         """What the run has done: steps, evaluations, events, the method at the end."""
         return self.progress.statistics
+
+    @property
+    def events(self) -> "np.ndarray":
+        """Times of impacts, switches and corners of inputs, s, rising: of the first 4096; `statistics.events` counts them all."""
+        import numpy as np
+
+        return np.unique(np.array(self.progress.events, dtype=float))
 
     @property
     def engine(self) -> str:
@@ -145,7 +152,7 @@ class Trajectory:
         sight = self.sight or Sight(self._known_columns, self._no_small_motion)
         cut = (section, 0.0) if isinstance(section, str) else section
         wanted = choose(self.scene, sight, names, (spectrum,) if isinstance(spectrum, str) else spectrum, cut)
-        pairs = overlay.items() if isinstance(overlay, Mapping) else [(f"run {k}", x) for k, x in enumerate(overlay, 2)]
+        pairs = overlay.items() if isinstance(overlay, Mapping) else _numbered(overlay).items()
         beside = [x.series(label) if isinstance(x, Trajectory) else table_series(Path(x), sight, wanted)
                   for label, x in pairs]
         picture = picture_of(self.series(), self.rows, sight, wanted, beside, linear)
@@ -157,7 +164,9 @@ class Trajectory:
         """All quantities of its scene, for a picture of several runs."""
         from lagrangia.view.plots import Series
 
-        return Series(label, self.time, cache(self.__getitem__))
+        events = self.events
+        inside = events[(events >= self.time[0]) & (events <= self.time[-1])] if len(self.rows) else events
+        return Series(label, self.time, cache(self.__getitem__), events=inside)
 
     def _known_columns(self, name: str) -> tuple[Column, ...]:
         return (known_column(self.scene, name) or Column(name, "", "", ""),)
@@ -166,15 +175,17 @@ class Trajectory:
         fail("L0918", "not supported yet: the small motion of a run without its model", None, "plot what simulate returned")
 
     def animate(self, path: str | os.PathLike[str] | None = None, *, traces: Sequence[str] = (), quantities: Sequence[str] = (),
-                names: Mapping[str, str] | None = None) -> str:
-        """The motion as a page of its own: the text of the HTML; a path (.html, .gif, .webp) is written as well.
+                names: Mapping[str, str] | None = None, beside: "Mapping[str, Trajectory] | Sequence[Trajectory]" = ()) -> str:
+        """The motion as a page of its own: the text of the HTML; a path (.html, .svg, .gif, .webp, .mp4) is written as well.
 
         `traces` are frames whose ways are drawn, `quantities` the curves beside the picture (the coordinates and outputs by
-        default), `names` symbols of your own. Raises LagError.
+        default), `names` symbols of your own, `beside` other runs with the same times (with labels, in a mapping).
+        Raises LagError.
         """
         if self.show is None:
             fail("L0918", "not supported yet: the animation of a run without its model", None, "animate what simulate returned")
-        return self.show(self, path, traces=traces, quantities=quantities, names=names)
+        others = beside if isinstance(beside, Mapping) else _numbered(beside)
+        return self.show.animate(self, path, traces=traces, quantities=quantities, names=names, beside=others)
 
     def _repr_html_(self) -> str | None:
         """In a notebook: its animation."""
@@ -182,6 +193,11 @@ class Trajectory:
             return None
         page = html.escape(self.animate(), quote=True)
         return f'<iframe srcdoc="{page}" style="width:100%;height:560px;border:0" title="{html.escape(repr(self))}"></iframe>'
+
+
+def _numbered(runs: Iterable[Any]) -> dict[str, Any]:
+    """With labels: the run itself is the first."""
+    return {f"run {k}": run for k, run in enumerate(runs, 2)}
 
 
 def columns(scene: Scene) -> tuple[Column, ...]:
