@@ -417,7 +417,7 @@ initial equation
   b[{n}].s = 1;
 end Row;
 """)
-    assert model.scene.sizes["n_lower"] > 0
+    assert model.completed().scene.sizes["n_lower"] > 0
     tie = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
     tie[0, 0] = tie[-1, -1] = 1
     K, C = 1e4 * tie, 1e4 * tie
