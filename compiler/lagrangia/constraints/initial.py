@@ -18,7 +18,7 @@ from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.duals import rate_of as rate_of_dual
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.parameters import default_parameters
+from lagrangia.constraints.parameters import default_parameters, parameter_symbols
 from lagrangia.constraints.rows import Constraints
 from lagrangia.frames.evaluation import Value, scalars_of
 from lagrangia.frames.graph import Coordinate, rate_of
@@ -106,13 +106,13 @@ def _settle(initial: InitialConditions, kinematics: Kinematics, acceleration: ca
 
 def start_function(kinematics: Kinematics, initial: InitialConditions) -> ca.Function:
     """p -> q, v, the values of lost coordinates behind them."""
-    return ca.Function("start", [default_parameters(kinematics)[0]], [initial.q, initial.v], ["p"], ["q", "v"])
+    return ca.Function("start", [parameter_symbols(kinematics)], [initial.q, initial.v], ["p"], ["q", "v"])
 
 
 def initial_function(kinematics: Kinematics, initial: InitialConditions) -> ca.Function:
     """q, v, p -> the residuals and their Jacobian, column by column."""
     positions, rates = (ca.vertcat(ca.SX(0, 1), *x.values()) for x in (kinematics.symbols.positions, kinematics.symbols.rates))
-    q, v, p = ca.vertcat(positions, initial.lost_q), ca.vertcat(rates, initial.lost_v), default_parameters(kinematics)[0]
+    q, v, p = ca.vertcat(positions, initial.lost_q), ca.vertcat(rates, initial.lost_v), parameter_symbols(kinematics)
     jacobian = ca.densify(ca.jacobian(initial.residuals, ca.vertcat(q, v)))
     return ca.Function("initial", [q, v, p], [initial.residuals, ca.vec(jacobian)], ["q", "v", "p"], ["g", "J"])
 

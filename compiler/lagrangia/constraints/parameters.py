@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.scalars import apply
 from lagrangia.base.diagnostics import Span, fail
-from lagrangia.frames.evaluation import Evaluator, Value, elements
+from lagrangia.frames.evaluation import Evaluator, Value, elements, scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import FlatModel
 
@@ -33,7 +34,7 @@ def all_parameters(kinematics: Kinematics, n: int) -> tuple[ca.SX, ca.SX, ca.SX]
         return given, mask, ca.SX(0, 1)
     leaves = _ParameterLeaves(model, kinematics, given, mask)
     parameters = [v for v in model.variables.values() if v.kind == "parameter"]
-    values = [x for v in parameters for _, x in scalars(v.name, leaves.parameter(v.name, v.span))]
+    values = [x for v in parameters for x in scalars_of(leaves.parameter(v.name, v.span))]
     return given, mask, ca.vertcat(*values)
 
 
@@ -53,11 +54,15 @@ def parameters_of(kinematics: Kinematics, p: ca.SX, given: Collection[str] = ())
     return ca.substitute(values, ca.vertcat(symbols, mask), ca.vertcat(p, is_read)) if n else values
 
 
+def parameter_symbols(kinematics: Kinematics) -> ca.SX:
+    """Of all parameters, (n,)."""
+    model, symbols = kinematics.graph.model, kinematics.symbols
+    return ca.vertcat(*[x for v in model.variables.values() if v.kind == "parameter" for x in scalars_of(symbols.values[v.name])])
+
+
 def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:
     """The symbols of all parameters, and their values when none is given."""
-    model, symbols = kinematics.graph.model, kinematics.symbols
-    parameters = [v.name for v in model.variables.values() if v.kind == "parameter"]
-    p = ca.vertcat(*[x for name in parameters for _, x in scalars(name, symbols.values[name])])
+    p = parameter_symbols(kinematics)
     if p.numel() == 0:
         return p, ca.DM(0, 1)
     given, mask, values = all_parameters(kinematics, p.numel())
@@ -90,8 +95,10 @@ class _ParameterLeaves:
     """Leaves of an evaluator in which every parameter is what was given for it, or else its binding."""
 
     def __init__(self, model: FlatModel, kinematics: Kinematics, given: ca.SX, mask: ca.SX) -> None:
-        self.model, self.given, self.mask = model, given.elements(), mask.elements()
-        self.algebra = kinematics.algebra
+        self.model = model
+        # what CasadiAlgebra.choose makes of each, of all at once
+        self.given = ca.SX.binary(ca.OP_IF_ELSE_ZERO, mask, given).elements()
+        self.is_open = ca.SX.unary(ca.OP_NOT, mask).elements()
         self.evaluator = Evaluator(model, kinematics.algebra, self)
         self.known: dict[str, Value] = {}
         self.pending: list[str] = []
@@ -121,7 +128,8 @@ class _ParameterLeaves:
         values = elements(bound, variable.shape, variable.binding.span)
         self.pending.pop()
         start = self.place[name]
-        chosen = [self.algebra.choose(self.mask[k], self.given[k], x) for k, x in enumerate(values, start)]
+        chosen = [apply(ca.OP_ADD, self.given[k], apply(ca.OP_IF_ELSE_ZERO, self.is_open[k], x))
+                  for k, x in enumerate(values, start)]
         self.known[name] = _nest(iter(chosen), variable.shape)
         return self.known[name]
 

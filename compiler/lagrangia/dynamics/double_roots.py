@@ -18,7 +18,7 @@ from lagrangia.algebra.orthogonal import Vector, independent_columns
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.constraints.assembly import begin
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
-from lagrangia.constraints.parameters import at_declared_values, default_parameters
+from lagrangia.constraints.parameters import at_declared_values, parameter_symbols
 from lagrangia.constraints.positions import Positions
 from lagrangia.constraints.rows import Constraints, Row, derived
 from lagrangia.dynamics.equilibrium import StaticEquations, ways_at
@@ -76,7 +76,7 @@ def touching_notes(kinematics: Kinematics, constraints: Constraints) -> dict[str
     """As plain data, for a scene that is kept: the constraints that only just hold, and the places of parameters in them."""
     phi = ca.vertcat(ca.SX(0, 1), *[row.value(kinematics, 0) for row in constraints.touching])
     mentioned = symbols_in(phi)
-    p, _ = default_parameters(kinematics)
+    p = parameter_symbols(kinematics)
     places = [k for k, x in enumerate(p.elements()) if x.__hash__() in mentioned] if constraints.touching else []
     return {"touching": {"told": list(dict.fromkeys(row.told for row in constraints.touching)), "parameters": places}}
 

@@ -5,7 +5,7 @@ from functools import reduce
 import casadi as ca
 
 from lagrangia.algebra.scalars import symbols_in
-from lagrangia.constraints.parameters import default_parameters
+from lagrangia.constraints.parameters import default_parameters, parameter_symbols
 from lagrangia.dynamics.kkt import diagonal_of
 from lagrangia.frames.kinematics import Kinematics
 
@@ -26,7 +26,7 @@ def find_evenness(kinematics: Kinematics, mass: ca.SX, pivots: ca.SX, J: ca.SX) 
 
     mass (n,): the diagonal of M; pivots (n,): those of its factors, relative to it in any order of the coordinates.
     """
-    p, _ = default_parameters(kinematics)
+    p = parameter_symbols(kinematics)
     known = symbols_in(p) if p.numel() else frozenset()
     free = [s for s in ca.symvar(ca.veccat(mass, pivots, J)) if s.__hash__() not in known]
     looks = [_placed([pivots, ca.vertcat(ca.SX(0, 1), *((J * J) @ ca.diag(1 / mass)).nonzeros())], free, step)
