@@ -1,7 +1,8 @@
 """`dataclass` of the standard library, but that the methods of a class are written when one of them is first called.
 
 Writing them takes 0.6 ms for each class, a third of what importing the compiler takes, and most classes have no instance in a
-process.
+process. Of those that have some, the standard library tells the fields; what puts them into a new instance is written here, in
+one text a class, and takes half the time of calls of object.__setattr__.
 """
 
 import dataclasses
@@ -10,11 +11,13 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from reprlib import recursive_repr
 from threading import RLock
+from types import MemberDescriptorType
 from typing import TYPE_CHECKING, Any
 
 __all__ = ["dataclass"]
 _DATA = ("__dataclass_fields__", "__match_args__")
-_WRITTEN = ("__init__", *_DATA, "__dataclass_params__", "__setattr__", "__delattr__")
+_WRITTEN = (*_DATA, "__dataclass_params__")
+_MADE = object()  # in place of a value that a factory makes
 _lock = RLock()  # of threads that use a class for the first time together
 
 if TYPE_CHECKING:
@@ -79,12 +82,68 @@ class _Pending:
                 return
             for name in self.names:
                 delattr(self.cls, name)
-            dataclasses.dataclass(frozen=self.frozen, repr=False, eq=False)(self.written)
+            self.written.__doc__ = self.written.__doc__ or self.cls.__name__  # else a signature would be worked out
+            dataclasses.dataclass(init=False, repr=False, eq=False)(self.written)
             if self.written is not self.cls:
                 there = self.written.__dict__
                 for name in (name for name in _WRITTEN if name in there and name not in self.cls.__dict__):
                     setattr(self.cls, name, there[name])
+            if "__init__" in self.names:
+                self.cls.__init__ = _init(self.cls, self.frozen)  # type: ignore[misc]
+            if self.frozen:
+                _refuse_changes(self.cls)
             self.names = []
+
+
+def _init(cls: type, frozen: bool) -> Any:
+    """Slots are filled by their descriptors, other fields of what is frozen through its dictionary."""
+    scope: dict[str, Any] = {"_made": _MADE}
+    given, body, has_dictionary = ["self"], list[str](), False
+    for field in dataclasses.fields(cls):
+        name, value = field.name, field.name
+        has_factory = field.default_factory is not dataclasses.MISSING
+        if has_factory:
+            scope[f"_make_{name}"] = field.default_factory
+            value = f"_make_{name}() if {name} is _made else {name}" if field.init else f"_make_{name}()"
+        elif not field.init:
+            continue  # what the class has, or what comes after
+        if field.init:
+            scope[f"_given_{name}"] = _MADE if has_factory else field.default
+            is_needed = not has_factory and field.default is dataclasses.MISSING
+            given.append(name if is_needed else f"{name}=_given_{name}")
+        slot = getattr(cls, name, None)
+        if isinstance(slot, MemberDescriptorType):
+            scope[f"_set_{name}"] = slot.__set__
+            body.append(f"_set_{name}(self, {value})")
+        elif frozen:
+            has_dictionary = True
+            body.append(f"_own[{name!r}] = {value}")
+        else:
+            body.append(f"self.{name} = {value}")
+    lines = [*(["_own = self.__dict__"] if has_dictionary else []), *body]
+    lines += ["self.__post_init__()"] if hasattr(cls, "__post_init__") else []
+    text = "\n  ".join([f" def __init__({', '.join(given)}):", *(lines or ["pass"])])
+    exec(f"def write({', '.join(scope)}):\n{text}\n return __init__", {}, found := dict[str, Any]())
+    made = found["write"](**scope)
+    made.__qualname__ = f"{cls.__qualname__}.__init__"
+    return made
+
+
+def _refuse_changes(cls: Any) -> None:
+    names = frozenset(field.name for field in dataclasses.fields(cls))
+
+    def __setattr__(self: object, name: str, value: object) -> None:
+        if type(self) is cls or name in names:
+            raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
+        super(cls, self).__setattr__(name, value)
+
+    def __delattr__(self: object, name: str) -> None:
+        if type(self) is cls or name in names:
+            raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
+        super(cls, self).__delattr__(name)
+
+    cls.__setattr__, cls.__delattr__ = __setattr__, __delattr__
+
 
 
 def _repr(cls: type) -> Any:
