@@ -21,7 +21,7 @@ from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
 from lagrangia.view.sight import Shown, Sight, known_column
-from lagrangia.view.trajectory import Trajectory, collect, moments
+from lagrangia.view.trajectory import Trajectory, collect
 
 if TYPE_CHECKING:
     import casadi
@@ -252,7 +252,7 @@ class Model:
 
         if path is not None:
             require_place(path, [self.path, *([] if runs is None else [runs])])
-        model = self._with_outputs(quantities(measures := read_measures(outputs)))
+        model = self.reporting(quantities(measures := read_measures(outputs)))
         request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
         design = Design(None if runs is None else Path(runs), samples, seed, sampling, together, seconds_per_run)
         model, job = model.prepared_for(measures, request, design)
@@ -260,6 +260,20 @@ class Model:
         if sweep.interrupted:
             raise Interrupted.with_result(sweep, f"after {sweep.ledger.entered} of {sweep.runs} runs")
         return sweep
+
+    def measure(self, measures: str | Sequence[str], **asked: Any) -> dict[str, float]:
+        """Numbers of one run that is `asked` for as of `simulate`, each exact between its rows: measure("max(y, from=2), rms(y)").
+        NaN: there is none. Raises LagError, RunError, Interrupted. See `lag help sweep`."""
+        from lagrangia.study.measuring import take_measures
+
+        sweep = take_measures(self, measures, Request(**asked))
+        return {measure.text: float(sweep[measure.text][0]) for measure in sweep.job.measures}
+
+    def rainflow(self, quantity: str, **asked: Any) -> "np.ndarray":
+        """Cycles of a quantity, "y" or "y, from=2", by ASTM E1049: (cycles, 3) of range, mean and count (1 or 1/2), in SI units."""
+        from lagrangia.study.measuring import take_cycles
+
+        return take_cycles(self, quantity, Request(**asked))
 
     def prepared_for(self, measures: "Sequence[Measure]", request: Request, design: "Design") -> "tuple[Model, Job]":
         """All runs of a sweep, and the model whose formulas hold for the parameters of each; see `suited`."""
@@ -270,7 +284,7 @@ class Model:
         suited = self._suited(job.parameter_sets, evaluate_each)
         return (self, job) if suited is self else suited.prepared_for(measures, request, design)
 
-    def _with_outputs(self, names: Sequence[str]) -> "Model":
+    def reporting(self, names: Sequence[str]) -> "Model":
         """This model, or one that reports these names too."""
         known = {column.name for column in self.scene.outputs}
         missing = [name for name in names if name not in known and self.scene.slot(name) is None]
@@ -322,18 +336,10 @@ class Model:
         """Computes any quantity from rows of results."""
         return partial(self._observe, parameters, values)
 
-    def _observe(self, parameters: "np.ndarray", values: Any, name: str, rows: "np.ndarray") -> "np.ndarray":
-        import numpy as np
+    def _observe(self, parameters: "np.ndarray", values: Values, name: str, rows: "np.ndarray") -> "np.ndarray":
+        from lagrangia.study.observing import observe
 
-        from lagrangia.compile.functions import depends_on_forces, observer
-
-        compilation, is_held = self.compilation, self.scene.sizes["switches_need_acceleration"]
-        if is_held and depends_on_forces(compilation.kinematics, compilation.motion, name):
-            fail("L0908", f"'{name}' depends on what friction and contacts hold: only the run knew", None,
-                 f"declare it as an output, or ask for it beforehand: lagrangia.Model(path, outputs=['{name}'])")
-        labels, function = observer(compilation.kinematics, compilation.motion, compilation.constraints, (name,))
-        found = np.array(function(*moments(self.scene, parameters, values, rows)))
-        return found[0] if len(labels) == 1 else found.T
+        return observe(self, parameters, values, name, rows)
 
     def sight(self, values: Values) -> Sight:
         """What pictures of a run with these values ask of the model."""

@@ -18,7 +18,7 @@ struct LagBatch {
     LagSweep sweep;
     LagWindow window;
     double *memory;
-    LagReduction *reductions;
+    LagReduction *reductions, *taken; /* what is asked for, and what of it in the present of two runs */
     LagReduced *reduced;
     int *varied, *at; /* at: the reductions of kind LAG_REDUCE_AT in the order of their times */
     int n_at, next_at;
@@ -87,11 +87,12 @@ static int allocate(LagBatch *batch, const LagSweep *sweep)
     layout(batch, sweep, &arena);
     batch->memory = calloc(arena.used + 1, sizeof *batch->memory);
     batch->reductions = malloc((reductions + 1) * sizeof *batch->reductions);
-    batch->reduced = malloc((reductions + 1) * sizeof *batch->reduced);
+    batch->taken = malloc((reductions + 1) * sizeof *batch->taken);
+    batch->reduced = calloc(reductions + 1, sizeof *batch->reduced);
     batch->varied = copied_indices(sweep->varied, sweep->n_varied);
     batch->at = copied_indices(NULL, sweep->n_reductions);
     batch->is_open = copied_indices(NULL, sweep->n_reductions);
-    if (!batch->memory || !batch->reductions || !batch->reduced || !batch->varied || !batch->at || !batch->is_open)
+    if (!batch->memory || !batch->reductions || !batch->taken || !batch->reduced || !batch->varied || !batch->at || !batch->is_open)
         return 0;
     arena.base = batch->memory;
     arena.used = 0;
@@ -121,8 +122,11 @@ void lag_batch_free(LagBatch *batch)
 {
     if (!batch)
         return;
+    for (int i = 0; batch->reduced && i < batch->sweep.n_reductions; ++i)
+        lag_rainflow_free(&batch->reduced[i].flow);
     free(batch->memory);
     free(batch->reductions);
+    free(batch->taken);
     free(batch->reduced);
     free(batch->varied);
     free(batch->at);
@@ -161,17 +165,33 @@ static LagStatus visit(LagBatch *batch, double t)
     return LAG_OK;
 }
 
+/* The end of the window from a, at the latest b: where a quantity begins or ceases to be taken, one ends. */
+static double window_end(const LagBatch *batch, double a, double b)
+{
+    for (int i = 0; i < batch->sweep.n_reductions; ++i) {
+        const LagReduction *what = &batch->taken[i];
+        if (batch->is_open[i] && a < what->from && what->from < b)
+            b = what->from;
+        if (batch->is_open[i] && a < what->to && what->to < b)
+            b = what->to;
+    }
+    return b;
+}
+
 /* Everything in the windows of the step that started at a; what is known after one of them is not looked at in the next. */
 static LagStatus look(LagBatch *batch, double a)
 {
     const double b = batch->window.end_time, parts = fmax(1, ceil((b - a) / batch->sweep.window * (1 - 1e-12)));
     LagStatus status = LAG_OK;
-    for (double k = 1; k <= parts && status == LAG_OK; ++k) {
-        status = lag_window_fill(&batch->window, k < parts ? a + (b - a) * (k / parts) : b);
+    for (double k = 1, t = a; k <= parts && status == LAG_OK;) {
+        const double whole = k < parts ? a + (b - a) * (k / parts) : b, end = window_end(batch, t, whole);
+        status = lag_window_fill(&batch->window, end);
         for (int i = 0; i < batch->sweep.n_reductions && status == LAG_OK; ++i)
             if (batch->is_open[i])
-                status = lag_reduce_window(&batch->reductions[i], &batch->reduced[i], &batch->window);
+                status = lag_reduce_window(&batch->taken[i], &batch->reduced[i], &batch->window);
         lag_window_next(&batch->window);
+        t = end;
+        k += end == whole;
     }
     return status;
 }
@@ -181,7 +201,7 @@ static LagStatus enter(LagBatch *batch, double t)
 {
     const LagStatus status = lag_window_open(&batch->window, t);
     for (int i = 0; i < batch->sweep.n_reductions; ++i)
-        lag_reduce_open(&batch->reductions[i], &batch->reduced[i], &batch->window);
+        lag_reduce_open(&batch->taken[i], &batch->reduced[i], &batch->window);
     return status;
 }
 
@@ -192,9 +212,7 @@ static LagStatus watch(LagBatch *batch, double a)
     int open = 0;
     batch->n_pending = 0;
     for (int i = 0; i < batch->sweep.n_reductions; ++i) {
-        const int is_wanted = batch->reductions[i].kind != LAG_REDUCE_AT && !batch->reduced[i].is_known;
-        const int is_unclear = lag_reduce_glance(&batch->reductions[i], &batch->reduced[i], &batch->window);
-        batch->is_open[i] = is_unclear || (is_long && is_wanted);
+        batch->is_open[i] = lag_reduce_glance(&batch->taken[i], &batch->reduced[i], &batch->window, is_long);
         open += batch->is_open[i];
     }
     LagStatus status = LAG_OK;
@@ -202,8 +220,10 @@ static LagStatus watch(LagBatch *batch, double a)
         status = look(batch, a);
     else
         lag_window_skip(&batch->window);
-    for (int i = 0; i < batch->sweep.n_reductions; ++i)
-        batch->n_pending += batch->reductions[i].kind != LAG_REDUCE_AT && !batch->reduced[i].is_known;
+    for (int i = 0; i < batch->sweep.n_reductions; ++i) {
+        batch->reduced[i].is_known |= batch->taken[i].kind != LAG_REDUCE_AT && batch->window.end_time >= batch->taken[i].to;
+        batch->n_pending += batch->taken[i].kind != LAG_REDUCE_AT && !batch->reduced[i].is_known;
+    }
     return status;
 }
 
@@ -266,14 +286,36 @@ static void start_reductions(LagBatch *batch)
     batch->next_at = 0;
     batch->row[0] = NAN;
     batch->n_pending = batch->sweep.n_reductions - batch->n_at;
-    for (int i = 0; i < batch->sweep.n_reductions; ++i)
-        lag_reduce_start(&batch->reduced[i]);
+    for (int i = 0; i < batch->sweep.n_reductions; ++i) {
+        batch->taken[i] = lag_reduce_first(&batch->reductions[i]);
+        lag_reduce_start(&batch->taken[i], &batch->reduced[i]);
+    }
+}
+
+static double duration_of(const LagBatch *batch, const LagReduction *what)
+{
+    return fmin(batch->sweep.t_stop, what->to) - fmax(batch->sweep.t_start, what->from);
+}
+
+/* What needs a second run is started anew by what the first one has found; all else is known. */
+static int start_second(LagBatch *batch)
+{
+    batch->n_pending = 0;
+    for (int i = 0; i < batch->sweep.n_reductions; ++i) {
+        const LagReduction *what = &batch->reductions[i];
+        batch->reduced[i].is_known = 1;
+        if (!lag_reduce_takes_two(what))
+            continue;
+        batch->taken[i] = lag_reduce_second(what, &batch->reduced[i], duration_of(batch, what));
+        lag_reduce_start(&batch->taken[i], &batch->reduced[i]);
+        ++batch->n_pending;
+    }
+    return batch->n_pending > 0;
 }
 
 static LagStatus begin(LagBatch *batch, const double *values, LagOutcome *outcome)
 {
     insert(batch, values);
-    start_reductions(batch);
     lag_run_set_stop(batch->run, batch->sweep.t_stop);
     lag_run_set_parameters(batch->run, batch->p, batch->mask);
     const int wrong = wrong_parameter(batch);
@@ -309,7 +351,6 @@ static int is_beyond_doubt(const LagBatch *batch, const LagStatistics *s, double
 static void conclude(LagBatch *batch, LagStatus status, double *results, LagOutcome *outcome)
 {
     const LagStatistics *statistics = lag_run_statistics(batch->run);
-    const double duration = batch->sweep.t_stop - batch->sweep.t_start;
     if (outcome->kind == LAG_RUN_DONE && status != LAG_OK) {
         outcome->kind = status == LAG_PAUSED ? LAG_RUN_OVERTIME : LAG_RUN_FAILED;
         if (status == LAG_PAUSED)
@@ -328,9 +369,27 @@ static void conclude(LagBatch *batch, LagStatus status, double *results, LagOutc
         outcome->failure.time = is_open ? statistics->energy_open : batch->sweep.t_start;
         outcome->failure.value = outcome->energy;
     }
-    for (int i = 0; i < batch->sweep.n_reductions; ++i)
+    for (int i = 0; i < batch->sweep.n_reductions; ++i) {
+        const LagReduction *what = &batch->reductions[i];
         results[i] = status == LAG_OK || batch->reduced[i].is_known
-            ? lag_reduce_result(&batch->reductions[i], &batch->reduced[i], duration) : NAN;
+            ? lag_reduce_result(what, &batch->taken[i], &batch->reduced[i], fmax(batch->sweep.t_start, what->from),
+                                duration_of(batch, what)) : NAN;
+    }
+}
+
+/* One run, and a second one for what takes two. */
+static LagStatus drive(LagBatch *batch, const double *values, LagOutcome *outcome)
+{
+    start_reductions(batch);
+    LagStatus status = begin(batch, values, outcome);
+    if (status == LAG_OK)
+        status = follow(batch);
+    if (status == LAG_OK && start_second(batch)) {
+        status = begin(batch, values, outcome);
+        if (status == LAG_OK)
+            status = follow(batch);
+    }
+    return status == LAG_OK ? close_account(batch) : status;
 }
 
 int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, double *results, LagOutcome *outcomes,
@@ -345,14 +404,16 @@ int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, d
         *outcome = fresh;
         outcome->failure.index = -1;
         batch->deadline = batch->sweep.seconds > 0 ? lag_clock() + batch->sweep.seconds : INFINITY;
-        LagStatus status = begin(batch, values + i * batch->sweep.n_varied, outcome);
-        if (status == LAG_OK)
-            status = follow(batch);
-        if (status == LAG_OK)
-            status = close_account(batch);
+        const LagStatus status = drive(batch, values + i * batch->sweep.n_varied, outcome);
         if (status == LAG_PAUSED && *stop)
             return i;
         conclude(batch, status, results + i * batch->sweep.n_reductions, outcome);
     }
     return runs;
+}
+
+const LagCycle *lag_batch_cycles(const LagBatch *batch, int reduction, int64_t *count)
+{
+    *count = (int64_t)batch->reduced[reduction].flow.n_cycles;
+    return batch->reduced[reduction].flow.cycles;
 }

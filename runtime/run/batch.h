@@ -44,4 +44,7 @@ LAG_API void lag_batch_free(LagBatch *batch);
 LAG_API int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, double *results, LagOutcome *outcomes,
                                   const volatile int32_t *stop);
 
+/* The rainflow cycles of the latest run for a reduction that keeps them; they last until the next run. */
+LAG_API const LagCycle *lag_batch_cycles(const LagBatch *batch, int reduction, int64_t *count);
+
 #endif

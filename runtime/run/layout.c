@@ -23,11 +23,12 @@ const LagSize lag_sizes[] = {
     SIZE_OF(LagReduction),
     SIZE_OF(LagSweep),
     SIZE_OF(LagOutcome),
+    SIZE_OF(LagCycle),
     COUNT_OF("LagStatus", LAG_WANTS_JACOBIAN),
     COUNT_OF("LAG_SOLVER", LAG_SOLVERS - 1),
     COUNT_OF("LagOp", LAG_OP_COUNT - 1),
     COUNT_OF("LagJetOp", LAG_JET_COUNT - 1),
-    COUNT_OF("LAG_REDUCE", LAG_REDUCE_LAST_BELOW),
+    COUNT_OF("LAG_REDUCE", LAG_REDUCE_DAMAGE),
     COUNT_OF("LAG_RUN", LAG_RUN_OPEN),
     {NULL, 0},
 };

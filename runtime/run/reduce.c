@@ -1,205 +1,62 @@
 #include "run/reduce.h"
 
 #include <math.h>
-#include <string.h>
-
-/* Gauss-Lobatto-Legendre nodes and weights (M. Abramowitz, I. Stegun, Handbook of Mathematical Functions, table 25.6). */
-static const double NODE[LAG_NODES] = {-1, -0.830223896278566929872, -0.468848793470714213804, 0, 0.468848793470714213804,
-                                       0.830223896278566929872, 1};
-static const double WEIGHT[LAG_NODES] = {0.0476190476190476190476, 0.276826047361565948011, 0.431745381209862623417,
-                                         0.487619047619047619048, 0.431745381209862623417, 0.276826047361565948011,
-                                         0.0476190476190476190476};
-/* Gauss-Legendre with four points: exact for the polynomial through the nodes. */
-static const double PART_NODE[2] = {0.339981043584856264803, 0.861136311594052575224};
-static const double PART_WEIGHT[2] = {0.652145154862546142627, 0.347854845137453857373};
 
 static const double FINEST = 1e-14; /* in s */
-enum { SLICES = 12, MOST_POINTS = LAG_NODES + SLICES, HALVINGS = 60 };
+enum { HALVINGS = 60 };
 
-/* ---------------------------------------------------------------- windows */
+typedef enum { AT, EXTREME, INTEGRAL, CROSSING, DWELL, ENDS, FLOW } Family;
 
-void lag_window_layout(LagWindow *window, const LagModel *model, LagArena *arena)
+static Family family(const LagReduction *what)
 {
-    window->width = (size_t)lag_run_row_width(model);
-    window->rows = lag_take(arena, LAG_NODES * window->width);
-    window->inside = lag_take(arena, window->width);
-    window->end = lag_take(arena, window->width);
-}
-
-void lag_window_init(LagWindow *window, LagRun *run)
-{
-    window->run = run;
-    for (int j = 0; j < LAG_NODES; ++j) {
-        double *k = window->basis[j];
-        memset(k, 0, sizeof window->basis[j]);
-        k[0] = 1;
-        for (int i = 0, degree = 0; i < LAG_NODES; ++i) {
-            if (i == j)
-                continue;
-            ++degree; /* times (s - s_i) / (s_j - s_i) */
-            for (int m = degree; m >= 0; --m)
-                k[m] = ((m > 0 ? k[m - 1] : 0) - NODE[i] * k[m]) / (NODE[j] - NODE[i]);
-        }
+    switch (what->kind) {
+    case LAG_REDUCE_AT: return AT;
+    case LAG_REDUCE_MIN: case LAG_REDUCE_MAX: case LAG_REDUCE_TIME_OF_MIN: case LAG_REDUCE_TIME_OF_MAX: case LAG_REDUCE_RANGE:
+    case LAG_REDUCE_OVERSHOOT: return EXTREME;
+    case LAG_REDUCE_MEAN: case LAG_REDUCE_RMS: case LAG_REDUCE_INTEGRAL: return INTEGRAL;
+    case LAG_REDUCE_FIRST_ABOVE: case LAG_REDUCE_FIRST_BELOW: case LAG_REDUCE_LAST_ABOVE: case LAG_REDUCE_LAST_BELOW:
+        return CROSSING;
+    case LAG_REDUCE_SETTLING: return ENDS;
+    case LAG_REDUCE_DAMAGE: return FLOW;
+    default: return DWELL;
     }
 }
 
-static LagStatus row_at(LagWindow *window, double t, double *row)
+static double sized(const LagReduction *what, double y) { return what->absolute ? fabs(y) : y; }
+
+static double quantity(const LagReduction *what, const double *row) { return row[what->column] - what->centre; }
+
+/* ---------------------------------------------------------------- two runs */
+
+LagReduction lag_reduce_first(const LagReduction *what)
 {
-    int done = 0;
-    return lag_run_advance(window->run, &t, 1, row, &done, 0);
+    LagReduction first = *what;
+    if (what->kind == LAG_REDUCE_PERIOD)
+        first.kind = LAG_REDUCE_MEAN;
+    return first;
 }
 
-LagStatus lag_window_open(LagWindow *window, double t)
+int lag_reduce_takes_two(const LagReduction *what)
 {
-    window->time[0] = t;
-    return row_at(window, t, window->rows);
+    return what->kind == LAG_REDUCE_PERIOD || what->kind == LAG_REDUCE_SETTLING;
 }
 
-static double *node(const LagWindow *window, int j) { return window->rows + (size_t)j * window->width; }
-
-LagStatus lag_window_step(LagWindow *window)
+LagReduction lag_reduce_second(const LagReduction *what, const LagReduced *reduced, double duration)
 {
-    int done = 0;
-    const LagStatus status = lag_run_advance_steps(window->run, 1, window->end, &done, 0);
-    window->end_time = lag_run_time(window->run);
-    return status;
-}
-
-LagStatus lag_window_fill(LagWindow *window, double t)
-{
-    const double centre = (window->time[0] + t) / 2, length = (t - window->time[0]) / 2;
-    LagStatus status = LAG_OK;
-    for (int j = 1; j < LAG_NODES && status == LAG_OK; ++j) {
-        window->time[j] = j < LAG_NODES - 1 ? centre + length * NODE[j] : t;
-        if (window->time[j] == window->end_time)
-            memcpy(node(window, j), window->end, window->width * sizeof *window->end);
-        else
-            status = row_at(window, window->time[j], node(window, j));
+    LagReduction second = *what;
+    if (what->kind == LAG_REDUCE_PERIOD) {
+        second.kind = LAG_REDUCE_PERIOD_ABOVE;
+        second.value = reduced->integral / duration;
+    } else { /* |y - end| > band */
+        second.kind = LAG_REDUCE_LAST_ABOVE;
+        second.absolute = 1;
+        second.centre = reduced->last;
+        second.value = what->value * fabs(reduced->last - reduced->first);
     }
-    return status;
+    return second;
 }
 
-void lag_window_next(LagWindow *window)
-{
-    window->time[0] = window->time[LAG_NODES - 1];
-    memcpy(window->rows, node(window, LAG_NODES - 1), window->width * sizeof *window->rows);
-}
-
-void lag_window_skip(LagWindow *window)
-{
-    window->time[0] = window->end_time;
-    memcpy(window->rows, window->end, window->width * sizeof *window->rows);
-}
-
-static double middle(const LagWindow *window) { return (window->time[0] + window->time[LAG_NODES - 1]) / 2; }
-
-static double half(const LagWindow *window) { return (window->time[LAG_NODES - 1] - window->time[0]) / 2; }
-
-/* ---------------------------------------------------------------- one quantity in one window */
-
-/* Points between which the quantity rises or falls throughout, and (where its absolute value is asked for) keeps its sign. */
-typedef struct {
-    int column, count;
-    double y[LAG_NODES];
-    double k[LAG_NODES]; /* of the polynomial, ascending */
-    double s[MOST_POINTS], value[MOST_POINTS];
-} Course;
-
-static double polynomial(const double *k, double s)
-{
-    double sum = 0;
-    for (int m = LAG_NODES - 1; m >= 0; --m)
-        sum = sum * s + k[m];
-    return sum;
-}
-
-static double slope(const double *k, double s)
-{
-    double sum = 0;
-    for (int m = LAG_NODES - 1; m >= 1; --m)
-        sum = sum * s + m * k[m];
-    return sum;
-}
-
-/* Where a function of the polynomial changes its sign between a and b. */
-static double root(double (*f)(const double *, double), const double *k, double a, double b)
-{
-    const int rises = f(k, a) < 0;
-    for (int i = 0; i < HALVINGS && b - a > 1e-12; ++i) {
-        const double s = (a + b) / 2;
-        if ((f(k, s) < 0) == rises)
-            a = s;
-        else
-            b = s;
-    }
-    return (a + b) / 2;
-}
-
-static void read_course(Course *course, const LagWindow *window, int column)
-{
-    course->column = column;
-    for (int j = 0; j < LAG_NODES; ++j)
-        course->y[j] = node(window, j)[column];
-    memset(course->k, 0, sizeof course->k);
-    for (int j = 0; j < LAG_NODES; ++j)
-        for (int m = 0; m < LAG_NODES; ++m)
-            course->k[m] += course->y[j] * window->basis[j][m];
-}
-
-/* Values more than this above the largest node would take a motion that the window is too long for. */
-static double swing(const Course *course)
-{
-    double largest = 0;
-    for (int j = 1; j < LAG_NODES; ++j)
-        largest = fmax(largest, fabs(course->y[j] - course->y[j - 1]));
-    return largest;
-}
-
-static LagStatus true_value(LagWindow *window, const Course *course, double s, double *value)
-{
-    const LagStatus status = row_at(window, middle(window) + half(window) * s, window->inside);
-    *value = window->inside[course->column];
-    return status;
-}
-
-static void add_point(Course *course, double s, double value)
-{
-    if (course->count == MOST_POINTS)
-        return;
-    int place = course->count++;
-    for (; place > 0 && course->s[place - 1] > s; --place) {
-        course->s[place] = course->s[place - 1];
-        course->value[place] = course->value[place - 1];
-    }
-    course->s[place] = s;
-    course->value[place] = value;
-}
-
-/* Nodes and turning points, and the zeros if wanted. Turning points get their true values. */
-static LagStatus trace(Course *course, LagWindow *window, int with_zeros)
-{
-    LagStatus status = LAG_OK;
-    course->count = 0;
-    for (int j = 0; j < LAG_NODES; ++j)
-        add_point(course, NODE[j], course->y[j]);
-    for (int i = 0; i < SLICES && status == LAG_OK; ++i) {
-        const double a = -1 + 2.0 * i / SLICES, b = -1 + 2.0 * (i + 1) / SLICES;
-        double value = 0;
-        if ((slope(course->k, a) < 0) != (slope(course->k, b) < 0)) {
-            const double s = root(slope, course->k, a, b);
-            status = true_value(window, course, s, &value);
-            add_point(course, s, value);
-        }
-    }
-    if (!with_zeros)
-        return status;
-    for (int i = course->count - 1; i > 0; --i)
-        if (course->value[i - 1] * course->value[i] < 0)
-            add_point(course, root(polynomial, course->k, course->s[i - 1], course->s[i]), 0);
-    return status;
-}
-
-/* ---------------------------------------------------------------- extremes, integrals, crossings */
+/* ---------------------------------------------------------------- extremes and integrals */
 
 static void note(LagReduced *reduced, double t, double y, int absolute)
 {
@@ -217,15 +74,13 @@ static void note(LagReduced *reduced, double t, double y, int absolute)
 /* Whether values as far as these could change the result. */
 static int matters(const LagReduction *what, const LagReduced *reduced, double low, double high)
 {
-    const int kind = what->kind;
-    const int wants_low = kind == LAG_REDUCE_MIN || kind == LAG_REDUCE_TIME_OF_MIN || kind == LAG_REDUCE_RANGE;
-    const int wants_high = kind == LAG_REDUCE_MAX || kind == LAG_REDUCE_TIME_OF_MAX || kind == LAG_REDUCE_RANGE;
+    const int kind = what->kind, wants_both = kind == LAG_REDUCE_RANGE || kind == LAG_REDUCE_OVERSHOOT;
+    const int wants_low = kind == LAG_REDUCE_MIN || kind == LAG_REDUCE_TIME_OF_MIN || wants_both;
+    const int wants_high = kind == LAG_REDUCE_MAX || kind == LAG_REDUCE_TIME_OF_MAX || wants_both;
     return (wants_low && !(low >= reduced->low)) || (wants_high && !(high <= reduced->high));
 }
 
-static double sized(const LagReduction *what, double y) { return what->absolute ? fabs(y) : y; }
-
-static LagStatus extremes(const LagReduction *what, LagReduced *reduced, LagWindow *window, Course *course)
+static LagStatus extremes(const LagReduction *what, LagReduced *reduced, LagWindow *window, LagCourse *course)
 {
     double low = INFINITY, high = -INFINITY;
     for (int j = 0; j < LAG_NODES; ++j) {
@@ -233,45 +88,42 @@ static LagStatus extremes(const LagReduction *what, LagReduced *reduced, LagWind
         low = fmin(low, sized(what, course->y[j]));
         high = fmax(high, sized(what, course->y[j]));
     }
-    const double reach = swing(course);
+    const double reach = lag_course_swing(course);
     if (!matters(what, reduced, low - reach, high + reach))
         return LAG_OK;
-    const LagStatus status = trace(course, window, what->absolute);
+    const LagStatus status = lag_course_trace(course, window, what->absolute);
     for (int i = 0; i < course->count && status == LAG_OK; ++i)
-        note(reduced, middle(window) + half(window) * course->s[i], course->value[i], what->absolute);
+        note(reduced, lag_window_time(window, course->s[i]), course->value[i], what->absolute);
     return status;
 }
 
-static double part_integral(const Course *course, double a, double b)
+static LagStatus integrate(const LagReduction *what, LagReduced *reduced, LagWindow *window, LagCourse *course)
 {
-    double sum = 0;
-    for (int i = 0; i < 2; ++i)
-        for (int sign = -1; sign <= 1; sign += 2)
-            sum += PART_WEIGHT[i] * polynomial(course->k, (a + b) / 2 + sign * PART_NODE[i] * (b - a) / 2);
-    return sum * (b - a) / 2;
-}
-
-static LagStatus integrate(const LagReduction *what, LagReduced *reduced, LagWindow *window, Course *course)
-{
+    const int squares = what->kind == LAG_REDUCE_RMS;
     double sum = 0;
     LagStatus status = LAG_OK;
-    if (what->kind == LAG_REDUCE_MEAN && what->absolute) {
-        status = trace(course, window, 1);
+    if (what->absolute && !squares) {
+        status = lag_course_trace(course, window, 1);
         for (int i = 1; i < course->count; ++i)
-            sum += fabs(part_integral(course, course->s[i - 1], course->s[i]));
+            sum += fabs(lag_course_integral(course, course->s[i - 1], course->s[i]));
     } else
         for (int j = 0; j < LAG_NODES; ++j)
-            sum += WEIGHT[j] * (what->kind == LAG_REDUCE_RMS ? course->y[j] * course->y[j] : course->y[j]);
-    reduced->integral += half(window) * sum;
+            sum += lag_window_weight[j] * (squares ? course->y[j] * course->y[j] : course->y[j]);
+    reduced->integral += lag_window_half(window) * sum;
     return status;
 }
+
+/* ---------------------------------------------------------------- levels */
 
 /* Above 0 while the condition holds. */
 static double excess(const LagReduction *what, double y)
 {
     const double value = sized(what, y);
-    const int is_above = what->kind == LAG_REDUCE_FIRST_ABOVE || what->kind == LAG_REDUCE_LAST_ABOVE;
-    return is_above ? value - what->value : what->value - value;
+    switch (what->kind) {
+    case LAG_REDUCE_FIRST_BELOW: case LAG_REDUCE_LAST_BELOW: case LAG_REDUCE_COUNT_BELOW: case LAG_REDUCE_DURATION_BELOW:
+    case LAG_REDUCE_PERIOD_BELOW: return what->value - value;
+    default: return value - what->value;
+    }
 }
 
 static int is_met(const LagReduction *what, double y)
@@ -282,7 +134,7 @@ static int is_met(const LagReduction *what, double y)
 
 /* The time between points i - 1 and i at which the true quantity crosses: regula falsi, in which the value at an end that
  * stays is halved (Illinois), and now and then a bisection. */
-static LagStatus crossing(const LagReduction *what, LagWindow *window, const Course *course, int i, double *time)
+static LagStatus crossing(const LagReduction *what, LagWindow *window, const LagCourse *course, int i, double *time)
 {
     double a = course->s[i - 1], b = course->s[i], fa = excess(what, course->value[i - 1]), fb = excess(what, course->value[i]);
     double s = a, last = b;
@@ -290,7 +142,7 @@ static LagStatus crossing(const LagReduction *what, LagWindow *window, const Cou
         double y = 0;
         last = s;
         s = k % 8 == 7 ? (a + b) / 2 : fmin(b, fmax(a, (fa * b - fb * a) / (fa - fb)));
-        const LagStatus status = true_value(window, course, s, &y);
+        const LagStatus status = lag_course_value(window, course, s, &y);
         if (status != LAG_OK)
             return status;
         const double f = excess(what, y);
@@ -302,52 +154,113 @@ static LagStatus crossing(const LagReduction *what, LagWindow *window, const Cou
             a = s, fa = f, side = -1;
         }
     }
-    *time = middle(window) + half(window) * s;
+    *time = lag_window_time(window, s);
     return LAG_OK;
 }
 
-static LagStatus cross(const LagReduction *what, LagReduced *reduced, LagWindow *window, Course *course)
+/* How far a window's nodes stay from the level, on which side, less what may lie between them: 0 where it may be crossed. */
+static double clearance(const LagReduction *what, const LagCourse *course)
 {
-    const int is_first = what->kind == LAG_REDUCE_FIRST_ABOVE || what->kind == LAG_REDUCE_FIRST_BELOW;
     double largest = -INFINITY, least = INFINITY;
     for (int j = 0; j < LAG_NODES; ++j) {
         largest = fmax(largest, excess(what, course->y[j]));
         least = fmin(least, excess(what, course->y[j]));
     }
-    const double reach = swing(course);
-    if (largest + reach < 0)
+    const double reach = lag_course_swing(course);
+    return largest + reach < 0 ? largest + reach : least - reach > 0 ? least - reach : 0;
+}
+
+static int is_first(const LagReduction *what)
+{
+    return what->kind == LAG_REDUCE_FIRST_ABOVE || what->kind == LAG_REDUCE_FIRST_BELOW;
+}
+
+static LagStatus cross(const LagReduction *what, LagReduced *reduced, LagWindow *window, LagCourse *course)
+{
+    const double clear = clearance(what, course);
+    if (clear < 0)
         return LAG_OK;
-    if (!is_first && least - reach > 0) {
+    if (!is_first(what) && clear > 0) {
         reduced->found = window->time[LAG_NODES - 1];
         return LAG_OK;
     }
-    LagStatus status = trace(course, window, what->absolute);
+    LagStatus status = lag_course_trace(course, window, what->absolute);
     for (int i = 0; i < course->count && status == LAG_OK && !reduced->is_known; ++i) {
         const int holds = is_met(what, course->value[i]);
         const int held = i > 0 && is_met(what, course->value[i - 1]);
-        if (holds && !is_first)
-            reduced->found = i + 1 < course->count ? middle(window) + half(window) * course->s[i] : window->time[LAG_NODES - 1];
-        if (holds && is_first && i == 0)
+        if (holds && !is_first(what))
+            reduced->found = i + 1 < course->count ? lag_window_time(window, course->s[i]) : window->time[LAG_NODES - 1];
+        if (holds && is_first(what) && i == 0)
             reduced->found = window->time[0];
-        else if (i > 0 && (is_first ? holds : held && !holds))
+        else if (i > 0 && (is_first(what) ? holds : held && !holds))
             status = crossing(what, window, course, i, &reduced->found);
-        reduced->is_known = is_first && holds;
+        reduced->is_known = is_first(what) && holds;
     }
     return status;
 }
 
+/* The condition holds, or not, from the time a to b, between which it does not change. */
+static void stay(LagReduced *reduced, int holds, double a, double b)
+{
+    reduced->stretches += holds && reduced->holds != 1;
+    if (holds && reduced->holds == 0) {
+        reduced->entered_first = reduced->entered == 0 ? a : reduced->entered_first;
+        reduced->entered_last = a;
+        reduced->entered += 1;
+    }
+    if (holds)
+        reduced->found = (isnan(reduced->found) ? 0 : reduced->found) + (b - a);
+    reduced->holds = holds;
+}
+
+static LagStatus dwell(const LagReduction *what, LagReduced *reduced, LagWindow *window, LagCourse *course)
+{
+    const double clear = clearance(what, course);
+    if (clear < 0 || clear > 0) {
+        stay(reduced, clear > 0, window->time[0], window->time[LAG_NODES - 1]);
+        return LAG_OK;
+    }
+    LagStatus status = lag_course_trace(course, window, what->absolute);
+    double last = window->time[0];
+    for (int i = 1; i < course->count && status == LAG_OK; ++i) {
+        const double t = i + 1 < course->count ? lag_window_time(window, course->s[i]) : window->time[LAG_NODES - 1];
+        const int held = is_met(what, course->value[i - 1]), holds = is_met(what, course->value[i]);
+        double middle = t;
+        if (held != holds)
+            status = crossing(what, window, course, i, &middle);
+        stay(reduced, held, last, middle);
+        if (held != holds)
+            stay(reduced, holds, middle, t);
+        last = t;
+    }
+    return status;
+}
+
+/* ---------------------------------------------------------------- turning points */
+
+static LagStatus flow_on(const LagReduction *what, LagReduced *reduced, LagWindow *window, LagCourse *course)
+{
+    const LagStatus status = lag_course_trace(course, window, what->absolute);
+    for (int i = 0; i < course->count && status == LAG_OK; ++i)
+        lag_rainflow_add(&reduced->flow, sized(what, course->value[i]));
+    return reduced->flow.has_failed ? LAG_OUT_OF_MEMORY : status;
+}
+
 /* ---------------------------------------------------------------- reductions */
 
-void lag_reduce_start(LagReduced *reduced)
+void lag_reduce_start(const LagReduction *what, LagReduced *reduced)
 {
-    const LagReduced nothing = {INFINITY, -INFINITY, NAN, NAN, 0, NAN, NAN, NAN, NAN, 0};
+    const LagRainflow flow = reduced->flow;
+    const LagReduced nothing = {.low = INFINITY, .high = -INFINITY, .time_low = NAN, .time_high = NAN, .found = NAN,
+                                .before = NAN, .latest = NAN, .rate = NAN, .first = NAN, .last = NAN, .entered_first = NAN,
+                                .entered_last = NAN, .holds = -1, .flow = flow};
     *reduced = nothing;
+    lag_rainflow_start(&reduced->flow, what->value, what->size, what->keeps_cycles);
 }
 
 void lag_reduce_row(const LagReduction *what, LagReduced *reduced, const double *row)
 {
-    const double y = row[what->column];
-    reduced->found = sized(what, y);
+    reduced->found = sized(what, quantity(what, row));
     reduced->is_known = 1;
 }
 
@@ -356,7 +269,7 @@ static double rate_in(const LagReduction *what, const double *row) { return what
 void lag_reduce_open(const LagReduction *what, LagReduced *reduced, const LagWindow *window)
 {
     reduced->before = NAN;
-    reduced->latest = window->rows[what->column];
+    reduced->latest = quantity(what, window->rows);
     reduced->rate = rate_in(what, window->rows);
 }
 
@@ -369,26 +282,51 @@ static int is_open(const LagReduction *what, const LagReduced *reduced, double y
     const int crosses_zero = what->absolute && !(reduced->latest * y > 0);
     const int is_monotonic = !crosses_zero && reduced->rate * rate > 0;
     const double reach = is_monotonic ? 0 : change + fabs(reduced->latest - reduced->before);
-    if (what->kind <= LAG_REDUCE_RANGE)
-        return !is_monotonic && (isnan(reach) || matters(what, reduced, fmin(a, b) - reach, fmax(a, b) + reach));
+    switch (family(what)) {
+    case INTEGRAL: return 1;
+    case ENDS: return 0;
+    case FLOW: return !is_monotonic;
+    case EXTREME: return !is_monotonic && (isnan(reach) || matters(what, reduced, fmin(a, b) - reach, fmax(a, b) + reach));
+    default: break;
+    }
     return !(excess(what, reduced->latest) * excess(what, y) > 0) || !(fmin(fabs(a - what->value), fabs(b - what->value)) > reach);
 }
 
-int lag_reduce_glance(const LagReduction *what, LagReduced *reduced, const LagWindow *window)
+/* What a step that is not looked into adds. */
+static void add_step(const LagReduction *what, LagReduced *reduced, double a, double b, double y)
 {
-    const double y = window->end[what->column], rate = rate_in(what, window->end);
+    const int holds = excess(what, y) > 0; /* all along, if at all */
+    switch (family(what)) {
+    case EXTREME:
+        note(reduced, a, reduced->latest, what->absolute);
+        note(reduced, b, y, what->absolute);
+        break;
+    case CROSSING:
+        if (holds)
+            reduced->found = is_first(what) ? a : b;
+        reduced->is_known = holds && is_first(what);
+        break;
+    case DWELL: stay(reduced, holds, a, b); break;
+    case FLOW:
+        lag_rainflow_add(&reduced->flow, sized(what, reduced->latest));
+        lag_rainflow_add(&reduced->flow, sized(what, y));
+        break;
+    default: break;
+    }
+    reduced->first = isnan(reduced->first) ? sized(what, reduced->latest) : reduced->first;
+    reduced->last = sized(what, y);
+}
+
+int lag_reduce_glance(const LagReduction *what, LagReduced *reduced, const LagWindow *window, int is_long)
+{
+    const double y = quantity(what, window->end), rate = rate_in(what, window->end), a = window->time[0], b = window->end_time;
     if (what->kind == LAG_REDUCE_AT || reduced->is_known)
         return 0;
-    const int is_integral = what->kind == LAG_REDUCE_MEAN || what->kind == LAG_REDUCE_RMS;
-    const int open = is_integral || is_open(what, reduced, y, rate);
-    if (!open && what->kind <= LAG_REDUCE_RANGE) {
-        note(reduced, window->time[0], reduced->latest, what->absolute);
-        note(reduced, window->end_time, y, what->absolute);
-    } else if (!open && excess(what, y) > 0) { /* all along */
-        const int is_first = what->kind == LAG_REDUCE_FIRST_ABOVE || what->kind == LAG_REDUCE_FIRST_BELOW;
-        reduced->found = is_first ? window->time[0] : window->end_time;
-        reduced->is_known = is_first;
-    }
+    const int is_cut = (a < what->from && what->from < b) || (a < what->to && what->to < b);
+    const int is_inside = what->from <= a && b <= what->to;
+    const int open = is_cut || (is_inside && (is_long || is_open(what, reduced, y, rate)));
+    if (!open && is_inside)
+        add_step(what, reduced, a, b, y);
     reduced->before = reduced->latest;
     reduced->latest = y;
     reduced->rate = rate;
@@ -397,27 +335,48 @@ int lag_reduce_glance(const LagReduction *what, LagReduced *reduced, const LagWi
 
 LagStatus lag_reduce_window(const LagReduction *what, LagReduced *reduced, LagWindow *window)
 {
-    if (what->kind == LAG_REDUCE_AT || reduced->is_known)
+    const double middle = lag_window_time(window, 0);
+    if (what->kind == LAG_REDUCE_AT || reduced->is_known || middle < what->from || middle > what->to)
         return LAG_OK;
-    Course course;
-    read_course(&course, window, what->column);
-    if (what->kind <= LAG_REDUCE_RANGE)
-        return extremes(what, reduced, window, &course);
-    if (what->kind <= LAG_REDUCE_RMS)
-        return integrate(what, reduced, window, &course);
-    return cross(what, reduced, window, &course);
+    LagCourse course;
+    lag_course_read(&course, window, what->column, what->centre);
+    reduced->first = isnan(reduced->first) ? sized(what, course.y[0]) : reduced->first;
+    reduced->last = sized(what, course.y[LAG_NODES - 1]);
+    switch (family(what)) {
+    case EXTREME: return extremes(what, reduced, window, &course);
+    case INTEGRAL: return integrate(what, reduced, window, &course);
+    case CROSSING: return cross(what, reduced, window, &course);
+    case DWELL: return dwell(what, reduced, window, &course);
+    case FLOW: return flow_on(what, reduced, window, &course);
+    default: return LAG_OK;
+    }
 }
 
-double lag_reduce_result(const LagReduction *what, const LagReduced *reduced, double duration)
+static double overshoot(const LagReduced *reduced)
 {
-    switch (what->kind) {
+    const double way = reduced->last - reduced->first;
+    return way > 0 ? (reduced->high - reduced->last) / way : way < 0 ? (reduced->low - reduced->last) / way : NAN;
+}
+
+double lag_reduce_result(const LagReduction *what, const LagReduction *taken, LagReduced *reduced, double start, double duration)
+{
+    if (what->kind == LAG_REDUCE_SETTLING)
+        return !(taken->value > 0) ? NAN : isnan(reduced->found) ? 0 : reduced->found - start;
+    switch (taken->kind) {
     case LAG_REDUCE_MIN: return isfinite(reduced->low) ? reduced->low : NAN;
     case LAG_REDUCE_MAX: return isfinite(reduced->high) ? reduced->high : NAN;
     case LAG_REDUCE_TIME_OF_MIN: return reduced->time_low;
     case LAG_REDUCE_TIME_OF_MAX: return reduced->time_high;
     case LAG_REDUCE_RANGE: return isfinite(reduced->high) ? reduced->high - reduced->low : NAN;
+    case LAG_REDUCE_OVERSHOOT: return overshoot(reduced);
     case LAG_REDUCE_MEAN: return reduced->integral / duration;
     case LAG_REDUCE_RMS: return sqrt(reduced->integral / duration);
+    case LAG_REDUCE_INTEGRAL: return reduced->integral;
+    case LAG_REDUCE_COUNT_ABOVE: case LAG_REDUCE_COUNT_BELOW: return reduced->stretches;
+    case LAG_REDUCE_DURATION_ABOVE: case LAG_REDUCE_DURATION_BELOW: return isnan(reduced->found) ? 0 : reduced->found;
+    case LAG_REDUCE_PERIOD_ABOVE: case LAG_REDUCE_PERIOD_BELOW:
+        return reduced->entered > 1 ? (reduced->entered_last - reduced->entered_first) / (reduced->entered - 1) : NAN;
+    case LAG_REDUCE_DAMAGE: lag_rainflow_end(&reduced->flow); return reduced->flow.damage;
     default: return reduced->found;
     }
 }

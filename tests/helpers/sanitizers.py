@@ -1,5 +1,6 @@
 """C programs of the run time under the sanitizers of gcc and clang."""
 
+import hashlib
 import os
 import subprocess
 import sys
@@ -32,7 +33,8 @@ def run_sanitized(folder: Path, files: Mapping[str, str]) -> None:
 def _runtime_objects(command: Sequence[str]) -> list[Path]:
     """Those of the run time; the first to ask builds them, for all tests and processes of this run."""
     base = Path(os.environ["LAGRANGIA_CACHE"]).parent  # a folder of this run's own: conftest.own_cache
-    kept = base / "sanitized"
+    files = sorted(data_folder("runtime").rglob("*.[ch]"))
+    kept = base / f"sanitized-{hashlib.sha256(b''.join(file.read_bytes() for file in files)).hexdigest()[:16]}"
     if not kept.exists():
         made = Path(tempfile.mkdtemp(dir=base))
         _compile(command, made, ["-c", *map(str, sources(data_folder("runtime")))])

@@ -404,14 +404,19 @@ static int rhs(const double *const *in, double *const *out, double *work)
 static const int kind[] = {1}, fixed[] = {0, 0};
 static const LagModel model = {.n = 1, .n_parameters = 1, .n_hoisted = 1, .coordinate_kind = kind, .fixed = fixed,
     .parameters = {.code = parameters}, .hoist = {.code = hoist}, .start = {.code = start}, .rhs = {.code = rhs}};
-static const LagReduction reductions[] = {{LAG_REDUCE_AT, 1, 2, 0, 3}, {LAG_REDUCE_MAX, 1, 2, 1, 0},
-    {LAG_REDUCE_MEAN, 1, 2, 1, 0},
-    {LAG_REDUCE_FIRST_BELOW, 1, -1, 0, 0}, {LAG_REDUCE_LAST_ABOVE, 2, -1, 1, 0.5}, {LAG_REDUCE_AT, 2, -1, 0, 1}};
+#define TAKEN(what, of, its_rate, size_alone, number, begin, end) {.kind = LAG_REDUCE_##what, .column = of, .rate = its_rate, \\
+    .absolute = size_alone, .value = number, .size = 1, .from = begin, .to = end, .keeps_cycles = 1}
+#define WHOLE -INFINITY, INFINITY
+static const LagReduction reductions[] = {TAKEN(AT, 1, 2, 0, 3, WHOLE), TAKEN(MAX, 1, 2, 1, 0, WHOLE),
+    TAKEN(MEAN, 1, 2, 1, 0, WHOLE), TAKEN(FIRST_BELOW, 1, -1, 0, 0, WHOLE), TAKEN(LAST_ABOVE, 2, -1, 1, 0.5, WHOLE),
+    TAKEN(AT, 2, -1, 0, 1, WHOLE), TAKEN(DAMAGE, 1, 2, 0, 3, WHOLE), TAKEN(SETTLING, 1, 2, 0, 0.5, 1, 2),
+    TAKEN(PERIOD, 1, 2, 0, 0, 0.1, INFINITY), TAKEN(DURATION_BELOW, 1, -1, 1, 0.5, -INFINITY, 2.3)};
+enum { KEPT = sizeof reductions / sizeof *reductions };
 static LagBatch *batch_of(LagRun *run, int n_varied)
 {
     static const int varied[] = {0, 1};
     static const double one[] = {1}, none[] = {0}, free_start[] = {NAN, NAN}, least[] = {0}, most[] = {1000};
-    const LagSweep sweep = {.t_stop = 3, .window = 0.3, .n_reductions = 6, .reductions = reductions, .n_varied = n_varied,
+    const LagSweep sweep = {.t_stop = 3, .window = 0.3, .n_reductions = KEPT, .reductions = reductions, .n_varied = n_varied,
         .varied = varied, .given = one, .mask = none, .start = free_start, .least = least, .most = most};
     return lag_batch_new(&model, run, &sweep);
 }
@@ -419,7 +424,7 @@ int main(void)
 {
     const LagSettings settings = {.t_stop = 3, .tolerance = 1e-9};
     const double values[] = {1, 1, 4, 0.5, -1, 1, 400, 1, 9, 2};
-    double results[5 * 6], again[2 * 6];
+    double results[5 * KEPT], again[2 * KEPT];
     LagOutcome outcomes[5];
     const volatile int32_t go = 0, stop = 1;
     LagRun *run = lag_run_new(&model, &settings), *other = lag_run_new(&model, &settings);
@@ -434,10 +439,13 @@ int main(void)
     for (int i = 0; i < 3; ++i)
         if (outcomes[i].kind != kinds[i])
             return 3;
-    if (fabs(results[0] - cos(3)) > 1e-8 || fabs(results[6 + 3] - acos(0)/2) > 1e-8)
+    if (fabs(results[0] - cos(3)) > 1e-8 || fabs(results[KEPT + 3] - acos(0)/2) > 1e-8)
         return 4;
-    if (!isnan(results[12]) || again[0] != again[6] || isnan(again[0]))
+    if (!isnan(results[2 * KEPT]) || again[0] != again[KEPT] || isnan(again[0]))
         return 5;
+    int64_t cycles = 0;
+    if (fabs(results[6] - 0.5*pow(1 - cos(3), 3)) > 1e-7 || !lag_batch_cycles(none, 6, &cycles) || cycles != 1)
+        return 6;
     lag_batch_free(two), lag_batch_free(none);
     lag_run_free(run), lag_run_free(other);
     return 0;

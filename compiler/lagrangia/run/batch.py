@@ -31,12 +31,23 @@ class Kind(IntEnum):
     TIME_OF_MIN = 3
     TIME_OF_MAX = 4
     RANGE = 5
-    MEAN = 6
-    RMS = 7
-    FIRST_ABOVE = 8
-    FIRST_BELOW = 9
-    LAST_ABOVE = 10
-    LAST_BELOW = 11
+    OVERSHOOT = 6
+    MEAN = 7
+    RMS = 8
+    INTEGRAL = 9
+    FIRST_ABOVE = 10
+    FIRST_BELOW = 11
+    LAST_ABOVE = 12
+    LAST_BELOW = 13
+    COUNT_ABOVE = 14
+    COUNT_BELOW = 15
+    DURATION_ABOVE = 16
+    DURATION_BELOW = 17
+    PERIOD_ABOVE = 18
+    PERIOD_BELOW = 19
+    PERIOD = 20
+    SETTLING = 21
+    DAMAGE = 22
 
 
 class Ending(IntEnum):
@@ -52,9 +63,10 @@ class Ending(IntEnum):
 
 @dataclass(frozen=True)
 class Reduction:
-    """One number of a motion: what of which column of a row, its absolute value or not; `value` is a time or a level.
+    """One number of a motion: what of which column of a row, its absolute value or not, between the times `start` and `end`.
 
-    `rate` is the column of its rate, where there is one: then most steps need no closer look.
+    `value` is a time, a level, a share or an exponent, see reduce.h. `rate` is the column of the quantity's rate, where there is
+    one: then most steps need no closer look.
     """
 
     kind: Kind
@@ -63,6 +75,10 @@ class Reduction:
     value: float = 0.0
     rate: int = -1
     or_equal: bool = False  # of a level that is crossed: the condition holds at the level too
+    start: float = -math.inf  # s
+    end: float = math.inf
+    size: float = 1.0  # by which ranges of cycles are divided
+    keeps_cycles: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,7 +102,12 @@ class Sweep:
 
 class _Reduction(c.Structure):
     _fields_ = (("kind", c.c_int32), ("column", c.c_int32), ("rate", c.c_int32), ("absolute", c.c_int32), ("value", c.c_double),
-                ("or_equal", c.c_int32))
+                ("size", c.c_double), ("centre", c.c_double), ("from", c.c_double), ("to", c.c_double),
+                ("or_equal", c.c_int32), ("keeps_cycles", c.c_int32))
+
+
+class _Cycle(c.Structure):
+    _fields_ = (("range", c.c_double), ("mean", c.c_double), ("count", c.c_double))
 
 
 class _Sweep(c.Structure):
@@ -105,7 +126,8 @@ OUTCOME = [
     ("time", "<f8"), ("value", "<f8"), ("steps", "<i8"), ("energy", "<f8"),
 ]  # fmt: skip
 MIRRORS: Mapping[str, Mirrored] = {
-    "LagReduction": _Reduction, "LagSweep": _Sweep, "LagOutcome": OUTCOME, "LAG_REDUCE": Kind, "LAG_RUN": Ending,
+    "LagReduction": _Reduction, "LagSweep": _Sweep, "LagOutcome": OUTCOME, "LagCycle": _Cycle, "LAG_REDUCE": Kind,
+    "LAG_RUN": Ending,
 }  # fmt: skip
 
 
@@ -120,7 +142,8 @@ class Batch:
         if sweep.input_values:
             self._run.set_inputs(sweep.input_times, sweep.input_values)
         reductions = (_Reduction * self.n_reductions)(
-            *(_Reduction(int(r.kind), r.column, r.rate, int(r.absolute), r.value, int(r.or_equal)) for r in sweep.reductions))
+            *(_Reduction(int(r.kind), r.column, r.rate, int(r.absolute), r.value, r.size, 0.0, r.start, r.end, int(r.or_equal),
+                         int(r.keeps_cycles)) for r in sweep.reductions))
         vectors = ((c.c_double * len(v))(*v) for v in (sweep.given, sweep.mask, sweep.start, sweep.least, sweep.most))
         struct = _Sweep(sweep.settings.t_start, sweep.settings.t_stop, sweep.window or math.inf, sweep.seconds,
                         self.n_reductions, reductions, self.n_varied, (c.c_int * self.n_varied)(*sweep.varied), *vectors,
@@ -135,6 +158,8 @@ class Batch:
         check_mirrors(library, MIRRORS)
         library.lag_batch_new.restype, library.lag_batch_new.argtypes = c.c_void_p, (c.c_void_p, c.c_void_p, c.POINTER(_Sweep))
         library.lag_batch_free.restype, library.lag_batch_free.argtypes = None, (c.c_void_p,)
+        library.lag_batch_cycles.restype = c.POINTER(_Cycle)
+        library.lag_batch_cycles.argtypes = (c.c_void_p, c.c_int, c.POINTER(c.c_int64))
         library.lag_batch_advance.restype = c.c_int64
         library.lag_batch_advance.argtypes = (c.c_void_p, c.c_int64, c.c_void_p, c.c_void_p, c.c_void_p, c.POINTER(c.c_int32))
 
@@ -165,3 +190,13 @@ class Batch:
         done = self._library.lag_batch_advance(self._batch, runs, values.ctypes.data, results.ctypes.data, outcomes.ctypes.data,
                                                c.byref(stop if stop is not None else c.c_int32(0)))
         return results[:done], outcomes[:done]
+
+    def cycles(self, reduction: int) -> "np.ndarray":
+        """Of the latest run, by a reduction that keeps them: (cycles, 3), range, mean and count (1 or 1/2) of each."""
+        import numpy as np
+
+        count = c.c_int64(0)
+        place = self._library.lag_batch_cycles(self._batch, reduction, c.byref(count))
+        if not count.value:
+            return np.empty((0, 3))
+        return np.array(np.ctypeslib.as_array(c.cast(place, _DOUBLES), (count.value, 3)))

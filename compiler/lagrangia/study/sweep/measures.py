@@ -1,8 +1,10 @@
-"""What is kept of each run: `max(y)`, `at(0.5, y)`, `first_time(abs(y) > 3)` -> numbers of a motion as reduce.h takes them."""
+"""What is kept of each run: `max(y, from=2)`, `at(0.5, y)`, `count(abs(y) > 3)` -> numbers of a motion as reduce.h takes them."""
 
 import math
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import NoReturn
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
@@ -13,23 +15,29 @@ from lagrangia.run.request import Experiment
 from lagrangia.run.scene import Scene
 
 _PLAIN = {
-    "min": Kind.MIN, "max": Kind.MAX, "range": Kind.RANGE, "mean": Kind.MEAN, "rms": Kind.RMS,
-    "time_of_min": Kind.TIME_OF_MIN, "time_of_max": Kind.TIME_OF_MAX,
+    "min": Kind.MIN, "max": Kind.MAX, "range": Kind.RANGE, "mean": Kind.MEAN, "rms": Kind.RMS, "integral": Kind.INTEGRAL,
+    "time_of_min": Kind.TIME_OF_MIN, "time_of_max": Kind.TIME_OF_MAX, "overshoot": Kind.OVERSHOOT,
 }  # fmt: skip
-_CROSSINGS = {
-    ("first_time", ">"): Kind.FIRST_ABOVE, ("first_time", "<"): Kind.FIRST_BELOW,
-    ("last_time", ">"): Kind.LAST_ABOVE, ("last_time", "<"): Kind.LAST_BELOW,
+_CONDITIONS = {
+    "first_time": (Kind.FIRST_ABOVE, Kind.FIRST_BELOW), "last_time": (Kind.LAST_ABOVE, Kind.LAST_BELOW),
+    "count": (Kind.COUNT_ABOVE, Kind.COUNT_BELOW), "duration": (Kind.DURATION_ABOVE, Kind.DURATION_BELOW),
+    "period": (Kind.PERIOD_ABOVE, Kind.PERIOD_BELOW),
 }  # fmt: skip
-MEASURES = ("final", "initial", "at", *_PLAIN, "first_time", "last_time")
-_TIMES = {"time_of_min", "time_of_max", "first_time", "last_time"}
+_ENDS = ("final", "initial", "at")  # of one time: nothing to be taken over a window
+MEASURES = (*_ENDS, *_PLAIN, *_CONDITIONS, "settling_time", "damage")
+_BAND = "0.02"  # of settling_time, where none is given
+_TIMES = {"time_of_min", "time_of_max", "first_time", "last_time", "duration", "period", "settling_time"}
+_BARE = {"count", "overshoot", "damage"}  # numbers without a unit
 _ENERGIES = {"energy.kinetic": 0, "energy.potential": 1, "energy.dissipated": 3}  # places behind the outputs of a row
 _CALL = re.compile(r"(\w+)\((.*)\)", re.DOTALL)
 _CONDITION = re.compile(r"(.*?)\s*([<>]=?)\s*([^<>=]*)", re.DOTALL)
+_OPTION = re.compile(r"(\w+)\s*=(?!=)\s*(.*)", re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Measure:
-    """A number of a motion: `kind` of `quantity` (of its absolute value or not). `value` is a time or a level, as text."""
+    """A number of a motion: `kind` of `quantity` (of its absolute value or not). All other is text: `value` is a time, a level,
+    a share or an exponent, `size` the range by which those of cycles are divided, `start` and `end` the times it is taken over."""
 
     text: str
     kind: str
@@ -37,6 +45,9 @@ class Measure:
     absolute: bool = False
     relation: str = ""
     value: str = ""
+    size: str = ""
+    start: str = ""
+    end: str = ""
 
 
 def split_list(text: str) -> list[str]:
@@ -78,25 +89,64 @@ def read_measure(text: str) -> Measure:
     match = _CALL.fullmatch(text)
     if match is None or match[1] == "der":
         return Measure(f"final({text})", "final", text)
-    kind, inner = match[1], match[2].strip()
+    kind, (inner, *arguments), options = match[1], *_arguments(text, match[2])
     if kind not in MEASURES:
-        fail("L0711", f"there is no measure '{kind}' in {text}", None, *filter(None, [suggest(kind, MEASURES)]),
-             f"a measure is one of {', '.join(MEASURES)}: max(y), at(0.5, y), first_time(y > 3)")
-    value = relation = ""
+        _refuse_kind(kind, text)
+    if kind in _ENDS and options:
+        fail("L0711", f"'{text}' is of one time: it is not taken over a window")
+    quantity, relation, value, *more = _given(text, kind, inner, arguments)
+    return _of_quantity(Measure(text, kind, quantity, False, relation, value, *more, **options))
+
+
+def _arguments(text: str, inside: str) -> tuple[list[str], dict[str, str]]:
+    """What stands between the parentheses of a measure: its arguments, one at least, and the window."""
+    arguments, options = [], {}
+    for part in cut_list(inside):
+        match = _OPTION.fullmatch(part)
+        if match is None or any(c in part.partition("=")[0] for c in "<>"):
+            arguments.append(part)
+            continue
+        name = {"from": "start", "to": "end"}.get(match[1])
+        if name is None:
+            fail("L0711", f"'{text}': there is no option '{match[1]}'", None, "a window is given as in max(y, from=2, to=5)")
+        if name in options:
+            fail("L0711", f"'{text}': '{match[1]}' is given twice")
+        options[name] = match[2]
+    return arguments or [""], options
+
+
+def _refuse_kind(kind: str, text: str) -> NoReturn:
+    if kind == "rainflow":
+        fail("L0711", f"'{text}' is a table, not a number", None,
+             "damage(y, slope) is a number of its cycles; in Python, model.rainflow('y') gives them all")
+    fail("L0711", f"there is no measure '{kind}' in {text}", None, *filter(None, [suggest(kind, MEASURES)]),
+         f"a measure is one of {', '.join(MEASURES)}: max(y), at(0.5, y), first_time(y > 3)")
+
+
+def _given(text: str, kind: str, inner: str, arguments: list[str]) -> tuple[str, ...]:
+    """Quantity, relation, value and size. Raises LagError L0711."""
     if kind == "at":
-        parts = split_list(inner)
-        if len(parts) != 2:
+        if len(arguments) != 1:
             fail("L0711", f"'{text}' needs a time and a quantity: at(0.5, y)")
-        value, inner = parts
-    elif kind in ("first_time", "last_time"):
-        condition = _CONDITION.fullmatch(inner)
-        if condition is None:
-            fail("L0711", f"'{text}' needs a condition: {kind}(y > 3) or {kind}(abs(y) < 0.01)")
-        inner, relation, value = condition[1], condition[2], condition[3].strip()
-    return _of_quantity(text, kind, inner, relation, value)
+        return arguments[0], "", inner
+    if kind == "settling_time" and len(arguments) <= 1:
+        return inner, "", *(arguments or [_BAND])
+    if kind == "damage":
+        if not 1 <= len(arguments) <= 2:
+            fail("L0711", f"'{text}' needs a quantity and the slope of its fatigue line: damage(y, 5) or damage(y, 5, 100[N])")
+        return inner, "", *arguments
+    if arguments:
+        fail("L0711", f"'{text}': '{arguments[0]}' has no meaning there", None, "a window is given as in max(y, from=2, to=5)")
+    if kind not in _CONDITIONS:
+        return inner, "", ""
+    condition = _CONDITION.fullmatch(inner)
+    if condition is None and kind != "period":
+        fail("L0711", f"'{text}' needs a condition: {kind}(y > 3) or {kind}(abs(y) < 0.01)")
+    return (inner, "", "") if condition is None else (condition[1], condition[2], condition[3].strip())
 
 
-def _of_quantity(text: str, kind: str, inner: str, relation: str, value: str) -> Measure:
+def _of_quantity(measure: Measure) -> Measure:
+    text, inner = measure.text, measure.quantity
     match = _CALL.fullmatch(inner)
     absolute = match is not None and match[1] == "abs"
     name = match[2].strip() if match is not None and absolute else inner.strip()
@@ -104,7 +154,9 @@ def _of_quantity(text: str, kind: str, inner: str, relation: str, value: str) ->
     if not name or (call is not None and call[1] != "der") or re.search(r"[<>=+*/ ]|,(?![^\[]*\])", name):
         fail("L0711", f"'{text}': '{name}' is not the name of a quantity", None,
              "a quantity is a coordinate, der(coordinate), an output, or a place such as bar.b.y; a formula needs an output")
-    return Measure(text, kind, name, absolute, relation, value)
+    if absolute and measure.kind == "settling_time":
+        fail("L0711", f"not supported yet: '{text}', of an absolute value", None, "declare the value as an output")
+    return replace(measure, quantity=name, absolute=absolute)
 
 
 def usual_measures(scene: Scene) -> list[Measure]:
@@ -119,9 +171,10 @@ def quantities(measures: Sequence[Measure]) -> tuple[str, ...]:
 
 def unit_of(scene: Scene, measure: Measure) -> str:
     """The unit of the measure's result."""
-    if measure.kind in _TIMES:
-        return "s"
-    return _unit(scene, measure.quantity)
+    if measure.kind in _TIMES or measure.kind in _BARE:
+        return "s" if measure.kind in _TIMES else ""
+    unit = _unit(scene, measure.quantity)
+    return unit if measure.kind != "integral" else f"{unit}.s" if unit and "/" not in unit else f"s.{unit}" if unit else "s"
 
 
 def reductions(scene: Scene, measures: Sequence[Measure], experiment: Experiment) -> tuple[Reduction, ...]:
@@ -130,20 +183,41 @@ def reductions(scene: Scene, measures: Sequence[Measure], experiment: Experiment
 
 
 def _reduction(scene: Scene, measure: Measure, experiment: Experiment) -> Reduction:
-    column = _column(scene, measure)
+    column, kind = _column(scene, measure), measure.kind
+    if kind in _ENDS:
+        when = {"final": experiment.stop, "initial": experiment.start}.get(kind)
+        if when is None:
+            when = _time(measure, measure.value, experiment)
+        return Reduction(Kind.AT, column, measure.absolute, when)
+    start = _time(measure, measure.start, experiment) if measure.start else -math.inf
+    end = _time(measure, measure.end, experiment) if measure.end else math.inf
+    if max(start, experiment.start) >= min(end, experiment.stop):
+        fail("L0711", f"'{measure.text}': the window is empty")
     rate = column + scene.n if 1 <= column <= scene.n else -1
-    if measure.kind in _PLAIN:
-        return Reduction(_PLAIN[measure.kind], column, measure.absolute, rate=rate)
+    taken = Reduction(_PLAIN.get(kind, Kind.PERIOD), column, measure.absolute, rate=rate, start=start, end=end)
+    unit = _unit(scene, measure.quantity)
     if measure.relation:
-        level = _value(measure, _unit(scene, measure.quantity))
-        kind = _CROSSINGS[measure.kind, measure.relation[0]]
-        return Reduction(kind, column, measure.absolute, level, rate, or_equal=measure.relation.endswith("="))
-    when = {"final": experiment.stop, "initial": experiment.start}.get(measure.kind)
-    if when is None:
-        when = _value(measure, "s")
-        if not experiment.start <= when <= experiment.stop:
-            fail("L0711", f"'{measure.text}': the time must lie between {experiment.start:g} and {experiment.stop:g}")
-    return Reduction(Kind.AT, column, measure.absolute, when)
+        taken = replace(taken, kind=_CONDITIONS[kind][measure.relation[0] == "<"], value=_value(measure, measure.value, unit),
+                        or_equal=measure.relation.endswith("="))
+    elif kind == "settling_time":
+        taken = replace(taken, kind=Kind.SETTLING, value=_positive(measure, measure.value))
+    elif kind == "damage":
+        size = _positive(measure, measure.size, unit) if measure.size else 1.0
+        taken = replace(taken, kind=Kind.DAMAGE, value=_positive(measure, measure.value), size=size)
+    return taken
+
+
+def _time(measure: Measure, text: str, experiment: Experiment) -> float:
+    when = _value(measure, text, "s")
+    if not experiment.start <= when <= experiment.stop:
+        fail("L0711", f"'{measure.text}': the time must lie between {experiment.start:g} and {experiment.stop:g}")
+    return when
+
+
+def _positive(measure: Measure, text: str, unit: str = "") -> float:
+    if (value := _value(measure, text, unit)) <= 0:
+        fail("L0711", f"'{measure.text}': a positive number is needed, not {text}")
+    return value
 
 
 def _column(scene: Scene, measure: Measure) -> int:
@@ -174,9 +248,9 @@ def _unit(scene: Scene, name: str) -> str:
     return next((c.unit for c in scene.outputs if c.name == name), "J" if name in _ENERGIES else "")
 
 
-def _value(measure: Measure, unit: str) -> float:
+def _value(measure: Measure, text: str, unit: str) -> float:
     try:
-        value = read_value(measure.value, unit)
+        value = read_value(text, unit)
     except ValueError as error:
         fail("L0711", f"'{measure.text}': {error}")
     if isinstance(value, list) or not math.isfinite(value):
