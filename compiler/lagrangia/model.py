@@ -246,31 +246,23 @@ class Model:
         is looked at every `interval` (s) at least. A run that fails is told in `.failures`, and no error. With a `path` (.csv,
         .parquet) the table is written there, and a sweep that was killed goes on from `path`.part. Raises LagError, Interrupted.
         """
-        from lagrangia.study.sweep.measures import quantities, read_measures
         from lagrangia.study.sweep.plan import Design
-        from lagrangia.study.sweep.run import require_place, run_into
+        from lagrangia.study.sweep.run import run_many
 
-        if path is not None:
-            require_place(path, [self.path, *([] if runs is None else [runs])])
-        model = self.reporting(quantities(measures := read_measures(outputs)))
         request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
         design = Design(None if runs is None else Path(runs), samples, seed, sampling, together, seconds_per_run)
-        model, job = model.prepared_for(measures, request, design)
-        sweep = run_into(job, model, path, restart=restart, jobs=jobs, dask=dask)
-        if sweep.interrupted:
-            raise Interrupted.with_result(sweep, f"after {sweep.ledger.entered} of {sweep.runs} runs")
-        return sweep
+        return run_many(self, outputs, request, design, path, restart=restart, jobs=jobs, dask=dask)
 
     def measure(self, measures: str | Sequence[str], **asked: Any) -> dict[str, float]:
-        """Numbers of one run that is `asked` for as of `simulate`, each exact between its rows: measure("max(y, from=2), rms(y)").
-        NaN: there is none. Raises LagError, RunError, Interrupted. See `lag help sweep`."""
-        from lagrangia.study.measuring import take_measures
+        """Numbers of one run that is `asked` for as of `simulate`, exact between its rows: measure("max(y, from=2), rms(y)"). NaN
+        where there is none. Raises LagError, RunError, Interrupted. See `lag help sweep`."""
+        from lagrangia.study.measuring import prepare_measures
 
-        sweep = take_measures(self, measures, Request(**asked))
+        sweep = prepare_measures(self, measures, Request(**asked))()
         return {measure.text: float(sweep[measure.text][0]) for measure in sweep.job.measures}
 
     def rainflow(self, quantity: str, **asked: Any) -> "np.ndarray":
-        """Cycles of a quantity, "y" or "y, from=2", by ASTM E1049: (cycles, 3) of range, mean and count (1 or 1/2), in SI units."""
+        """Cycles of a quantity, "y" or "y, from=2", by ASTM E1049: (cycles, 3) of range, mean (SI units) and count, 1 or 1/2."""
         from lagrangia.study.measuring import take_cycles
 
         return take_cycles(self, quantity, Request(**asked))
@@ -339,7 +331,7 @@ class Model:
     def _observe(self, parameters: "np.ndarray", values: Values, name: str, rows: "np.ndarray") -> "np.ndarray":
         from lagrangia.study.observing import observe
 
-        return observe(self, parameters, values, name, rows)
+        return observe(self.scene, self.compilation, parameters, values, name, rows)
 
     def sight(self, values: Values) -> Sight:
         """What pictures of a run with these values ask of the model."""

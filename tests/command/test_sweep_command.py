@@ -333,3 +333,21 @@ def test_python_values_that_are_none(tmp_path: Path) -> None:
     for values in ([], ["a"], [1, float("nan")], [[1, 2]], {"x": 1}):
         with pytest.raises(lag.LagError):
             model.simulate_many(parameters={"L": values})
+
+
+def test_a_simulation_tells_measures_of_its_run(capsys: pytest.CaptureFixture[str]) -> None:
+    """They are those of the motion, which the rows agree with."""
+    asked = "max(abs(tilt.phi), from=1, to=2), bar.a.y, count(tilt.phi > 0)"
+    scene = str(EXAMPLES / "suspended_bar.lag")
+    assert main(["simulate", scene, "--outputs", asked, "--stop", "3", "-o", "a.csv"]) == 0
+    said = capsys.readouterr().out
+    found = dict(line.strip().split(" = ") for line in said.splitlines() if line.startswith(("  max(", "  count(")))
+    names, rows = table("a.csv")
+    columns = dict(zip(names, np.array(rows, float).T, strict=True))
+    phi, times = columns["tilt.phi"], columns["time"]
+    shown = np.abs(phi[(times >= 1) & (times <= 2)]).max()
+    assert float(found["max(abs(tilt.phi), from=1, to=2)"].removesuffix(" rad")) == pytest.approx(shown, rel=1e-2)
+    assert float(found["count(tilt.phi > 0)"]) == (np.diff((phi > 0).astype(int), prepend=0) > 0).sum()
+    assert "bar.a.y" in columns
+    assert main(["simulate", scene, "--outputs", "maxx(bar.a.y)"]) == 2
+    assert "no measure 'maxx'" in capsys.readouterr().err

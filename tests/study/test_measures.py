@@ -147,7 +147,8 @@ def test_many_runs_are_measured_as_one_is(scene: Scene) -> None:
     ("max(block.s, since=3)", "there is no option 'since'"), ("max(block.s, from=1, from=2)", "'from' is given twice"),
     ("final(block.s, from=3)", "of one time"), ("max(block.s, 3)", "'3' has no meaning there"),
     ("count(block.s)", "needs a condition"),
-    ("settling_time(block.s, -1)", "a positive number is needed"), ("damage(block.s)", "slope"), ("rainflow(block.s)", "is a table"),
+    ("settling_time(block.s, -1)", "a positive number is needed"), ("damage(block.s)", "slope"),
+    ("rainflow(block.s)", "is a table"),
     ("settling_time(abs(block.s))", "not supported yet"), ("maximum(block.s)", "there is no measure 'maximum'"),
     ("", "no measure is asked"), ("max()", "not the name of a quantity"), ("max(block.s, from=1[m])", "but s is wanted"),
 ])

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from lagrangia.base.cutting import split_list
 from lagrangia.base.diagnostics import WARNINGS, fail
 from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.base.tables import read_table
@@ -102,8 +103,8 @@ def _structural_value(text: str) -> Any:
 
 
 def split_names(text: str | None) -> tuple[str, ...]:
-    """Names between commas; a comma in brackets belongs to its name, x[1,2]."""
-    return tuple(name.strip() for name in re.split(r",(?![^\[]*\])", text or "") if name.strip())
+    """Names between commas; a comma in brackets or parentheses belongs to its name, x[1,2]. Raises LagError L0711."""
+    return tuple(split_list(text or ""))
 
 
 def assignment(text: str, option: str) -> tuple[str, str]:

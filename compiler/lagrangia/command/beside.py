@@ -6,11 +6,12 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lagrangia.base.cutting import cut_list
 from lagrangia.base.diagnostics import fail
 from lagrangia.command.arguments import assignment, values_with_units
 from lagrangia.model import Model
 from lagrangia.run.request import Request, check_values
-from lagrangia.study.sweep.measures import cut_list, read_measure
+from lagrangia.study.sweep.measures import read_measure
 from lagrangia.study.sweep.values import Distribution, is_single, read_cell, read_runs, read_variation
 
 if TYPE_CHECKING:

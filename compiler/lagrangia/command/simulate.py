@@ -1,5 +1,6 @@
 """`lag simulate`: rows as they come, a picture, and what is said of the run."""
 
+import re
 import sys
 import time
 from argparse import Namespace
@@ -43,7 +44,9 @@ def simulate_command(options: Namespace) -> int:
         fail("L0706", "--kind belongs to FMUs", None, f"'{options.file}' is none: its name would end in .fmu")
     target = prepare_target(options)
     begin = time.perf_counter()
-    outputs = names_once(options.outputs, "--outputs") + ((ALL_REACTIONS,) if options.reactions else ())
+    named = names_once(options.outputs, "--outputs")
+    measured = [name for name in named if re.match(r"(?!der\b)\w+\(", name)]  # max(y), but not der(y)
+    outputs = tuple(name for name in named if name not in measured) + ((ALL_REACTIONS,) if options.reactions else ())
     given = assignments(options.parameter, "-p")
     model = _load(options, given, outputs)
     if tells_reactions(model.scene) and not options.reactions:
@@ -63,8 +66,20 @@ def simulate_command(options: Namespace) -> int:
     picture = _planned(options, model, request) if options.plot is not None else None
     tell_warnings(options, model)
     tell_inputs(options, model, experiment, request.inputs)
+    tell_measures = _measuring(model, measured, request) if measured else None
     compiled = time.perf_counter() - begin
-    return _run(options, model, experiment, values, compiled, target, picture)
+    code = _run(options, model, experiment, values, compiled, target, picture)
+    if tell_measures is not None and code == 0:
+        tell_measures(sys.stdout if target != "-" else sys.stderr)
+    return code
+
+
+def _measuring(model: Model, texts: list[str], request: Request) -> Callable[[Any], None]:
+    """What tells them after the run. Raises LagError before it."""
+    from lagrangia.study.measuring import measure_lines, prepare_measures
+
+    take = prepare_measures(model, texts, request)
+    return lambda out: print("\n".join(measure_lines(take())), file=out)
 
 
 def _planned(options: Namespace, model: Model, request: Request) -> Any:

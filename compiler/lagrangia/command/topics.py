@@ -261,11 +261,17 @@ Measures of a quantity y (a coordinate, der(coordinate), an output, a place such
 energy.dissipated, or abs(...) of one):
 final(y) initial(y) at(0.5, y)                at the end (also y alone), the start, a time
 min(y) max(y) range(y) time_of_min(y) time_of_max(y)
-mean(y) rms(y)                                over the time of the run
+mean(y) rms(y) integral(y)                    over the time of the run
 first_time(y > 3) last_time(abs(y) <= 0.01)   empty when there is no such time; >= and <= hold at the level, too
+count(y > 1) duration(y > 1)                  how often, and for how long, it is so
+period(y) period(y > 1)                       the mean time from one rise through its mean, or the level, to the next
+settling_time(y, 0.02) overshoot(y)           of the way from its start to its end: within 2 % (the default), and beyond it
+damage(y, 5) damage(y, 5, 100[N])             the sum of (range/size)^slope over rainflow cycles (ASTM E1049), open ones half
+Each but the first row over a window of time: max(y, from=2, to=5[s]). Of one run: lag simulate --outputs "x, max(y, from=2)",
+and in Python model.measure("max(y)", tolerance=1e-9) and model.rainflow("y, from=2"), all cycles with range, mean and count.
 They are those of the motion between rows: extremes and crossings are found on the integrator's dense output. What oscillates
 faster than the motion itself needs --interval, which says how closely to look at least. A run ends when all its measures are
-known.
+known; period(y) and settling_time need its mean or end first, and take it twice.
 
 A run that fails is a row with the reason in its last column, and what was known before. Limits: --max-steps, --seconds-per-run.
 While a sweep is under way its results are in FILE.part. If it is interrupted or killed, the same command goes on from there;

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import NoReturn
 
+from lagrangia.base.cutting import cut_list, split_list
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.language.units import parse_unit, spell
@@ -36,8 +37,8 @@ _OPTION = re.compile(r"(\w+)\s*=(?!=)\s*(.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class Measure:
-    """A number of a motion: `kind` of `quantity` (of its absolute value or not). All other is text: `value` is a time, a level,
-    a share or an exponent, `size` the range by which those of cycles are divided, `start` and `end` the times it is taken over."""
+    """A number of a motion: `kind` of `quantity` (of its absolute value or not). All other is text: `value` is a time, a level, a
+    share or an exponent, `size` the range by which those of cycles are divided, `start` and `end` the times it is taken over."""
 
     text: str
     kind: str
@@ -48,26 +49,6 @@ class Measure:
     size: str = ""
     start: str = ""
     end: str = ""
-
-
-def split_list(text: str) -> list[str]:
-    """What stands between commas, as `cut_list` cuts it, without what is empty. Raises LagError L0711."""
-    return [item for item in cut_list(text) if item]
-
-
-def cut_list(text: str) -> list[str]:
-    """What stands between commas; commas in parentheses and brackets belong to their item. Raises LagError L0711."""
-    items, depth, begin = [], 0, 0
-    for k, character in enumerate(text):
-        depth += (character in "([{") - (character in ")]}")
-        if depth < 0:
-            break
-        if character == "," and depth == 0:
-            items.append(text[begin:k])
-            begin = k + 1
-    if depth:
-        fail("L0711", f"'{text}': a parenthesis or bracket is {'missing' if depth > 0 else 'too many'}")
-    return [item.strip() for item in (*items, text[begin:])]
 
 
 def read_measures(given: str | Sequence[str]) -> list[Measure]:

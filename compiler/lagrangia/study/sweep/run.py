@@ -2,20 +2,22 @@
 
 import os
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Protocol
 
 from lagrangia.base.checked_values import a_count
-from lagrangia.base.diagnostics import fail
+from lagrangia.base.diagnostics import Interrupted, fail
 from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.run.engines import Engine
+from lagrangia.run.request import Request
 from lagrangia.run.solvers import name_of
 from lagrangia.study.sweep.dask_cluster import run_on_dask
 from lagrangia.study.sweep.journal import Journal, Ledger
+from lagrangia.study.sweep.measures import Measure, quantities, read_measures
 from lagrangia.study.sweep.pieces import Watch
-from lagrangia.study.sweep.plan import Job
+from lagrangia.study.sweep.plan import Design, Job
 from lagrangia.study.sweep.table import Sweep, is_parquet, require_parquet
 from lagrangia.study.sweep.threads import cores, run_on_threads
 
@@ -27,6 +29,18 @@ class Loaded(Protocol):
 
     def engine_for(self, solver: str) -> Engine | None:
         """The engine that a solver wants; None without a C compiler."""
+
+
+class Asked(Loaded, Protocol):
+    """A model whose runs are measured."""
+
+    path: Path
+
+    def reporting(self, names: Sequence[str]) -> "Asked":
+        """The one that reports these names too."""
+
+    def prepared_for(self, measures: Sequence[Measure], request: Request, design: Design) -> "tuple[Asked, Job]":
+        """All runs of a sweep, and the model for them."""
 
 
 def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None, dask: str | None = None,
@@ -55,6 +69,19 @@ def require_place(path: str | os.PathLike[str], read: Iterable[str | os.PathLike
     keep_apart([path, f"{os.fspath(path)}.part"], read)
     if is_parquet(path):
         require_parquet()
+
+
+def run_many(model: Asked, outputs: str | Sequence[str], request: Request, design: Design, path: str | os.PathLike[str] | None,
+             *, restart: bool, jobs: int | None, dask: str | None) -> Sweep:
+    """What Model.simulate_many does. Raises LagError, Interrupted with what was computed."""
+    if path is not None:
+        require_place(path, [model.path, *([] if design.runs is None else [design.runs])])
+    measures = read_measures(outputs)
+    suited, job = model.reporting(quantities(measures)).prepared_for(measures, request, design)
+    sweep = run_into(job, suited, path, restart=restart, jobs=jobs, dask=dask)
+    if sweep.interrupted:
+        raise Interrupted.with_result(sweep, f"after {sweep.ledger.entered} of {sweep.runs} runs")
+    return sweep
 
 
 def run_into(job: Job, model: Loaded, path: str | os.PathLike[str] | None, *, restart: bool = False, jobs: int | None = None,

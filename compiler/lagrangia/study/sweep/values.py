@@ -12,11 +12,11 @@ from pathlib import Path
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
+from lagrangia.base.cutting import cut_list, split_list
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import open_with_care
 from lagrangia.language.values import read_value
-from lagrangia.study.sweep.measures import cut_list, split_list
 
 if TYPE_CHECKING:
     import numpy as np

@@ -1,0 +1,23 @@
+"""Lists as they are written on a command line."""
+
+from lagrangia.base.diagnostics import fail
+
+
+def split_list(text: str) -> list[str]:
+    """What stands between commas, as `cut_list` cuts it, without what is empty. Raises LagError L0711."""
+    return [item for item in cut_list(text) if item]
+
+
+def cut_list(text: str) -> list[str]:
+    """What stands between commas; commas in parentheses and brackets belong to their item. Raises LagError L0711."""
+    items, depth, begin = [], 0, 0
+    for k, character in enumerate(text):
+        depth += (character in "([{") - (character in ")]}")
+        if depth < 0:
+            break
+        if character == "," and depth == 0:
+            items.append(text[begin:k])
+            begin = k + 1
+    if depth:
+        fail("L0711", f"'{text}': a parenthesis or bracket is {'missing' if depth > 0 else 'too many'}")
+    return [item.strip() for item in (*items, text[begin:])]
