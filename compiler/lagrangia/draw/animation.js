@@ -21,7 +21,7 @@ function scene() {
   const W = D.high[0] - x0, H = D.high[1] - y0, k = Math.min((w - 16) / W, (h - 16) / H, 42 / D.symbol);
   const X = x => w / 2 + (x - x0 - W / 2) * k, Y = y => h / 2 - (y - y0 - H / 2) * k;
   const [i, f] = place(now), j = Math.min(i + 1, N - 1);
-  g.lineCap = g.lineJoin = "round";
+  g.lineCap = g.lineJoin = "round"; const weight = weight_of(D.symbol * k);
   if (state.trace) for (const t of D.traces) {
     g.beginPath(); g.strokeStyle = css.hot; g.lineWidth = 1; let on = false;
     for (let m = 0; m <= i; m++) { const a = t.at[2 * m], b = t.at[2 * m + 1]; if (a === GONE) { on = false; continue; } g[on ? "lineTo" : "moveTo"](X(x0 + a * Q), Y(y0 + b * Q)); on = true; }
@@ -42,7 +42,7 @@ function scene() {
       if (s.r > 0) g.arc(X(x), Y(y), Math.max(s.r * k, 1), 0, 7); else g[m ? "lineTo" : "moveTo"](X(x), Y(y));
     }
     if (!seen) continue;
-    ink(g, s.l, s.f, s.c && !s.r);
+    ink(g, s.l, s.f, s.c && !s.r, weight);
   }
   g.setLineDash([]);
   if (state.names) captions(g, D.captions.map(l => l.at[2 * i] === GONE ? null : { words: l.words, x: X(x0 + l.at[2 * i] * Q), y: Y(y0 + l.at[2 * i + 1] * Q), u: l.side[2 * i], v: l.side[2 * i + 1] }));

@@ -15,7 +15,7 @@ from lagrangia.draw.animation import Curve, write_animation
 from lagrangia.draw.drawing import Drawable, figures_of, require_picture, save_page, states_of
 from lagrangia.draw.frames import save_frames
 from lagrangia.draw.moving_svg import write_moving_svg
-from lagrangia.draw.page import build_page, view_of
+from lagrangia.draw.page import build_page, view_of, weight_of
 from lagrangia.draw.reel import Reel, build_reel, strokes_at
 from lagrangia.draw.several import joined, labelled
 from lagrangia.draw.strokes import ARROWS, Shape, Stroke
@@ -175,7 +175,8 @@ def draw_stroboscope(run: Trajectory, count: int, path: str | os.PathLike[str] |
     ways = [points[np.isfinite(points).all(axis=1)] for _, points in reel.traces]
     shapes.append((Shape([Stroke(way, ARROWS, "dashed") for way in ways if len(way) > 1]), None))
     strokes = [stroke for shape, _ in shapes for stroke in shape.strokes]
-    page = build_page(shapes, view_of(strokes, np.inf), run.scene.description or run.scene.name)
+    view = view_of(strokes, np.inf)
+    page = build_page(shapes, view, run.scene.description or run.scene.name, weight_of(view.scale * reel.symbol))
     text = write_svg(page)
     if path is not None:
         save_page(page, text, Path(path))

@@ -11,7 +11,7 @@ from PIL import Image
 
 from lagrangia.base.result_files import Target
 from lagrangia.draw.animation import speed_of
-from lagrangia.draw.page import Page, build_page, view_of
+from lagrangia.draw.page import Page, build_page, view_of, weight_of
 from lagrangia.draw.raster import rasterise
 from lagrangia.draw.reel import Reel, strokes_at, ways_until
 from lagrangia.draw.strokes import ARROWS, Shape, Stroke
@@ -54,7 +54,7 @@ def _page(reel: Reel, moment: int) -> Page:
     """One picture: all of them are as large."""
     view = view_of([Stroke(np.array([reel.low, reel.high]), 0)], np.inf)
     ways = [Stroke(way, ARROWS, "thin") for way in ways_until(reel, moment)]
-    return build_page([(Shape([*strokes_at(reel, moment), *ways]), None)], view)
+    return build_page([(Shape([*strokes_at(reel, moment), *ways]), None)], view, weight=weight_of(view.scale * reel.symbol))
 
 
 def _mp4(reel: Reel, seen: NDArray[np.float64], tell: Callable[[int, int], None] | None) -> bytes:

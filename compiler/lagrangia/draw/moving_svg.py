@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.draw.animation import speed_of
-from lagrangia.draw.page import View, view_of
+from lagrangia.draw.page import LINES, View, view_of, weight_of
 from lagrangia.draw.reel import Moving, Reel, in_order
 from lagrangia.draw.strokes import Stroke
-from lagrangia.draw.svg import FILLS, LINES, millimetres
+from lagrangia.draw.svg import FILLS, millimetres
 
 Vector = NDArray[np.float64]
 _MOST = 240  # moments; between them places change evenly
@@ -19,10 +19,11 @@ def write_moving_svg(reel: Reel) -> str:
     length = float(reel.t[-1] - reel.t[0])
     kept = np.unique(np.linspace(0, len(reel.t) - 1, min(len(reel.t), _MOST)).round().astype(int))
     view = view_of([Stroke(np.array([reel.low, reel.high]), 0)], np.inf)
-    writer = _Writer(view, kept, reel.t[kept] - reel.t[0], max(_SHORTEST, length / speed_of(length)))
+    lasts, weight = max(_SHORTEST, length / speed_of(length)), weight_of(reel.symbol * view.scale)
+    writer = _Writer(view, kept, reel.t[kept] - reel.t[0], lasts, weight)
     width, height = millimetres(view.width), millimetres(view.height)
     head = (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}" '
-            f'fill="none" stroke="#000" stroke-width="{LINES["normal"]}" stroke-linecap="round" stroke-linejoin="round">')
+            f'fill="none" stroke="#000" stroke-width="{writer.pen("normal")}" stroke-linecap="round" stroke-linejoin="round">')
     ground = f'<rect width="{width}" height="{height}" fill="#fff" stroke="none"/>'
     ways = [writer.way(points[kept]) for _, points in reel.traces]
     return "\n".join([head, ground, *ways, *(writer.stroke(moving) for moving in in_order(reel)), "</svg>"]) + "\n"
@@ -31,11 +32,15 @@ def write_moving_svg(reel: Reel) -> str:
 class _Writer:
     """`t`: of the moments, s from the first; `lasts`: of one round, s."""
 
-    def __init__(self, view: View, kept: "np.ndarray", t: Vector, lasts: float) -> None:
-        self.view, self.kept, self.lasts = view, kept, lasts
+    def __init__(self, view: View, kept: "np.ndarray", t: Vector, lasts: float, weight: float) -> None:
+        self.view, self.kept, self.lasts, self.weight = view, kept, lasts, weight
         self.times = t / t[-1] if len(t) > 1 and t[-1] > 0 else np.linspace(0, 1, len(t))
         even = np.linspace(0, 1, len(t))
         self.is_even = bool(np.abs(self.times - even).max() < 1e-6)
+
+    def pen(self, line: str) -> str:
+        """The width of a line, mm."""
+        return millimetres(LINES[line] * self.weight)
 
     def stroke(self, moving: Moving) -> str:
         """Standing, riding on a frame, or changing its shape."""
@@ -71,7 +76,7 @@ class _Writer:
         gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
         rest = 1 - gone / (gone[-1] or 1.0)
         grows = self._animate("stroke-dashoffset", [f"{x:.4g}" for x in rest]) if len(rest) == len(self.times) else ""
-        looks = f' stroke="#c0392b" stroke-width="{LINES["thin"]}" pathLength="1" stroke-dasharray="1"'
+        looks = f' stroke="#c0392b" stroke-width="{self.pen("thin")}" pathLength="1" stroke-dasharray="1"'
         return f'<polyline points="{" ".join(map(self._pair, self._page(points)))}"{looks}>{grows}</polyline>'
 
     def _page(self, points: Vector) -> Vector:
@@ -83,7 +88,7 @@ class _Writer:
         return f"{millimetres(round(place[0], 2))},{millimetres(round(place[1], 2))}"
 
     def _shape(self, stroke: Stroke, points: Vector, inside: str) -> str:
-        looks = f' stroke-width="{LINES[stroke.line]}"' if LINES[stroke.line] != LINES["normal"] else ""
+        looks = f' stroke-width="{self.pen(stroke.line)}"' if LINES[stroke.line] != LINES["normal"] else ""
         looks += ' stroke-dasharray="1.2 0.8"' if stroke.line == "dashed" else ""
         looks += f' fill="{FILLS[stroke.fill]}"' if stroke.fill != "none" else ""
         if stroke.radius > 0:

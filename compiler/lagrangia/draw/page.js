@@ -10,11 +10,11 @@ function fit(canvas) {
   if (canvas.width !== Math.round(w * r) || canvas.height !== Math.round(h * r)) { canvas.width = Math.round(w * r); canvas.height = Math.round(h * r); }
   const g = canvas.getContext("2d"); g.setTransform(r, 0, 0, r, 0, 0); g.clearRect(0, 0, w, h); return [g, w, h];
 }
-function ink(g, line, fill, is_closed) {
+function ink(g, line, fill, is_closed, weight) {
   const fills = { none: "", white: css.bg, grey: css.grey, black: css.fg };
   if (is_closed) g.closePath();
   if (fills[fill]) { g.fillStyle = fills[fill]; g.fill(); }
-  g.strokeStyle = css.fg; g.lineWidth = LW[line]; g.setLineDash(line === "dashed" ? [5, 4] : []); g.stroke();
+  g.strokeStyle = css.fg; g.lineWidth = LW[line] * weight; g.setLineDash(line === "dashed" ? [5, 4] : []); g.stroke();
 }
 const font = p => (p[1] ? "italic " : "") + (p[2] ? 11 : 15) + "px 'STIX Two Text','Times New Roman',serif";
 const width_of = (g, pieces) => pieces.reduce((w, p) => { g.font = font(p); return w + g.measureText(p[0]).width; }, 0);
@@ -39,6 +39,7 @@ function captions(g, all) {
     taken.push(box(k)); words(g, c.words, box(k)[0], box(k)[1] + 8);
   });
 }
+const weight_of = symbol => Math.max(0.2, Math.min(1, symbol / 7));  // of lines, where symbols are so small, in pixels
 const TINTS = ["#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf", "#8c564b", "#e377c2"];
 function graphs(canvas, all, T, N, from, to, now, events) {  // returns where time runs from left to right, of each graph
   const [g, w, h] = fit(canvas), plots = []; g.font = "12px system-ui, sans-serif"; g.textBaseline = "middle";

@@ -11,6 +11,8 @@ from lagrangia.draw.strokes import Shape, Spot, Stroke
 Vector = NDArray[np.float64]
 WIDTH, MOST_HEIGHT, MARGIN = 80.0, 105.0, 3.5  # mm
 FONT = 3.0  # mm, of a letter
+LINES = {"normal": 0.35, "round": 0.35, "thin": 0.2, "dashed": 0.2, "thick": 0.6}  # mm, as wide as a pen draws
+_LIGHT, _LIGHTEST = 1.5, 0.1  # symbols smaller than that, mm, are drawn by lighter lines
 _BASE, _SUB = 0.56, 0.38  # of the font: how wide a letter is
 _REACH = np.array([0.7, 1.2, 1.8, 2.6, 3.6, 5.0, 7.0, 9.0, 12.0, 16.0])  # of a label from its spot, in half letters
 _DIRECTIONS = 16
@@ -43,13 +45,18 @@ class Label:
 
 @dataclass(frozen=True)
 class Page:
-    """mm; `paths` in the order in which they are drawn."""
+    """mm; `paths` in the order in which they are drawn, by lines so many times as wide as LINES says."""
 
     width: float
     height: float
     paths: tuple[Stroke, ...]
     labels: tuple[Label, ...]
     title: str = ""
+    weight: float = 1.0
+
+    def pen(self, line: str) -> float:
+        """The width of a line, mm."""
+        return LINES[line] * self.weight
 
 
 @dataclass(frozen=True)
@@ -88,21 +95,26 @@ def bounds_of(strokes: Sequence[Stroke]) -> tuple[Vector, Vector]:
     return found[:, 0].min(axis=0), found[:, 1].max(axis=0)
 
 
-def build_page(shapes: Sequence[tuple[Shape, Words | None]], view: View, title: str = "") -> Page:
+def weight_of(symbol: float) -> float:
+    """Of the lines of a page, whose symbols are so large, mm."""
+    return float(np.clip(symbol / _LIGHT, _LIGHTEST, 1.0))
+
+
+def build_page(shapes: Sequence[tuple[Shape, Words | None]], view: View, title: str = "", weight: float = 1.0) -> Page:
     """Paths by their layers, and labels; those that find no room make the page larger."""
     strokes = [stroke for shape, _ in shapes for stroke in shape.strokes]
     order = sorted(range(len(strokes)), key=lambda k: (strokes[k].layer, -strokes[k].extent))
     paths = [_in_mm(strokes[k], view) for k in order]
-    taken = _sampled(paths)
     boxes: list[Vector] = []
     labels = []
     wanted = [(shape.spot, words) for shape, words in shapes if words is not None and words.pieces and shape.spot is not None]
+    taken = _sampled(paths) if wanted else np.zeros((0, 2))
     for spot, words in sorted(wanted, key=lambda pair: -min(pair[0].room)):
         centre = _place_label(spot, words, view, taken, boxes)
         half = _half(words)
         boxes.append(np.array([centre - half, centre + half]))
         labels.append(Label(words, (float(centre[0]), float(centre[1]))))
-    return _grown(Page(view.width, view.height, tuple(paths), tuple(labels), title), boxes)
+    return _grown(Page(view.width, view.height, tuple(paths), tuple(labels), title, weight), boxes)
 
 
 def _in_mm(stroke: Stroke, view: View) -> Stroke:
@@ -170,4 +182,4 @@ def _grown(page: Page, boxes: Sequence[Vector]) -> Page:
     paths = tuple(replace(path, points=path.points - low) for path in page.paths)
     labels = tuple(Label(x.words, (x.at[0] - float(low[0]), x.at[1] - float(low[1]))) for x in page.labels)
     width, height = high - low
-    return Page(float(width), float(height), paths, labels, page.title)
+    return replace(page, width=float(width), height=float(height), paths=paths, labels=labels)

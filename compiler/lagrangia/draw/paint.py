@@ -11,7 +11,7 @@ from matplotlib.transforms import Affine2D
 
 from lagrangia.draw.page import FONT, Label, Page
 from lagrangia.draw.strokes import Stroke
-from lagrangia.draw.svg import FILLS, LINES, LOWERED
+from lagrangia.draw.svg import FILLS, LOWERED
 
 _POINT = 25.4 / 72  # mm
 
@@ -24,14 +24,14 @@ def paint_page(page: Page) -> Figure:
     axes.set_xlim(0, page.width)
     axes.set_ylim(0, page.height)
     for order, path in enumerate(page.paths):
-        _paint(axes, path, order)
+        _paint(axes, path, order, page.pen(path.line))
     for label in page.labels:
         _write(axes, label, len(page.paths))
     return figure
 
 
-def _paint(axes: Any, path: Stroke, order: int) -> None:
-    looks = {"linewidth": LINES[path.line] / _POINT, "edgecolor": "black", "facecolor": FILLS[path.fill], "zorder": order,
+def _paint(axes: Any, path: Stroke, order: int, pen: float) -> None:
+    looks = {"linewidth": pen / _POINT, "edgecolor": "black", "facecolor": FILLS[path.fill], "zorder": order,
              "linestyle": (0, (4, 3)) if path.line == "dashed" else "solid", "capstyle": "round", "joinstyle": "round"}
     if path.radius > 0:
         axes.add_patch(Circle((float(path.points[0, 0]), float(path.points[0, 1])), path.radius, **looks))

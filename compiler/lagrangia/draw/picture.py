@@ -10,7 +10,7 @@ from lagrangia.compile.functions import observer_of
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.draw.joints import Tree
 from lagrangia.draw.names import label_all
-from lagrangia.draw.page import Page, Words, bounds_of, build_page, view_of
+from lagrangia.draw.page import Page, Words, bounds_of, build_page, view_of, weight_of
 from lagrangia.draw.scenery import Scenery, first_symbol
 from lagrangia.draw.strokes import RODS, Shape, Stroke
 from lagrangia.draw.values import Numbers, States, evaluate_figures
@@ -21,6 +21,7 @@ from lagrangia.language.tree import Flat
 
 Vector = NDArray[np.float64]
 _SYMBOL, MOST_SYMBOL = 4.2, 5.0  # mm, on the page
+_ENOUGH = 2000  # figures that tell how large a scene is
 _ROUNDS = 3  # of finding the size of symbols: loose parts stand so many symbols apart
 _OTHER_TIMES = 12  # at which forces are looked at
 MOST_LABELS = 60
@@ -38,7 +39,8 @@ def draw_page(c: Compilation, figures: Sequence[Figure], states: States, names: 
     arms = Shape(arms_of(scenery, 0))
     drawn = [(arms, None), *((shape, labels.get(k)) for k, shape in shapes.items())]
     strokes = [stroke for shape, _ in drawn for stroke in shape.strokes]
-    return build_page(drawn, view_of(strokes, MOST_SYMBOL / scenery.symbol), c.flat.description or c.flat.name)
+    view = view_of(strokes, MOST_SYMBOL / scenery.symbol)
+    return build_page(drawn, view, c.flat.description or c.flat.name, weight_of(view.scale * scenery.symbol))
 
 
 def fit_scenery(numbers: Numbers, tree: Tree, moments: Sequence[int], is_still: bool) -> Scenery:
@@ -46,7 +48,8 @@ def fit_scenery(numbers: Numbers, tree: Tree, moments: Sequence[int], is_still: 
     symbol, most = first_symbol(numbers, moments)
     for _ in range(_ROUNDS):
         scenery = Scenery(numbers, tree, moments[0], symbol, is_still)
-        strokes = [stroke for k in scenery.shown for moment in moments for stroke in scenery.shape(k, moment).strokes]
+        some = scenery.shown[:: 1 + len(scenery.shown) // _ENOUGH]
+        strokes = [stroke for k in some for moment in moments for stroke in scenery.shape(k, moment).strokes]
         low, high = bounds_of(strokes)
         if not strokes or not np.isfinite(high - low).all():
             return scenery

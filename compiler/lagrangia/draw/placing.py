@@ -19,6 +19,7 @@ from lagrangia.language.tree import Flat, FrameRef
 Vector = NDArray[np.float64]
 _SHORT = 0.5  # of the usual length of a spring: what is nearer is set apart
 SPRING = 3.2  # symbols
+_TIGHT = 0.4  # of that: as near as what moves comes
 _UPRIGHT = 0.7
 _WHERE = ("", "r", "x", "y")  # attributes that say where a frame is
 _SPRINGS = ("zigzag", "dashpot")
@@ -113,14 +114,23 @@ class _Placing:
             self._tie(k, End(self.tree.holder(joint.parent), np.zeros(2)), End(joint.child, np.zeros(2)), way)
 
     def _wall(self, child: str, way: Vector) -> End:
-        reach = (SPRING * self.symbol + self.extents.get(child, 0.0)) * way
+        extent = self.extents.get(child, 0.0)
         ground = next(root.frame for root in self.tree.graph.roots if root.is_ground)
-        at = self.numbers.place(child)[:2, self.moment] - self.numbers.place(ground)[:2, self.moment] - reach
+        reach = max(SPRING * self.symbol, _TIGHT * SPRING * self.symbol + self._nearing(ground, child, way)) + extent
+        at = self.numbers.place(child)[:2, self.moment] - self.numbers.place(ground)[:2, self.moment] - reach * way
         return End(ground, at + self.layout.offset(child), True, way=way)
+
+    def _nearing(self, a: str, b: str, way: Vector) -> float:
+        """How much less far b is ahead of a, along the way, than at the moment of the layout."""
+        gaps = way @ (self.numbers.place(b)[:2] - self.numbers.place(a)[:2])
+        gaps = gaps[np.isfinite(gaps)]
+        here = way @ (self.numbers.place(b)[:2, self.moment] - self.numbers.place(a)[:2, self.moment])
+        return float(here - gaps.min()) if gaps.size and np.isfinite(here) else 0.0
 
     def _tie(self, k: int, a: End, b: End, way: Vector) -> None:
         rim = float(np.linalg.norm(b.shift)) if b.is_rim else 0.0  # what stands below a wheel stands free of it
-        reach = SPRING * self.symbol + rim + sum(self.extents.get(e.frame, 0.0) for e in (a, b) if not e.shift.any())
+        spring = max(SPRING * self.symbol, _TIGHT * SPRING * self.symbol + self._nearing(a.frame, b.frame, way))
+        reach = spring + rim + sum(self.extents.get(e.frame, 0.0) for e in (a, b) if not e.shift.any())
         gap = self._place(b.frame) + b.shift - self._place(a.frame) - a.shift
         aside = gap - (gap @ way) * way if b.is_rim else np.zeros(2)  # a rope leaves a rim along its tangent
         ahead = reach - gap @ way if gap @ way < _SHORT * reach else 0.0
@@ -140,7 +150,8 @@ class _Placing:
             length = float((at_b - at_a) @ along)
             if abs(length) < _SHORT * SPRING * self.symbol and along[1] > _UPRIGHT:
                 along, length = -along, -length  # of no length, and held by the ground: it hangs from a ceiling
-            reach = max(length, SPRING * self.symbol + self.extents.get(b, 0.0))
+            spring = max(SPRING * self.symbol, _TIGHT * SPRING * self.symbol + self._nearing(a, b, along))
+            reach = max(length, spring + self.extents.get(b, 0.0))
             self.layout.ends[k] = End(a, at_b + self.layout.offset(b) - reach * along - self.numbers.place(a)[:2, self.moment],
                                       True, way=along), End(b, shifts[1])
             return

@@ -3,9 +3,8 @@
 import numpy as np
 from PIL import Image, ImageDraw
 
-from lagrangia.draw.page import Page
+from lagrangia.draw.page import LINES, Page
 from lagrangia.draw.strokes import Stroke
-from lagrangia.draw.svg import LINES
 
 _FINER = 3  # pixels that become one, along a side
 _GREYS = {"white": 255, "grey": 200, "black": 0}
@@ -18,7 +17,7 @@ def rasterise(page: Page, scale: float, width: float = 1.0, size: tuple[int, int
     columns, rows = size or own
     image = Image.new("L", (_FINER * columns, _FINER * rows), 255)
     shift = _FINER * np.array([(columns - page.width * scale) / 2, (rows - page.height * scale) / 2])
-    canvas = _Canvas(ImageDraw.Draw(image), _FINER * scale, width, shift, page.height)
+    canvas = _Canvas(ImageDraw.Draw(image), _FINER * scale, width * page.weight, shift, page.height)
     for path in page.paths:
         canvas.paint(path)
     return image.reduce(_FINER)

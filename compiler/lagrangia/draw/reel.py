@@ -85,7 +85,7 @@ def _over_time(scenery: Scenery, k: int, count: int) -> tuple[list[Moving], list
         spots: list[Spot | None] = [None] * count
         if shape.spot is not None:
             own = _turned(shape.spot.at - first[:2], -first[2]), _turned(shape.spot.aside, -first[2])
-            spots = [Spot(pose[:2] + _turned(own[0], pose[2]), _turned(own[1], pose[2])) for pose in poses]
+            spots = [Spot(pose[:2] + _turned(own[0], pose[2]), _turned(own[1], pose[2]), shape.spot.room) for pose in poses]
         return [Moving(stroke, poses=poses) for stroke in local], spots
     shapes = [scenery.shape(k, moment) for moment in range(count)]
     return _varying([shape.strokes for shape in shapes]), [shape.spot for shape in shapes]

@@ -17,6 +17,9 @@ from lagrangia.language.tree import Ref
 Vector = NDArray[np.float64]
 _SYMBOLS_ACROSS = 9.0  # symbols in a scene of bodies
 _OF_A_BAR = 0.8  # a symbol is no larger than that part of the usual bar
+_OF_A_DISC = 0.9  # nor than that part of the usual radius
+_OF_A_GAP = 0.8  # nor than that part of the way from one of many points to the next
+_MANY, _ASKED = 40, 200  # points; so many of them are asked for their neighbours
 MOST_COORDINATES = 12  # that are shown as arrows
 _LINES = ("line", "zigzag", "dashpot")
 _FILLED = ("box", "circle")
@@ -262,8 +265,8 @@ def extents_of(numbers: Numbers, tree: Tree, moment: int, symbol: float) -> dict
     return {frame: drawn[where] for frame in numbers.frames if (where := key(frame)) in drawn}
 
 
-def natural_size(numbers: Numbers, moments: Sequence[int]) -> tuple[float, float]:
-    """The extent of the scene as it is, m, and the usual length of its bars; 0 where there is none."""
+def natural_size(numbers: Numbers, moments: Sequence[int]) -> tuple[float, float, float]:
+    """The extent of the scene as it is, m, the usual length of its bars and radius of its discs; 0 where there are none."""
     places = [numbers.values[row : row + 2][:, list(moments)] for item in numbers.items for row in item.places]
     def sizes(word: str) -> list[float]:
         rows = [item.numbers[0][0] for item in numbers.items if item.word == word and item.numbers]
@@ -273,12 +276,25 @@ def natural_size(numbers: Numbers, moments: Sequence[int]) -> tuple[float, float
     points = np.concatenate(places, axis=1) if places else np.zeros((2, 1))
     points = points[:, np.isfinite(points).all(axis=0)]
     spread = float(np.ptp(points, axis=1).max()) if points.size else 0.0
-    return max(spread, 2 * max(radii, default=0.0)), float(np.median(bars)) if bars else 0.0
+    return (max(spread, 2 * max(radii, default=0.0)), float(np.median(bars)) if bars else 0.0,
+            float(np.median(radii)) if radii else 0.0)
 
 
 def first_symbol(numbers: Numbers, moments: Sequence[int]) -> tuple[float, float]:
     """The size of symbols to begin with, m, and the largest that its bars leave room for."""
-    size, bar = natural_size(numbers, moments)
+    size, bar, disc = natural_size(numbers, moments)
     size = size if size > 0 and np.isfinite(size) else 1.0
-    most = _OF_A_BAR * bar if bar > 0 else np.inf
+    most = min(_OF_A_BAR * bar if bar > 0 else np.inf, _OF_A_DISC * disc if disc > 0 else np.inf,
+               _OF_A_GAP * crowding(numbers, moments[0]))
     return min(size / _SYMBOLS_ACROSS, most), most
+
+
+def crowding(numbers: Numbers, moment: int) -> float:
+    """The usual distance from one point or block to the next, m, where there are many; else infinity."""
+    rows = [item.places[0] for item in numbers.items if item.word in _FILLED and item.places and not item.numbers]
+    places = np.unique(np.array([numbers.values[row : row + 2, moment] for row in rows]).reshape(-1, 2), axis=0)
+    places = places[np.isfinite(places).all(axis=1)]
+    if len(places) < _MANY:
+        return float(np.inf)
+    gaps = [np.partition(np.hypot(*(places - place).T), 1)[1] for place in places[:: 1 + len(places) // _ASKED]]
+    return float(np.median(gaps))

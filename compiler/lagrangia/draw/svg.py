@@ -5,7 +5,6 @@ from html import escape
 from lagrangia.draw.page import FONT, Label, Page
 from lagrangia.draw.strokes import Stroke
 
-LINES = {"normal": 0.35, "round": 0.35, "thin": 0.2, "dashed": 0.2, "thick": 0.6}  # mm
 FILLS = {"none": "none", "white": "#fff", "grey": "#c8c8c8", "black": "#000"}
 FAMILY = "'STIX Two Text','Times New Roman',Times,serif"
 LOWERED = 0.28  # of the font: how far a subscript is set below
@@ -15,16 +14,18 @@ def write_svg(page: Page) -> str:
     """The whole file."""
     width, height = millimetres(page.width), millimetres(page.height)
     head = (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}" '
-            f'fill="none" stroke="#000" stroke-width="{LINES["normal"]}" stroke-linecap="round" stroke-linejoin="round">')
+            f'fill="none" stroke="#000" stroke-width="{millimetres(page.pen("normal"))}" '
+            'stroke-linecap="round" stroke-linejoin="round">')
     title = [f"<title>{escape(page.title)}</title>"] if page.title else []
-    paths = [_path(path, page.height) for path in page.paths]
+    paths = [_path(path, page) for path in page.paths]
     labels = [_label(label, page.height) for label in page.labels]
     words = [f'<g fill="#000" stroke="none" font-family="{FAMILY}" font-size="{FONT}" text-anchor="middle">', *labels, "</g>"]
     return "\n".join([head, *title, *paths, *(words if labels else []), "</svg>"]) + "\n"
 
 
-def _path(path: Stroke, height: float) -> str:
-    looks = f' stroke-width="{LINES[path.line]}"' if LINES[path.line] != LINES["normal"] else ""
+def _path(path: Stroke, page: Page) -> str:
+    height, pen = page.height, page.pen(path.line)
+    looks = f' stroke-width="{millimetres(pen)}"' if pen != page.pen("normal") else ""
     looks += ' stroke-dasharray="1.2 0.8"' if path.line == "dashed" else ""
     looks += f' fill="{FILLS[path.fill]}"' if path.fill != "none" else ""
     if path.radius > 0:

@@ -2,7 +2,7 @@
 
 from lagrangia.draw.page import Label, Page
 from lagrangia.draw.strokes import Stroke
-from lagrangia.draw.svg import LINES, millimetres
+from lagrangia.draw.svg import millimetres
 from lagrangia.paper.latex import latex, latex_escape
 from lagrangia.paper.layout import Name
 from lagrangia.paper.notation import GREEK
@@ -13,14 +13,17 @@ _GREYS = {"none": "", "white": "fill=white", "grey": "fill=black!22", "black": "
 def write_tikz(page: Page) -> str:
     """The text of a file for \\input; the document loads the package tikz."""
     head = [f"% {line}" for line in page.title.splitlines()]
-    begin = (f"\\begin{{tikzpicture}}[x=1mm, y=1mm, line width={LINES['normal']}mm, line cap=round, line join=round, "
+    begin = (f"\\begin{{tikzpicture}}[x=1mm, y=1mm, line width={millimetres(page.pen('normal'))}mm, "
+             "line cap=round, line join=round, "
              "every node/.style={inner sep=0, font=\\small}]")
     bounds = f"\\useasboundingbox (0,0) rectangle ({millimetres(page.width)},{millimetres(page.height)});"
-    return "\n".join([*head, begin, bounds, *map(_path, page.paths), *map(_label, page.labels), "\\end{tikzpicture}"]) + "\n"
+    paths = [_path(path, page) for path in page.paths]
+    return "\n".join([*head, begin, bounds, *paths, *map(_label, page.labels), "\\end{tikzpicture}"]) + "\n"
 
 
-def _path(path: Stroke) -> str:
-    looks = [f"line width={LINES[path.line]}mm"] if LINES[path.line] != LINES["normal"] else []
+def _path(path: Stroke, page: Page) -> str:
+    pen = page.pen(path.line)
+    looks = [f"line width={millimetres(pen)}mm"] if pen != page.pen("normal") else []
     looks += ["dash pattern=on 1.2mm off 0.8mm"] if path.line == "dashed" else []
     looks += [_GREYS[path.fill]] if path.fill != "none" else []
     options = f"[{', '.join(looks)}] " if looks else " "

@@ -9,9 +9,10 @@ import numpy as np
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.draw.drawing import figures_of
+from lagrangia.draw.page import LINES
 from lagrangia.draw.picture import draw_page
 from lagrangia.draw.raster import rasterise
-from lagrangia.draw.svg import LINES, write_svg
+from lagrangia.draw.svg import write_svg
 from lagrangia.draw.values import States
 from lagrangia.fmu.variables import Exportable
 
