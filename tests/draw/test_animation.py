@@ -247,3 +247,32 @@ def test_a_table_of_something_else_is_refused(tmp_path: Path, monkeypatch: pytes
         assert main(["animate", str(EXAMPLES / "pendulum.lag"), "--beside", "x.csv"]) == WRONG
         assert why in capsys.readouterr().err
     assert main(["animate", str(EXAMPLES / "pendulum.lag"), "--beside", "x.csv", "-o", "x.csv"]) == WRONG
+
+
+NAMES = """
+const { readFileSync } = require("fs"), [page, places] = process.argv.slice(1), shown = [];
+const measure = text => ({ width: 8 * text.length });
+const fillText = (text, x, y) => shown.push([text, x, y]);
+const g = { canvas: { clientWidth: 400 }, measureText: measure, strokeText() {}, fillText };
+new Function("g", "all", readFileSync(page, "utf8") + "; css = { bg: '', fg: '' }; captions(g, all);")(g, JSON.parse(places));
+console.log(JSON.stringify(shown));
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="needs Node.js")
+def test_names_on_a_page_give_way_to_each_other() -> None:
+    """Ten in one place: those that are shown are apart, the others wait; one alone stands where it belongs."""
+    page = Path(lag.__file__).parent / "draw" / "page.js"
+
+    def shown(places: list[dict]) -> list:
+        command = ["node", "-e", NAMES, str(page), json.dumps(places)]
+        return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+
+    crowd = [{"words": [[f"name{k}", 1, 0]], "x": 200, "y": 200 + 3 * k, "u": 1, "v": 0} for k in range(30)]
+    found = shown(crowd)
+    assert 5 < len(found) < 30
+    boxes = [(x, y - 13, x + 8 * len(text), y + 4) for text, x, y in found]
+    for k, a in enumerate(boxes):
+        assert all(a[0] >= b[2] or a[2] <= b[0] or a[1] >= b[3] or a[3] <= b[1] for b in boxes[:k])
+    ((_, x, y),) = shown(crowd[:1])
+    assert (x, y) == (pytest.approx(208), 205)

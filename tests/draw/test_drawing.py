@@ -15,6 +15,7 @@ import lagrangia as lag
 from lagrangia.base.folders import data_folder
 from lagrangia.command.cli import WRONG, main
 from lagrangia.draw.drawing import page_of
+from lagrangia.draw.film import reel_of
 from lagrangia.draw.page import FONT, Page
 from lagrangia.draw.strokes import SHAPES, Given
 from lagrangia.draw.tikz import write_tikz
@@ -186,3 +187,32 @@ def test_runs_and_explanations_know_nothing_of_pictures(tmp_path: Path) -> None:
         run = subprocess.run([sys.executable, "-c", program, command[0], str(EXAMPLES / "pendulum.lag"), *command[1:]],
                              capture_output=True, text=True, check=True)
         assert "lagrangia.draw" not in run.stdout.split()
+
+
+def test_a_motion_that_ends_before_is_drawn_where_it_ended(scene: Callable[[str], lag.Model], tmp_path: Path) -> None:
+    model = scene("model X Block b(m = 1, base = world, s(start = 1), v(start = 1)); GeneralSpring s(V = -1[N/m2]*b.s^3);\n"
+                  "annotation(experiment(StopTime = 10)); end X;")
+    with pytest.raises(lag.RunError, match=r"what was computed before is drawn in .*x\.svg"):
+        model.draw(tmp_path / "x.svg", at=5)
+    assert ElementTree.parse(tmp_path / "x.svg").getroot() is not None
+
+
+def test_many_points_stay_apart(scene: Callable[[str], lag.Model]) -> None:
+    """Symbols are no larger than there is room between them, and lines are lighter then."""
+    page, _ = page_of(scene("model M parameter Integer n = 64; PointMass p[n](each m = 1);\ninitial equation for i in 1:n loop "
+                            "p[i].center.x = mod(i, 8); p[i].center.y = floor(i/8); end for; end M;"), Request(), {})
+    circles = [path for path in page.paths if path.radius > 0]
+    assert len(circles) == 64
+    centres = np.array([path.points[0] for path in circles])
+    gaps = np.linalg.norm(centres[:, None] - centres[None], axis=2) + 1e9 * np.eye(64)
+    assert gaps.min() > 2 * circles[0].radius
+
+
+def test_loose_parts_keep_clear_of_each_other_all_the_time() -> None:
+    """Masses of an absorber, whose places nothing but numbers say: the spring between them is as long as they need."""
+    model = lag.load(EXAMPLES / "vibration_absorber.lag")
+    reel = reel_of(model.simulate(interval=0.1), {}, [])
+    boxes = [moving for moving in reel.strokes if moving.stroke.fill == "white" and moving.poses is not None]
+    machine, absorber = (box.poses[:, 0] for box in boxes)
+    half = np.ptp(boxes[0].stroke.points[:, 0])
+    assert (absorber - machine).min() > half

@@ -49,7 +49,7 @@ function scene() {
 }
 const between = y => { const [i, f] = place(now); return y[i] + f * (y[Math.min(i + 1, N - 1)] - y[i]); };
 function draw() { scene(); plots = graphs($("curves"), D.curves.map(c => ({ name: c.name, unit: c.unit, y: c.y, now: between(c.y) })), T, N, T[0], T[N - 1], now, D.events);
-  bars($("energy"), D.energies.map(e => ({ name: e.name, least: e.least, value: between(e.y) })), D.most); $("time").value = now; $("now").textContent = "t = " + now.toFixed(3) + " s"; $("play").innerHTML = playing ? "&#10074;&#10074;" : "&#9654;"; }
+  bars($("energy"), D.energies.map(e => ({ name: e.name, least: e.least, value: between(e.y) })), D.most); $("time").value = now; $("now").textContent = "t = " + clock(now, T[N - 1] - T[0]); $("play").innerHTML = playing ? "&#10074;&#10074;" : "&#9654;"; }
 function tick(ms) {
   if (!playing) return;
   now += (ms - last) / 1000 * speed; last = ms;

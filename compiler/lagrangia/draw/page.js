@@ -58,7 +58,7 @@ function graphs(canvas, all, T, N, from, to, now, events) {  // returns where ti
     mine.forEach((c, k) => {
       g.strokeStyle = g.fillStyle = TINTS[k % TINTS.length]; g.lineWidth = 1.4; g.beginPath(); let on = false;
       for (let m = 0; m < N; m++) { if (!isFinite(c.y[m])) { on = false; continue; } g[on ? "lineTo" : "moveTo"](X(T[m]), Y(c.y[m])); on = true; }
-      g.stroke(); if (at < w - 40) g.fillText(c.name, at, top - 9); at += g.measureText(c.name).width + 14;
+      g.stroke(); const room = g.measureText(c.name).width; if (at + room < w) g.fillText(c.name, at, top - 9); at += room + 14;
       if (isFinite(c.now)) { g.beginPath(); g.arc(X(now), Y(c.now), 3.5, 0, 7); g.fill(); }
     });
     g.strokeStyle = css.hot; g.lineWidth = 1; g.beginPath(); g.moveTo(X(now), top); g.lineTo(X(now), bottom); g.stroke();
@@ -76,6 +76,7 @@ function bars(canvas, energies, greatest) {
   energies.forEach((e, k) => { g.fillStyle = TINTS[k]; const s = e.name + " " + short(value(e)); g.fillText(s, x, 38); x += Math.max(g.measureText(s).width + 10, room / 3.2); });
 }
 function short(x, range = 0) { if (Math.abs(x) < 1e-9 * range) return "0"; const a = Math.abs(x); return x === 0 ? "0" : a >= 1e4 || a < 1e-3 ? x.toExponential(1) : String(+x.toPrecision(3)); }
+const clock = (t, length) => (length < 0.1 ? t.toExponential(3) : t.toFixed(3)) + " s";
 function other_theme() { const r = document.documentElement, dark = css.bg !== "#fff"; r.removeAttribute("data-dark"); r.removeAttribute("data-light"); r.setAttribute(dark ? "data-light" : "data-dark", ""); colours(); }
 const SPEEDS = [1e-6, 1e-5, 1e-4, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4, 10, 30, 100, 1000, 1e4, 1e5];
 const beside = (speed, by) => SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, SPEEDS.indexOf(speed) + by))];

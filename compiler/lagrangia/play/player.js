@@ -92,7 +92,7 @@ function draw() {
   graphs($("curves"), curves.map(c => ({ name: c.name, unit: c.unit, y: c.y.slice(first), now: now[c.ref] * c.scale })), T.slice(first), T.length - first, from, from + WINDOW, t, events.filter(u => u <= t));
   bars($("energy"), D.energies.map((e, i) => ({ name: e.name, least: i === 1 ? least : 0, value: now[e.ref] })), most);
   for (const v of D.shown) v.cell.textContent = (now[v.ref] * v.scale).toPrecision(6) + " " + v.unit;
-  $("now").textContent = "t = " + (WINDOW < 0.1 ? t.toExponential(3) : t.toFixed(3)) + " s"; $("play").innerHTML = running ? "&#10074;&#10074;" : "&#9654;";
+  $("now").textContent = "t = " + clock(t, WINDOW); $("play").innerHTML = running ? "&#10074;&#10074;" : "&#9654;";
 }
 // ------------------------------------------------------------ time
 function tick(ms) {
