@@ -77,8 +77,9 @@ class Model:
         self.scene: Scene = found if found is not None else self._keep(self.compilation.scene)
 
     def _keep(self, scene: Scene) -> Scene:
-        keep_scene(scene, self.path, self.model, self.structural, self.outputs,
-                   [self.path.parent / item.path for item in self.compilation.syntax.imports], self.formulas)
+        read = [self.path.parent / item.path for item in self.compilation.syntax.imports]
+        read += [Path(name) for name in scene.notes["files"]]
+        keep_scene(scene, self.path, self.model, self.structural, self.outputs, read, self.formulas)
         return scene
 
     @property

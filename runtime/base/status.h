@@ -21,7 +21,8 @@ typedef enum {
     LAG_NO_IMPULSE,   /* contacts and their friction have neither forces nor impulses that go together */
     LAG_CONSTRAINTS_OPEN, /* a row cannot be brought back to its constraints: by how much of the motion one is open */
     LAG_NO_PROGRESS,      /* steps are so short that the rest would take so many */
-    LAG_WANTS_JACOBIAN    /* implicit steps are to go on, and model.jacobian_waits: run it again where it is there */
+    LAG_WANTS_JACOBIAN,   /* implicit steps are to go on, and model.jacobian_waits: run it again where it is there */
+    LAG_TABLE_ENDED       /* a table is asked for what lies beyond its ends: which one */
 } LagStatus;
 
 typedef struct {

@@ -140,7 +140,7 @@ static double end_of_step(const LagInstance *s, double t, double h, LagStepResul
     const LagVital *vital = &s->vital;
     const LagRun *run = s->run;
     const double target = vital->has_stop ? fmin(t + h, vital->stop) : t + h;
-    const double event = lag_schedule_next(s->model->n_events, s->model->event_kind, run->event_a, run->event_b, vital->t);
+    const double event = lag_schedule_next(s->model, run->event_a, run->event_b, vital->t);
     if (!s->uses_events || event > target + lag_time_resolution(target))
         return target;
     result->is_event = 1;

@@ -1,6 +1,7 @@
 /* What follows from time, state and inputs: slopes, outputs, energies, event indicators.
  *
  * In Model Exchange the importer integrates, and constraints of closed loops are kept by the slopes: see exchange.c. */
+#include <math.h>
 #include <string.h>
 
 #include "fmi/instance.h"
@@ -8,6 +9,7 @@
 #include "events/accelerations.h"
 #include "events/conditions.h"
 #include "events/cones.h"
+#include "model/schedule.h"
 #include "state/state.h"
 
 /* The state on the constraints that equations and conditions are those of. */
@@ -55,10 +57,19 @@ int lag_instance_slope_at(LagInstance *s, double t, const double *x, double *slo
     return accelerations(s, t, x, slope, slope + n, power);
 }
 
+/* Where an importer goes on beyond the end of a table that says nothing there. */
+static int is_beyond_table(const LagInstance *s)
+{
+    const LagRun *run = s->run;
+    return run && run->silent_table >= 0 && fabs(s->vital.t - run->motion.t) > lag_time_resolution(run->motion.t);
+}
+
 LagAnswer lag_instance_slope(LagInstance *s)
 {
     if (s->vital.slope_is_current)
         return LAG_ANSWER_OK;
+    if (is_beyond_table(s))
+        return lag_instance_failed(s, lag_fail(s->run, LAG_TABLE_ENDED, -1, 0, s->run->silent_table));
     if (!s->run || !lag_instance_slope_at(s, s->vital.t, s->x, s->slope, s->power))
         return lag_instance_log(s, LAG_ANSWER_DISCARD, "logStatusDiscard", "at t = %.9g s the accelerations are not finite",
                                 s->vital.t);

@@ -270,7 +270,7 @@ LagAnswer lag_instance_completed_step(LagInstance *s, int *needs_event)
 
 static double next_event(LagInstance *s)
 {
-    return lag_schedule_next(s->model->n_events, s->model->event_kind, s->run->event_a, s->run->event_b, s->vital.t);
+    return lag_schedule_next(s->model, s->run->event_a, s->run->event_b, s->vital.t);
 }
 
 /* How far off the importer's states may be, by what an error of ours is. */

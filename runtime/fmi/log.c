@@ -100,6 +100,7 @@ LagAnswer lag_instance_failed(LagInstance *s, LagStatus status)
     case LAG_EVENTS_GO_ON: text = "events that reset rates bring each other about without end"; break;
     case LAG_CONSTRAINTS_OPEN: text = "constraints do not close"; break;
     case LAG_NO_PROGRESS: text = "steps are too short to get on"; break;
+    case LAG_TABLE_ENDED: text = "a table ends here, and says nothing beyond its ends"; break;
     case LAG_OUT_OF_MEMORY: text = "no memory is left"; break;
     default: break;
     }

@@ -23,6 +23,7 @@
 #endif
 
 typedef struct LagTape LagTape;
+typedef struct LagTable LagTable;
 
 /* Vectors in, vectors out, all dense; `work` is scratch. Returns 0, or anything else when it has no value here. */
 typedef int (*LagCode)(const double *const *in, double *const *out, double *work);
@@ -46,8 +47,8 @@ typedef struct {
 /* How far assembly may move a start value: it is a guess, it is exact, or nobody said anything about it. */
 enum { LAG_START_GUESS, LAG_START_FIXED, LAG_START_FREE, LAG_START_LOOSE }; /* FREE: nobody guessed it; LOOSE: and it moves no mass */
 
-/* When the argument x(t) = a + b t causes an event. */
-enum { LAG_EVENT_ZERO, LAG_EVENT_INTEGER };
+/* When the argument x(t) = a + b t causes an event: where it is 0, a whole number, or (LAG_EVENT_TABLE + k) a knot of table k. */
+enum { LAG_EVENT_ZERO, LAG_EVENT_INTEGER, LAG_EVENT_TABLE };
 
 /* Groups of like coordinates share one order of magnitude; angles have a natural one, so they are a group of their own. */
 enum { LAG_KIND_ANGLE };
@@ -73,6 +74,7 @@ struct LagModel {
     int n_rests;    /* behind these: 1 where a switch is held at its jump, which may take more than what moves, else 0 */
     int n_roots;    /* of positions, in the forces: these bend where what stands under one touches 0 */
     int n_cones;    /* slips in the plane, of which a force holds both components */
+    int n_lookups;  /* tables in time, whose pieces are modes */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
@@ -80,6 +82,8 @@ struct LagModel {
     const int *rubs;            /* 3 n_rubs: the switch of its slip, the event of the contact, whether no other force has the switch */
     const int *rests;           /* n_rests: the switch of each */
     const int *cones;           /* 2 n_cones: the switches of both components */
+    const int *lookups;         /* 2 n_lookups: the event whose argument a table is asked for, and the first of its modes */
+    const LagTable *tables;
     int outputs_need_acceleration; /* a or lambda */
     int switches_need_acceleration;
     const int *linear_pattern;     /* NULL unless the equations are linear: see linear_system.h */

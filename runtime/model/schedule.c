@@ -5,7 +5,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "model/model.h"
+#include "model/table.h"
 
 static const double ULPS = 8;
 
@@ -23,20 +23,28 @@ static double next_integer(double a, double b, double t, double resolution)
     return INFINITY; /* the integers are denser than times near t */
 }
 
-static double next_event(int kind, double a, double b, double t)
+static double next_knot(const LagTable *table, double a, double b, double t, double resolution)
+{
+    const double knot = lag_table_next(table, a + b * t, b > 0 ? 1 : -1, fabs(b) * resolution);
+    return isfinite(knot) ? (knot - a) / b : INFINITY;
+}
+
+static double next_event(const LagModel *model, int kind, double a, double b, double t)
 {
     if (b == 0)
         return INFINITY;
     const double resolution = lag_time_resolution(fabs(t) + fabs(a / b)), zero = -a / b;
     if (kind == LAG_EVENT_INTEGER)
         return next_integer(a, b, t, resolution);
+    if (kind >= LAG_EVENT_TABLE)
+        return next_knot(model->tables + (kind - LAG_EVENT_TABLE), a, b, t, resolution);
     return zero > t + resolution ? zero : INFINITY;
 }
 
-double lag_schedule_next(int n_events, const int *kind, const double *a, const double *b, double t)
+double lag_schedule_next(const LagModel *model, const double *a, const double *b, double t)
 {
     double next = INFINITY;
-    for (int i = 0; i < n_events; ++i)
-        next = fmin(next, next_event(kind[i], a[i], b[i], t));
+    for (int i = 0; i < model->n_events; ++i)
+        next = fmin(next, next_event(model, model->event_kind[i], a[i], b[i], t));
     return next;
 }

@@ -5,6 +5,7 @@
 #include "run/batch.h"
 #include "run/run.h"
 #include "model/jet_tape.h"
+#include "model/table.h"
 #include "model/tape.h"
 
 #define SIZE_OF(type) {#type, (int32_t)sizeof(type)}
@@ -12,6 +13,7 @@
 
 const LagSize lag_sizes[] = {
     SIZE_OF(LagTape),
+    SIZE_OF(LagTable),
     SIZE_OF(LagFunction),
     SIZE_OF(LagModel),
     SIZE_OF(LagSettings),
@@ -24,7 +26,7 @@ const LagSize lag_sizes[] = {
     SIZE_OF(LagSweep),
     SIZE_OF(LagOutcome),
     SIZE_OF(LagCycle),
-    COUNT_OF("LagStatus", LAG_WANTS_JACOBIAN),
+    COUNT_OF("LagStatus", LAG_TABLE_ENDED),
     COUNT_OF("LAG_SOLVER", LAG_SOLVERS - 1),
     COUNT_OF("LagOp", LAG_OP_COUNT - 1),
     COUNT_OF("LagJetOp", LAG_JET_COUNT - 1),

@@ -10,6 +10,7 @@
 #include "state/onset.h"
 #include "events/rest.h"
 #include "model/schedule.h"
+#include "model/table.h"
 #include "steps/step.h"
 #include "state/stepper.h"
 #include "steps/turns.h"
@@ -29,7 +30,7 @@ void lag_segment_enter(LagRun *run)
 {
     const LagModel *model = run->model;
     const double t = run->motion.t;
-    const double scheduled = lag_schedule_next(model->n_events, model->event_kind, run->event_a, run->event_b, t);
+    const double scheduled = lag_schedule_next(model, run->event_a, run->event_b, t);
     const double corner = lag_inputs_next(&run->inputs, t + lag_time_resolution(t));
     run->segment_end = fmin(scheduled, corner);
     run->segment_over = 0;
@@ -39,6 +40,7 @@ void lag_segment_enter(LagRun *run)
     for (int i = 0; i < model->n_modes; ++i)
         run->d_before[i] = run->d[i];
     lag_call(&model->modes, in, &run->d, run->work);
+    run->silent_table = lag_tables_read(model, run->event_a, run->event_b, inside, run->d);
 }
 
 /* `is_bend`: a switch has changed. Where accelerations are hardly another function of time for it, steps stay as they are. */
@@ -81,6 +83,10 @@ LagStatus lag_segment_evaluate(LagRun *run)
     LagMotion *motion = &run->motion;
     const int n = motion->n;
     motion->t_old = motion->t;
+    if (run->silent_table >= 0) {
+        run->segment_over = 1;
+        return lag_fail(run, LAG_TABLE_ENDED, -1, 0, run->silent_table);
+    }
     if (run->methods.solver == LAG_SOLVER_ORBIT) { /* the state or the equations are others now */
         lag_stepper_choose(run, run->choice.trouble(run, LAG_TROUBLE_DISTURBED));
         run->choice.reset(run);

@@ -8,12 +8,21 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from lagrangia.base.records import dataclass
+from lagrangia.base.table_data import TableData
 
 Scalar = Any  # float | ca.SX | Dual
 
 _NUMBERS = (float, int)
 # Keeps the square root in distances differentiable where two points coincide: the direction is then zero, not NaN.
 TINY = 1e-300
+
+
+class NotATimeError(Exception):
+    """A table that is too long, or says too little, for anything but a + b*time."""
+
+    def __init__(self, table: TableData) -> None:
+        super().__init__(table.name)
+        self.table = table
 
 
 class Algebra(Protocol):
@@ -43,6 +52,8 @@ class Algebra(Protocol):
         """"and", "or" and "not" of conditions."""
     def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
         """Straight lines between points (xs, ys), held beyond their ends: the value at x and, when asked for, the slope."""
+    def pieces(self, x: Scalar, table: TableData) -> list[Scalar]:
+        """Place x0 and coefficients of the polynomial in x - x0 that a table is at x, the constant first."""
 
 
 def slopes_of(xs: Sequence[Scalar], ys: Sequence[Scalar]) -> list[Scalar]:
@@ -61,6 +72,15 @@ def nested_lines(algebra: Algebra, x: Scalar, xs: Sequence[Scalar], ys: Sequence
 
     lines = [y + (x - at) * slope for at, y, slope in zip(xs, ys, slopes, strict=False)]
     return choose(lines, ys[0], ys[-1]), lambda: choose(slopes, 0.0, 0.0)
+
+
+def looked_up(algebra: Algebra, x: Scalar, table: TableData) -> Scalar:
+    """What a table is at x, with its rates."""
+    place, *coefficients = algebra.pieces(x, table)
+    value, way = coefficients[-1], minus(x, place)
+    for coefficient in reversed(coefficients[:-1]):
+        value = plus(times(way, value), coefficient)
+    return value
 
 
 # -------------------------------------------------------------------- values with their rates
@@ -213,6 +233,10 @@ class DualAlgebra:
         value, slope = self.base.lines(value_of(x), xs, ys)
         return Dual(value, times(slope(), rate_of(x)) if not is_zero(rate_of(x)) else 0.0), slope
 
+    def pieces(self, x: Scalar, table: TableData) -> list[Scalar]:
+        """As of the algebra beneath: between knots they do not move."""
+        return self.base.pieces(value_of(x), table)
+
 
 @dataclass(frozen=True)
 class GlidingAlgebra(DualAlgebra):
@@ -245,6 +269,11 @@ class GlidingAlgebra(DualAlgebra):
             return 1.0 - conditions[0]
         a, b = conditions
         return a * b if operator == "and" else a + b - a * b
+
+    def pieces(self, x: Scalar, table: TableData) -> list[Scalar]:
+        """Only steps jump."""
+        found = super().pieces(x, table)
+        return found if table.degree else [found[0], self._gliding(found[1], 0.0)]
 
     def _gliding(self, value: Scalar, rate: Scalar) -> Scalar:
         rate = plus(rate, self.glide(value))

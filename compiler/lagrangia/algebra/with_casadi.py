@@ -3,19 +3,23 @@
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import field
-from functools import cached_property, partial, reduce
+from functools import cached_property, partial
 from itertools import accumulate, pairwise
 from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra.duals import TINY, Scalar, is_zero, minus, nested_lines, slopes_of
+from lagrangia.algebra.duals import TINY, NotATimeError, Scalar, is_zero, minus, nested_lines, slopes_of
+from lagrangia.algebra.lookup_functions import TableUse, in_force, written
 from lagrangia.algebra.numbering import Numbering
 from lagrangia.algebra.scalars import apply, apply_to_one, as_expression, symbols_in
 from lagrangia.algebra.scalars import symbol as make_symbol
 from lagrangia.base.records import dataclass
+from lagrangia.base.table_data import Beyond, TableData, lines_between
 
 _NUMBERS = (float, int)
+_FIRST_TABLE = 2  # kind of the events of table 0
+_MOST_KNOTS = 2_000  # of a table that is written out, as one along a coordinate
 
 
 @dataclass
@@ -23,13 +27,29 @@ class Mode:
     """A quantity that is constant between two time events: a relation, a floor, or what a table in time says of a line.
 
     `value` gives it as a function of t (the middle of the segment) and p; the events are where one of the arguments crosses
-    zero (kind 0) or an integer (kind 1).
+    zero (kind 0), an integer (kind 1) or a knot of table k (kind 2 + k). Of a table, `use`, it is a number of its piece.
     """
 
     symbol: ca.SX
-    value: ca.SX
+    formula: ca.SX | None
     arguments: Sequence[ca.SX]
     kind: int
+    use: TableUse | None = None
+    column: int = 0
+
+    @property
+    def jumps(self) -> bool:
+        """Whether what is made of it may jump, or its rate, at an event: splines do not, but where they end and are held."""
+        table = None if self.use is None else self.use.table
+        return table is None or table.degree < 3 or table.beyond is Beyond.HOLD
+
+    @property
+    def value(self) -> ca.SX:
+        """At a time that is no event."""
+        if self.use is not None:
+            return as_expression(self.use.pieces[self.column])
+        assert self.formula is not None
+        return self.formula
 
 
 @dataclass
@@ -41,6 +61,8 @@ class ModeIndex:
     hashes: set[int] = field(default_factory=set)  # of these symbols
     modes: list[Mode] = field(default_factory=list)  # all of them, of all islands
     lengths: dict[int, ca.SX] = field(default_factory=dict)  # x of |x| that are lengths, by their numbers
+    tables: list[TableData] = field(default_factory=list)  # in time, each once
+    literals: dict[Hashable, TableData] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -156,13 +178,47 @@ class CasadiAlgebra:
         columns = [[xs[0], *xs], [ys[0], *ys], [0.0, *slopes_of(xs, ys), 0.0]]
         rest = self._at_rest(x)
         crossing = self._crossing(rest) if self._are_fixed([*xs, *ys]) else None
+        if crossing is not None and crossing.step is None and all(isinstance(entry, _NUMBERS) for entry in (*xs, *ys)):
+            place, value, slope = self.pieces(x, self._literal(xs, ys))
+            return value + (x - place) * slope, lambda: slope
         where = _cases([apply(ca.OP_LT, crossing.value, at) if crossing else self.compare("<", rest, at) for at in xs], xs)
-        found = [_in_force(where, column) for column in columns]
+        found = [in_force(where, column) for column in columns]
         if crossing:
             key, arguments = (crossing.number, *(self._key(entry) for entry in (*xs, *ys))), crossing.arguments(xs)
             found = [self._mode(("lines", k, key), value, arguments, crossing.kind) for k, value in enumerate(found)]
         place, value, slope = found
         return value + (x - place) * slope, lambda: slope
+
+    def pieces(self, x: Scalar, table: TableData) -> list[Scalar]:
+        """Place and coefficients of the piece in force: modes, where time alone decides; else sums over all pieces."""
+        if not isinstance(x, ca.SX):
+            return list(table.piece(float(x)))
+        rest = self._at_rest(x)
+        crossing = self._crossing(rest)
+        if crossing is not None and crossing.step is None:
+            return self._pieces_in_time(crossing.number, x, table)
+        if table.n > _MOST_KNOTS or table.beyond is Beyond.ERROR:
+            raise NotATimeError(table)
+        moved: Scalar = 0.0
+        if table.beyond is Beyond.PERIODIC:
+            moved = self.call("floor", (rest - table.knot(0)) / table.period) * table.period
+        place, *coefficients = written(table, [self.compare("<", rest - moved, at) for at in table.knots()])
+        return [place + moved, *coefficients]
+
+    def _pieces_in_time(self, number: int, x: ca.SX, table: TableData) -> list[Scalar]:
+        known = next((k for k, other in enumerate(self.index.tables) if other.is_like(table)), len(self.index.tables))
+        if known == len(self.index.tables):
+            self.index.tables.append(table)
+        use, arguments = TableUse(table, known, x), [x]
+        return [self._mode(("table", known, column, number), None, arguments, _FIRST_TABLE + known, use, column)
+                for column in range(2 + table.degree)]
+
+    def _literal(self, xs: Sequence[float], ys: Sequence[float]) -> TableData:
+        """Straight lines between points, held beyond their ends."""
+        key = "points", tuple(xs), tuple(ys)
+        if key not in self.index.literals:
+            self.index.literals[key] = lines_between(xs, ys)
+        return self.index.literals[key]
 
     def _at_rest(self, x: Scalar) -> Scalar:
         """What decides about conditions."""
@@ -193,6 +249,8 @@ class CasadiAlgebra:
             is_timed = self.time.__hash__() in hashes and self._is_straight(value)
             return _Crossing(self._number(value), value, value) if is_timed else None
         floor, *others = [mode for mode in self.index.modes if mode.symbol.__hash__() in hashes]
+        if floor.use is not None:
+            return None
         straight, step = ca.substitute(value, floor.symbol, ca.SX(0)), ca.jacobian(value, floor.symbol)
         if others or floor.value.op() != ca.OP_FLOOR or ca.depends_on(step, ca.vertcat(self.time, floor.symbol)):
             return None
@@ -212,11 +270,12 @@ class CasadiAlgebra:
     def _moving(self) -> frozenset[int]:
         return frozenset(x.__hash__() for x in self.state.elements())
 
-    def _mode(self, key: Hashable, value: ca.SX, arguments: Sequence[ca.SX], kind: int) -> ca.SX:
+    def _mode(self, key: Hashable, value: ca.SX | None, arguments: Sequence[ca.SX], kind: int, use: TableUse | None = None,
+              column: int = 0) -> ca.SX:
         if key not in self.index.symbols:
             made = self.index.symbols[key] = make_symbol(f"d_{len(self.modes)}")
             self.index.hashes.add(made.__hash__())
-            mode = Mode(made, value, arguments, kind)
+            mode = Mode(made, value, arguments, kind, use, column)
             self.modes.append(mode)
             self.index.modes.append(mode)
         return self.index.symbols[key]
@@ -257,13 +316,6 @@ def _are_mirrored(a: Scalar, b: Scalar, op: int) -> bool:
 def _of_sign(x: Scalar) -> Scalar:
     """What is as positive as x."""
     return x.dep(0) if isinstance(x, ca.SX) and x.op() == ca.OP_SIGN else x
-
-
-def _in_force(where: list[Scalar], column: list[Scalar]) -> Scalar:
-    """What stands in the column where a condition holds. No choice is in another one: what is made of them grows with the column,
-    not with its square."""
-    pieces = [apply(ca.OP_IF_ELSE_ZERO, here, x) for here, x in zip(where, column, strict=True) if not is_zero(x)]
-    return reduce(lambda a, b: a + b, pieces, as_expression(0.0))
 
 
 STEPS = frozenset(getattr(ca, f"OP_{name}") for name in ("FLOOR", "CEIL", "SIGN", "FMOD", "COPYSIGN", "LT", "LE", "EQ", "NE",

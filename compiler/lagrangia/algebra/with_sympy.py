@@ -12,6 +12,7 @@ from typing import Any
 import sympy as sp
 
 from lagrangia.algebra.duals import Scalar, nested_lines
+from lagrangia.base.table_data import Beyond, TableData
 
 Expr = Any  # sp.Expr, whose type hints are not complete
 _STEPS = (sp.sign, sp.floor, sp.ceiling)
@@ -64,6 +65,16 @@ class SympyAlgebra:
     def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
         """The table as nested choices, and its slope."""
         return nested_lines(self, x, xs, ys)
+
+    def pieces(self, x: Scalar, table: TableData) -> list[Scalar]:
+        """Each as a Piecewise of x."""
+        x, n = sp.sympify(x), table.n
+        moved = exact(table.period) * sp.floor((x - exact(table.knot(0))) / exact(table.period)) \
+            if table.beyond is Beyond.PERIODIC else sp.S.Zero
+        columns = zip(*(map(exact, table.piece_number(k)) for k in range(n + 1)), strict=True)
+        cases = [sp.Lt(x - moved, exact(table.knot(k))) for k in range(n)]
+        place, *others = [sp.Piecewise(*zip(column, (*cases, True), strict=True)) for column in columns]
+        return [place + moved, *others]
 
 
 def _truth(condition: Scalar) -> Any:

@@ -22,13 +22,17 @@ _TABLES = (".csv", ".txt", ".dat")
 
 
 def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[str, ...]) -> Model:
-    """The model; parameters that turn out to be structural are compiled in, and its formulas are those that the others need."""
+    """The model; parameters that turn out to be structural are compiled in, and its formulas are those that the others need.
+    Raises LagError L0004 where a result would take the place of a table that it reads."""
     names = {name for name, _ in given}
     structural = {}
     if names:
         known = _structural_names(options, outputs)
         structural = {name: _structural_value(value) for name, value in given if name in known}
     model = Model(options.file, options.model, structural, outputs)
+    usual = (f"{options.file.stem}.csv", f"{options.file.stem}_sweep.csv")
+    written = [getattr(options, name, None) for name in ("output", "plot", "animate")]
+    keep_apart([*written, *(() if written[0] is not None else usual)], model.scene.notes["files"])
     model.native = {"native": True, "tape": False}.get(getattr(options, "engine", "auto"))
     return model.fitting(open_parameters(model.scene, given))
 

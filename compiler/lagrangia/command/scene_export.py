@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lagrangia.algebra.lookup_functions import MOST_WRITTEN
 from lagrangia.base.diagnostics import Diagnostic, fail, suggest
 from lagrangia.base.result_files import Target, keep_apart, write_text
 from lagrangia.base.spelling import python_text
@@ -36,7 +37,7 @@ def export(model: "Model", target: str, path: Path, names: Mapping[str, str] | N
     Raises LagError: L0704 for an unknown target, L0712 for a scene too large, L0909 for one whose supports' rates jump.
     """
     _require_target(target)
-    keep_apart([path], [model.path])
+    keep_apart([path], [model.path, *model.scene.notes["files"]])
     if target == "casadi":
         _require_smooth(model, target)
         count = _write_casadi(model, path)
@@ -66,6 +67,9 @@ def _require_target(target: str) -> None:
 def _require_smooth(model: "Model", target: str) -> None:
     """Raises LagError L0909 where impulses act, which right-hand sides do not tell of."""
     compilation = model.compilation
+    if target == "python" and (long := [table for table in model.scene.tables if table.n > MOST_WRITTEN]):
+        fail("L0901", f"not supported yet: the table '{long[0].name}' of {long[0].n} points in the export to python", None,
+             f"it writes tables of at most {MOST_WRITTEN} points out; --to casadi and --to fmu look up what is longer")
     if whens := compilation.flat.whens:
         fail("L0909", f"not supported yet: to export a scene to {target} whose rates are reset at events", whens[0].span,
              "an FMU has the events: --to fmu")

@@ -7,6 +7,7 @@ from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.folders import data_folder
 from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
+from lagrangia.command.tables_topic import TABLES
 
 _LANGUAGE = """\
 A file holds models. A model declares parameters, components and coordinates, joins frames by equations, and states energies:
@@ -49,7 +50,7 @@ equation for i in 1:n-1 loop connect(link[i].b, link[i+1].a); end for;
 A literal may carry a unit: 30[deg], 1.5[kN/m]. A bare number takes the unit of its place. Dimensions are checked.
 Gravity is {0, -9.81} unless the scene declares World world(gravity = {0, 0}). A body that is joined to nothing floats with
 coordinates of its own, named after its frame: bar.center.x, bar.center.y, bar.center.phi. Ground is always written: a = world.
-See also: lag help library, functions, events, units.
+See also: lag help library, functions, events, tables, units.
 """
 
 _EVENTS = """\
@@ -96,6 +97,7 @@ dot(a, b) cross(a, b) norm(a) rotate(vector, angle)      of vectors of two compo
 distance(a, b)      between two frames or points
 sum(e for i in 1:n), product(...), {e for i in 1:n}      over a range
 table(x, {x1, x2, ...}, {y1, y2, ...})                   straight lines between points, held beyond the ends
+table(time, "road.csv", column = "z")                    a column of a file over its first one: lag help tables
 step(x) pulse(t, start, width) pulse_train(t, start, width, period) ramp(t, start, duration)
 if c then a else b  in a formula; a condition on time alone, linear in it or in mod and floor of it, is met exactly: the
                     integrator stops there. Where another one in a force changes (a contact, a point of a table along a
@@ -456,6 +458,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "events": ("events that reset rates: impacts, contacts, kicks", lambda: _EVENTS),
     "drawing": ("how components look: the drawing section", drawing_topic),
     "curves": ("pictures of runs: curves, phase portraits, spectra, sections", curves_topic),
+    "tables": ("tables of files and points: roads, measured forces", lambda: TABLES),
     "units": ("units and dimensions", lambda: _UNITS),
     "solver": ("how a scene is run, tolerance, cache, environment", lambda: _SOLVER),
     "sweep": ("many runs: values, measures, failures, going on, clusters", lambda: _SWEEP),

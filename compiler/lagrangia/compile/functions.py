@@ -85,7 +85,8 @@ def build_functions(
     table |= _start_functions(kinematics, motion, initial)
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places, **switches.patterns}
+    patterns |= {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places, **switches.patterns,
+                 "lookups": find_lookups(modes)}
     refused |= _refusals(bool(jacobian.values) or "jacobian_waits" in jacobian.sizes, bool(len(patterns.get("cones", ()))))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
@@ -118,8 +119,8 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(kind for _, kind in _events(modes)), power.numel(), False,
-                     patterns | {"jacobian_pattern": jacobian.pattern, **switches.patterns}, refused,
-                     {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
+                     patterns | {"jacobian_pattern": jacobian.pattern, **switches.patterns, "lookups": find_lookups(modes)},
+                     refused, {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
 
 
 def _watched(motion: Motion, switches: Switches) -> dict[str, list[ca.SX]]:
@@ -385,6 +386,17 @@ def _events(modes: list[Mode]) -> list[tuple[ca.SX, int]]:
     return [(argument, mode.kind) for mode in shared.values() for argument in mode.arguments]
 
 
+def find_lookups(modes: list[Mode]) -> tuple[int, ...]:
+    """LagModel.lookups: of each table in time its event and its first mode."""
+    shared = {id(mode.arguments): mode for mode in modes}
+    starts, event = {}, 0
+    for key, mode in shared.items():
+        starts[key] = event
+        event += len(mode.arguments)
+    firsts = {id(mode.arguments): k for k, mode in reversed([*enumerate(modes)]) if mode.use}
+    return tuple(x for key in shared if key in firsts for x in (starts[key], firsts[key]))
+
+
 def _mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]:
     """Modes at a time, and the arguments a + b t whose crossings are events."""
     if not modes:
@@ -394,5 +406,6 @@ def _mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]
     slopes, offsets = ca.densify(ca.jtimes(arguments, t, ca.SX(1))), ca.substitute(arguments, t, ca.SX(0))
     return {
         "events": ca.Function("events", [p], [offsets, slopes], ["p"], ["a", "b"]),
-        "modes": ca.Function("modes", [t, p], [ca.vertcat(*[mode.value for mode in modes])], ["t", "p"], ["d"]),
+        "modes": ca.Function("modes", [t, p], [ca.vertcat(*[ca.SX(0) if mode.use else mode.value for mode in modes])],
+                             ["t", "p"], ["d"]),  # the run time looks tables up
     }

@@ -21,6 +21,7 @@ from lagrangia.language.component_library import drawn_library, library
 from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
 from lagrangia.language.given_values import Given, redeclared
+from lagrangia.language.lookups import read_tables
 from lagrangia.language.syntax import parse
 from lagrangia.language.without_effect import find_unused_imports
 from lagrangia.run.formulas import AS_DECLARED, Formulas
@@ -214,7 +215,7 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
         definition = _choose(syntax, model)
         flat = flatten(table, definition, structural)
         unused = find_unused_imports(syntax, _brought(syntax, imported)) if syntax.imports else Report()
-        return syntax, replace(flat, warnings=(*flat.warnings, *unused.diagnostics))
+        return syntax, replace(flat, warnings=(*flat.warnings, *unused.diagnostics), tables=read_tables(flat.lookups))
 
 
 def _brought(main: "Syntax", imported: "list[Syntax]") -> "list[tuple[ImportFile, list[Syntax]]]":

@@ -64,6 +64,7 @@ def build_scene(
         coordinates=coordinates, rates=rates, outputs=outputs, parameters=parameters, inputs=inputs, aliases=aliases,
         start=experiment.start, stop=experiment.stop, tolerance=experiment.tolerance, interval=experiment.interval,
         sizes=sizes, patterns=functions.patterns, tapes=tapes, islands=(), evenness=_evenness(motion),
+        tables=tuple(kinematics.algebra.index.tables),
         coordinate_kind=tuple(kinds[c.unit] for c in started), fixed=tuple(map(int, initial.fixed)),
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
         notes=_notes(motion, tapes) | {"form": functions.form.why if functions.form else ""}
@@ -111,7 +112,9 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
                             *events)
     used = symbols_in(everything)
     is_kicked = "kick" in scene.tapes  # by modes that may stand in no equation
-    modes = [mode for mode in kinematics.algebra.modes if is_kicked or mode.symbol.__hash__() in used]
+    asked = {id(mode.arguments) for mode in kinematics.algebra.modes if mode.use and mode.symbol.__hash__() in used}
+    modes = [mode for mode in kinematics.algebra.modes
+             if is_kicked or mode.symbol.__hash__() in used or id(mode.arguments) in asked]  # of a table all
     algebra = replace(kinematics.algebra, modes=modes)
     functions = build_island_functions(replace(kinematics, algebra=algebra), motion)
     tapes = {name: tape_of(function) for name, function in functions.table.items()}
@@ -136,7 +139,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "n_whens": motion.impacts.conditions.numel(), "n_resets": motion.impacts.rates.numel(),
         "n_roots": functions.table["roots"].numel_out(0) if "roots" in functions.table else 0,
         "n_rubs": len(functions.patterns.get("rubs", ())) // 3, "n_rests": len(functions.patterns.get("rests", ())),
-        "n_cones": len(functions.patterns.get("cones", ())) // 2,
+        "n_cones": len(functions.patterns.get("cones", ())) // 2, "n_lookups": len(functions.patterns["lookups"]) // 2,
         "has_corners": int(corners_remain(motion)), "may_hide": int(may_hide(usual_rhs(tapes))),
         "conditions_know_time": int(ca.depends_on(motion.impacts.conditions, motion.t)),
         "is_steady": int(_is_steady(functions)),
@@ -219,7 +222,8 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     lines = find_idle_lines(kinematics, initial).diagnostics
     found = (*model.warnings, *lines, *find_idle_statements(kinematics.graph, lines).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
-    return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts}
+    files = sorted({lookup.path for lookup in model.lookups})
+    return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files}
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:

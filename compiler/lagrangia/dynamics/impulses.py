@@ -24,6 +24,7 @@ from lagrangia.dynamics.kkt import factor
 from lagrangia.dynamics.motion import Motion, generalised_force, mass_matrix, solve_mass
 from lagrangia.frames.kinematics import Kinematics
 
+_FIRST_KNOTS = 50  # of a table of steps
 _NOTHING = 1e-6  # of the size of its terms: an impulse that is rounding
 
 
@@ -37,14 +38,19 @@ class Kick:
 
 def rates_jump(kinematics: Kinematics, constraints: Constraints) -> bool:
     """Whether there are kicks, of scenes that are not compiled as a whole."""
-    modes = kinematics.algebra.mode_symbols
+    modes = _jumping(kinematics)
     if modes.numel() == 0:
         return False
-    energies, before = evaluate_energies(kinematics), ca.SX.sym("before", modes.numel())
+    energies, before = evaluate_energies(kinematics), ca.SX.sym("before", len(kinematics.algebra.modes))
     q, v = (ca.vertcat(*values.values()) for values in (kinematics.symbols.positions, kinematics.symbols.rates))
     momentum = ca.gradient(energies.total(energies.kinetic), v)
     return bool(ca.depends_on(ca.vertcat(momentum, *(row.rate(kinematics) for row in constraints.rows)), modes)
-                or _impulse_of_dampers(kinematics, q, v, modes, before) is not None)
+                or _impulse_of_dampers(kinematics, q, v, kinematics.algebra.mode_symbols, before) is not None)
+
+
+def _jumping(kinematics: Kinematics) -> ca.SX:
+    """The symbols of the modes with which something may jump."""
+    return ca.vertcat(ca.SX(0, 1), *[mode.symbol for mode in kinematics.algebra.modes if mode.jumps])
 
 
 def find_kick(kinematics: Kinematics, motion: Motion) -> Kick:
@@ -55,9 +61,11 @@ def find_kick(kinematics: Kinematics, motion: Motion) -> Kick:
     if not modes.numel():
         return Kick(ca.SX(0, 1), before)
     impulse = _impulse_of_dampers(kinematics, motion.q, motion.v, modes, before)
-    if impulse is None and not ca.depends_on(ca.vertcat(motion.momentum, rows), modes):
+    jumping, earlier = _jumping(kinematics), [before[k] for k, mode in enumerate(kinematics.algebra.modes) if mode.jumps]
+    if impulse is None and not ca.depends_on(ca.vertcat(motion.momentum, rows), jumping):
         return Kick(ca.SX(0, 1), before)
-    gained = motion.momentum - ca.substitute(motion.momentum, modes, before) - (0 if impulse is None else impulse)
+    gained = motion.momentum - ca.substitute(motion.momentum, jumping, ca.vertcat(ca.SX(0, 1), *earlier))
+    gained -= 0 if impulse is None else impulse
     if held is None:
         return Kick(ca.densify(solve_mass(kinematics, motion, -gained)), before)
     rates, _ = factor(mass_matrix(motion), held.J, True).solve(-gained, -rows, refine=False)
@@ -84,6 +92,9 @@ def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, modes: ca.SX, bef
     """Whether there is an impulse at some event, with parameters and positions like any others: ramps go on where they were.
     It is compared with its `size`, that of its terms, there and at a time when all modes change at once."""
     t, (p, numbers) = kinematics.symbols.time, usual_parameters(kinematics)
+    times = [*_event_times(kinematics, p, numbers)]
+    if not times:
+        return False
     in_force = ca.Function("modes", [t, p], [ca.vertcat(*[mode.value for mode in kinematics.algebra.modes])])
     known = ca.vertcat(t, p, modes, before)
     others = ca.vertcat(ca.SX(0, 1), *[x for x in ca.symvar(ca.vertcat(impulse, size)) if not ca.depends_on(known, x)])
@@ -94,7 +105,7 @@ def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, modes: ca.SX, bef
         return [float(np.abs(np.array(x)).max(initial=0.0)) for x in strike(when, numbers, after, earlier, rest)]
 
     usual = sizes(0.7, np.ones(modes.numel()), np.zeros(modes.numel()))[1]
-    for when in _event_times(kinematics, p, numbers):
+    for when in times:
         beside = 1e-9 * max(1.0, abs(when))
         found, own = sizes(when, in_force(when + beside, numbers), in_force(when - beside, numbers))
         if found > _NOTHING * max(own, usual):
@@ -103,10 +114,17 @@ def _acts(kinematics: Kinematics, impulse: ca.SX, size: ca.SX, modes: ca.SX, bef
 
 
 def _event_times(kinematics: Kinematics, p: ca.SX, numbers: NDArray[np.float64]) -> Iterator[float]:
-    """Of each condition that crosses zero, and three of each that crosses integers."""
-    arguments = [(argument, mode.kind) for mode in kinematics.algebra.modes for argument in mode.arguments]
+    """Of each condition that crosses zero, three of each that crosses integers, and the first knots of tables of steps: others do
+    not jump."""
+    modes = [mode for mode in kinematics.algebra.modes if mode.use is None]
+    arguments = [(argument, mode.kind) for mode in modes for argument in mode.arguments]
     values = ca.Function("arguments", [kinematics.symbols.time, p], [ca.vertcat(*[argument for argument, _ in arguments])])
     start, later = (np.array(values(moment, numbers)).ravel() for moment in (0.0, 1.0))
     for (_, kind), a, slope in zip(arguments, start, later - start, strict=True):
         levels = range(math.ceil(a), math.ceil(a) + 3) if kind else (0,)
         yield from (float((level - a) / slope) for level in levels if slope)
+    steps = {id(mode.use): mode.use for mode in kinematics.algebra.modes if mode.use is not None and mode.use.table.degree == 0}
+    for use in steps.values():
+        argument = ca.Function("argument", [kinematics.symbols.time, p], [use.argument])
+        a, later_a = (float(argument(moment, numbers)) for moment in (0.0, 1.0))
+        yield from ((use.table.knot(k) - a) / (later_a - a) for k in range(min(use.table.n, _FIRST_KNOTS)) if later_a != a)

@@ -31,6 +31,7 @@ from lagrangia.fmu.xml import About
 from lagrangia.fmu.xml2 import write_fmi2
 from lagrangia.fmu.xml3 import write_build_description, write_fmi3
 from lagrangia.native.prebuilt import find_fmu
+from lagrangia.native.table_code import MOST_WRITTEN, are_long
 from lagrangia.run.engines import compile_seconds, saved_seconds
 from lagrangia.run.library import has_compiler
 from lagrangia.run.rules import FMU_RUNS, Code, Moment, decide
@@ -103,7 +104,7 @@ def export_fmus(
     name = f"{identifier_of(model.scene.name)}.fmu"
     target = Path(name) if path is None else Path(path, name) if os.path.isdir(path) else Path(path)
     both = {version: target.with_name(f"{target.stem}_fmi{version}{target.suffix or '.fmu'}") for version in versions}
-    keep_apart([target, *both.values()], [model.path])
+    keep_apart([target, *both.values()], [model.path, *model.scene.notes["files"]])
     written = []
     for version in versions:
         here = target if len(versions) == 1 else both[version]
@@ -135,6 +136,9 @@ def archive(described: FmuModel, wanted: Export, extras: Extras, tell: Callable[
     token = f"{{{content[:8]}-{content[8:12]}-{content[12:16]}-{content[16:20]}-{content[20:32]}}}"
     sources = _sources(described, wanted.version, token)
     library = _shipped(described, wanted)
+    if are_long(scene.tables) and (library is None or wanted.sources):
+        fail("L0901", "not supported yet: an FMU that is compiled, or has its sources, of tables with more than "
+             f"{MOST_WRITTEN} numbers in all", None, "a binary for this machine alone reads them: --engine tape --no-sources")
     binaries = build_binaries(identifier, sources, wanted.platforms, tell) if library is None else library
     if not binaries and not wanted.sources:
         fail("L0706", "an FMU without binaries and without sources cannot be used", None, "leave one of the two options out")
@@ -201,9 +205,10 @@ def build_extras(model: Exportable, described: FmuModel) -> Extras:
 
 
 def model_files(model: Exportable) -> dict[str, bytes]:
-    """The .lag files, as they lie to each other so that imports find them, and what to compile of them."""
+    """The .lag files and their tables, as they lie to each other so that they find each other, and what to compile of them."""
     main, imported = read_files(model.path)
     places = {Path(item.source.name).resolve(): item.source.text.encode() for item in (main, *imported)}
+    places |= {Path(name).resolve(): Path(name).read_bytes() for name in model.scene.notes["files"]}
     base = os.path.commonpath([place.parent for place in places])
     files = {place.relative_to(base).as_posix(): content for place, content in places.items()}
     scene = {"file": model.path.resolve().relative_to(base).as_posix(), "model": model.model,

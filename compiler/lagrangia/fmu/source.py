@@ -17,7 +17,7 @@ def scene_source(model: FmuModel) -> str:
     scene = model.scene
     long = [name for name, tape in scene.tapes.items() if _is_long(tape)]
     return write_c(scene.name, sizes_of(model), scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
-                   long)
+                   long, scene.tables)
 
 
 def _is_long(tape: Tape) -> bool:

@@ -15,6 +15,7 @@ from typing import Any, cast
 from zlib import adler32
 
 from lagrangia.base.folders import data_folder
+from lagrangia.base.table_data import TableData
 from lagrangia.fmu.tables import constants, sizes_of, vectors
 from lagrangia.fmu.variables import FmuModel
 from lagrangia.native.prebuilt import digest
@@ -24,7 +25,8 @@ from lagrangia.run.runtime import MIRRORS
 NAME = "scene.tape"  # among the resources
 _HEAD = struct.Struct("=8s64s7Q")
 _MAGIC = b"LAGFMU\0\1"
-_TAPE, _FUNCTION, _MODEL = (cast("type[c.Structure]", MIRRORS[name]) for name in ("LagTape", "LagFunction", "LagModel"))
+_TAPE, _FUNCTION, _MODEL, _TABLE = (cast("type[c.Structure]", MIRRORS[name])
+                                    for name in ("LagTape", "LagFunction", "LagModel", "LagTable"))
 _WORD = 8  # what is put begins at a multiple of it
 _PAGE_TOKEN = "page"  # LAG_PLAY_TOKEN of play.h
 _VECTORS = ("reals", "integers", "booleans", "strings", "names", "state_start", "state_settable", "nominal", "input_start",
@@ -81,6 +83,8 @@ def _filled(kind: type[c.Structure], model: FmuModel, token: str, sizes: Mapping
         own.point(name, image.ints(places))
     for name, tape in scene.tapes.items():
         own.function(name, tape, image)
+    if scene.tables:
+        own.point("tables", image.row([_table(table, image) for table in scene.tables]))
     fmu.point("model", image.structure(own))
     fmu.point("token", image.text(token))
     for name in ("start", "tolerance"):
@@ -95,6 +99,16 @@ def _filled(kind: type[c.Structure], model: FmuModel, token: str, sizes: Mapping
     fmu.point("names", image.texts([variable.name for variable in model.variables]))
     fmu.point("strings", image.texts([str(x) for x in constants(model)["string"]]))
     return fmu
+
+
+def _table(table: TableData, image: "_Image") -> "_Struct":
+    plain = _Struct(_TABLE, image.layout)
+    for name in ("n", "degree", "beyond", "start", "pitch"):
+        plain.set(name, getattr(table, name))
+    for name in ("x", "y", "slopes"):
+        if len(getattr(table, name)):
+            plain.point(name, image.put(bytes(memoryview(getattr(table, name)).cast("B"))))
+    return plain
 
 
 class _Layout:
@@ -179,6 +193,11 @@ class _Image:
         size = self.layout.pointer
         first = self.put(b"".join(distance.to_bytes(size, sys.byteorder) for distance in distances))
         self._places += [first + size * k for k in range(len(distances))]
+        return first
+
+    def row(self, made: Sequence[_Struct]) -> int:
+        """An array of structures."""
+        first, *_ = [self.structure(one) for one in made]
         return first
 
     def structure(self, made: _Struct) -> int:

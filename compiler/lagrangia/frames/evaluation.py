@@ -7,17 +7,28 @@ level 2 Duals of Duals with the acceleration as well. `der(e)` at level k is the
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
-from itertools import pairwise
 from math import copysign
 from typing import Any, Protocol, TypeAlias
 
-from lagrangia.algebra.duals import Algebra, Dual, DualAlgebra, Scalar, minus, nested_lines, plus, rate_of, times
+from lagrangia.algebra.duals import (
+    Algebra,
+    Dual,
+    DualAlgebra,
+    Scalar,
+    minus,
+    plus,
+    rate_of,
+    times,
+)
 from lagrangia.base.diagnostics import Span, fail
+from lagrangia.base.table_data import TableData
 from lagrangia.frames.planar import cross, turned_vector
+from lagrangia.frames.table_values import lines_value, table_of_points, table_value
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.consequences import name_of_constraint, side_of
 from lagrangia.language.events import are_alike, contact_of, kept_by, name_of_contact
 from lagrangia.language.flat import FlatModel
+from lagrangia.language.lookups import lookup_of
 from lagrangia.language.tree import (
     Array,
     Binary,
@@ -67,6 +78,7 @@ class Evaluator:
         self._known: dict[tuple[str, int], Value] = {}
         self._pending: list[str] = []
         self._results: dict[tuple[Any, ...], tuple[list[Value], Value]] = {}  # of functions; arguments are kept, their ids last
+        self._tables: dict[int, tuple[Call[Flat], TableData]] = {}  # of points with options, by calls that are kept
         self._statements = 0
         self._asked: Span | None = None  # the call outside functions that is evaluated
 
@@ -195,6 +207,8 @@ class Evaluator:
             return self._contact_force(node, level)
         if node.function == "constraint_force":
             return self._constraint_force(node, level)
+        if node.function == "table" and (node.named or len(node.arguments) == 2):
+            return self._look_up(node, level, local)
         if node.function == "sqrt" and (parts := _squared(node.arguments[0])) is not None:
             return self._root_of_squares(parts, level, local)
         arguments = [self.value(argument, level, local) for argument in node.arguments]
@@ -208,6 +222,15 @@ class Evaluator:
         numbers = [_number(value, argument.span) for value, argument in zip(arguments, node.arguments, strict=True)]
         with _computable(node.span):
             return self.algebras[level].call(node.function, *numbers)
+
+    def _look_up(self, node: Call[Flat], level: int, local: Mapping[str, Value] | None) -> Scalar:
+        """table(x, "file", ...), and tables of points with options."""
+        x = _number(self.value(node.arguments[0], level, local), node.arguments[0].span)
+        if len(node.arguments) == 2:
+            return table_value(self.algebras[level], x, self.model.tables[lookup_of(node)].data, node)
+        if id(node) not in self._tables:
+            self._tables[id(node)] = node, table_of_points(node, *(self.value(points) for points in node.arguments[1:]))
+        return table_value(self.algebras[level], x, self._tables[id(node)][1], node)
 
     def _rate(self, node: Call[Flat], level: int, local: Mapping[str, Value] | None) -> Value:
         if local is not None:
@@ -443,18 +466,8 @@ def _product_of(evaluator: Evaluator, arguments: list[Value], level: int, span: 
 
 
 def _table(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
-    """table(x, xs, ys): straight lines between the points, held beyond the ends."""
-    x, (xs, ys) = _number(arguments[0], span), arguments[1:]
-    if not isinstance(xs, tuple) or not isinstance(ys, tuple) or len(xs) != len(ys) or len(xs) < 2:
-        fail("L0303", "table(x, {x1, x2, ...}, {y1, y2, ...}) needs two arrays of equal size, at least 2", span)
-    if any(isinstance(a, float | int) and isinstance(b, float | int) and b <= a for a, b in pairwise(xs)):
-        fail("L0303", "the x of a table must rise", span)
-    algebra = evaluator.algebras[level]
-    if len(xs) > algebra.most_points:
-        fail("L0712", f"a table of {len(xs)} points is too long to be written out", span, f"at most {algebra.most_points}",
-             "model.functions() of the Python interface has M, h and the accelerations of any scene")
-    moves = any(isinstance(v, Dual) for v in (*xs, *ys))
-    return (nested_lines(algebra, x, xs, ys) if moves else algebra.lines(x, xs, ys))[0]
+    x, xs, ys = arguments
+    return lines_value(evaluator.algebras[level], _number(x, span), xs, ys, span)
 
 
 def _item(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:

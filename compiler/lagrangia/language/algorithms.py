@@ -158,7 +158,8 @@ class _LocalNames(Names):
     """Name resolution inside a function: its own variables, and the functions and constants of the kernel."""
 
     def __init__(self, names: Names, known: Mapping[str, str]) -> None:
-        super().__init__(names.table, names.report, names.functions, names.define_function, work=names.work)
+        super().__init__(names.table, names.report, names.functions, names.define_function, work=names.work,
+                         lookups=names.lookups)
         self.known = known  # the name that each variable's value has
 
     def resolve(self, node: Reference, scope: Scope) -> Flat:

@@ -16,6 +16,7 @@ from lagrangia.language.figures import CHOICES, OPTIONS, WORDS
 from lagrangia.language.flat import Equation, Figure, FlatModel, Variable, When, is_frame, places_of
 from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import ATTRIBUTES, dimension_of
+from lagrangia.language.lookups import lookup_of
 from lagrangia.language.names import FRAME_FUNCTIONS
 from lagrangia.language.tree import (
     Array,
@@ -396,14 +397,24 @@ class _Checker:
             case "mod" | "min" | "max" | "sum":
                 return self._common(found, node.span, "go together")
             case "table":
-                self.same(found[0], found[1], node.span, "be compared")
-                return found[2]
+                return self._table(node, found)
             case "product":
                 return ANY
         for quantity, argument in zip(found, node.arguments, strict=True):
             hints = [f"write: {node.function}(1[rad/s]*{argument.span.text})"] if isinstance(argument, Time) else []
             self._pure(quantity, argument, f"the argument of {node.function}", *hints)
         return PURE
+
+    def _table(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
+        """Of points, or of a file, whose columns may say their units."""
+        if len(found) == 3:
+            self.same(found[0], found[1], node.span, "be compared")
+            return found[2]
+        read = self.model.tables[lookup_of(node)]
+        if read.argument is not None and not _fits(found[0], read.argument):
+            self.report.error("L0304", f"the first column of '{read.data.name}' is in {spell(read.argument)}, this is in "
+                              f"{found[0].spell()}", node.arguments[0].span)
+        return ANY if read.value is None else Quantity(read.value)
 
     def _user_function(self, node: Call[Flat], local: Mapping[str, Quantity] | None) -> Quantity:
         function = self.model.functions[node.function]

@@ -1,11 +1,13 @@
 """FlatModel: one list of variables, frames, equations and energy terms, with names like `link[2].phi`."""
 
 from collections.abc import Mapping
+from dataclasses import field
 from typing import Literal
 
 from lagrangia.base.diagnostics import Diagnostic, Span
 from lagrangia.base.records import dataclass
 from lagrangia.language.algorithms import FlatFunction
+from lagrangia.language.lookups import Lookup, ReadTable
 from lagrangia.language.names import FRAME_FUNCTIONS
 from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
 
@@ -160,6 +162,8 @@ class FlatModel:
     span: Span
     warnings: tuple[Diagnostic, ...] = ()
     figures: tuple[Figure, ...] = ()  # of people's classes; of the library's as well, where a picture is asked for
+    lookups: Mapping[Lookup, Span] = field(default_factory=dict)  # tables of files that are asked for
+    tables: Mapping[Lookup, ReadTable] = field(default_factory=dict)  # as they were read
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
 
 

@@ -98,7 +98,7 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            allowed_of(self.table, definition),
+            self.names.lookups, {}, allowed_of(self.table, definition),
         )
         looks = (find_unread, find_idle, find_without_effect)
         return replace(model, warnings=tuple(d for look in looks for d in look(model, root, self.table).diagnostics))

@@ -13,6 +13,7 @@ from lagrangia.language.elements import element, length
 from lagrangia.language.folding import fold, folded
 from lagrangia.language.frame_attributes import ATTRIBUTES, OF_ANY_FRAME, REACTIONS, WORDS, WORDS_OF_ELEMENTS
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Member, Scope, Slot, held_port
+from lagrangia.language.lookups import Lookup, lookup_of, options_of
 from lagrangia.language.suggestions import explain
 from lagrangia.language.tree import (
     Array,
@@ -42,7 +43,7 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
                      "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der", "pre", "virtual",
                      "contact_force", "constraint_force"), (1,)),
     **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "turn"), (2,)),
-    "table": (3,), "min": None, "max": None, "sum": None, "product": None,
+    "table": (2, 3), "min": None, "max": None, "sum": None, "product": None,
 }
 FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
@@ -84,6 +85,7 @@ class Names:
     define_function: Callable[[str, Span], None] = lambda name, span: None
     root: Instance | None = None
     work: Work = field(default_factory=Work)
+    lookups: dict[Lookup, Span] = field(default_factory=dict)  # tables of files, and where they are asked for first
     _structural: dict[str, Flat] = field(default_factory=dict)
     _pending: list[str] = field(default_factory=list)
     _dealt: dict[tuple[int, int], tuple[Bound, Flat]] = field(default_factory=dict)
@@ -246,12 +248,24 @@ class Names:
             hint = f"it is called '{_ALIASES[node.function]}' here" if node.function in _ALIASES else suggest(
                 node.function, [*FUNCTIONS, *user])
             fail("L0204", f"there is no function '{node.function}'", node.span, *filter(None, [hint]))
+        if node.function == "table" and (node.named or len(node.arguments) == 2):
+            return self._table(node)
         if node.named:
             fail("L0215", f"{node.function} takes no named arguments", node.span)
         wanted, given = FUNCTIONS[node.function], len(node.arguments)
         if given == 0 or (wanted is not None and given not in wanted):
             count = " or ".join(map(str, wanted)) if wanted else "at least 1"
             fail("L0215", f"{node.function} takes {count} argument{'s' if count[-1] != '1' else ''}, not {given}", node.span)
+        return node
+
+    def _table(self, node: Call[Flat]) -> Call[Flat]:
+        """Of a file, or of points with options. Raises LagError L0215."""
+        if len(node.arguments) == 3:
+            options_of(node)
+        elif len(node.arguments) == 2:
+            self.lookups.setdefault(lookup_of(node), node.arguments[1].span)
+        else:
+            fail("L0215", f"table takes 2 or 3 arguments, not {len(node.arguments)}, and options by name", node.span)
         return node
 
     # ------------------------------------------------------------ loops

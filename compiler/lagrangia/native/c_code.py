@@ -6,8 +6,10 @@ A long function is cut into pieces that share the work vector: compilers take ti
 import math
 from collections.abc import Collection, Mapping, Sequence
 
+from lagrangia.base.table_data import TableData
 from lagrangia.native.series import NoSeriesError, Series, find_series
 from lagrangia.native.series_code import sines_together, write_series
+from lagrangia.native.table_code import write_tables
 from lagrangia.native.tapes import BINARY, EXPONENTIALS, SINES, Op, Tape
 from lagrangia.native.wide_code import write_wide
 
@@ -38,9 +40,10 @@ _TEMPLATES: Mapping[int, str] = {
 def write_c(
     name: str, sizes: Mapping[str, int], tapes: Mapping[str, Tape],
     coordinate_kind: Sequence[int], fixed: Sequence[int], event_kind: Sequence[int],
-    patterns: Mapping[str, Sequence[int]], interpreted: Collection[str] = (),
+    patterns: Mapping[str, Sequence[int]], interpreted: Collection[str] = (), tables: Sequence[TableData] = (),
 ) -> str:
-    """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once."""
+    """The C source of a scene. Equal input gives equal text. Functions `interpreted` stay tapes: data, which compile at once.
+    Without its `tables` a scene with some takes them from elsewhere."""
     data = {*_DATA, *interpreted}
     series = motion_series(tapes) if "rhs" not in data else ""
     if isinstance(series, Series):  # in C, not as instructions
@@ -51,7 +54,7 @@ def write_c(
     lines += ['#include "numbers/jets.h"', '#include "numbers/wide.h"']
     wide = write_wide(usual_rhs(tapes), "regular" in tapes, _expression, _number) if "rhs" not in data else []
     functions, initializers = write_functions(tapes, data, () if wide else (_usual(tapes),))
-    lines += ["", *functions]
+    lines += [*write_tables(tables), "", *functions]
     lines += [_ints(name, places) for name, places in patterns.items()]
     lines += wide
     lines += [write_series(series, _expression, _number)] if isinstance(series, Series) else []
@@ -61,6 +64,7 @@ def write_c(
     lines += ["    .coordinate_kind = coordinate_kind,", "    .fixed = fixed_start,", "    .event_kind = event_kind,"]
     lines += [f"    .{name} = {name}," for name in patterns]
     lines += [f"    .{label} = {value}," for label, value in initializers.items()]
+    lines += ["    .tables = tables,"] if tables else []
     lines += ["    .taylor = taylor,"] if isinstance(series, Series) else []
     lines += ["    .wide = wide,"] if wide else []
     return "\n".join([*lines, "};", ""])

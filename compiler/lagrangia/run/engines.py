@@ -156,16 +156,24 @@ def _load_whole(
     runtime = runtime or find_runtime()
     if runtime is None:
         return None
+    model = _of_tapes(scene)
     if native:
         from lagrangia.native.build import require_compiler
 
         build = _start_scene_build(scene, runtime.compiler or require_compiler(), scene.tapes, is_implicit)
-        model = Model.from_library(build.finish())
-    else:
-        model = Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns)
+        compiled = Model.from_library(build.finish())
+        if scene.tables:  # the library has none
+            model.adopt(compiled)
+        else:
+            model = compiled
     _ = runtime.library  # built and loaded now
     upgrade = Upgrade(runtime, [(scene, model)], is_implicit) if native is None else None
     return Engine(runtime, model, "native" if native else "tape", time.perf_counter() - begin, upgrade)
+
+
+def _of_tapes(scene: Scene) -> Model:
+    return Model.from_tapes(scene.sizes, scene.tapes, scene.coordinate_kind, scene.fixed, scene.event_kind, scene.patterns,
+                            scene.tables)
 
 
 def compile_seconds(scene: Scene, is_implicit: bool = False) -> float:

@@ -15,12 +15,11 @@ from types import TracebackType
 from typing import Any, Self
 
 from lagrangia.base.records import dataclass
+from lagrangia.base.table_data import TableData
 from lagrangia.native.tapes import JetOp, Op, Tape
 from lagrangia.run.choice import Choice, Decision, Facts, Rule, told
 from lagrangia.run.mirrors import Mirrored, check_mirrors
-
-_Doubles = c.POINTER(c.c_double)
-_Ints = c.POINTER(c.c_int)
+from lagrangia.run.model_mirror import FUNCTIONS, Doubles, FunctionMirror, Ints, ModelMirror, TableMirror, TapeMirror, mirrored
 
 
 class Status(IntEnum):
@@ -43,6 +42,7 @@ class Status(IntEnum):
     CONSTRAINTS_OPEN = 14
     NO_PROGRESS = 15
     WANTS_JACOBIAN = 16
+    TABLE_ENDED = 17
 
 
 _STATUS = tuple(Status)
@@ -147,74 +147,6 @@ class Rows:
         return self.values[row * self.width : (row + 1) * self.width]
 
 
-class _Tape(c.Structure):
-    _fields_ = (
-        ("n_instructions", c.c_int32),
-        ("n_constants", c.c_int32),
-        ("code", c.POINTER(c.c_int32)),
-        ("constants", _Doubles),
-    )
-
-
-class _Function(c.Structure):
-    _fields_ = (
-        ("n_in", c.c_int),
-        ("n_out", c.c_int),
-        ("in_size", _Ints),
-        ("out_size", _Ints),
-        ("n_work", c.c_size_t),
-        ("code", c.c_void_p),
-        ("tape", c.POINTER(_Tape)),
-    )
-
-
-_SIZES = (
-    "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
-    "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost", "n_switches", "n_lengths", "n_whens", "n_rubs", "n_resets",
-    "n_rests", "n_roots", "n_cones",
-)
-_FUNCTIONS = (
-    "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
-    "linear", "waves", "jacobian", "tangent", "velocity", "force", "residual", "regular", "nearest", "kick",
-    "switches", "resets", "roots",
-)
-
-
-class _Model(c.Structure):
-    _fields_ = (
-        *((name, c.c_int) for name in _SIZES),
-        ("coordinate_kind", _Ints),
-        ("fixed", _Ints),
-        ("event_kind", _Ints),
-        ("reset_places", _Ints),
-        ("rubs", _Ints),
-        ("rests", _Ints),
-        ("cones", _Ints),
-        ("outputs_need_acceleration", c.c_int),
-        ("switches_need_acceleration", c.c_int),
-        ("linear_pattern", _Ints),
-        ("solver", c.c_int),
-        *((name, c.c_int) for name in ("n_entries", "n_lower", "n_upper", "n_colours")),
-        *((name, c.c_int) for name in ("rhs_cost", "jacobian_cost", "has_corners", "may_hide", "conditions_know_time", "is_swing",
-                                           "is_steady", "is_separable", "jacobian_waits")),
-        ("jacobian_pattern", _Ints),
-        ("n_islands", c.c_int),
-        ("island", _Ints),
-        ("islands", c.c_void_p),
-        *((name, _Function) for name in _FUNCTIONS),
-        *((name, c.c_int) for name in ("n_jets", "jet_pitch", "n_products", "series_rhs_cost")),
-        ("jet_places", _Ints),
-        ("is_long_state", c.c_int),
-        ("series_may_hide", c.c_int),
-        ("taylor", c.c_void_p),
-        *((name, c.c_int) for name in ("n_jet_instructions", "n_jet_slots", "n_angles")),
-        ("jet_code", _Ints),
-        ("jet_rates", _Ints),
-        ("series", _Function),
-        ("wide", c.c_void_p),
-    )
-
-
 class _Settings(c.Structure):
     _fields_ = (
         ("t_start", c.c_double),
@@ -261,27 +193,30 @@ class _Failure(c.Structure):
 
 # By their names in runtime/run/layout.c.
 MIRRORS: Mapping[str, Mirrored] = {
-    "LagTape": _Tape, "LagFunction": _Function, "LagModel": _Model, "LagSettings": _Settings, "LagStatistics": _Statistics,
+    "LagTape": TapeMirror, "LagTable": TableMirror,
+    "LagFunction": FunctionMirror, "LagModel": ModelMirror, "LagSettings": _Settings, "LagStatistics": _Statistics,
     "LagFacts": Facts, "LagDecision": Decision, "LagRule": Rule,
     "LagFailure": _Failure, "LagStatus": Status, "LAG_SOLVER": Solver, "LagOp": Op, "LagJetOp": JetOp,
 }  # fmt: skip
 _RUN = c.c_void_p
 _SIGNATURES: Mapping[str, tuple[Any, tuple[Any, ...]]] = {
-    "lag_tape_valid": (c.c_int, (c.POINTER(_Function),)),
-    "lag_run_new": (_RUN, (c.POINTER(_Model), c.POINTER(_Settings))),
-    "lag_run_solver": (c.c_int32, (c.POINTER(_Model), c.POINTER(_Settings), c.POINTER(Decision))),
+    "lag_read_numbers": (c.c_int64, (c.c_char_p, c.c_int, c.c_int, c.c_int, Doubles, c.c_int64)),
+    "lag_table_slopes": (None, (c.POINTER(TableMirror), c.c_int, Doubles, Doubles)),
+    "lag_tape_valid": (c.c_int, (c.POINTER(FunctionMirror),)),
+    "lag_run_new": (_RUN, (c.POINTER(ModelMirror), c.POINTER(_Settings))),
+    "lag_run_solver": (c.c_int32, (c.POINTER(ModelMirror), c.POINTER(_Settings), c.POINTER(Decision))),
     "lag_rule": (c.POINTER(Rule), (c.c_int32,)),
     "lag_run_free": (None, (_RUN,)),
-    "lag_run_set_parameters": (c.c_int, (_RUN, _Doubles, _Doubles)),
-    "lag_run_parameters": (_Doubles, (_RUN,)),
-    "lag_run_set_inputs": (c.c_int, (_RUN, _Doubles, _Doubles, c.c_int)),
-    "lag_run_set_lost": (None, (_RUN, _Doubles)),
-    "lag_run_start": (c.c_int, (_RUN, _Doubles, _Doubles)),
+    "lag_run_set_parameters": (c.c_int, (_RUN, Doubles, Doubles)),
+    "lag_run_parameters": (Doubles, (_RUN,)),
+    "lag_run_set_inputs": (c.c_int, (_RUN, Doubles, Doubles, c.c_int)),
+    "lag_run_set_lost": (None, (_RUN, Doubles)),
+    "lag_run_start": (c.c_int, (_RUN, Doubles, Doubles)),
     "lag_run_set_stop": (None, (_RUN, c.c_double)),
-    "lag_run_row_width": (c.c_int, (c.POINTER(_Model),)),
-    "lag_run_advance": (c.c_int, (_RUN, c.c_void_p, c.c_int, c.c_void_p, _Ints, c.c_double)),
-    "lag_run_advance_steps": (c.c_int, (_RUN, c.c_int, c.c_void_p, _Ints, c.c_double)),
-    "lag_run_row": (c.c_int, (_RUN, _Doubles)),
+    "lag_run_row_width": (c.c_int, (c.POINTER(ModelMirror),)),
+    "lag_run_advance": (c.c_int, (_RUN, c.c_void_p, c.c_int, c.c_void_p, Ints, c.c_double)),
+    "lag_run_advance_steps": (c.c_int, (_RUN, c.c_int, c.c_void_p, Ints, c.c_double)),
+    "lag_run_row": (c.c_int, (_RUN, Doubles)),
     "lag_run_time": (c.c_double, (_RUN,)),
     "lag_run_statistics": (c.POINTER(_Statistics), (_RUN,)),
     "lag_run_failure": (c.POINTER(_Failure), (_RUN,)),
@@ -308,7 +243,7 @@ def _ints(values: Sequence[int]) -> Any:
 class Model:
     """A LagModel, and whatever memory it points to."""
 
-    def __init__(self, struct: _Model, kept: object) -> None:
+    def __init__(self, struct: ModelMirror, kept: object) -> None:
         self.struct = struct
         self._kept = kept
 
@@ -316,7 +251,7 @@ class Model:
     def from_library(cls, path: Path) -> Self:
         """The model that a compiled scene exports as `lag_model`."""
         library = c.CDLL(str(path))
-        return cls(_Model.in_dll(library, "lag_model"), library)
+        return cls(ModelMirror.in_dll(library, "lag_model"), library)
 
     @classmethod
     def from_tapes(
@@ -327,30 +262,33 @@ class Model:
         fixed: Sequence[int],
         event_kind: Sequence[int] = (),
         patterns: Mapping[str, Sequence[int]] | None = None,
+        tables: Sequence[TableData] = (),
     ) -> Self:
         """A model from plain data. `sizes` has the names of LagModel's integers, those left out are 0; likewise `functions`.
 
         `patterns` are lists of places by the names of their members of LagModel.
         """
-        struct = _Model(coordinate_kind=_ints(coordinate_kind), fixed=_ints(fixed), event_kind=_ints(event_kind))
+        struct = ModelMirror(coordinate_kind=_ints(coordinate_kind), fixed=_ints(fixed), event_kind=_ints(event_kind))
         for name, size in sizes.items():
             setattr(struct, name, size)
         for name, places in (patterns or {}).items():
             setattr(struct, name, _ints(places))
         for name, tape in functions.items():
             setattr(struct, name, _function_of(tape))
-        return cls(struct, None)
+        if tables:
+            struct.tables = mirrored(tables)
+        return cls(struct, tables)  # whose numbers stay where they are
 
     def check_tapes(self, runtime: c.CDLL) -> None:
         """Raises ValueError when a tape reaches outside its vectors or holds an unknown op."""
-        for name in (*_FUNCTIONS, "series"):
+        for name in (*FUNCTIONS, "series"):
             function = getattr(self.struct, name)
             if function.tape and not runtime.lag_tape_valid(c.byref(function)):
                 raise ValueError(f"the tape of {name!r} is not valid")
 
     def divided(self, islands: "Sequence[tuple[Sequence[int], Model]]") -> "Model":
         """The same model with its islands: their coordinates, and each as a model of its own."""
-        struct = _Model.from_buffer_copy(self.struct)
+        struct = ModelMirror.from_buffer_copy(self.struct)
         places = (c.c_void_p * len(islands))(*(c.addressof(model.struct) for _, model in islands))
         struct.n_islands = len(islands)
         struct.island = _ints([k for coordinates, _ in islands for k in coordinates])
@@ -359,7 +297,7 @@ class Model:
 
     def adopt(self, other: "Model") -> None:
         """Calls the code of another model of the same scene from now on, where that has some; also in runs under way."""
-        for name in _FUNCTIONS:
+        for name in FUNCTIONS:
             code = getattr(other.struct, name).code
             if code:
                 getattr(self.struct, name).code = code
@@ -367,12 +305,12 @@ class Model:
         self._kept = (self._kept, other)
 
 
-def _function_of(tape: Tape) -> _Function:
+def _function_of(tape: Tape) -> FunctionMirror:
     code = bytes(memoryview(tape.code).cast("B"))
     numbers = (c.c_int32 * (len(code) // 4)).from_buffer_copy(code)
     constants = _buffer(tape.constants)
-    struct = _Tape(len(numbers) // 4, len(constants), numbers, constants)
-    return _Function(
+    struct = TapeMirror(len(numbers) // 4, len(constants), numbers, constants)
+    return FunctionMirror(
         len(tape.in_sizes), len(tape.out_sizes), _ints(tape.in_sizes), _ints(tape.out_sizes), tape.n_work, None, c.pointer(struct)
     )
 

@@ -4,9 +4,11 @@ import base64
 import json
 from array import array
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from lagrangia.base.records import dataclass
+from lagrangia.base.table_data import Beyond, TableData
 from lagrangia.native.tapes import Tape
 
 ALL_REACTIONS = "*.reaction"  # among outputs that are asked for: the reactions of all joints
@@ -67,6 +69,7 @@ class Scene:
     tapes: Mapping[str, Tape]
     islands: "tuple[tuple[tuple[int, ...], Scene], ...]"  # coordinates that do not interact with others, and their scenes
     evenness: Tape | None  # of p: above 1 all over where the formulas hold; None where they hold for all masses
+    tables: tuple[TableData, ...]  # shared by the islands
     lost: Mapping[str, tuple[int, str]]  # place among the starts of LagModel's n_lost coordinates, then their rates, and the unit
 
     @property
@@ -89,13 +92,17 @@ class Scene:
         return self.aliases.get(name)
 
 
+_PACKED = ("tapes", "evenness", "islands", "tables")
+
+
 def to_json(scene: Scene) -> str:
     """As text that can be kept."""
-    plain = {name: getattr(scene, name) for name in Scene.__dataclass_fields__ if name not in ("tapes", "evenness", "islands")}
+    plain = {name: getattr(scene, name) for name in Scene.__dataclass_fields__ if name not in _PACKED}
     for name in ("coordinates", "rates", "outputs", "parameters", "inputs"):
         plain[name] = [vars(item) for item in plain[name]]
     plain["tapes"] = {name: _pack(tape) for name, tape in scene.tapes.items()}
-    plain["islands"] = [(list(places), to_json(island)) for places, island in scene.islands]
+    plain["islands"] = [(list(places), to_json(replace(island, tables=()))) for places, island in scene.islands]
+    plain["tables"] = [_pack_table(table) for table in scene.tables]
     plain["evenness"] = _pack(scene.evenness) if scene.evenness is not None else None
     return json.dumps(plain, separators=(",", ":"))
 
@@ -111,10 +118,34 @@ def from_json(text: str) -> Scene:
     plain["initial_places"] = tuple((what, excerpt) for what, excerpt in plain["initial_places"])
     plain["patterns"] = {name: tuple(places) for name, places in plain["patterns"].items()}
     plain["tapes"] = {name: _unpack(tape) for name, tape in plain["tapes"].items()}
-    plain["islands"] = tuple((tuple(places), from_json(island)) for places, island in plain["islands"])
+    plain["tables"] = tuple(map(_unpack_table, plain["tables"]))
+    plain["islands"] = tuple((tuple(places), replace(from_json(island), tables=plain["tables"]))
+                             for places, island in plain["islands"])
     plain["evenness"] = _unpack(plain["evenness"]) if plain["evenness"] is not None else None
     plain["lost"] = {name: (place, unit) for name, (place, unit) in plain["lost"].items()}
     return Scene(**plain)
+
+
+_OF_TABLES = ("x", "y", "slopes")
+
+
+def _pack_table(table: TableData) -> dict[str, Any]:
+    return {**{name: getattr(table, name) for name in TableData.__dataclass_fields__},
+            **{name: _text_of(getattr(table, name)) for name in _OF_TABLES}}
+
+
+def _unpack_table(plain: dict[str, Any]) -> TableData:
+    return TableData(**{**plain, "beyond": Beyond(plain["beyond"]), **{name: _doubles_of(plain[name]) for name in _OF_TABLES}})
+
+
+def _text_of(values: Any) -> str:
+    return base64.b64encode(bytes(memoryview(values).cast("B"))).decode() if len(values) else ""
+
+
+def _doubles_of(text: str) -> "array[float]":
+    found: array[float] = array("d")
+    found.frombytes(base64.b64decode(text))
+    return found
 
 
 def _pack(tape: Tape) -> dict[str, Any]:

@@ -200,6 +200,9 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
         return (f"there is no progress at t = {failure.time:.9g}{where}: the rest would take {failure.value:.1e} steps as short "
                 "as are needed there, where something jumps, bends or vibrates; try another solver or a larger tolerance, or let "
                 "it go on with --max-steps")
+    if failure.status is Status.TABLE_ENDED:
+        return (f"the table '{scene.tables[int(failure.value)].name}' ends, and the run goes on: it says nothing after "
+                f"t = {failure.time:.9g}; stop earlier, or say what holds beyond its ends, as with beyond = \"hold\"")
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"

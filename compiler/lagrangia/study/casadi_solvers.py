@@ -146,7 +146,15 @@ class _Run:
 
     def _modes(self, now: float, target: float) -> Any:
         table = self.compilation.functions.table
-        return table["modes"](0.5 * (now + target), self.p) if "modes" in table else ca.DM(0, 1)
+        if "modes" not in table:
+            return ca.DM(0, 1)
+        middle = 0.5 * (now + target)
+        found, (a, b) = np.array(table["modes"](middle, self.p)).ravel(), table["events"](self.p)
+        lookups, kinds = self.compilation.functions.patterns["lookups"], self.compilation.functions.event_kinds
+        for event, first in zip(lookups[::2], lookups[1::2], strict=True):
+            piece = self.compilation.scene.tables[kinds[event] - 2].piece(float(a[event] + b[event] * middle))
+            found[first : first + len(piece)] = piece
+        return ca.DM(found)
 
     def _advance_noticing(self, now: float, target: float, wanted: list[float]) -> np.ndarray:
         """Ctrl-C within an integrator, which says then that the right-hand side has failed, stays Ctrl-C."""
@@ -230,6 +238,9 @@ def switching_times(
                 continue
             if kind == 0:
                 found.add(-offset / slope)
+            elif kind > 1:
+                ends = sorted((offset + slope * begin, offset + slope * end))
+                found |= {(x - offset) / slope for x in compilation.scene.tables[kind - 2].between(*ends)}
             else:
                 ends = sorted((offset + slope * begin, offset + slope * end))
                 found |= {(k - offset) / slope for k in range(math.ceil(ends[0]), math.floor(ends[1]) + 1)}

@@ -12,6 +12,7 @@ from lagrangia.base.diagnostics import Interrupted, fail
 from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.run.engines import Engine
 from lagrangia.run.request import Request
+from lagrangia.run.scene import Scene
 from lagrangia.run.solvers import name_of
 from lagrangia.study.sweep.dask_cluster import run_on_dask
 from lagrangia.study.sweep.journal import Journal, Ledger
@@ -35,6 +36,7 @@ class Asked(Loaded, Protocol):
     """A model whose runs are measured."""
 
     path: Path
+    scene: Scene
 
     def reporting(self, names: Sequence[str]) -> "Asked":
         """The one that reports these names too."""
@@ -75,7 +77,7 @@ def run_many(model: Asked, outputs: str | Sequence[str], request: Request, desig
              *, restart: bool, jobs: int | None, dask: str | None) -> Sweep:
     """What Model.simulate_many does. Raises LagError, Interrupted with what was computed."""
     if path is not None:
-        require_place(path, [model.path, *([] if design.runs is None else [design.runs])])
+        require_place(path, [model.path, *model.scene.notes["files"], *([] if design.runs is None else [design.runs])])
     measures = read_measures(outputs)
     suited, job = model.reporting(quantities(measures)).prepared_for(measures, request, design)
     sweep = run_into(job, suited, path, restart=restart, jobs=jobs, dask=dask)
