@@ -85,8 +85,7 @@ def build_functions(
     table |= _start_functions(kinematics, motion, initial)
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"jacobian_pattern": jacobian.pattern, "reset_places": motion.impacts.places, **switches.patterns,
-                 "lookups": find_lookups(modes)}
+    patterns |= {"reset_places": motion.impacts.places, **_patterns(jacobian, switches, modes)}
     refused |= _refusals(bool(jacobian.values) or "jacobian_waits" in jacobian.sizes, bool(len(patterns.get("cones", ()))))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
@@ -119,7 +118,7 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(kind for _, kind in _events(modes)), power.numel(), False,
-                     patterns | {"jacobian_pattern": jacobian.pattern, **switches.patterns, "lookups": find_lookups(modes)},
+                     patterns | _patterns(jacobian, switches, modes),
                      refused, {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
 
 
@@ -384,6 +383,11 @@ def _events(modes: list[Mode]) -> list[tuple[ca.SX, int]]:
     """The arguments of the modes with their kinds; what modes of one table share stands there once."""
     shared = {id(mode.arguments): mode for mode in modes}
     return [(argument, mode.kind) for mode in shared.values() for argument in mode.arguments]
+
+
+def _patterns(jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict[str, tuple[int, ...]]:
+    """Lists of places that a whole scene and an island have alike."""
+    return {"jacobian_pattern": jacobian.pattern, **switches.patterns, "lookups": find_lookups(modes)}
 
 
 def find_lookups(modes: list[Mode]) -> tuple[int, ...]:
