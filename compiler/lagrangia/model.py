@@ -20,8 +20,9 @@ from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
+from lagrangia.view.rows import collect
 from lagrangia.view.sight import Shown, Sight, known_column
-from lagrangia.view.trajectory import Trajectory, collect
+from lagrangia.view.trajectory import Trajectory
 
 if TYPE_CHECKING:
     import casadi

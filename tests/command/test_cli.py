@@ -189,7 +189,7 @@ def test_outputs_that_are_columns_anyway_are_written_once(lag: Lag) -> None:
                      "elbow.w"]
 
 
-@pytest.mark.parametrize("name", ["x.parquet", "x.xlsx", "x.CSVX", "x.png"])
+@pytest.mark.parametrize("name", ["x.feather", "x.xlsx", "x.CSVX", "x.png"])
 def test_a_table_of_another_kind_is_refused(name: str, lag: Lag) -> None:
     outcome = lag("simulate", EXAMPLES / "pendulum.lag", "-o", name)
     assert outcome.code == 2

@@ -48,8 +48,9 @@ class Target:
     Use it in a `with` statement. Raises LagError L0004 when the place cannot be written.
     """
 
-    def __init__(self, path: Path, binary: bool = False) -> None:
-        self.path = path
+    def __init__(self, path: Path, binary: bool = False, direct: bool = False) -> None:
+        """`direct`: what is written is in its place at once."""
+        self.path, self.direct = path, direct
         self.temporary: Path | None = None
         try:
             self.target = path.resolve()
@@ -63,7 +64,7 @@ class Target:
         encoding, newline, mode = (None, None, "wb") if binary else ("utf-8", "", "w")
         if self.target.is_dir():
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-        if self.target.exists() and not self.target.is_file():
+        if self.direct or (self.target.exists() and not self.target.is_file()):
             return self.target.open(mode, encoding=encoding, newline=newline)
         handle, name = tempfile.mkstemp(prefix=f".{self.target.name[:100]}.", suffix=".part", dir=self.target.parent)
         self.temporary = Path(name)
@@ -148,3 +149,13 @@ def cells(values: Sequence[float | None]) -> str:
 def quoted(name: str) -> str:
     """A cell of a CSV file."""
     return '"' + name.replace('"', '""') + '"' if any(c in name for c in ',"\n') else name
+
+
+def require_parquet() -> tuple[Any, Any]:
+    """pyarrow and its Parquet module. Raises LagError L0715."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        fail("L0715", "Parquet files need pyarrow, which is not installed", None, "pip install pyarrow, or write a .csv file")
+    return pyarrow, parquet

@@ -221,10 +221,10 @@ def read_inputs(given: list[str], scene: Any) -> Any:
 # -------------------------------------------------------------------- where results go
 
 
-def prepare_target(options: Namespace) -> str:
+def prepare_target(options: Namespace, kinds: Sequence[str] = _TABLES) -> str:
     """Where the rows go. Raises LagError L0004 for a place, or a picture's, that results cannot take."""
     target: str = options.output or f"{options.file.stem}.csv"
-    require_kind(target, *_TABLES)
+    require_kind(target, *kinds)
     if options.plot is not None:
         require_format(options.plot)
     if options.dump is None:

@@ -33,7 +33,7 @@ _ONLY_MODELS: dict[str, tuple[Any, str]] = {"model": (None, "the FMU is one mode
                 "solver": ("auto", "an FMU for Co-Simulation has its own, Model Exchange is integrated by CVode"),
                 "engine": ("auto", "an FMU is compiled"), "max_step": (0.0, "--interval sets the communication step"),
                 "max_steps": (0, ""), "dump": (None, "it has no phases"), "spectrum": (None, ""), "section": (None, ""),
-                "overlay": ([], ""), "beside": ([], ""), "linear": (False, "its equations are not known")}
+                "overlay": ([], ""), "stream": (False, ""), "beside": ([], ""), "linear": (False, "its equations are not known")}
 
 
 def simulate_fmu_command(options: Namespace) -> int:

@@ -20,7 +20,9 @@ def add_simulate(parser: ArgumentParser) -> None:
     add_values(parser)
     add("--outputs", metavar="NAME,NAME,...", help="quantities to report besides coordinates, rates and outputs")
     add("--reactions", action="store_true", help="report the force and torque of every joint and tie")
-    add("-o", "--output", metavar="FILE", help="the result (FILE.csv; - for standard output); by default NAME.csv in this folder")
+    add("-o", "--output", metavar="FILE",
+        help="the result (.csv, .jsonl, .parquet, .npz, .mat; - for standard output); by default NAME.csv in this folder")
+    add("--stream", action="store_true", help="rows stand in the file as they come, and stay there if the run is killed")
     add("--plot", metavar="FILE", type=Path, help="a picture (.png, .svg, .pdf)")
     add("--plot-quantities", metavar="NAME,...",
         help="what the picture shows, over time, or one against another (theta:theta'); all coordinates by default")

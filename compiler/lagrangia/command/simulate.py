@@ -5,11 +5,11 @@ import sys
 import time
 from argparse import Namespace
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 from lagrangia.base.diagnostics import LagError, RunError, fail
 from lagrangia.base.interruptions import INTERRUPTED, undisturbed
+from lagrangia.base.result_files import is_device
 from lagrangia.command.arguments import (
     asked,
     assignments,
@@ -28,8 +28,10 @@ from lagrangia.model import NO_COMPILER, Model
 from lagrangia.run.request import Experiment, Request, check_values, plan
 from lagrangia.run.scene import ALL_REACTIONS
 from lagrangia.run.simulate import Progress, loss
+from lagrangia.view.result_writers import RESULTS, EmptyCells, csv_lines, csv_names, open_writer
+from lagrangia.view.rows import ENERGIES, collect, columns
 from lagrangia.view.statics import tells_reactions
-from lagrangia.view.trajectory import ENERGIES, CsvWriter, EmptyCells, Trajectory, collect, columns, csv_lines, csv_names
+from lagrangia.view.trajectory import Trajectory
 
 _BAR_AFTER = 2.0  # seconds
 
@@ -42,7 +44,9 @@ def simulate_command(options: Namespace) -> int:
         return simulate_fmu_command(options)
     if options.kind is not None:
         fail("L0706", "--kind belongs to FMUs", None, f"'{options.file}' is none: its name would end in .fmu")
-    target = prepare_target(options)
+    target = prepare_target(options, RESULTS)
+    if options.stream and target == "-":
+        fail("L0706", "--stream has no effect: rows on standard output are a stream anyway", None, "leave it out")
     begin = time.perf_counter()
     named = names_once(options.outputs, "--outputs")
     measured = [name for name in named if re.match(r"(?!der\b)\w+\(", name)]  # max(y), but not der(y)
@@ -125,7 +129,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     first: Sequence[float] = ()
     last: Sequence[float] = ()
     failure: RunError | None = None
-    with _writer(target, scene) as writer:
+    with _Rows(options, target, scene, progress) as writer:
         try:
             for portion in portions:
                 writer(portion)
@@ -163,24 +167,24 @@ def _raise_failure(failure: RunError | None, progress: Progress, target: str, un
         raise undrawn
 
 
-class _writer:
+class _Rows:
     """Rows to a file, or to standard output for "-"."""
 
-    def __init__(self, target: str, scene: Any) -> None:
-        self.file = CsvWriter(Path(target), scene) if target != "-" else None
+    def __init__(self, options: Namespace, target: str, scene: Any, progress: Progress) -> None:
+        self.file = open_writer(target, scene, progress, options.stream) if target != "-" else None
+        self.is_disturbed = target == "-" or is_device(target)  # what reads it may keep its writer waiting for ever
         self.scene = scene
         self.empty = self.file.empty if self.file is not None else EmptyCells(scene)
 
     def __enter__(self) -> Callable[[Sequence[float]], None]:
         if self.file is not None:
             self.file.__enter__()
-            return self.file.write if self.file.temporary is None else self._write_whole
+            return self.file.write if self.is_disturbed else self._write_whole
         shown = len(columns(self.scene))
         print(csv_names(self.scene))
         return lambda rows: print("\n".join(csv_lines(rows, shown, self.empty)))
 
     def _write_whole(self, rows: Sequence[float]) -> None:
-        """To a file; a pipe may keep its writer waiting for ever."""
         assert self.file is not None
         with undisturbed():
             self.file.write(rows)

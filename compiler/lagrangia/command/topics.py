@@ -301,7 +301,8 @@ many = model.simulate_many(parameters={"link[1].m": [1, 2, 5]}, outputs=["max(hi
 again = model.prepare({"hinge[1].phi": 0.1}, {"link[1].m": 1.0}, stop=5)   # for many calls: again([0.2], [2.0]) gives rows,
 again.columns, again.warnings                                              # in microseconds beside the steps
 many["link[1].m"], many["max(hinge[1].phi)"], many.failures; many.to_pandas(); many.to_parquet("x.parquet")
-run.plot("hinge[1].phi", path="chain.png"); run.to_pandas(); run.to_csv("x.csv")
+run.plot("hinge[1].phi", path="chain.png"); run.to_pandas(); run.to_xarray(); run.write("x.csv")  # .jsonl .parquet .npz .mat
+model.measure("max(link[3].b.y, from=2), settling_time(hinge[1].phi)", stop=5); model.rainflow("hinge[1].phi")
 model.draw("chain.svg", at=1); run.animate("chain.html", traces=["link[20].b"])     # lag help drawing
 model.functions()                                      # CasADi: M, h, rhs, energies, outputs, jacobian of t, q, v, u, p
 model.parameter_names, model.parameter_values()        # p; what is bound to others follows them: its entry is not read

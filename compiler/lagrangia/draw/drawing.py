@@ -20,7 +20,8 @@ from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flat import Figure
 from lagrangia.run.request import Request, check_values
 from lagrangia.run.scene import Scene
-from lagrangia.view.trajectory import Trajectory, moments
+from lagrangia.view.rows import moments
+from lagrangia.view.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from lagrangia.run.request import Values

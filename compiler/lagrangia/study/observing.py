@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from lagrangia.base.diagnostics import fail
 from lagrangia.run.request import Values
 from lagrangia.run.scene import Scene
-from lagrangia.view.trajectory import moments
+from lagrangia.view.rows import moments
 
 if TYPE_CHECKING:
     import numpy as np

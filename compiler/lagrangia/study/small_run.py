@@ -19,7 +19,7 @@ from lagrangia.compile.functions import observer
 from lagrangia.run.request import Values
 from lagrangia.study.analysis import Study
 from lagrangia.study.linearization import Linearization
-from lagrangia.view.trajectory import moments
+from lagrangia.view.rows import moments
 
 if TYPE_CHECKING:
     from lagrangia.compile.pipeline import Compilation

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from lagrangia.language.frame_attributes import COMPONENTS, REACTIONS, WRENCH_HEADINGS
 from lagrangia.run.scene import Scene
-from lagrangia.view.trajectory import columns
+from lagrangia.view.rows import columns
 
 
 def is_static(scene: Scene) -> bool:

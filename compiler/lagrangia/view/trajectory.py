@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.base.result_files import Target, cells, quoted
-from lagrangia.run.request import Values
+from lagrangia.base.result_files import require_kind
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import Progress, loss, shortcomings
 from lagrangia.view.curves import draw_panels
+from lagrangia.view.result_writers import RESULTS, TextRows, Writer, open_writer
+from lagrangia.view.rows import ENERGIES, columns
 from lagrangia.view.sight import Shown, Sight, known_column
 
 if TYPE_CHECKING:
     import numpy as np
     import pandas
+    import xarray
 
     from lagrangia.view.plots import Series
 
-_ENERGIES = ("kinetic", "potential", "total", "dissipated", "work")
-ENERGIES = 5  # T, V, H, dissipated, work: the last of each row
 
 
 @dataclass(frozen=True)
@@ -119,11 +119,21 @@ class Trajectory:
         return EnergyAccount(T, V, dissipated, work + moved - moved[:1], kept - kept[:1])
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """A table with time as its index; pandas must be installed."""
+        """A table with time as its index, units by name in its attrs["units"]; pandas must be installed."""
         import pandas
 
         names = self.names
-        return pandas.DataFrame(self.rows[:, 1 : len(names)], columns=names[1:], index=pandas.Index(self.time, name="time"))
+        frame = pandas.DataFrame(self.rows[:, 1 : len(names)], columns=names[1:], index=pandas.Index(self.time, name="time"))
+        frame.attrs["units"] = {column.name: column.unit for column in self.columns}
+        return frame
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Variables over the dimension time, with units and descriptions as attributes; xarray must be installed."""
+        import xarray
+
+        told = {c.name: {"units": c.unit, "long_name": c.description} for c in self.columns}
+        return xarray.Dataset({name: ("time", self[name], told[name]) for name in self.names[1:]},
+                              coords={"time": ("time", self.time, told["time"])}, attrs={"model": self.scene.name})
 
     @property
     def warnings(self) -> list[str]:
@@ -133,7 +143,16 @@ class Trajectory:
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Comma-separated columns with a line of names; all 17 digits that matter. Where a quantity has no finite value, its
         cell is empty."""
-        with CsvWriter(Path(path), self.scene) as writer:
+        self._put(TextRows(Path(path), self.scene))
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """The rows in a file of the kind its name says: .csv, .jsonl, .parquet (pyarrow), .npz, .mat (as Modelica tools read it).
+        Raises LagError L0004, L0715."""
+        require_kind(path, *RESULTS)
+        self._put(open_writer(path, self.scene, self.progress))
+
+    def _put(self, writer: Writer) -> None:
+        with writer:
             writer.write(self.rows.ravel().tolist())
 
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None, spectrum: Sequence[str] = (),
@@ -198,78 +217,3 @@ class Trajectory:
 def _numbered(runs: Iterable[Any]) -> dict[str, Any]:
     """With labels: the run itself is the first."""
     return {f"run {k}": run for k, run in enumerate(runs, 2)}
-
-
-def columns(scene: Scene) -> tuple[Column, ...]:
-    """Names and units of the first columns of a row; five energies follow them."""
-    return (Column("time", "s", "", ""), *scene.coordinates, *scene.rates, *scene.outputs)
-
-
-class CsvWriter(Target):
-    """Writes rows as they come. Raises LagError L0004 when the place cannot be written."""
-
-    def __init__(self, path: Path, scene: Scene) -> None:
-        self.shown = len(columns(scene))
-        super().__init__(path)
-        self.empty = EmptyCells(scene)
-        self.put(csv_names(scene) + "\n")
-
-    def write(self, values: Sequence[float]) -> None:
-        """Rows, as one flat sequence of numbers."""
-        self.put("\n".join(csv_lines(values, self.shown, self.empty)) + "\n")
-
-
-class EmptyCells:
-    """Which columns had no finite value, in how many rows, and when first: the square root of what became negative, 1/0."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.names = [column.name for column in columns(scene)]
-        self.rows: dict[str, int] = {}
-        self.first: dict[str, float] = {}
-
-    def note(self, column: int, t: float) -> None:
-        """A cell without a finite value."""
-        name = self.names[column]
-        self.rows[name] = self.rows.get(name, 0) + 1
-        self.first.setdefault(name, t)
-
-    def describe(self) -> list[str]:
-        """A sentence for each column that has some."""
-        return [f"'{name}' has no finite value in {count} row{'s' if count != 1 else ''}, first at t = {self.first[name]:.6g}: "
-                "these cells are empty" for name, count in self.rows.items()]
-
-
-def csv_names(scene: Scene) -> str:
-    """The line of names; those with a comma, as x[1,2] has, between quotes."""
-    return ",".join(quoted(column.name) for column in columns(scene))
-
-
-def csv_lines(values: Sequence[float], shown: int, empty: EmptyCells) -> list[str]:
-    """Rows of results, flat, as lines of their first `shown` columns; cells without a finite value are empty, and noted."""
-    starts = range(0, len(values), shown + ENERGIES)
-    lines = [cells(values[k : k + shown]) for k in starts]
-    for k, line in zip(starts, lines, strict=True):
-        if ",," in line or line.endswith(","):
-            for column in (column for column, cell in enumerate(line.split(",")) if not cell):
-                empty.note(column, values[k])
-    return lines
-
-
-def moments(scene: Scene, parameters: "np.ndarray", values: Values, rows: "np.ndarray") -> "tuple[np.ndarray, ...]":
-    """t, q, v and u, (., T) each, and p, (n_p, 1), of rows of results."""
-    import numpy as np
-
-    n, count = scene.n, len(values.input_values) // len(values.input_times)
-    t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
-    table = np.asarray(values.input_values).reshape(len(values.input_times), count)
-    u = np.array([np.interp(t[0], values.input_times, table[:, k]) for k in range(len(scene.inputs))]).reshape(-1, t.size)
-    return t, q, v, u, parameters.reshape(-1, 1)
-
-
-def collect(scene: Scene, portions: Iterable[Sequence[float]]) -> "np.ndarray":
-    """All rows as one array of shape (rows, width)."""
-    import numpy as np
-
-    width = len(columns(scene)) + len(_ENERGIES)
-    parts = [np.asarray(portion, dtype=np.float64).reshape(-1, width) for portion in portions]
-    return np.concatenate(parts) if parts else np.empty((0, width))

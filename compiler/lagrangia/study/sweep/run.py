@@ -9,7 +9,7 @@ from typing import Protocol
 
 from lagrangia.base.checked_values import a_count
 from lagrangia.base.diagnostics import Interrupted, fail
-from lagrangia.base.result_files import keep_apart, require_kind
+from lagrangia.base.result_files import keep_apart, require_kind, require_parquet
 from lagrangia.run.engines import Engine
 from lagrangia.run.request import Request
 from lagrangia.run.scene import Scene
@@ -19,7 +19,7 @@ from lagrangia.study.sweep.journal import Journal, Ledger
 from lagrangia.study.sweep.measures import Measure, quantities, read_measures
 from lagrangia.study.sweep.pieces import Watch
 from lagrangia.study.sweep.plan import Design, Job
-from lagrangia.study.sweep.table import Sweep, is_parquet, require_parquet
+from lagrangia.study.sweep.table import Sweep, is_parquet
 from lagrangia.study.sweep.threads import cores, run_on_threads
 
 _TABLES = (".csv", ".txt", ".dat", ".parquet", ".pq")

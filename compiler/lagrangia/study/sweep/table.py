@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.base.result_files import Target, cells, quoted
+from lagrangia.base.result_files import Target, cells, quoted, require_parquet
 from lagrangia.run.batch import Ending
 from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
@@ -149,16 +149,6 @@ class Sweep:
 def is_parquet(path: str | os.PathLike[str]) -> bool:
     """Whether a file's name asks for Parquet."""
     return Path(path).suffix.lower() in (".parquet", ".pq")
-
-
-def require_parquet() -> tuple[Any, Any]:
-    """pyarrow and its Parquet module. Raises LagError L0715."""
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError:
-        fail("L0715", "Parquet files need pyarrow, which is not installed", None, "pip install pyarrow, or write a .csv file")
-    return pyarrow, parquet
 
 
 # -------------------------------------------------------------------- why a run failed

@@ -1,0 +1,37 @@
+"""Rows of results: what their columns are, and the moments that they are of."""
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from lagrangia.run.request import Values
+from lagrangia.run.scene import Column, Scene
+
+if TYPE_CHECKING:
+    import numpy as np
+
+ENERGIES = 5  # T, V, H, dissipated, work: the last of each row
+
+
+def columns(scene: Scene) -> tuple[Column, ...]:
+    """Names and units of the first columns of a row; five energies follow them."""
+    return (Column("time", "s", "", ""), *scene.coordinates, *scene.rates, *scene.outputs)
+
+
+def moments(scene: Scene, parameters: "np.ndarray", values: Values, rows: "np.ndarray") -> "tuple[np.ndarray, ...]":
+    """t, q, v and u, (., T) each, and p, (n_p, 1), of rows of results."""
+    import numpy as np
+
+    n, count = scene.n, len(values.input_values) // len(values.input_times)
+    t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
+    table = np.asarray(values.input_values).reshape(len(values.input_times), count)
+    u = np.array([np.interp(t[0], values.input_times, table[:, k]) for k in range(len(scene.inputs))]).reshape(-1, t.size)
+    return t, q, v, u, parameters.reshape(-1, 1)
+
+
+def collect(scene: Scene, portions: Iterable[Sequence[float]]) -> "np.ndarray":
+    """All rows as one array of shape (rows, width)."""
+    import numpy as np
+
+    width = len(columns(scene)) + ENERGIES
+    parts = [np.asarray(portion, dtype=np.float64).reshape(-1, width) for portion in portions]
+    return np.concatenate(parts) if parts else np.empty((0, width))
