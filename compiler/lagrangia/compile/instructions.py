@@ -1,21 +1,31 @@
 """CasADi Function -> tape: instructions (op, out, a, b) on one work vector, as runtime/model/tape.h states.
 
-What is the same is computed once, and sines and cosines stand together, which computes four at a time.
+What is the same is computed once, and sines and cosines stand together, which computes four at a time. The run time does that
+where it is at hand (runtime/model/arrange.c): the same tapes.
 """
 
 from array import array
+from collections import Counter
 from collections.abc import Mapping
 from math import copysign
 
 import casadi as ca
 
+from lagrangia.compile.casadi_instructions import read_instructions
+from lagrangia.native.tapes import BINARY as BINARIES
 from lagrangia.native.tapes import SINES, Op, Tape
+from lagrangia.run.arranging import BINARY, COMMUTES, arrange
+from lagrangia.run.library import find_runtime
 
 # An operation has the same name in CasADi and in runtime/model/tape.h.
 _INPUT, _OUTPUT, _CONST = _MOVES = int(Op.INPUT), int(Op.OUTPUT), int(Op.CONST)  # members of an enumeration are slow keys
 _OPS: Mapping[int, int] = {getattr(ca, f"OP_{op.name}"): int(op) for op in Op if op not in _MOVES}
 _COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
 _Instruction = tuple[int, int, int, int]  # op, out, a, b
+_MADE = {**_OPS, ca.OP_INPUT: _INPUT, ca.OP_OUTPUT: _OUTPUT, ca.OP_CONST: _CONST}
+# By operation, for the run time.
+_KINDS = [-1 if (own := _MADE.get(op)) is None else own | BINARY * (own in BINARIES) | COMMUTES * (op in _COMMUTATIVE)
+          for op in range(max(_MADE) + 1)]
 _LEAVES = (_INPUT, _CONST)
 _FEWEST_TOGETHER = 4  # the library takes less time for three
 
@@ -25,8 +35,12 @@ def tape_of(function: ca.Function) -> Tape:
 
     Raises NotImplementedError for an operation that the run time lacks.
     """
-    instructions, constants = _values(function)
-    code, n_work = _placed(_with_sines_together(instructions))
+    runtime = find_runtime()
+    if runtime is not None and runtime.is_ready:
+        code, constants, n_work = arrange(runtime, read_instructions(function), _KINDS)
+    else:
+        instructions, constants = _values(function)
+        code, n_work = _placed(_with_sines_together(instructions))
     sizes_in = [function.numel_in(i) for i in range(function.n_in())]
     sizes_out = [function.numel_out(i) for i in range(function.n_out())]
     return Tape(sizes_in, sizes_out, n_work, code, constants)
@@ -157,8 +171,9 @@ def _placed(instructions: list[_Instruction]) -> tuple["array[int]", int]:
 
 def count_operations(tape: Tape, output: int | None = None) -> int:
     """Instructions that compute something; those alone that one of the outputs needs."""
-    if output is None:
-        return sum(op not in _MOVES for op in tape.code[::4])
+    if output is None or not any(size for k, size in enumerate(tape.out_sizes) if k != output):  # nothing is there for nothing
+        found = Counter(tape.code[::4])
+        return sum(found.values()) - sum(found[op] for op in _MOVES)
     needed: set[int] = set()
     count = 0
     for op, out, a, b in zip(*(reversed(tape.code[k::4]) for k in range(4)), strict=True):

@@ -102,7 +102,7 @@ def usual_rhs(tapes: Mapping[str, Tape]) -> Tape:
 
 def may_hide(tape: Tape) -> bool:
     """Whether it has exponentials of what changes."""
-    return any(op in EXPONENTIALS for op in tape.code[::4])
+    return not set(tape.code[::4]).isdisjoint(EXPONENTIALS)
 
 
 def motion_series(tapes: Mapping[str, Tape]) -> Series | str:

@@ -17,7 +17,7 @@ from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_u
 from lagrangia.native.prebuilt import digest, sources
 
 _FILES = ("cosimulation", "evaluations", "exchange", "image", "life", "log", "partial", "play", "saved", "settle", "values")
-_MANY_RUNS = ("batch", "reduce", "layout")  # no page makes many, or compares structures
+_UNUSED = ("batch", "reduce", "layout", "arrange")  # no page makes many runs, compares structures, or compiles
 _CALLS = ("room", "new", "message", "reset", "inputs", "set", "begin", "step", "values", "events", "drawing")
 # As prebuilt.py has them: the same operations in the same order.
 _FLAGS = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-std=c99", "-ffp-contract=off", "-fno-math-errno", "-O2",
@@ -40,7 +40,7 @@ def require_zig() -> list[str]:
 
 
 def _kept() -> Path:
-    key = hashlib.sha256(repr((digest(data_folder("runtime")), _FLAGS, _FILES, _MANY_RUNS)).encode()).hexdigest()[:32]
+    key = hashlib.sha256(repr((digest(data_folder("runtime")), _FLAGS, _FILES, _UNUSED)).encode()).hexdigest()[:32]
     return cache_folder() / f"page-{key}" / "run_time.wasm"
 
 
@@ -76,7 +76,7 @@ def _whole(file: Path) -> bytes | None:
 
 
 def _compiled(command: list[str], runtime: Path) -> bytes:
-    files = [file for file in sources(runtime) if file.stem not in _MANY_RUNS]
+    files = [file for file in sources(runtime) if file.stem not in _UNUSED]
     files += [runtime / "fmi" / f"{name}.c" for name in _FILES]
     with tempfile.TemporaryDirectory(prefix="lagrangia-") as folder:
         made = Path(folder) / "run_time.wasm"

@@ -37,6 +37,11 @@ class Runtime:
         """What scenes are compiled with, looked for when it is first asked for; None where there is none."""
         return self._compiler if self._work is not None or self._compiler is not None else _find_compiler()
 
+    @property
+    def is_ready(self) -> bool:
+        """Whether nothing has to be made first."""
+        return self._library is not None or self._path is not None
+
     def run(self, model: Model, settings: Settings) -> Run:
         """A run that can be started. Raises CompilerError, MemoryError."""
         return Run(self.library, model, settings)
