@@ -173,6 +173,8 @@ static int is_far(const LagFacts *f) { return f->trouble == LAG_TROUBLE_HORIZON;
 
 static int comes_back(const LagFacts *f) { return f->trouble == LAG_TROUBLE_SWING; }
 
+static int creeps(const LagFacts *f) { return f->trouble == LAG_TROUBLE_CREEPS; }
+
 static int is_disturbed(const LagFacts *f) { return f->trouble == LAG_TROUBLE_DISTURBED; }
 
 /* -------- the table */
@@ -237,6 +239,8 @@ static const LagRule RULES_OF_CHOICE[] = {
      LAG_TROUBLE, ANY, NEXT, is_far, NULL},
     {"swing", "from one moment of rest to the next it swings back the way it came",
      LAG_TROUBLE, ANY, LAG_SOLVER_ORBIT, comes_back, NULL},
+    {"creeping", "a slip in the plane has hardly begun, or hardly goes on, and is stiff across",
+     LAG_TROUBLE, ANY, LAG_SOLVER_IMPLICIT, creeps, NULL},
     {"swing over", "the state or the equations are others now", LAG_TROUBLE, ANY, TURNS, is_disturbed, NULL},
 };
 

@@ -109,11 +109,12 @@ void lag_methods_layout(LagMethods *methods, const LagSettings *settings, const 
     methods->explicit_solver = beside(behind->facts, solver);
     methods->rows_solver = stepwise(behind->facts);
     const int may_turn = lag_methods_turn(settings) && lag_methods_alternate(model, solver);
+    const int may_creep = model->n_cones > 0 && lag_methods_permit(model, LAG_SOLVER_IMPLICIT);
     const int leaves = methods->steppers[solver].table->leaves_trouble || solver == LAG_SOLVER_CONSERVATIVE;
     const int needs_other = leaves || lag_methods_alternate(model, solver) || model->n_switches > 0;
     methods->may_find_poles = may_turn && solver == LAG_SOLVER_TAYLOR && settings->solver != LAG_SOLVER_STEPWISE
         && lag_may_find_poles(&behind->facts);
-    const int32_t asked[] = {solver, needs_other ? methods->explicit_solver : solver, may_turn ? LAG_SOLVER_IMPLICIT : solver,
+    const int32_t asked[] = {solver, needs_other ? methods->explicit_solver : solver, may_turn || may_creep ? LAG_SOLVER_IMPLICIT : solver,
                              may_turn && solver == LAG_SOLVER_PIRK ? methods->rows_solver : solver,
                              methods->may_find_poles ? LAG_SOLVER_PIRK : solver};
     for (size_t i = 0; i < sizeof asked / sizeof *asked; ++i) {

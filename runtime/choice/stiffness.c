@@ -153,7 +153,8 @@ static LagFacts *measured(LagRun *run)
 
 int32_t lag_stiffness_trouble(LagRun *run, int32_t trouble)
 {
-    LagDecision *decision = trouble == LAG_TROUBLE_PASS || trouble == LAG_TROUBLE_LEAD ? &run->passing : &run->decided;
+    const int is_passing = trouble == LAG_TROUBLE_PASS || trouble == LAG_TROUBLE_LEAD || trouble == LAG_TROUBLE_CREEPS;
+    LagDecision *decision = is_passing ? &run->passing : &run->decided;
     LagFacts *f = measured(run);
     f->trouble = trouble;
     if (trouble == LAG_TROUBLE_DISTURBED)

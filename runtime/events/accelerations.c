@@ -141,6 +141,15 @@ void lag_outputs(LagRun *run, double t, const double *y, double *outputs)
         lag_switches_set_free(run, t, y);
 }
 
+void lag_outputs_beside(LagRun *run, double t, const double *beside, const double *y, double *outputs)
+{
+    const double *q = beside, *v = beside + run->model->n;
+    const double *in[] = {&t, y, y + run->model->n, run->acceleration, run->multipliers, run->u, run->d, run->c};
+    whole(run, t, q, v, run->acceleration, run->power);
+    ++run->motion.evaluations;
+    lag_call(&run->model->outputs, in, &outputs, run->work);
+}
+
 int lag_kick(LagRun *run, double t, double *y)
 {
     const LagModel *model = run->model;

@@ -15,6 +15,7 @@
 #include "state/state.h"
 
 static const double NEAR = 0.95; /* of the time in which a slip would stop */
+static const double CREEPS = 4; /* times as fast as its speed changes, a slip turns into the direction of what pulls at it */
 static const double FAINT = 1e-6; /* of what friction slows down: rounding, where it is torn off */
 static const double NO_TIME = 1e-6; /* of what is left of a run; of a second, where that has no end */
 static const double AT_ONCE = 16;  /* times what of a time is rounding: no step is so short */
@@ -186,6 +187,7 @@ int lag_cones_look(LagRun *run)
     LagSliding *s = &run->sliding;
     int some = 0;
     s->stops = s->known_error = INFINITY;
+    s->creep = 0;
     if (run->model->n_cones > 0)
         lag_sliding_rates(run, run->motion.t, run->motion.y);
     for (int k = 0; k < run->model->n_cones; ++k) {
@@ -193,6 +195,9 @@ int lag_cones_look(LagRun *run)
         s->slip[2 * k] = s->g[x];
         s->slip[2 * k + 1] = s->g[y];
         const double speed = hypot(s->g[x], s->g[y]), slows = -(s->g[x] * s->rate[x] + s->g[y] * s->rate[y]) / speed;
+        const double turns = lag_max(s->most_jump[x], s->most_jump[y]) / 2;
+        if (!is_held(run, cone(run, k)) && turns > CREEPS * fabs(slows))
+            s->creep = lag_max(turns / speed, s->creep);
         if (!is_held(run, cone(run, k)))
             s->known_error = lag_min(known_error(run, k, speed), s->known_error);
         if (is_held(run, cone(run, k)) || !(slows > FAINT * lag_max(s->most_jump[x], s->most_jump[y])))

@@ -113,6 +113,7 @@ void lag_sliding_reset(LagRun *run)
     s->latest = s->first = 0;
     s->grows = s->is_lenient = 0;
     s->stops = s->known_error = INFINITY;
+    s->creep = 0;
     memset(s->beyond, 0, (size_t)run->model->n_cones * sizeof *s->beyond);
     lag_shares_reset(run);
     find_partners(run);

@@ -36,6 +36,7 @@ static LagStatus row_at(LagRun *run, double t, double *row)
     row[0] = t;
     memcpy(row + 1, y, 2 * (size_t)n * sizeof *row);
     lag_outputs(run, t, y, outputs);
+    lag_unsure_row(run, t, y, outputs);
     lag_account_note(run, t, y, account);
     return LAG_OK;
 }

@@ -49,6 +49,7 @@ static void clear(LagRun *run)
     /* a run does not depend on what this memory was used for before */
     run->rests = run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0;
     run->calm_step = 0;
+    lag_unsure_reset(run);
     run->motion.energy = run->motion.doubt = 0;
     run->wanted = run->paced = run->settings.t_start;
     run->row_spacing = 0;

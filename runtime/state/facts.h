@@ -47,7 +47,8 @@ enum {
     LAG_TROUBLE_CROSSED,  /* a condition changed in steps of equal length */
     LAG_TROUBLE_HORIZON,  /* transition matrices would lose digits */
     LAG_TROUBLE_SWING,    /* the motion comes back the way it went */
-    LAG_TROUBLE_DISTURBED /* it does no more */
+    LAG_TROUBLE_DISTURBED, /* it does no more */
+    LAG_TROUBLE_CREEPS    /* a slip in the plane is stiff across */
 };
 
 /* The last row that decided, and what it went by. */

@@ -9,6 +9,7 @@
 #include "steps/orbit.h"
 #include "state/project.h"
 #include "steps/roots.h"
+#include "run/unsure.h"
 #include "state/settings.h"
 #include "events/sliding.h"
 #include "choice/stiffness.h"
@@ -58,6 +59,7 @@ struct LagRun {
     LagImpacts impacts;
     LagOrbit orbit;
     LagRoots roots;
+    LagUnsure unsure;
 
     int started;
     int is_starting;      /* no step since the segment began was as long as it could be */

@@ -57,6 +57,8 @@ LagStatus lag_step(LagRun *run)
         return lag_fail(run, LAG_TOO_MANY_STEPS, -1, 0, 0);
     if (lag_rest_begins(run))
         return lag_rest_step(run);
+    if (!lag_turn_creep(run))
+        return lag_fail(run, LAG_NOT_FINITE, -1, 0, 0);
     LagStatus status = run->methods.table->step(run);
     if (status == LAG_OK)
         status = lag_roots_watch(run);

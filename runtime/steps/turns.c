@@ -2,12 +2,14 @@
 
 #include <math.h>
 
+#include "model/function.h"
 #include "state/account.h"
 #include "numbers/extremes.h"
 #include "state/first_step.h"
 #include "state/state.h"
 #include "state/stepper.h"
 
+static const double STIFF = 1; /* steps times that rate: they would follow it */
 static const double SMALL = 0.25; /* share of a first step of order 1 */
 enum { MOST_RELIEF = 1 << 20 };   /* steps */
 
@@ -70,6 +72,20 @@ static int relief(LagRun *run)
     s->relief = is_soon ? (s->relief < MOST_RELIEF ? 2 * s->relief : s->relief) : LAG_PASSES;
     s->relieved = steps;
     return s->relief;
+}
+
+int lag_turn_creep(LagRun *run)
+{
+    LagStiffness *s = &run->stiffness;
+    const int32_t solver = run->methods.solver;
+    const int may_be_implicit = lag_present(&run->model->jacobian) || lag_present(&run->model->tangent);
+    if (!(run->sliding.creep * run->step > STIFF) || !may_be_implicit)
+        return 1;
+    const int32_t passed = s->passes > 0 ? s->passed : solver;
+    if (passed != LAG_SOLVER_IMPLICIT)
+        s->passes = LAG_PASSES;
+    s->passed = passed;
+    return solver == LAG_SOLVER_IMPLICIT || restart(run, run->choice.trouble(run, LAG_TROUBLE_CREEPS));
 }
 
 int lag_turn_pass(LagRun *run)

@@ -11,6 +11,9 @@ int lag_turn(LagRun *run);
  * slides. The explicit method takes some. Returns 0 if it cannot. */
 int lag_turn_pass(LagRun *run);
 
+/* Slips in the plane that are slow beside what turns them are left to implicit steps. Returns 0 where there is no slope. */
+int lag_turn_creep(LagRun *run);
+
 /* A series has no finite coefficients (exp of a large number under a fraction bar), or collocation met a singular position: the
  * explicit method goes on from here. Returns 0 if there is none, or the user asked for the one in use. */
 int lag_turn_fall_back(LagRun *run);

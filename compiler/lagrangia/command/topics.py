@@ -204,6 +204,7 @@ given by others where that is linear, else one more constraint, between position
 and however it is given (-p m=0 compiles the scene once more; in sweeps, where it is 0 in all runs; in FMUs, where it is final).
 --reactions reports the force and torque of every joint and tie, by Lagrange's equations of released directions
 (released_directions.py), and of a Motion what it takes: motor.reaction, a force along what it prescribes, or a torque.
+So near a dead point that rounding decides a force, it is written as NaN, and the run ends with exit code 1.
 Where constraints are redundant, those told as repeated carry nothing. Masses given
 with -p that are far apart or zero in a loop are noticed; the run then takes formulas that bear them (half as long again,
 compiled once).

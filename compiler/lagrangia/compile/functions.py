@@ -21,6 +21,7 @@ from lagrangia.dynamics.hamilton import Hamilton
 from lagrangia.dynamics.impulses import find_kick
 from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
 from lagrangia.dynamics.motion import Motion, mass_matrix
+from lagrangia.dynamics.negative_inertia import without_negative_inertia
 from lagrangia.dynamics.reactions import build_reactions
 from lagrangia.dynamics.switches import Switches, find_roots, find_switches
 from lagrangia.frames.kinematics import Kinematics
@@ -57,6 +58,7 @@ def build_functions(
     are asked for, whose matrix else waits where it is large. Raises LagError L0701."""
     names, y = _outputs(kinematics, outputs)
     y = with_reactions(y, kinematics, motion, constraints)
+    motion = without_negative_inertia(kinematics, motion)
     held, modes = motion.constrained, kinematics.algebra.modes
     symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
     power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
@@ -100,6 +102,7 @@ def _refusals(has_jacobian: bool, has_cones: bool) -> dict[str, str]:
 
 def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     """For some coordinates that are run by themselves: what moves them, without energies and outputs."""
+    motion = without_negative_inertia(kinematics, motion)
     power, modes, held = _power(motion, motion.source_power), kinematics.algebra.modes, motion.constrained
     multipliers, jacobian = held.multipliers if held else ca.SX(0, 1), build_jacobian(kinematics, motion)
     kick, switches = find_kick(kinematics, motion), find_switches(motion)

@@ -19,6 +19,7 @@ from lagrangia.dynamics.double_roots import touching_notes
 from lagrangia.dynamics.idle_lines import find_idle_lines
 from lagrangia.dynamics.idle_statements import find_idle_statements
 from lagrangia.dynamics.motion import Motion
+from lagrangia.dynamics.negative_inertia import written_inertias
 from lagrangia.dynamics.switches import corners_remain
 from lagrangia.frames.graph import rate_of
 from lagrangia.frames.kinematics import Kinematics
@@ -223,7 +224,8 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     found = (*model.warnings, *lines, *find_idle_statements(kinematics.graph, lines).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
-    return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files}
+    kinetic = [str(span) for span in written_inertias(kinematics)]
+    return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic}
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:

@@ -82,6 +82,7 @@ class Energy:
     value: Flat
     component: str
     span: Span
+    is_of_library: bool = False
 
 
 @dataclass(frozen=True)

@@ -314,7 +314,8 @@ class _Flattening:
             case CallEquation(call, _):
                 self._add_call(call, scope, place)
             case EnergyTerm(what, value, _, _):
-                self.energies.append(Energy(what, self.names.flatten(value, scope), scope.instance.path, place))
+                of_library = clause.span.source in self.table.library_sources
+                self.energies.append(Energy(what, self.names.flatten(value, scope), scope.instance.path, place, of_library))
             case WorkTerm(force, position, _, _):
                 flat = self.names.flatten(force, scope), self.names.flatten(position, scope)
                 self.works.append(Work(*flat, scope.instance.path, place))

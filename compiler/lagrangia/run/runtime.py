@@ -110,6 +110,9 @@ class Statistics:
     energy_risen: float = 0.0
     energy_given: float = 0.0
     passed: int = 0
+    unsure: int = 0
+    unsure_output: int = 0
+    unsure_time: float = 0.0
     energy_open: float = 0.0
     energy_is_open: bool = False
     steps_by: tuple[int, ...] = ()  # of them all, those of each solver, by its number
@@ -178,10 +181,11 @@ class _Statistics(c.Structure):
         ("energy_risen", c.c_double),
         ("energy_given", c.c_double),
         ("energy_open", c.c_double),
+        ("unsure_time", c.c_double),
         ("constraint_residual", c.c_double),
         ("constraint_rate_residual", c.c_double),
         *((name, c.c_int32) for name in ("worst", "tolerance_raised", "tolerance_missed", "solver", "switches", "energy_is_open",
-                                         "passed", "rule", "chosen")),
+                                         "passed", "unsure", "unsure_output", "rule", "chosen")),
         ("steps_by", c.c_int64 * (max(Solver) + 1)),
         ("facts", Facts),
     )
@@ -393,8 +397,7 @@ class Run:
         """Rows at ascending times, as many as could be reached (within so many seconds of wall time, if not 0)."""
         if times.__class__ is not array or times.typecode != "d":
             times = array("d", times)
-        most = len(times)
-        values, done = _ZERO * (most * self.width), self.done
+        values, done, most = _ZERO * (len(times) * self.width), self.done, len(times)
         status = self._library.lag_run_advance(self._run, times.buffer_info()[0], most, values.buffer_info()[0], done, seconds)
         return self._rows(status, values, done[0])
 
@@ -424,10 +427,9 @@ class Run:
         """What the run has done so far."""
         struct = self._library.lag_run_statistics(self._run).contents
         values = {name: getattr(struct, name) for name, *_ in _Statistics._fields_ if name not in _OF_CHOICE}
+        found = {name: bool(values[name]) for name in ("tolerance_raised", "energy_is_open")}
         choice = told(self._library, struct.rule, struct.chosen, struct.facts)
-        flags = {name: bool(values[name]) for name in ("tolerance_raised", "energy_is_open")}
-        found = {"solver": Solver(struct.solver), "steps_by": tuple(struct.steps_by), "choice": choice}
-        return Statistics(**values | flags | found)
+        return Statistics(**values | found | {"solver": Solver(struct.solver), "steps_by": tuple(struct.steps_by)}, choice=choice)
 
     @property
     def failure(self) -> Failure:

@@ -39,6 +39,7 @@ class Progress:
     has_power: bool = False  # the account holds integrals of powers, which have errors of their own
     is_driven: bool = False  # something is moved in time, and may bring energy whatever the steps
     contacts: tuple[str, ...] = ()  # of each event, what to call it
+    outputs: tuple[str, ...] = ()  # their names
     interrupted: bool = False
     engine: str = ""  # native, tape, or an integrator of CasADi
     events: Sequence[float] = ()  # times of the first ones, s
@@ -60,7 +61,7 @@ def simulate(
     run = start_run(scene, engine, experiment, values)
     progress = Progress(experiment, parameters=run.parameters, has_power=scene.sizes["n_power"] > 0,
                         is_driven=bool(scene.notes["is_driven"]), contacts=tuple(scene.notes["contacts"]),
-                        engine=engine.how)
+                        outputs=tuple(x.name for x in scene.outputs), engine=engine.how)
     return progress, _all_rows(_Parts(scene, engine, run, values, complete), progress, watch)
 
 
@@ -181,16 +182,18 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
     """When, where and what to try; of what moves no mass, which masses are 0 among all `parameters`, where they are known."""
     if failure.status is Status.INITIAL_FAILED:
         return f"the initial equations cannot all hold: one misses by {abs(failure.value):.3g}"
+    places = ", ".join(scene.notes["kinetic"][:2])
+    kinetic = f"a kinetic energy that is negative for some motion ({places}), " if places else ""
     column = (scene.rates if failure.rate else scene.coordinates)[failure.index] if 0 <= failure.index < scene.n else None
     where = f" ({column.name})" if column else ""
     if failure.status is Status.NOT_FINITE:
         zero = ", ".join(map("'{}'".format, zero_masses(scene, parameters)[:4])) if parameters else ""
         told = f" ({zero} {'are' if ',' in zero else 'is'} 0)" if zero else ""
         return (f"at t = {failure.time:.6g} the accelerations are not finite{where}: a coordinate that moves no mass{told}, "
-                "points that coincide, or a function outside its domain; look at the parameters and start values")
+                f"{kinetic}points that coincide, or a function outside its domain; look at the parameters and start values")
     if failure.status is Status.STEP_TOO_SMALL:
-        return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; a singularity "
-                "(a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")
+        return (f"the motion cannot be continued beyond t = {failure.time:.9g}: no step is small enough{where}; {kinetic}a "
+                "singularity (a collision, a spring of zero length, a division by zero) or values beyond the range of numbers")
     if failure.status in (Status.EVENTS_GO_ON, Status.NO_IMPULSE):
         return f"the motion cannot be continued beyond t = {failure.time:.9g}: {_of_events(scene, failure)}"
     if failure.status is Status.CONSTRAINTS_OPEN:
@@ -256,7 +259,13 @@ def loss(progress: Progress) -> str:
     its integrals of powers; CasADi's integrators tell nothing of that.
     """
     s = progress.statistics
-    if s is None or not (s.energy_is_open or _is_beyond_doubt(progress)):
+    if s is None:
+        return ""
+    if s.unsure:
+        rows = f"{s.unsure} rows" if s.unsure > 1 else "one row"
+        return (f"'{progress.outputs[s.unsure_output]}' is not known at t = {s.unsure_time:.9g}, so near a singular position "
+                f"that rounding decides it: what is so in {rows} is written as NaN; ask for other times")
+    if not (s.energy_is_open or _is_beyond_doubt(progress)):
         return ""
     relative, reason = s.energy_residual / s.energy_size, ""
     what = (f"misses by {s.energy_residual:.1e} J, {relative:.1e} of its size, more than the tolerance "

@@ -26,6 +26,7 @@ Matrix = NDArray[np.float64]
 _RANK, _TIED = 1e-9, 1e-9
 _ROUNDING = 1e-14  # of the terms that cancel in an output
 _PREFERRED = 0.1  # weight in the choice of dependent coordinates of those that the model starts itself
+_NO_MASS = 1e-14  # of the mass matrix, scaled to a diagonal of 1: eigenvalues
 
 
 @dataclass(frozen=True)
@@ -236,8 +237,10 @@ def linearization(tangent: Tangent, given: Given) -> Linearization:
     )
 
 
-def no_mass() -> RunError:
-    """The error of a motion that moves no mass."""
+def no_mass(least: float = 0.0) -> RunError:
+    """The error of a motion that moves no mass, or, where the least eigenvalue of M is negative, less than none."""
+    if least < -_NO_MASS:
+        return RunError("the mass matrix is not positive definite at this point: the kinetic energy of some motion is negative")
     return RunError("the mass matrix is singular at this point: a motion that the constraints allow moves no mass")
 
 
@@ -245,9 +248,10 @@ def _inverse_mass(t: Tangent) -> Matrix:
     """(W^T M W)^-1 W^T: forces -> z'' of the rates that are free."""
     M = t.W.T @ t.M @ t.W
     scale = np.sqrt(np.abs(np.diag(M)))
-    if M.size and (not np.isfinite(M).all() or not scale.all()
-                   or np.linalg.eigvalsh(M / np.outer(scale, scale)).min() < 1e-14):
+    if M.size and (not np.isfinite(M).all() or not scale.all()):
         raise no_mass()
+    if M.size and (least := float(np.linalg.eigvalsh(M / np.outer(scale, scale)).min())) < _NO_MASS:
+        raise no_mass(least)
     inverse = np.asarray(np.linalg.solve(M, t.W.T)) if M.size else np.zeros((0, t.M.shape[0]))
     with np.errstate(all="ignore"):
         if not all(np.isfinite(inverse @ x).all() for x in (t.K, t.C, *t.E)):

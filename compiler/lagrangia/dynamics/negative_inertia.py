@@ -1,0 +1,57 @@
+"""Kinetic energies that users write: accelerations have no value where they are negative for some motion.
+
+The components of the library have masses that cannot be negative. What else is called kinetic may be anything: where M is not
+positive definite, energy is lost in one motion without end to another, and where it becomes so, a step may pass the place. So the
+pivots of M = L D L^T stand in the accelerations, as what adds nothing as long as they are positive.
+"""
+
+from dataclasses import replace
+
+import casadi as ca
+
+from lagrangia.base.diagnostics import Span, fail
+from lagrangia.dynamics.motion import Motion, mass_matrix
+from lagrangia.frames.kinematics import Kinematics
+
+_MOST_COORDINATES = 60  # of scenes whose M is looked at as a whole
+_ROUNDING = 1e-12  # of the diagonal of M: pivots
+_NOTHING = 1e-300  # times a square root: next to no acceleration
+
+
+def written_inertias(kinematics: Kinematics) -> tuple[Span, ...]:
+    """Where kinetic energies are stated that are not of the library."""
+    return tuple(e.span for e in kinematics.graph.model.energies if e.kind == "kinetic" and not e.is_of_library)
+
+
+def without_negative_inertia(kinematics: Kinematics, motion: Motion) -> Motion:
+    """The motion, with accelerations that are no numbers where M is not positive definite.
+
+    Raises LagError L0506 where it is so whatever the motion and the parameters.
+    """
+    places, held = written_inertias(kinematics), motion.constrained
+    if not places or not 0 < motion.v.numel() <= _MOST_COORDINATES or (held is not None and held.regular is None):
+        return motion
+    margins = _margins(mass_matrix(motion))
+    if any(x.is_constant() and not float(x) >= 0 for x in margins):
+        fail("L0506", "the kinetic energy is negative for some motion: the mass matrix is not positive definite", places[0],
+             "make every mass positive, and what couples two rates smaller")
+    nothing = _nothing([x for x in margins if not x.is_constant()], ca.vertcat(motion.t, motion.q, motion.v, motion.u))
+    if held is not None and held.regular is not None:
+        regular = replace(held.regular, acceleration=held.regular.acceleration + nothing)
+        motion = replace(motion, constrained=replace(held, regular=regular))
+    return replace(motion, acceleration=motion.acceleration + nothing)
+
+
+def _nothing(margins: list[ca.SX], state: ca.SX) -> ca.SX:
+    """0, or no number where one of them is negative. A root is what has Taylor series."""
+    total = ca.SX(0)
+    for x in margins:
+        total += _NOTHING * ca.sqrt(x) if ca.depends_on(x, state) else ca.if_else(x >= 0, 0, ca.SX.nan())
+    return total
+
+
+def _margins(M: ca.SX) -> list[ca.SX]:
+    """The pivots of M, by minimum degree, and what rounding may take of each; without those of what moves no mass."""
+    diagonal, _, order = ca.ldl(M, True)
+    found = [(diagonal[place], M[int(k), int(k)]) for place, k in enumerate(order)]
+    return [pivot + _ROUNDING * ca.fabs(own) for pivot, own in found if not pivot.is_zero()]
