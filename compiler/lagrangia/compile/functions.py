@@ -57,8 +57,7 @@ def build_functions(
     """`outputs` are the names to report besides coordinates and rates; see language/observables.py. `is_implicit`: implicit steps
     are asked for, whose matrix else waits where it is large. Raises LagError L0701."""
     names, y = _outputs(kinematics, outputs)
-    y = with_reactions(y, kinematics, motion, constraints)
-    motion = without_negative_inertia(kinematics, motion)
+    y, motion = with_reactions(y, kinematics, motion, constraints), without_negative_inertia(kinematics, motion)
     held, modes = motion.constrained, kinematics.algebra.modes
     symbols, multipliers = (held.symbols, held.multipliers) if held else (ca.SX(0, 1), ca.SX(0, 1))
     power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
