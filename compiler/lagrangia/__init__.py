@@ -32,13 +32,14 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.version import VERSION
 
 if TYPE_CHECKING:
-    from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Interrupted, LagError, RunError
-    from lagrangia.model import Model, load
+    from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Error, Interrupted, LagError, RunError
+    from lagrangia.model import Model, load, loads
     from lagrangia.view.trajectory import EnergyAccount, Trajectory
 
 __version__ = VERSION
-__all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Interrupted", "LagError", "Model", "RunError", "Trajectory", "load"]
-_PLACES = dict.fromkeys(__all__, "base.diagnostics") | dict.fromkeys(("Model", "load"), "model") | dict.fromkeys(
+__all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Error", "Interrupted", "LagError", "Model", "RunError", "Trajectory",
+           "load", "loads"]
+_PLACES = dict.fromkeys(__all__, "base.diagnostics") | dict.fromkeys(("Model", "load", "loads"), "model") | dict.fromkeys(
     ("EnergyAccount", "Trajectory"), "view.trajectory")
 
 

@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, any_names, names, numbers
+from lagrangia.base.checked_values import names
 from lagrangia.base.diagnostics import EngineWarning, Interrupted, RunError, fail
 from lagrangia.run.cache import find_scene, keep_scene
 from lagrangia.run.engines import Engine, divided, load_engine
@@ -20,6 +20,7 @@ from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
+from lagrangia.study.analysed import Analysed
 from lagrangia.view.rows import collect
 from lagrangia.view.sight import Shown, Sight, known_column
 from lagrangia.view.trajectory import Trajectory
@@ -30,10 +31,7 @@ if TYPE_CHECKING:
 
     from lagrangia.compile.pipeline import Compilation
     from lagrangia.paper.pages import Page
-    from lagrangia.study.analysis import Equilibria, Study
-    from lagrangia.study.linearization import Linearization
-    from lagrangia.study.modes import Modes
-    from lagrangia.study.response import Response
+    from lagrangia.study.analysis import Study
     from lagrangia.study.sweep.measures import Measure
     from lagrangia.study.sweep.plan import Design, Job
     from lagrangia.study.sweep.table import Sweep
@@ -52,13 +50,20 @@ def load(path: str | os.PathLike[str], *, model: str | None = None, **structural
     return Model(Path(path), model, structural)
 
 
+def loads(text: str, *, model: str | None = None, **structural: Any) -> "Model":
+    """As `load`, from the text itself, which imports no other files. Raises LagError when it is wrong."""
+    from lagrangia.language.loose_text import place_of
+
+    return Model(place_of(text), model, structural)
+
+
 def _animate(run: Trajectory, path: str | os.PathLike[str] | None, **asked: Any) -> str:
     from lagrangia.draw.film import animate_run
 
     return animate_run(run, path, **asked)
 
 
-class Model:
+class Model(Analysed):
     """A compiled scene. Parameters are numbers of each run: changing one compiles nothing."""
 
     def __init__(self, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
@@ -353,43 +358,6 @@ class Model:
     def __reduce__(self) -> "tuple[Any, ...]":
         """Pickled as what it was loaded from: where it is unpickled, the file must be there."""
         return Model, (self.path, self.model, self.structural, self.outputs, self.formulas)
-
-    def equilibrium(self, *, parameters: Given = None, initial: Given = None, inputs: Given = None, time: float | None = None,
-                    starts: int | None = None) -> "Equilibria":
-        """Positions of rest: the one reached from the start values first, then those found from `starts` - 1 other places.
-
-        Each has `.position`, `.stability`, `.eigenvalues`, `.reactions`; time stands still at `time` (s), the start time by
-        default. Raises LagError for wrong input, RunError where nothing can rest.
-        """
-        return self.study(parameters, initial, inputs, time).equilibria(
-            None if starts is None else a_count_within("number of starts", starts, 1, MOST_STARTS))
-
-    def linearize(self, *, about: str = "equilibrium", excitations: str | Sequence[str] | None = None,
-                  outputs: str | Sequence[str] | None = None, parameters: Given = None, initial: Given = None,
-                  inputs: Given = None, time: float | None = None) -> "Linearization":
-        """M, C, K and the state-space form of small motion about the equilibrium found from the start, or about the "start".
-
-        `excitations` and `outputs` are names; by default the inputs with all loads that depend on time, and the coordinates with
-        the declared outputs. See `lag help analysis`. Raises LagError, RunError.
-        """
-        return self.study(parameters, initial, inputs, time).linearize(about, any_names("excitations", excitations),
-                                                                      any_names("outputs", outputs))
-
-    def modes(self, *, about: str = "equilibrium", mass_normalised: bool = False, parameters: Given = None, initial: Given = None,
-              inputs: Given = None, time: float | None = None) -> "Modes":
-        """Natural frequencies, mode shapes and damping ratios about the equilibrium, or about the "start"."""
-        return self.study(parameters, initial, inputs, time).modes(about, mass_normalised)
-
-    def response(self, excitations: str | Sequence[str] | None = None, outputs: str | Sequence[str] | None = None, *,
-                 frequencies: Sequence[float] | None = None, span: tuple[float, float] | None = None, points: int = 400,
-                 about: str = "equilibrium", parameters: Given = None, initial: Given = None, inputs: Given = None,
-                 time: float | None = None) -> "Response":
-        """Frequency response of outputs to excitations, at `frequencies` (Hz) or over `span` (Hz, from the modes by default)."""
-        chosen = any_names("excitations", excitations), any_names("outputs", outputs)
-        at = None if frequencies is None else [a_frequency(value) for value in numbers("frequencies", frequencies)]
-        ends = None if span is None else a_span(span)
-        count = a_count_within("number of points", points, 2, MOST_POINTS)
-        return self.study(parameters, initial, inputs, time).response(*chosen, about, at, ends, count)
 
     def study(self, parameters: Given = None, initial: Given = None, inputs: Any = None, time: float | None = None) -> "Study":
         """What small motion and rest are found of, with these numbers, at one time (s). Raises LagError."""

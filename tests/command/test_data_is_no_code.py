@@ -131,6 +131,19 @@ def _plain(node: object) -> object:
 
 
 @needs_compiler
+def test_results_and_errors_are_pickled() -> None:
+    model = lag.load(data_folder("models") / "examples" / "quarter_car.lag")
+    for found in (model.modes(), model.equilibrium(), model.linearize(), model.response(points=3),
+                  model.simulate_many(parameters={"m1": [1, 2]}, outputs=["max(car.s)"])):
+        again = pickle.loads(pickle.dumps(found))
+        assert type(again) is type(found) and repr(again) == repr(pickle.loads(pickle.dumps(again)))
+    assert pickle.loads(pickle.dumps(model.modes())).frequencies.tolist() == model.modes().frequencies.tolist()
+    with pytest.raises(lag.Error) as raised:
+        model.simulate(parameters={"zz": 1})
+    again = pickle.loads(pickle.dumps(raised.value))
+    assert isinstance(again, lag.LagError) and str(again) == str(raised.value)
+
+
 def test_models_and_trajectories_are_pickled() -> None:
     Path("scene.lag").write_text(SWING % "", encoding="utf-8")
     model = lag.load("scene.lag")

@@ -40,6 +40,26 @@ def test_the_example_of_the_issue() -> None:
     assert np.ptp(run.energy.total) < 1e-8 * np.abs(run.energy.total).max()
 
 
+def test_a_model_is_loaded_from_its_text() -> None:
+    text = "model A Block b(m = 1, base = world, along = {1, 0}, v(start = 2)); end A;"
+    model = lag.loads(text)
+    assert model.simulate(stop=3)["b.s"][-1] == pytest.approx(6)
+    assert lag.loads(text).is_cached
+    with pytest.raises(lag.Error, match="did you mean 'Block'"):
+        lag.loads(text.replace("Block", "Blok"))
+    with pytest.raises(lag.Error, match="not supported yet: imports"):
+        lag.loads('import "other.lag";' + text)
+    with pytest.raises(lag.Error, match="a scene is a text"):
+        lag.loads(Path("x.lag"))  # type: ignore[arg-type]
+
+
+def test_a_sweep_is_a_table_in_a_notebook() -> None:
+    scene = EXAMPLES[0].with_name("quarter_car.lag")
+    sweep = lag.load(scene).simulate_many(parameters={"m1": range(1, 31)}, outputs=["max(car.s)"])
+    shown = sweep._repr_html_()
+    assert shown.count("<tr>") == 21 and "<th>max(car.s)</th>" in shown and "20 of 30 runs" in shown
+
+
 def test_names_of_a_trajectory() -> None:
     run = load("disc_and_block").simulate(stop=1)
     assert run.names[:3] == ["time", "block.s", "axle.phi"]

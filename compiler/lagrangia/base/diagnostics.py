@@ -99,19 +99,26 @@ class Diagnostic:
         return "\n".join(lines)
 
 
-class LagError(Exception):
+class Error(Exception):
+    """What Lagrangia raises: LagError for wrong input, RunError for a run that failed."""
+
+
+class LagError(Error):
     """The input is wrong. `diagnostics` says how; the command line prints them and exits with 2."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics = tuple(diagnostics)
         super().__init__("\n".join(d.render() for d in self.diagnostics))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.diagnostics,)
+
 
 class TooMuchError(LagError):
     """The input asks for work without bound: nothing more of it is looked at, not even for other errors."""
 
 
-class RunError(Exception):
+class RunError(Error):
     """The run failed although the input is well formed; the command line exits with 1.
 
     `trajectory` holds what was computed before, when the run was asked for through Model.simulate.

@@ -16,7 +16,7 @@ from pathlib import Path
 from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_use
 from lagrangia.base.records import dataclass
 
-_KINDS = ("scenes", "syntax", "objects")  # folders of files
+_KINDS = ("scenes", "syntax", "objects", "texts")  # folders of files
 _DAY = 86_400.0  # seconds
 
 

@@ -131,6 +131,11 @@ class Modes:
         return {"name": self.name, "point": dict(self.linearization.point), "scaling": self.scaling, "modes": undamped,
                 "damped": damped, "notes": self.notes}
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled without the mechanism: the shapes are then drawn as bars."""
+        return Modes, (self.name, self.coordinates, self.modes, self.damped, self.has_damping, self.is_gyroscopic, self.scaling,
+                       self.notes, self.linearization)
+
     def plot(self, path: Any = None) -> Any:
         """Each shape as the deflected mechanism, or as bars where nothing has an extent; returns the matplotlib Figure."""
         from lagrangia.study.pictures import Shapes, draw_modes

@@ -212,8 +212,8 @@ class WholeRows(_Rows):
     def _put_arrays(self, table: "np.ndarray") -> None:
         import numpy as np
 
-        named = {column.name: table[:, k] for k, column in enumerate(self.columns)}
-        np.savez(self.target.stream, allow_pickle=False, __units__=np.array([column.unit for column in self.columns]), **named)
+        named: dict[str, Any] = {column.name: table[:, k] for k, column in enumerate(self.columns)}
+        np.savez(self.target.stream, __units__=np.array([column.unit for column in self.columns]), **named)
 
     def _put_mat(self, table: "np.ndarray") -> None:
         """The trajectory file of Dymola and OpenModelica, transposed: names, descriptions, where each is found (1: what does not

@@ -1,5 +1,6 @@
 """The results of a sweep as a table: a row for each run; columns are what was varied, the measures, and why a run failed."""
 
+import html
 import math
 import os
 from collections import Counter
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     import pandas
 
 _PORTION = 4096  # rows
+_SHOWN = 20  # in a notebook
 
 
 @dataclass(frozen=True)
@@ -134,16 +136,30 @@ class Sweep:
         return [*(all_units[place] for place in self.job.variations.places), *(unit_of(scene, m) for m in self.job.measures)]
 
     def to_pandas(self) -> "pandas.DataFrame":
-        """A table with the run as its index; pandas must be installed."""
+        """A table with the run as its index, units by name in its attrs["units"]; pandas must be installed."""
         import pandas
 
         columns: dict[str, Any] = {name: self[name] for name in self.names}
         failures = self.failures
         columns["failure"] = [failures.get(k) for k in range(self.runs)]
-        return pandas.DataFrame(columns, index=pandas.RangeIndex(self.runs, name="run"))
+        frame = pandas.DataFrame(columns, index=pandas.RangeIndex(self.runs, name="run"))
+        frame.attrs["units"] = dict(zip(self.names, self.units(), strict=True))
+        return frame
+
+    def _repr_html_(self) -> str:
+        """In a notebook: its first runs."""
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in ("run", *self.names, "failure"))
+        rows = next(self._rows(), [])[:_SHOWN]
+        body = "".join("<tr>" + "".join(f"<td>{_cell(x)}</td>" for x in row) + "</tr>" for row in rows)
+        more = f"<p>{len(rows)} of {self.runs} runs</p>" if len(rows) < self.runs else ""
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}"
 
     def __repr__(self) -> str:
         return f"<{self.runs} runs of {self.job.scene.name}: {', '.join(self.names[:8])}{', ...' if len(self.names) > 8 else ''}>"
+
+
+def _cell(value: Any) -> str:
+    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else html.escape(str(value))
 
 
 def is_parquet(path: str | os.PathLike[str]) -> bool:
