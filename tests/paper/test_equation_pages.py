@@ -171,6 +171,7 @@ class Balanced(HTMLParser):
 @pytest.mark.parametrize("name", ["slider_crank", "crank_press", "double_pendulum", "quarter_car"])
 def test_latex_compiles_and_nothing_stands_in_the_margin(name: str, is_fragment: bool, tmp_path: Path, capsys) -> None:
     page = equations(capsys, name, "--form", "worked", "--format", "latex", *["--fragment"] * is_fragment)
+    assert ("tikzpicture" in page) != is_fragment, "a fragment needs amsmath alone"
     if is_fragment:
         assert "documentclass" not in page and "usepackage" not in page and r"\label{lag:a}" in page
         page = (r"\documentclass[11pt]{article}\usepackage[margin=22mm,a4paper]{geometry}\usepackage{amsmath}\sloppy"

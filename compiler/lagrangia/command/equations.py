@@ -14,6 +14,7 @@ from lagrangia.command.arguments import (
     open_parameters,
     part_structural,
 )
+from lagrangia.run.request import Request as Drawn
 
 
 def equations_command(options: Namespace) -> int:
@@ -41,13 +42,20 @@ def equations_command(options: Namespace) -> int:
 
 
 def _figure(options: Namespace, names: dict[str, str]) -> str:
-    """What derivations and statements of problems show on pages of HTML; "" where the scene has no start to be drawn at."""
-    if options.format != "html" or options.form not in ("worked", "exercise") or options.check is not None:
+    """What derivations and statements of problems show, as SVG on pages of HTML and as TikZ in LaTeX, but not in fragments, which
+    need amsmath alone; "" where the scene has no start to be drawn at."""
+    has_room = options.format == "html" or (options.format == "latex" and not options.fragment)
+    if not has_room or options.form not in ("worked", "exercise") or options.check is not None:
         return ""
+    from lagrangia.draw.drawing import page_of
+    from lagrangia.draw.svg import write_svg
+    from lagrangia.draw.tikz import write_tikz
+
     given = assignments(options.parameter, "-p")
     model = load_model(options, given, ())
     known = {name: symbol for name, symbol in names.items() if name in model.coordinate_names}
     try:
-        return model.draw(names=known, parameters=open_parameters(model.scene, given))
+        page, _ = page_of(model, Drawn(parameters=open_parameters(model.scene, given)), known)
+        return write_svg(page) if options.format == "html" else write_tikz(page)
     except (LagError, RunError):
         return ""

@@ -166,6 +166,7 @@ class FlatModel:
     lookups: Mapping[Lookup, Span] = field(default_factory=dict)  # tables of files that are asked for
     tables: Mapping[Lookup, ReadTable] = field(default_factory=dict)  # as they were read
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
+    components: Mapping[str, str] = field(default_factory=dict)  # descriptions of those that have one, by their names
 
 
 def places_of(node: Flat) -> tuple[Flat, ...]:

@@ -80,6 +80,7 @@ class _Flattening:
         self.figures: list[Figure] = []
         self.resets: list[Reset] = []  # of the `when` that is being read
         self.structural: dict[str, float | bool | str] = {}
+        self.components: dict[str, str] = {}
 
     def flatten(self, overrides: Mapping[str, Any]) -> FlatModel:
         definition = self.definition
@@ -98,7 +99,7 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.names.lookups, {}, allowed_of(self.table, definition),
+            self.names.lookups, {}, allowed_of(self.table, definition), self.components,
         )
         looks = (find_unread, find_idle, find_without_effect)
         return replace(model, warnings=tuple(d for look in looks for d in look(model, root, self.table).diagnostics))
@@ -141,6 +142,8 @@ class _Flattening:
     # ------------------------------------------------------------ members
 
     def _visit(self, instance: Instance) -> None:
+        if instance.description:
+            self.components[instance.path] = instance.description
         if instance.frame is not None:
             self._add_frame(instance.frame, instance)
         for member in list(instance.members.values()):

@@ -109,6 +109,7 @@ class Instance:
     parent: "Instance | None" = None
     absent: set[str] = field(default_factory=set)  # conditional components that are not there
     protected: set[str] = field(default_factory=set)  # members that only the class itself, and what extends it, may name
+    description: str = ""  # of its declaration
 
     def child_path(self, name: str) -> str:
         """The full name of a member."""
@@ -337,7 +338,9 @@ class Instantiation:
             self.report.error("L0205", f"the component '{declaration.name}' cannot be given a value",
                               change.value.expression.span, "modify its parameters and ports: (name = value)")
         self.count += 1
-        return self.instantiate(definition, path, change, declaration.name_span, instance)
+        found = self.instantiate(definition, path, change, declaration.name_span, instance)
+        found.description = declaration.description
+        return found
 
     def _is_frame_class(self, definition: ClassDefinition) -> bool:
         return any(isinstance(e, Extends) and e.type_name == "Frame" for e in definition.elements)

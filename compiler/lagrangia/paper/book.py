@@ -9,6 +9,7 @@ import sympy as sp
 from lagrangia.algebra.with_sympy import Expr, exact_throughout
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Term
+from lagrangia.frames.joints import component_of
 from lagrangia.language.frame_attributes import component_named
 from lagrangia.paper.document import Block, Display, Heading, Inline, Table, display, paragraph, say
 from lagrangia.paper.equations import Constant, Equations
@@ -126,8 +127,11 @@ def coordinates_table(book: Book) -> list[Block]:
     rows: list[tuple[Inline, ...]] = []
     for name, q in zip(book.equations.scene.names, book.q, strict=True):
         variable = model.variables.get(name)
-        rows.append((q, name, (variable.unit if variable else component_named(name).unit), variable.description if variable else
-                     _frame_words(name)))
+        told = model.components.get(component_of(name), "")
+        if variable is None:
+            rows.append((q, name, component_named(name).unit, _frame_words(name)))
+        else:
+            rows.append((q, name, variable.unit, "; ".join(filter(None, [variable.description, told]))))
     for name, value in book.equations.scene.dependents.items():
         shown = book.names.get(sp.Symbol(name, real=True), Name(name))
         variable = model.variables.get(name)

@@ -54,7 +54,7 @@ Block: TypeAlias = Heading | Paragraph | Display | Table
 class Document:
     """A title and what stands below it, in the language of the pages' own words.
 
-    `figure` is the text of an SVG, which pages that show none leave out.
+    `figure` is the text of an SVG on pages of HTML, and of TikZ in LaTeX; other pages leave it out.
     """
 
     title: Inline

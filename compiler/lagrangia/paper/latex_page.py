@@ -19,11 +19,13 @@ def typeset_lines(formula: Node) -> list[Node]:
 
 
 def as_latex(document: Document) -> str:
-    """A document that pdflatex and lualatex read; amsmath is all it needs."""
+    """A document that pdflatex and lualatex read; amsmath is all it needs, and tikz where it has a figure."""
+    figure = f"\\begin{{center}}\n{document.figure.strip()}\n\\end{{center}}\n\n" if document.figure else ""
+    package = "\\usepackage{tikz}\n" if document.figure else ""
     return (f"\\documentclass[11pt]{{article}}\n\\usepackage[utf8]{{inputenc}}\n\\usepackage[T1]{{fontenc}}\n"
-            f"\\usepackage[a4paper,margin=22mm]{{geometry}}\n\\usepackage{{amsmath}}\n\\allowdisplaybreaks\n"
+            f"\\usepackage[a4paper,margin=22mm]{{geometry}}\n\\usepackage{{amsmath}}\n{package}\\allowdisplaybreaks\n"
             f"\\setlength{{\\parindent}}{{0pt}}\\setlength{{\\parskip}}{{6pt}}\\sloppy\n\\title{{{latex_escape(words_of(document.title))}}}\n\\date{{}}\n"
-            f"\\begin{{document}}\n\\maketitle\n\n{as_fragment(document)}\n\n\\end{{document}}")
+            f"\\begin{{document}}\n\\maketitle\n\n{figure}{as_fragment(document)}\n\n\\end{{document}}")
 
 
 def as_fragment(document: Document) -> str:

@@ -63,7 +63,7 @@ class Request:
     level: str = "full"
     sections: tuple[str, ...] = ()
     first_letter: str = "a"
-    figure: str = ""  # an SVG's text, for pages of HTML
+    figure: str = ""  # an SVG's text, for pages of HTML, or TikZ, for LaTeX
     language: str = "en"
     is_fragment: bool = False  # of LaTeX: what stands in a document of one's own
 
