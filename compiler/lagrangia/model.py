@@ -123,11 +123,11 @@ class Model(Analysed):
         return self._compilation
 
     def completed(self) -> "Model":
-        """Itself, with the matrix of implicit steps, which large scenes get when it is first asked for."""
+        """Itself, with what implicit and conservative steps need, which large scenes get when it is first asked for."""
         if self.scene.sizes.get("jacobian_waits"):
-            from lagrangia.compile.pipeline import with_implicit_steps
+            from lagrangia.compile.pipeline import with_what_waits
 
-            self._compilation = with_implicit_steps(self.compilation, self.outputs)
+            self._compilation = with_what_waits(self.compilation, self.outputs)
             self.scene, self._has_engine = self._keep(self._compilation.scene), False
         return self
 
@@ -321,15 +321,15 @@ class Model(Analysed):
         """The engine that runs a solver of this name. Raises LagError L0704 where engine 'tape' cannot."""
         if is_casadi(solver):
             return None
+        if solver in ("implicit", "conservative"):
+            self.completed()
         if solver == "islands" and self.engine is not None:
             self._engine = divided(self.engine, self.scene, self.native)
         if self.native and has_runtime() and not has_compiler():
             self._refuse(solver, "--engine tape")
-        if solver != "implicit":
-            return self.engine
-        if solver not in self._engines:
-            self._engines[solver] = load_engine(self.completed().scene, self._runtime, self.native, WAYS[solver].number)
-        return self._engines[solver]
+        if solver == "implicit" and solver not in self._engines:
+            self._engines[solver] = load_engine(self.scene, self._runtime, self.native, WAYS[solver].number)
+        return self._engines[solver] if solver == "implicit" else self.engine
 
     def observer(self, parameters: "np.ndarray", values: Any) -> Any:
         """Computes any quantity from rows of results."""

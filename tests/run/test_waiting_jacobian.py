@@ -80,3 +80,13 @@ def test_who_may_need_it_at_any_time_has_it_made_first(path: Path) -> None:
     assert matrices(named)
     prepared.prepare(stop=0.01)
     assert matrices(prepared)
+
+
+def test_momenta_of_large_scenes_wait_for_conservative_steps(path: Path) -> None:
+    path.write_text(CREEPING.replace(f"energy\n  dissipation sum(c*1[m2]*der(hinge[i].phi)^2/2 for i in 1:{N});", ""),
+                    encoding="utf-8")
+    model = lag.load(path)
+    assert "velocity" not in model.scene.tapes and not model.scene.sizes["is_separable"]
+    run = model.simulate(solver="conservative", stop=0.01, max_step=0.001)
+    assert "velocity" in model.scene.tapes
+    assert run["hinge[1].phi"][-1] == pytest.approx(lag.load(path).simulate(stop=0.01)["hinge[1].phi"][-1], rel=1e-4)

@@ -87,6 +87,7 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], form
         from lagrangia.constraints.rows import reduce_kinematics
         from lagrangia.dynamics.energies import build_energies
         from lagrangia.dynamics.freedom import is_held_still
+        from lagrangia.dynamics.jacobians import waits
         from lagrangia.dynamics.massless import settle_massless
         from lagrangia.dynamics.motion import build_motion
         from lagrangia.frames.graph import build_graph
@@ -103,7 +104,7 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], form
         hit, run = _with_impacts(kinematics, energies, motion, made_of)
         initial = with_motion(initial, kinematics, motion.momentum, motion.acceleration)
     with _timed(took, "functions"):
-        flow, stuck, hamilton = _flow(kinematics, constraints, energies, run)
+        flow, stuck, hamilton = _flow(kinematics, constraints, energies, run, waits(run))
         functions = build_functions(hit, run, constraints, initial, hamilton, _reported(kinematics.graph, outputs))
     with _timed(took, "freedom"):
         is_still = is_held_still(kinematics, motion, constraints, initial, functions.table)
@@ -114,14 +115,14 @@ def _compile(syntax: "Syntax", flat: "FlatModel", outputs: tuple[str, ...], form
                        scene, took)
 
 
-def with_implicit_steps(made: Compilation, outputs: tuple[str, ...]) -> Compilation:
-    """The same with the matrix of implicit steps, which waited."""
+def with_what_waits(made: Compilation, outputs: tuple[str, ...]) -> Compilation:
+    """The same with the matrix of implicit steps and the momenta of conservative ones."""
     from lagrangia.compile.functions import build_functions
     from lagrangia.compile.scenes import build_scene, divide
     from lagrangia.dynamics.freedom import is_held_still
 
     with deep_recursion(), _without_collections():
-        flow, stuck, hamilton = _flow(made.kinematics, made.constraints, made.energies, made.run)
+        flow, stuck, hamilton = _flow(made.kinematics, made.constraints, made.energies, made.run, waits=False)
         functions = build_functions(made.struck, made.run, made.constraints, made.initial, hamilton,
                                     _reported(made.graph, outputs), is_implicit=True)
         is_still = is_held_still(made.kinematics, made.motion, made.constraints, made.initial, functions.table)
@@ -143,14 +144,15 @@ def _start(kinematics: "Kinematics", constraints: "Constraints", is_as_written: 
     return (constraints, initial) if lifted is None else (lifted, build_initial(kinematics, lifted))
 
 
-def _flow(kinematics: "Kinematics", constraints: "Constraints", energies: "Energies", run: "Motion"
+def _flow(kinematics: "Kinematics", constraints: "Constraints", energies: "Energies", run: "Motion", waits: bool
           ) -> "tuple[str, str, Hamilton | None]":
-    """Why the scene does not keep its energy, why it has no conservative steps, and the momenta of these where it needs them."""
+    """Why the scene does not keep its energy, why it has no conservative steps, and the momenta of these where it needs them,
+    unless that waits."""
     from lagrangia.dynamics.hamilton import build_hamilton, energy_flow, is_separable, no_momenta
 
     flow = energy_flow(kinematics, constraints, energies, run)
     stuck = flow or no_momenta(constraints, run)
-    return flow, stuck, None if stuck or is_separable(run) else build_hamilton(kinematics, run)
+    return flow, stuck, None if waits or stuck or is_separable(run) else build_hamilton(kinematics, run)
 
 
 def _with_impacts(kinematics: "Kinematics", energies: "Energies", motion: "Motion",

@@ -16,6 +16,7 @@ from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion
 from lagrangia.dynamics.double_roots import touching_notes
+from lagrangia.dynamics.hamilton import is_separable
 from lagrangia.dynamics.idle_lines import find_idle_lines
 from lagrangia.dynamics.idle_statements import find_idle_statements
 from lagrangia.dynamics.motion import Motion
@@ -57,7 +58,7 @@ def build_scene(
     sizes = _sizes(len(coordinates), len(parameters), len(inputs), len(kinematics.algebra.modes), functions, motion, tapes) | {
         "n_outputs": len(outputs), "n_initial": initial.residuals.numel(), "n_initial_positions": initial.n_positions,
         "n_lost": len(initial.lost), "outputs_need_acceleration": int(functions.outputs_need_acceleration),
-        "is_separable": int(not no_momenta and "velocity" not in functions.table),
+        "is_separable": int(not no_momenta and is_separable(motion)),
         "is_swing": int(not flow and _is_of_one_freedom(motion)),
     }
     return _with_series(Scene(

@@ -50,11 +50,16 @@ class Jacobian:
         return self.parts or self.tangent
 
 
+def waits(motion: Motion) -> bool:
+    """Whether what few runs ask for is made when they do: this matrix, and the momenta of conservative steps."""
+    return bool(motion.q.numel() > _AT_ONCE)
+
+
 def build_jacobian(kinematics: Kinematics, motion: Motion, is_asked: bool = True) -> Jacobian:
     """Neither parts nor a tangent when the matrix would be too large to be of use: its pattern alone takes O(n^2) for a chain.
     Nor where it is large and not `is_asked`, before somebody asks: then it waits."""
     is_too_large = coupled_pairs(kinematics) > _MOST_ENTRIES
-    if is_too_large or not (is_asked or motion.q.numel() <= _AT_ONCE):
+    if is_too_large or (waits(motion) and not is_asked):
         sizes = dict.fromkeys(("n_entries", "n_lower", "n_upper", "n_colours"), 0)
         return Jacobian((), (), (ca.SX(0, 1), ca.SX(0, 1)), (), sizes if is_too_large else sizes | {"jacobian_waits": 1})
     held = motion.constrained
