@@ -216,3 +216,26 @@ def test_loose_parts_keep_clear_of_each_other_all_the_time() -> None:
     machine, absorber = (box.poses[:, 0] for box in boxes)
     half = np.ptp(boxes[0].stroke.points[:, 0])
     assert (absorber - machine).min() > half
+
+
+CASES = Path(__file__).parents[1] / "cases"
+
+
+def test_a_scene_with_a_trace_is_drawn() -> None:
+    assert lag.load(CASES / "constraint_library.lag", model="BeadOnParabola").draw().count("<circle") >= 1
+
+
+def test_walls_stand_where_no_other_part_is() -> None:
+    """Wall, mass, mass, wall: each spring to the ground is on the free side of its mass."""
+    page, _ = page_of(lag.load(CASES / "linear_2dof_vibration.lag", model="TwoMasses"), Request(), {})
+    bodies = sorted(float(path.points[:, 0].mean()) for path in page.paths if path.fill == "white" and len(path.points) == 4)
+    lines = [path.points for path in page.paths if len(path.points) == 2 and path.line == "normal"]
+    walls = {float(x[0, 0]) for x in lines if np.ptp(x[:, 0]) < 1e-6 and np.ptp(x[:, 1]) > 5}
+    assert len(bodies) == 2 and min(walls) < bodies[0] and max(walls) > bodies[1]
+    assert not any(bodies[0] < x < bodies[1] for x in walls)
+
+
+def test_a_scene_without_drawings_says_so(tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["draw", str(CASES / "classroom" / "bead_on_hoop.lag"), "-o", "x.svg"]) == 0
+    assert "nothing in this scene has a drawing" in capsys.readouterr().err

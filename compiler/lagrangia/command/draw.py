@@ -1,5 +1,6 @@
 """`lag draw`: the scene at one moment, as a picture."""
 
+import sys
 from argparse import Namespace
 
 from lagrangia.base.result_files import is_device
@@ -16,6 +17,7 @@ def draw_command(options: Namespace) -> int:
     if options.at is not None:
         number(options.at, "--at")  # one
     model, request = load_asked(options)
-    text = draw_scene(model, None if target == "-" else target, request, named_pairs(options.names or "", "--names"))
+    text = draw_scene(model, None if target == "-" else target, request, named_pairs(options.names or "", "--names"),
+                      lambda text: print(f"note: {text}", file=sys.stderr))
     print(text.rstrip() if target == "-" else f"written to {target}")
     return 0

@@ -56,6 +56,8 @@ def _figure(options: Namespace, names: dict[str, str]) -> str:
     known = {name: symbol for name, symbol in names.items() if name in model.coordinate_names}
     try:
         page, _ = page_of(model, Drawn(parameters=open_parameters(model.scene, given)), known)
+        if not page.paths:
+            return ""
         return write_svg(page) if options.format == "html" else write_tikz(page)
     except (LagError, RunError):
         return ""

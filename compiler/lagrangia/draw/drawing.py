@@ -1,7 +1,7 @@
 """`Model.draw` and `lag draw`: a run to the moment that is asked for, its page, files."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -52,13 +52,16 @@ class Drawable(Located, Protocol):
         """The motion. Raises LagError, RunError."""
 
 
-def draw_scene(model: Drawable, path: str | os.PathLike[str] | None, request: Request, names: Mapping[str, str]) -> str:
-    """The text of an SVG, at the request's last time; the file as well where a path is given.
+def draw_scene(model: Drawable, path: str | os.PathLike[str] | None, request: Request, names: Mapping[str, str],
+               tell: Callable[[str], None] | None = None) -> str:
+    """The text of an SVG, at the request's last time; the file as well where a path is given. `tell` hears of what is empty.
 
     Raises LagError; RunError where the motion ends before, of which the last moment is drawn."""
     if path is not None:
         require_picture(path)
     page, failure = page_of(model, request, names)
+    if not page.paths and not page.labels and tell is not None:
+        tell("nothing in this scene has a drawing: `lag help drawing` says how to give it one")
     text = write_svg(page)
     if path is not None:
         save_page(page, text, Path(path))

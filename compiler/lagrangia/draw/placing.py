@@ -59,6 +59,8 @@ class _Placing:
     extents: Mapping[str, float]  # of what is drawn at frames, m
     layout: Layout = field(default_factory=Layout)
     pinned: set[str] = field(default_factory=set)
+    walled: list[tuple[int, Joint, float]] = field(default_factory=list)  # items between a part and a wall, which come last
+    taken: set[tuple[str, tuple[float, ...]]] = field(default_factory=set)  # sides of parts, to which others are tied
 
     def run(self) -> Layout:
         items = self.numbers.items
@@ -72,6 +74,11 @@ class _Placing:
             elif item.word in _SPRINGS and len(item.frames) == 2 and self._are_neighbours(item):
                 reach = sum(self.extents.get(frame, 0.0) for frame in item.frames) + SPRING * self.symbol
                 self._set_apart(item.frames, reach, np.array([1.0, 0.0]))
+        for k, joint, x in self.walled:
+            way: Vector = np.sign(x) * _unit(self._way(joint))
+            if self._side(joint.child, -way) in self.taken and self._side(joint.child, way) not in self.taken:
+                way = -way  # a spring is the same on either side, but the wall would stand in another part
+            self.layout.ends[k] = self._wall(joint.child, way), End(joint.child, np.zeros(2))
         self._choose_lanes()
         return self.layout
 
@@ -107,10 +114,10 @@ class _Placing:
             self._tie(k, End(block.child, np.zeros(2)), rim, way)
 
     def _tie_to_base(self, k: int, joint: Joint, x: float) -> None:
-        way: Vector = np.sign(x) * _unit(self._way(joint))
         if joint.parent in self.tree.grounded:
-            self.layout.ends[k] = self._wall(joint.child, way), End(joint.child, np.zeros(2))
+            self.walled.append((k, joint, x))
         else:
+            way: Vector = np.sign(x) * _unit(self._way(joint))
             self._tie(k, End(self.tree.holder(joint.parent), np.zeros(2)), End(joint.child, np.zeros(2)), way)
 
     def _wall(self, child: str, way: Vector) -> End:
@@ -137,6 +144,11 @@ class _Placing:
         if ahead or float(np.linalg.norm(aside)) > 1e-6 * self.symbol:
             self._move(b.frame, a.frame, ahead * way - aside)
         self.layout.ends[k] = a, b
+        self.taken |= {self._side(a.frame, way), self._side(b.frame, -way)}
+
+    @staticmethod
+    def _side(frame: str, way: Vector) -> tuple[str, tuple[float, ...]]:
+        return frame, tuple((np.round(way, 6) + 0.0).tolist())
 
     def _stand_along(self, k: int, item: Item) -> None:
         """A spring that feels one direction: its ends face each other along it."""

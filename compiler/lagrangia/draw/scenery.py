@@ -80,7 +80,9 @@ class Scenery:
     # ------------------------------------------------------------ shapes
 
     def shape(self, k: int, moment: int) -> Shape:
-        """What a figure looks like at a moment."""
+        """What a figure looks like at a moment; a trace is made of many."""
+        if self.numbers.items[k].word == "trace":
+            return Shape()
         given = self.given(k, moment)
         if not all(np.isfinite(x).all() for x in (given.places, *given.numbers, *given.options.values())):
             return Shape()

@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Mapping
+from dataclasses import replace
 from xml.sax.saxutils import escape
 
 import numpy as np
@@ -12,6 +13,7 @@ from lagrangia.draw.drawing import figures_of
 from lagrangia.draw.page import LINES
 from lagrangia.draw.picture import draw_page
 from lagrangia.draw.raster import rasterise
+from lagrangia.draw.strokes import Stroke
 from lagrangia.draw.svg import write_svg
 from lagrangia.draw.values import States
 from lagrangia.fmu.variables import Exportable
@@ -19,6 +21,7 @@ from lagrangia.fmu.variables import Exportable
 _PIXELS, _MARGIN, _LINE = 128, 2, 1.5  # of the icon, at its borders, and of a line
 _MOST_FRAMES = 400  # shown in a picture
 _COLUMN, _ROW = 170, 34
+_BOX = np.array([[1.0, 1.0], [6.0, 1.0], [6.0, 6.0], [1.0, 6.0]])  # mm, on the smallest page
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,8 @@ def draw_icon(model: Exportable, start: tuple[float, ...]) -> Icon:
     columns = ([scene.start], start[:n], start[n:], inputs, model.parameter_values())
     states = States(*(np.array(column, dtype=float).reshape(-1, 1) for column in columns))
     page = draw_page(model.compilation, figures_of(model), states, {}, is_named=False)
+    if not page.paths:  # a scene of energies alone, whose components have no drawing: a box, as of any block
+        page = replace(page, paths=(Stroke(_BOX, 0, "normal", "none", True),))
     scale = (_PIXELS - 2 * _MARGIN) / max(page.width, page.height)
     image = rasterise(page, scale, _LINE / (LINES["normal"] * scale), (_PIXELS, _PIXELS))
     png = io.BytesIO()
