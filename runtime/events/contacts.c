@@ -112,7 +112,7 @@ int lag_contacts_is_inside(const LagRun *run, int i, double g)
 int lag_contacts_find_passed(const LagRun *run)
 {
     for (int k = 0; k < run->model->n_whens; ++k)
-        if (is_place(run, k) && run->switches.held[lag_when(run->model, k)] > 0)
+        if (run->switches.held[lag_when(run->model, k)] > 0 && !run->switches.slides[lag_contact(run->model, k)])
             return 1 + k;
     return 0;
 }

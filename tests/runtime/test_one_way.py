@@ -162,3 +162,17 @@ def test_what_a_pawl_lets_go_begins_from_nothing(scene: Write, solver: str) -> N
     for tolerance in np.geomspace(1e-8, 1e-10, 12):
         run = model.simulate(at=[t], tolerance=float(tolerance), solver=solver)
         assert run["der(b.s)"][-1] == pytest.approx(speed, abs=100 * tolerance), tolerance
+
+
+@pytest.mark.parametrize(("condition", "value"), [("b.v < 0", "-0.5*b.v"), ("b.v < 0", "abs(b.v)"), ("b.v > 1", "2 - b.v")])
+def test_a_rate_that_is_set_to_what_it_is(scene: Write, condition: str, value: str) -> None:
+    """Nothing comes to a rate's own place with a jump: these came once, without effect, and never again."""
+    with pytest.raises(lag.LagError, match="L0230"):
+        scene(pushed(condition, value, "-1", 0.5))
+
+
+@pytest.mark.parametrize(("condition", "v"), [("b.v < 0", -1.0), ("b.v > 0.5", 1.0), ("b.v < 0 or b.s < 1", 1.0)])
+def test_what_holds_at_the_start_already_is_told(scene: Write, condition: str, v: float) -> None:
+    run = scene(pushed(condition, "0.25", "-1", v)).simulate(at=[0.1])
+    assert any("holds at the start already" in warning for warning in run.warnings)
+    assert not scene(pushed("b.v < 0", "0", "-1", 0.0)).simulate(at=[0.1]).warnings

@@ -71,7 +71,7 @@ class Impacts:
 
 
 def find_impacts(kinematics: Kinematics) -> Impacts:
-    """Raises LagError L0225 for a condition that never comes true, or for what is no rate, L0226, L0303, L0501."""
+    """Raises LagError L0225 for a condition that never comes true, or for what is no rate, L0226, L0230, L0303, L0501."""
     whens = kinematics.graph.model.whens
     if not whens:
         return Impacts()
@@ -123,6 +123,8 @@ class _Event:
         self.kept = kept if kept is not None and self.kinds[kept] == CONTACT else None  # whose contact force may be asked for
         if chosen is not None:
             self._divide(chosen, kind)
+        elif _is_comparison(when.condition):
+            self._require_change()
 
     def _expression(self, x: Scalar) -> ca.SX:
         return ca.substitute(ca.SX(x), self.kinematics.symbols.tau, ca.SX(1))
@@ -227,6 +229,17 @@ class _Event:
         first, second = (_stops(look, numbers, np.random.default_rng(seed)) for seed in (3, 4))
         return first if first == second else 0
 
+    def _require_change(self) -> None:
+        """A rate comes to the place where its condition changes without a jump: there, it has to be set to something else."""
+        v = ca.vertcat(_NONE, *self.kinematics.symbols.rates.values())
+        for reset, rate, wanted in zip(self.when.resets, self.rates, self.wanted, strict=False):
+            look, numbers = self._numbers_of([self.g, rate - wanted, ca.densify(ca.gradient(self.g, v)), ca.densify(ca.gradient(rate, v))])
+            if len(self.rates) == len(self.when.resets) and all(_stays(look, numbers, np.random.default_rng(k)) for k in (3, 4)):
+                text = reset.rate.span.text
+                fail("L0230", f"this changes nothing: where the event comes, '{text}' is what it is set to", reset.span,
+                     f"to keep '{text}' from going on, set it to the value at which it is to stay: reinit({text}, 0)",
+                     "a collision is told by a distance: when gap < 0 then reinit(der(gap), -e*pre(der(gap)))")
+
     def _numbers_of(self, results: list[ca.SX]) -> tuple[ca.Function, Numbers]:
         """Of rates, all else that moves or may be given, and parameters; and the parameters."""
         symbols = self.kinematics.symbols
@@ -269,6 +282,19 @@ def _stops(look: ca.Function, p: Numbers, random: np.random.Generator) -> int:
                and abs(g - factor * beyond) <= _SAME * abs(factor) * size)
     follows = abs(np.dot(rate, wanted)) > (1 - _SAME) * np.linalg.norm(rate) * np.linalg.norm(wanted) > 0
     return int(np.sign(factor)) if is_same and not follows else 0
+
+
+def _stays(look: ca.Function, p: Numbers, random: np.random.Generator) -> bool:
+    """Whether, where a condition on rates alone changes along the rate that is reset, that is what it is set to, and goes on."""
+    v, known = (random.uniform(0.4, 1.6, look.numel_in(k)) for k in range(2))
+    (g,), _, slope, own = (np.array(x).ravel() for x in look(v, known, p))
+    along = float(np.dot(slope, own))
+    if not (np.isfinite([g, along]).all() and abs(along) > _SAME * np.linalg.norm(slope) * np.linalg.norm(own) > 0):
+        return False
+    there = v - own * g / along
+    (left,), (change,), *_ = (np.array(x).ravel() for x in look(there, known, p))
+    return bool(abs(left) <= _SAME * (abs(g) + np.abs(slope) @ np.abs(v))
+                and abs(change) <= _SAME * (np.abs(own) @ (np.abs(v) + np.abs(there))))
 
 
 def _is_comparison(node: Flat) -> bool:

@@ -239,8 +239,9 @@ def shortcomings(progress: Progress) -> list[str]:
         steps = f"{statistics.tolerance_missed} step{'s' if statistics.tolerance_missed != 1 else ''}"
         found.append(f"{steps} missed the tolerance, as happens near singular positions, and where little but rounding is left")
     if statistics.passed:
-        found.append(f"{progress.contacts[statistics.passed - 1]} is passed at the start already, so that nothing "
-                     "strikes it before it has been left: start outside it")
+        what = progress.contacts[statistics.passed - 1]
+        found.append(f"{what} is passed at the start already, so that nothing strikes it before it has been left: start outside it"
+                     if what.startswith("the contact") else f"{what} holds at the start already, and comes when it has been false")
     missed = _missed_energy(progress)
     if missed > _MUCH * tolerance and not loss(progress):
         what = f"errors have added up until the energy account misses by {missed:.1e} of its size"
