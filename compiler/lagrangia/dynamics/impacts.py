@@ -233,7 +233,8 @@ class _Event:
         """A rate comes to the place where its condition changes without a jump: there, it has to be set to something else."""
         v = ca.vertcat(_NONE, *self.kinematics.symbols.rates.values())
         for reset, rate, wanted in zip(self.when.resets, self.rates, self.wanted, strict=False):
-            look, numbers = self._numbers_of([self.g, rate - wanted, ca.densify(ca.gradient(self.g, v)), ca.densify(ca.gradient(rate, v))])
+            slopes = [ca.densify(ca.gradient(x, v)) for x in (self.g, rate)]
+            look, numbers = self._numbers_of([self.g, rate - wanted, *slopes])
             if len(self.rates) == len(self.when.resets) and all(_stays(look, numbers, np.random.default_rng(k)) for k in (3, 4)):
                 text = reset.rate.span.text
                 fail("L0230", f"this changes nothing: where the event comes, '{text}' is what it is set to", reset.span,

@@ -240,8 +240,9 @@ def shortcomings(progress: Progress) -> list[str]:
         found.append(f"{steps} missed the tolerance, as happens near singular positions, and where little but rounding is left")
     if statistics.passed:
         what = progress.contacts[statistics.passed - 1]
-        found.append(f"{what} is passed at the start already, so that nothing strikes it before it has been left: start outside it"
-                     if what.startswith("the contact") else f"{what} holds at the start already, and comes when it has been false")
+        is_place = what.startswith("the contact")
+        found.append(f"{what} holds at the start already, and comes when it has been false" if not is_place else
+                     f"{what} is passed at the start already, so that nothing strikes it before it has been left: start outside it")
     missed = _missed_energy(progress)
     if missed > _MUCH * tolerance and not loss(progress):
         what = f"errors have added up until the energy account misses by {missed:.1e} of its size"
