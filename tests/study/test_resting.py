@@ -290,3 +290,36 @@ def test_an_arm_whose_tip_rubs_in_the_plane(phi: float, torque: float, holds: bo
       SlidingFriction f(mu = 0.3, normal = 10, a = world, b = d.b); end Arm;""")
     found = model.equilibrium().found
     assert [rest.position["h.phi"] for rest in found] == ([pytest.approx(phi)] if holds else [])
+
+
+# ---------------------------------------------------------------- supports that move
+
+
+def test_a_mass_on_a_rough_table_that_sways(scene: Write) -> None:
+    """Time stands still: the table's weight is carried, and nothing draws at it. It ended in an error of the compiler."""
+    model = scene("""model Sways Frame table = shift(world, {0.02[m]*sin(3[rad/s]*time), 0}); PointMass p(m = 2);
+      RoughStop s(a = table, b = p.center, mu = 0.5); initial equation p.center.x = 0; p.center.y = 0; end Sways;""")
+    found = model.equilibrium()[0]
+    assert found.contacts == pytest.approx({"s": 2 * G}) and found.stability == "fixed"
+    assert len(model.modes()) == 0
+
+
+MOVED = {
+    "a cam": ("Block f(m = 1, base = world, along = {0, 1}); Spring back(k = 200, stretch = f.s + 0.02);"
+              "Stop s(gap = f.s - 0.01[m]*(1 - cos(10[rad/s]*time)));", G + 4 + 1),
+    "a table": ("Frame table = shift(world, {0, 0.002[m]*(1 - cos(10[rad/s]*time))}); PointMass p(m = 2);"
+                "Stop s(a = table, b = p.center);", 2 * (G + 0.2)),
+    "a lift": ("Prismatic l(a = world, along = {0, 1}); Motion d(of = l.s, to = 0.5[m/s2]*time^2);"
+               "Block b(m = 2, base = l.b, along = {0, 1}); Stop s(gap = b.s);", 2 * (G + 1)),
+    "an incline": ("Frame t = turn(shift(world, {0, -0.1[m/s2]*time^2}), 0.3); Block b(m = 2, base = t);"
+                   "Stop s(gap = b.s);", 2 * (G - 0.2) * np.sin(0.3)),
+}
+
+
+@pytest.mark.parametrize("case", MOVED)
+@pytest.mark.parametrize("solver", ["auto", "implicit"])
+def test_the_first_row_on_a_support_that_moves_has_the_force_of_the_next_ones(case: str, solver: str, scene: Write) -> None:
+    text, force = MOVED[case]
+    run = scene(f"model Moved {text} output Force N = s.force; end Moved;").simulate(at=[0, 1e-6, 1e-4], solver=solver, tolerance=1e-9)
+    np.testing.assert_allclose(run["N"][:2], force, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(run["N"][2], force, rtol=0, atol=1e-5)

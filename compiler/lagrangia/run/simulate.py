@@ -242,7 +242,8 @@ def shortcomings(progress: Progress) -> list[str]:
         what = progress.contacts[statistics.passed - 1]
         is_place = what.startswith("the contact")
         found.append(f"{what} holds at the start already, and comes when it has been false" if not is_place else
-                     f"{what} is passed at the start already, so that nothing strikes it before it has been left: start outside it")
+                     f"{what} is passed at the start already, so that nothing strikes it before it has been left: "
+                     "start outside it")
     missed = _missed_energy(progress)
     if missed > _MUCH * tolerance and not loss(progress):
         what = f"errors have added up until the energy account misses by {missed:.1e} of its size"

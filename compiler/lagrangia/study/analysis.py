@@ -212,15 +212,16 @@ class Study:
         return [*self.call(e.observed, q, lam, pace, v, a), *(x for (x,) in by.values())]
 
     def pace(self, e: SmallMotion) -> float:
-        """1 where only loads depend on time, else 0: tried at two other times, at a general state."""
+        """1 where only loads depend on time, and no contact's place or slip, else 0: tried at two other times, at a general state."""
         if not self.scene.notes["is_driven"] and not self._time_in_energies():
             return 1.0
         random = np.random.default_rng(2)
         q = self.start[0] + 0.1 * self.reach * random.uniform(-1, 1, self.scene.n)
         v, lam = random.uniform(-1, 1, self.scene.n), e.multipliers()
-        here = self.call(e.unsteady, q, lam, 1.0, v)
+        asked = (e.unsteady, e.touching) if e.holds.contacts or e.holds.rubs else (e.unsteady,)
+        here = [x for f in asked for x in self.call(f, q, lam, 1.0, v)]
         for moment in _MOMENTS:
-            there = self.call(e.unsteady, q, lam, 1.0, v, time=self.time + moment)
+            there = [x for f in asked for x in self.call(f, q, lam, 1.0, v, time=self.time + moment)]
             for x, y in zip(here, there, strict=True):
                 if not np.abs(x - y).max(initial=0.0) <= _STEADY * max(float(np.abs(x).max(initial=0.0)), _STEADY):
                     return 0.0

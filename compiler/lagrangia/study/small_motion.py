@@ -178,7 +178,7 @@ class _Parts:
             forces = ca.vertcat(*[x for load in loads for x in load.force])
             self.R = self.R - ca.jtimes(positions, q, forces, True)
         self.holds, self.holding = _find_holds(motion, energies, self, struck)
-        (self.R,) = self.held([self.R])
+        self.R, self.unloaded = self.held([self.R, self.unloaded])
         rolling = ca.vertcat(ca.SX(0, 1), *[ca.SX(row.rate(free)) for row in rows if not row.is_holonomic])
         if rolling.numel() and ca.depends_on(rolling, ca.vertcat(*s)):
             fail("L0916", "not supported yet: an excitation of a constraint on velocities", free.graph.model.span)
