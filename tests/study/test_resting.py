@@ -320,6 +320,7 @@ MOVED = {
 @pytest.mark.parametrize("solver", ["auto", "implicit"])
 def test_the_first_row_on_a_support_that_moves_has_the_force_of_the_next_ones(case: str, solver: str, scene: Write) -> None:
     text, force = MOVED[case]
-    run = scene(f"model Moved {text} output Force N = s.force; end Moved;").simulate(at=[0, 1e-6, 1e-4], solver=solver, tolerance=1e-9)
+    model = scene(f"model Moved {text} output Force N = s.force; end Moved;")
+    run = model.simulate(at=[0, 1e-6, 1e-4], solver=solver, tolerance=1e-9)
     np.testing.assert_allclose(run["N"][:2], force, rtol=0, atol=1e-8)
     np.testing.assert_allclose(run["N"][2], force, rtol=0, atol=1e-5)

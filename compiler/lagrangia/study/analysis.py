@@ -212,7 +212,7 @@ class Study:
         return [*self.call(e.observed, q, lam, pace, v, a), *(x for (x,) in by.values())]
 
     def pace(self, e: SmallMotion) -> float:
-        """1 where only loads depend on time, and no contact's place or slip, else 0: tried at two other times, at a general state."""
+        """1 where only loads depend on time, no contact or slip; else 0: tried at two other times, at a general state."""
         if not self.scene.notes["is_driven"] and not self._time_in_energies():
             return 1.0
         random = np.random.default_rng(2)
