@@ -16,6 +16,7 @@ typedef struct {
     double *taken, *now;                 /* 2 each run: its {dissipated, work}, in the present state and in the one tried */
     int are_started;                     /* at the start of the present run; the first step may take many calls */
     int inputs_version;                  /* of the table that the runs have */
+    int64_t events; /* of all islands, which the whole has counted */
 } LagIslands;
 
 typedef struct {

@@ -54,6 +54,7 @@ static void clear(LagRun *run)
     run->wanted = run->paced = run->settings.t_start;
     run->row_spacing = 0;
     run->logged = 0;
+    run->scheduled = 0;
 }
 
 LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_given)

@@ -104,6 +104,7 @@ static LagStatus start(LagIslands *s, LagRun *run)
             pass_sizes(s, run, first, island);
     }
     memset(s->taken, 0, 2 * (size_t)s->count * sizeof *s->taken);
+    s->events = 0;
     s->are_started = 1;
     return LAG_OK;
 }
@@ -136,7 +137,10 @@ static LagStatus ask(LagIslands *s, LagRun *run, int k, int first, double t)
     const int n = run->model->n, size = island->model->n, *place = run->model->island + first;
     lag_run_set_stop(island, run->settings.t_stop);
     island->deadline = run->deadline;
+    if (run->event_log)
+        lag_run_log_events(island, run->event_log + run->logged, run->most_logged - run->logged);
     const LagStatus status = lag_advance_to(island, t, s->row);
+    run->logged += island->logged;
     if (status != LAG_OK)
         return status == LAG_PAUSED ? status : failed(run, k, first, status);
     for (int i = 0; i < size; ++i) {
@@ -192,7 +196,7 @@ static void add(LagStatistics *all, const LagStatistics *one)
 static void add_statistics(LagIslands *s, LagRun *run)
 {
     LagStatistics *all = &run->statistics;
-    int64_t most = -1;
+    int64_t most = -1, events = 0;
     all->steps = all->rejected = all->projections = all->implicit_steps = all->jacobians = all->factorisations = 0;
     all->switches = all->tolerance_missed = 0;
     all->largest_step = 0;
@@ -202,12 +206,15 @@ static void add_statistics(LagIslands *s, LagRun *run)
     for (int k = 0, first = 0; k < s->count; first += s->runs[k++]->model->n) {
         const LagStatistics *one = lag_run_statistics(s->runs[k]);
         add(all, one);
+        events += one->events - s->runs[k]->scheduled; /* those are events of the whole, too */
         if (one->steps > most)
             all->worst = worst_of(s, run->model, k, first);
         most = one->steps > most ? one->steps : most;
         run->motion.evaluations += one->rhs_evaluations;
         run->motion.dense_outputs += one->dense_outputs;
     }
+    all->events += events - s->events;
+    s->events = events;
 }
 
 static LagStatus step(LagRun *run)

@@ -52,7 +52,7 @@ LAG_API LagStatus lag_run_row(LagRun *run, double *row);
 LAG_API double lag_run_time(const LagRun *run);
 LAG_API const LagStatistics *lag_run_statistics(LagRun *run);
 
-/* From now on the times of events go into times[most], rising, as many as it holds; the caller keeps it. */
+/* From now on the times of events go into times[most], as many as it holds; the caller keeps it. */
 LAG_API void lag_run_log_events(LagRun *run, double *times, int most);
 
 /* How many it holds. */

@@ -84,6 +84,7 @@ struct LagRun {
     unsigned ticks;       /* steps and rows, to look at the clock now and then */
     double *event_log;    /* where the times of the first so many events go; NULL: nowhere */
     int logged, most_logged;
+    int64_t scheduled;    /* events whose times were known before */
 };
 
 /* Records a failure and returns its status. */

@@ -121,6 +121,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
 LagStatus lag_segment_next(LagRun *run)
 {
     const double t = run->motion.t;
+    const int was_known = t == run->segment_end;
     lag_account_open(run);
     lag_impacts_await_jump(run, t, run->motion.y);
     lag_segment_enter(run);
@@ -134,5 +135,6 @@ LagStatus lag_segment_next(LagRun *run)
     if (run->logged < run->most_logged)
         run->event_log[run->logged++] = t;
     ++run->statistics.events;
+    run->scheduled += was_known;
     return lag_segment_evaluate(run);
 }

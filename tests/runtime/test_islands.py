@@ -278,3 +278,16 @@ def test_sanitizers_find_nothing(text: str, scene: Scene, tmp_path: Path) -> Non
         code = write_c(one.name, one.sizes, one.tapes, one.coordinate_kind, one.fixed, one.event_kind, one.patterns)
         files[f"{name}.c"] = code.replace("lag_model", name)
     run_sanitized(tmp_path, files)
+
+
+def test_events_of_islands_are_those_of_the_whole(scene) -> None:
+    """Two blocks that rub apart from each other: all their turns are counted, and have times."""
+    model = scene("""model Rubbing
+      Block a(m = 1, base = world, s(start = 1)), b(m = 1, base = world, s(start = 2));
+      Spring ka(k = 100, stretch = a.s), kb(k = 1e4, stretch = b.s);
+      Friction fa(mu = 0.1, normal = 10, rate = der(a.s)), fb(mu = 0.3, normal = 10, rate = der(b.s));
+      annotation(experiment(StopTime = 1));
+    end Rubbing;""")
+    apart, whole = (model.simulate(solver=solver) for solver in ("islands", "erk"))
+    assert apart.statistics.events == whole.statistics.events > 30
+    assert np.allclose(apart.events, whole.events, atol=1e-6)
