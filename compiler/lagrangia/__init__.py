@@ -34,13 +34,14 @@ from lagrangia.base.version import VERSION
 if TYPE_CHECKING:
     from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Error, Interrupted, LagError, RunError
     from lagrangia.model import Model, load, loads
+    from lagrangia.run.stepped import SteppedRun
     from lagrangia.view.trajectory import EnergyAccount, Trajectory
 
 __version__ = VERSION
-__all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Error", "Interrupted", "LagError", "Model", "RunError", "Trajectory",
-           "load", "loads"]
+__all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Error", "Interrupted", "LagError", "Model", "RunError", "SteppedRun",
+           "Trajectory", "load", "loads"]
 _PLACES = dict.fromkeys(__all__, "base.diagnostics") | dict.fromkeys(("Model", "load", "loads"), "model") | dict.fromkeys(
-    ("EnergyAccount", "Trajectory"), "view.trajectory")
+    ("EnergyAccount", "Trajectory"), "view.trajectory") | {"SteppedRun": "run.stepped"}
 
 
 def __getattr__(name: str) -> Any:

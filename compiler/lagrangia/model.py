@@ -20,6 +20,7 @@ from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
+from lagrangia.run.stepped import SteppedRun
 from lagrangia.study.analysed import Analysed
 from lagrangia.view.rows import collect
 from lagrangia.view.sight import Shown, Sight, known_column
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from lagrangia.compile.pipeline import Compilation
     from lagrangia.paper.pages import Page
     from lagrangia.study.analysis import Study
+    from lagrangia.study.controlled import Controller
     from lagrangia.study.sweep.measures import Measure
     from lagrangia.study.sweep.plan import Design, Job
     from lagrangia.study.sweep.table import Sweep
@@ -146,16 +148,33 @@ class Model(Analysed):
     def simulate(self, *, stop: float | None = None, start: float | None = None, tolerance: float | None = None,
                  interval: float | None = None, at: Sequence[float] | None = None, parameters: Given = None,
                  initial: Given = None, inputs: Any = None, solver: str = "auto", max_step: float = 0.0,
-                 max_steps: int = 0) -> Trajectory:
+                 max_steps: int = 0, controllers: "Mapping[str, Controller] | None" = None, every: float = 0.0) -> Trajectory:
         """Integrate from `start` to `stop` (s); rows every `interval`, or at the times `at`.
 
         `tolerance` is relative to the size of each coordinate and rate. `parameters` and `initial` map names to values in SI
         units; `inputs` maps names to constants, or is a pair (times, {name: values}) of tables that are linear in between.
-        `solver` is "auto", a name from solvers.WAYS, or an integrator of CasADi as "casadi:cvodes".
+        `solver` is "auto", a name from solvers.WAYS, or an integrator of CasADi as "casadi:cvodes". `controllers` maps inputs to
+        functions f(t, run) -> value, asked `every` so many seconds, where rows are then; run["x"] is the present (SteppedRun).
         Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on, Interrupted
         (with it in `.result`) after Ctrl-C. Without a C compiler an EngineWarning says that CasADi runs in place of "auto".
         """
-        return self.run(Request(start, stop, tolerance, interval, at, solver, max_step, max_steps, parameters, initial, inputs))
+        request = Request(start, stop, tolerance, interval, at, solver, max_step, max_steps, parameters, initial, inputs)
+        if controllers is not None or every:
+            from lagrangia.study.controlled import simulate_controlled
+
+            return simulate_controlled(self, request, controllers or {}, every)
+        return self.run(request)
+
+    def start(self, *, parameters: Given = None, initial: Given = None, inputs: Given = None, start: float | None = None,
+              tolerance: float | None = None, solver: str = "auto", max_step: float = 0.0) -> SteppedRun:
+        """A run that the caller makes step by step, setting inputs on the way. Raises LagError, RunError."""
+        request = Request(start, tolerance=tolerance, solver=solver, max_step=max_step)
+        experiment = plan(self.scene, request)
+        suited = self.fitting(parameters).completed()
+        values = check_values(suited.scene, parameters, initial, inputs)
+        if (engine := suited.engine_for(experiment.solver)) is None:
+            fail("L0901", "not supported yet: runs in steps without a run time of our own: call simulate")
+        return SteppedRun(suited.scene, engine, experiment, values)
 
     def run(self, request: Request) -> Trajectory:
         """What `simulate` does, by a request."""
@@ -166,7 +185,7 @@ class Model(Analysed):
         values = check_values(suited.scene, request.parameters, request.initial, request.inputs)
         if suited.falls_back(experiment.solver):
             warnings.warn(NO_COMPILER, EngineWarning, stacklevel=3)
-        progress, portions = suited.start(experiment, values)
+        progress, portions = suited.launch(experiment, values)
         kept: list[Sequence[float]] = []
         failure: RunError | None = None
         try:
@@ -289,7 +308,7 @@ class Model(Analysed):
         missing = [name for name in names if name not in known and self.scene.slot(name) is None]
         return Model(self.path, self.model, self.structural, (*self.outputs, *missing), self.formulas) if missing else self
 
-    def start(self, experiment: Any, values: Any, watch: Any = None) -> Any:
+    def launch(self, experiment: Any, values: Any, watch: Any = None) -> Any:
         """A run's progress and the iterator over its rows; see simulate.simulate."""
         engine = self.engine_for(experiment.solver)
         if engine is None:

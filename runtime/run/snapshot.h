@@ -10,11 +10,11 @@
 #include "run/run.h"
 
 /* Bytes; it may grow with the table of inputs only. */
-size_t lag_snapshot_size(const LagRun *run);
-void lag_snapshot_take(const LagRun *run, unsigned char *bytes);
+LAG_API size_t lag_snapshot_size(const LagRun *run);
+LAG_API void lag_snapshot_take(const LagRun *run, unsigned char *bytes);
 
 /* `run` has the same model as the one that was saved. Returns LAG_OK, LAG_OUT_OF_MEMORY or, for bytes of another model or
  * build, LAG_BAD_SETTINGS; then the run stays as it was. */
-LagStatus lag_snapshot_restore(LagRun *run, const unsigned char *bytes, size_t size);
+LAG_API LagStatus lag_snapshot_restore(LagRun *run, const unsigned char *bytes, size_t size);
 
 #endif

@@ -29,6 +29,7 @@ COMMANDS = [
     pytest.param(["startup.py", "--repeat", "1", "--links", "5"], marks=pytest.mark.slow, id="startup.py --repeat"),
     ["four_bars.py", "--largest", "2"],
     ["many_runs.py", "--runs", "50", "--repeats", "1"],
+    ["stepping.py", "--steps", "200", "--repeats", "1"],
     pytest.param(["fmu_steps.py", "--repeats", "2"], marks=pytest.mark.slow, id="fmu_steps.py --repeats"),
     pytest.param(["suite.py", "--scenes", "pendulum,four-bar", "--solvers", "erk,casadi:erk,heyoka,mujoco,exudyn,rumoca", *TINY],
                  marks=pytest.mark.slow, id="suite.py --scenes"),

@@ -111,7 +111,7 @@ def build_problem(model: Model, request: Request = USUAL, points: int = 10) -> P
     experiment = replace(whole, at=times)
     # Assembly is no part of the integration: everyone starts where our run starts.
     instant = replace(whole, stop=whole.start, at=(whole.start,), tolerance=_LOOSEST)
-    _, portions = model.start(instant, values)
+    _, portions = model.launch(instant, values)
     row = np.concatenate([np.asarray(portion) for portion in portions])
     start = row[1 : 1 + 2 * model.scene.n].copy()
     pieces, now = [], experiment.start

@@ -123,7 +123,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
     if model.falls_back(options.solver) and not options.quiet:
         print(NO_COMPILER, file=sys.stderr)
     bar = _Bar(experiment, sys.stderr)
-    progress, portions = model.start(experiment, values, bar)
+    progress, portions = model.launch(experiment, values, bar)
     loaded = time.perf_counter() - begin
     keep: list[Sequence[float]] = []
     first: Sequence[float] = ()
