@@ -195,7 +195,10 @@ def test_a_browser_plays_it(tmp_path: Path) -> None:
 def test_notebooks_show_models_and_runs() -> None:
     model = lag.load(EXAMPLES / "pendulum.lag")
     assert model._repr_html_().startswith("<svg")
-    assert model.simulate(stop=0.5)._repr_html_().startswith("<iframe srcdoc=")
+    run = model.simulate(stop=0.5)
+    assert run._repr_html_().startswith("<iframe srcdoc=")
+    for figure in (run.plot(), model.modes().plot()):
+        assert figure._repr_png_().startswith(b"\x89PNG"), "without a word to matplotlib"
 
 
 def test_runs_beside_are_in_the_same_picture(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lagrangia.base.records import dataclass
 from lagrangia.frames.planar import ANGLES, LENGTHS
-from lagrangia.view.curves import require_format, save
+from lagrangia.view.curves import new_figure, require_format, save
 from lagrangia.view.mechanism import Mechanism
 
 Vector = NDArray[np.float64]
@@ -54,15 +54,13 @@ def draw_modes(modes: Shapes, path: str | os.PathLike[str] | None = None, first:
 
     Raises LagError L0004 when the picture cannot be written.
     """
-    from matplotlib.figure import Figure
-
     if path is not None:
         require_format(path)
     shown, q = modes.shapes[:first], modes.q
     mechanism = modes.mechanism if modes.mechanism is not None and modes.mechanism.is_drawable(q) else None
     columns = max(1, min(_COLUMNS, len(shown)))
     rows = max(1, math.ceil(len(shown) / columns))
-    figure = Figure(figsize=(1.0 + 3.4 * columns, 0.6 + 3.1 * rows), layout="constrained")
+    figure = new_figure(1.0 + 3.4 * columns, 0.6 + 3.1 * rows)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for panel in panels[len(shown) :]:
         panel.set_visible(False)
@@ -149,12 +147,10 @@ def _coil(a: Vector, b: Vector, width: float) -> tuple[Vector, Vector]:
 
 def draw_bode(response: Curves, path: str | os.PathLike[str] | None = None) -> Any:
     """Magnitude and phase over frequency, a column for each input; returns the matplotlib Figure. Raises LagError L0004."""
-    from matplotlib.figure import Figure
-
     if path is not None:
         require_format(path)
     count = max(1, len(response.inputs))
-    figure = Figure(figsize=(1.2 + 6.2 * count, 6.2), layout="constrained")
+    figure = new_figure(1.2 + 6.2 * count, 6.2)
     panels = figure.subplots(2, count, sharex=True, squeeze=False, height_ratios=[3, 2])
     phase = response.phase
     for i, j in product(range(len(response.labels)), range(len(response.inputs))):

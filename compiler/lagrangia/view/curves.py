@@ -1,7 +1,9 @@
 """Panels as a picture; matplotlib is imported here and nowhere else in this room."""
 
+import io
 import os
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
 
 _FORMATS = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".webp")
 _MOST_IN_LEGEND = 12
+_DPI = 120
 _MARK = 0.05  # of a panel: ticks at events
 _FAINTEST = 1e-5  # amplitude that a spectrum shows, of its largest
 _STYLES: dict[str, dict[str, Any]] = {
@@ -30,6 +33,26 @@ def require_format(path: str | os.PathLike[str]) -> None:
     """Raises LagError L0004 for a file whose name ends in no format of pictures."""
     if Path(path).suffix.lower() not in _FORMATS:
         fail("L0004", f"'{path}' is no picture that can be drawn", None, f"its name should end in {', '.join(_FORMATS)}")
+
+
+@cache
+def _figure_class() -> Any:
+    from matplotlib.figure import Figure
+
+    class Picture(Figure):  # type: ignore[misc] # matplotlib is not typed here
+        """A figure that notebooks show, whether or not they were told of matplotlib."""
+
+        def _repr_png_(self) -> bytes:
+            content = io.BytesIO()
+            self.savefig(content, dpi=_DPI, format="png")
+            return content.getvalue()
+
+    return Picture
+
+
+def new_figure(width: float, height: float) -> Any:
+    """A matplotlib Figure, in inches, that notebooks show."""
+    return _figure_class()(figsize=(width, height), layout="constrained")
 
 
 def draw(title: str, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndarray]]",
@@ -48,12 +71,10 @@ def draw(title: str, time: "np.ndarray", curves: "Sequence[tuple[Column, np.ndar
 
 def draw_panels(title: str, panels: "Sequence[Panel]", path: str | os.PathLike[str] | None = None) -> Any:
     """One below the other, those over time with one time axis; returns the matplotlib Figure. Raises LagError L0004."""
-    from matplotlib.figure import Figure
-
     if path is not None:
         require_format(path)
     heights = [2.4 if panel.is_wide else 4.2 for panel in panels] or [2.4]
-    figure = Figure(figsize=(8, 1.2 + sum(heights)), layout="constrained")
+    figure = new_figure(8, 1.2 + sum(heights))
     axes = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
     shared: dict[str, Any] = {}
     for k, (axis, panel) in enumerate(zip(axes, panels, strict=False)):
@@ -103,4 +124,4 @@ def take_literally(figure: Any) -> None:
 def save(figure: Any, path: Path) -> None:
     """Writes beside the target first. Raises LagError L0004 when the picture cannot be written."""
     with Target(path, binary=True) as target:
-        figure.savefig(target.stream, dpi=120, format=path.suffix[1:].lower())
+        figure.savefig(target.stream, dpi=_DPI, format=path.suffix[1:].lower())
