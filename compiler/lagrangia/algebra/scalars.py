@@ -1,7 +1,8 @@
 """CasADi scalars with quick operators.
 
 `a * b` on ca.SX looks through every signature that CasADi's Python interface knows: 12 us, where the product itself takes less
-than two. ca.SX.binary goes straight to it. Expressions are ca.SX in every other respect.
+than two. ca.SX.binary goes straight to it, and what wraps a ca.SX (`this`) is told from others at once: 1.9 us, not 3.4.
+Expressions are ca.SX in every other respect.
 """
 
 from collections.abc import Callable, Sequence
@@ -9,26 +10,39 @@ from functools import lru_cache
 from typing import Any
 
 import casadi as ca
+from casadi import _casadi
 
 _MOST_CONSTANTS = 10_000  # few numbers stand in many expressions
 _NUMBERS = (float, int)
 _OPERANDS = (ca.SX, float, int)
-_binary, _unary = ca.SX.binary, ca.SX.unary
+_binary, _unary = _casadi.SX_binary, _casadi.SX_unary  # what ca.SX.binary and ca.SX.unary call
 
 
 def _operators(operation: int) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
     """The operator and its reflection. What is no number and no ca.SX answers by an operator of its own (Dual)."""
     def forward(self: Any, other: Any) -> Any:
-        return apply(operation, self, other) if isinstance(other, _OPERANDS) else NotImplemented
+        if other.__class__ is not Expression:
+            if not isinstance(other, _OPERANDS):
+                return NotImplemented
+            other = as_expression(other)
+        made = _binary(operation, self.this, other.this)
+        made.__class__ = Expression
+        return made
 
     def reflected(self: Any, other: Any) -> Any:
-        return apply(operation, other, self) if isinstance(other, _OPERANDS) else NotImplemented
+        if not isinstance(other, _OPERANDS):
+            return NotImplemented
+        made = _binary(operation, as_expression(other).this, self.this)
+        made.__class__ = Expression
+        return made
 
     return forward, reflected
 
 
 class Expression(ca.SX):  # type: ignore[misc]
     """A scalar ca.SX whose operators give Expressions."""
+
+    this: Any  # what is wrapped
 
     __add__, __radd__ = _operators(ca.OP_ADD)
     __sub__, __rsub__ = _operators(ca.OP_SUB)
@@ -71,14 +85,14 @@ def apply(operation: int, a: Any, b: Any) -> Any:
         a = as_expression(a)
     if b.__class__ is not Expression:
         b = as_expression(b)
-    made = _binary(operation, a, b)
+    made = _binary(operation, a.this, b.this)
     made.__class__ = Expression
     return made
 
 
 def apply_to_one(operation: int, x: ca.SX) -> Expression:
     """An operation of CasADi on one argument."""
-    made = _unary(operation, x)
+    made = _unary(operation, x.this)
     made.__class__ = Expression
     return made  # type: ignore[no-any-return]
 

@@ -26,7 +26,7 @@ from lagrangia.dynamics.forces import Forces, find_forces
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.frames.planar import HERE, SIZE, Pose
+from lagrangia.frames.planar import HERE, SIZE, Pose, stays, turning
 from lagrangia.frames.planar_inertia import (
     NOTHING,
     Inertia,
@@ -201,7 +201,7 @@ def _joined(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster]:
         parent, local = clusters[bodies.home[edge.parent]], bodies.local[edge.parent]
         directions = [(number[name], _direction(kinematics, edge, name)) for name in edge.coordinates if name in number]
         here = kinematics.pose(edge.parent, 0).at(parent.turn.to_world(local.origin))
-        ahead = kinematics.follow(edge, here, 0).origin
+        ahead = here.origin if all(map(stays, edge.steps)) else kinematics.follow(edge, here, 0).origin
         clusters[edge.child] = Cluster(edge.child, parent, directions, kinematics.pose(edge.child, 0), ahead)
     return clusters
 
@@ -228,6 +228,8 @@ class _OneMoves:
 def _direction(kinematics: Kinematics, edge: Edge, mover: str) -> Vector:
     """Twist of the edge's child when its parent rests and one coordinate moves at rate 1."""
     evaluator = Evaluator(kinematics.graph.model, kinematics.algebra, _OneMoves(kinematics, mover))
+    if len(edge.steps) == 1 and stays(edge.steps[0]):
+        return turning(edge.steps[0], evaluator.value(edge.steps[0].amount, 1))
     pose = kinematics.follow(edge, kinematics.pose(edge.parent, 0), 1, evaluator)
     return [*pose.twist]
 

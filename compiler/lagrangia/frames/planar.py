@@ -106,6 +106,16 @@ def step(pose: Pose, step: Step, amount: Value, algebra: Algebra) -> Pose:
     return pose.moved(pose.to_world(tuple(-a for a in amount) if step.is_inverse else amount))
 
 
+def stays(step: Step) -> bool:
+    """Whether it leaves the origin where it is."""
+    return step.kind == "turn"
+
+
+def turning(turn: Step, angle: Scalar) -> list[Scalar]:
+    """The twist, (SIZE,), of a frame that does nothing but turn, by an angle that is a Dual."""
+    return [0.0, 0.0, rate_of(-angle if turn.is_inverse else angle)]
+
+
 def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
     """R d with d = (x, y). Its rate is R d' + w x (R d), which reuses R d instead of differentiating the cosine and sine."""
     moving = (cos, sin, x, y)
