@@ -10,12 +10,11 @@ from functools import lru_cache
 from typing import Any
 
 import casadi as ca
-from casadi import _casadi
 
 _MOST_CONSTANTS = 10_000  # few numbers stand in many expressions
 _NUMBERS = (float, int)
 _OPERANDS = (ca.SX, float, int)
-_binary, _unary = _casadi.SX_binary, _casadi.SX_unary  # what ca.SX.binary and ca.SX.unary call
+_binary, _unary = ca.SX.binary, ca.SX.unary
 
 
 def _operators(operation: int) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
