@@ -80,7 +80,7 @@ def test_a_run_prints_a_summary_and_writes_its_rows_here(lag: Lag) -> None:
     assert "SuspendedBar: Bar hung on two vertical springs" in said
     assert "2 coordinates (guide.s, tilt.phi), 0 to 10 s, tolerance 1e-08" in said
     assert "energy account closes to" in said
-    assert "501 rows in suspended_bar.csv" in said
+    assert "501 rows in suspended_bar.csv, one every 0.02 s" in said
 
 
 def test_stop_tolerance_interval_output_and_plot(lag: Lag) -> None:

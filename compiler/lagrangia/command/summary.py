@@ -39,7 +39,9 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
     how = ""
     if statistics is not None and engine is not None:
         solver = methods_of(statistics, options.solver, scene.sizes["n_events"] + scene.sizes["n_switches"] > 0)
-        how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations"
+        met = statistics.events
+        events = f", {met} event{'s' if met != 1 else ''}" if met else ""
+        how = f", {engine.how}: {statistics.steps} steps, {statistics.rhs_evaluations} evaluations{events}"
     say(f"  {solver}{how} in {_time(progress.seconds)}")
     if statistics is not None and engine is not None and options.solver == AUTO:
         say(f"  {name_of(Solver(statistics.choice.solver))}: {reason_of(statistics.choice, scene)}")
@@ -49,7 +51,8 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
         say(f"  energy account closes to {statistics.energy_residual:.1e} J{relative}")
         for text in shortcomings(progress):
             say(f"  {text}")
-    say(f"  {progress.rows} rows in {target}" + (f", picture in {options.plot}" if options.plot else ""))
+    apart = "" if experiment.at is not None else f", one every {experiment.interval:g} s"
+    say(f"  {progress.rows} rows in {target}{apart}" + (f", picture in {options.plot}" if options.plot else ""))
     if options.stats:
         _tell(model, engine, progress, compiled, loaded, say)
 
