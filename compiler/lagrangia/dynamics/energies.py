@@ -1,6 +1,7 @@
 """Kinematics -> T, V, D and the virtual work, term by term as the components state them."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import casadi as ca
 
@@ -43,6 +44,11 @@ class Energies:
     potential: tuple[Term, ...]
     dissipation: tuple[Term, ...]
     loads: tuple[Load, ...]
+
+    def of_mechanism(self) -> "Energies":
+        """Without first-order states."""
+        return replace(self, kinetic=tuple(t for t in self.kinetic if not t.statement.is_signal),
+                       loads=tuple(load for load in self.loads if not load.statement.is_signal))
 
     @staticmethod
     def total(terms: tuple[Term, ...]) -> ca.SX:

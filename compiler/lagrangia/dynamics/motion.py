@@ -102,11 +102,13 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
     slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
     momentum, dL_dt = slopes[:-1, 0], slopes[-1]
-    force, damping = generalised_force(energies, q), gradient_by_rates(D, v)
+    mechanism = energies.of_mechanism()
+    T, swings = energies.total(mechanism.kinetic), ca.vertcat(ca.SX(0, 1), *_kept_rates(kinematics, v))
+    force, damping = generalised_force(mechanism, q), gradient_by_rates(D, v)
     h = inertial_force(kinematics, energies, bodies, q, v) + damping
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
-    H = ca.dot(v, momentum) - T + V if ca.depends_on(T, tau) else T + V
+    H = ca.dot(swings, momentum) - T + V if ca.depends_on(T, tau) else T + V
     short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
     T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
     constrained, counted = None, dict[str, int]()
@@ -125,6 +127,12 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     p, u = (_stack(kinematics, [n for n, x in names.items() if x.kind == kind]) for kind in ("parameter", "input"))
     return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, counted,
                   short.inertia if short and way == "collected" else None, impacts, (*kinematics.algebra.index.lengths.values(),))
+
+
+def _kept_rates(kinematics: Kinematics, v: ca.SX) -> list[Scalar]:
+    """The rates whose energies count: 0 in the places of first-order states."""
+    signals = {state.coordinate for state in kinematics.graph.model.states.values()}
+    return [0.0 if name in signals else v[k] for k, name in enumerate(kinematics.symbols.rates)]
 
 
 def _require_coordinates(kinematics: Kinematics) -> None:

@@ -237,7 +237,10 @@ class Evaluator:
             fail("L0302", "der(...) cannot stand in a function", node.span)
         if level >= _HIGHEST_LEVEL:
             fail("L0503", "der of der of der: only positions, velocities and accelerations are known", node.span)
-        return _map(rate_of, self.value(node.arguments[0], level + 1))
+        inner = node.arguments[0]
+        if isinstance(inner, Ref) and inner.name in self.model.states:
+            return self.value(self.model.states[inner.name].rate, level)
+        return _map(rate_of, self.value(inner, level + 1))
 
     @cached_property
     def _kept(self) -> list[Flat | None]:

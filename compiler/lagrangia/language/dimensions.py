@@ -70,13 +70,16 @@ def check_dimensions(model: FlatModel) -> FlatModel:
         checker.guard(checker.check_frame, frames.right)
     for equation in (*model.constraints, *model.initial_equations):
         checker.guard(checker.check_equation, equation)
+    for state in model.states.values():
+        rate = Call("der", (Ref(state.name, (), state.span),), (), state.span)
+        checker.guard(checker.check_equation, Equation(rate, state.rate, state.span))
     for when in model.whens:
         checker.guard(checker.check_when, when)
-    for energy in model.energies:
+    for energy in (energy for energy in model.energies if not energy.is_signal):
         wanted = _WATT if energy.kind == "dissipation" else _JOULE
         what = "a dissipation function" if energy.kind == "dissipation" else f"a {energy.kind} energy"
         checker.guard(checker.expect, energy.value, wanted, what)
-    for work in model.works:
+    for work in (work for work in model.works if not work.is_signal):
         checker.guard(checker.check_work, work.force, work.position, work.span)
     for figure in model.figures:
         checker.guard(checker.check_figure, figure)

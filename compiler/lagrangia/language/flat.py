@@ -83,6 +83,7 @@ class Energy:
     component: str
     span: Span
     is_of_library: bool = False
+    is_signal: bool = False  # of a first-order state: no energy of the mechanism
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,18 @@ class Work:
 
     force: Flat
     position: Flat
+    component: str
+    span: Span
+    is_signal: bool = False  # the rate of a first-order state: no work on the mechanism
+
+
+@dataclass(frozen=True)
+class State:
+    """A first-order state, der(name) = rate: the rate of a coordinate of its own (states.py)."""
+
+    name: str
+    coordinate: str
+    rate: Flat
     component: str
     span: Span
 
@@ -163,6 +176,7 @@ class FlatModel:
     span: Span
     warnings: tuple[Diagnostic, ...] = ()
     figures: tuple[Figure, ...] = ()  # of people's classes; of the library's as well, where a picture is asked for
+    states: Mapping[str, State] = field(default_factory=dict)  # by their names
     lookups: Mapping[Lookup, Span] = field(default_factory=dict)  # tables of files that are asked for
     tables: Mapping[Lookup, ReadTable] = field(default_factory=dict)  # as they were read
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")

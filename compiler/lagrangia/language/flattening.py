@@ -19,6 +19,7 @@ from lagrangia.language.flat import (
     FrameEquation,
     Kind,
     Reset,
+    State,
     Variable,
     When,
     Work,
@@ -29,6 +30,7 @@ from lagrangia.language.idle import find_idle
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot, outside
 from lagrangia.language.mentions import leaves
 from lagrangia.language.names import Names, read_unit
+from lagrangia.language.states import find_states, refuse_states_elsewhere
 from lagrangia.language.tree import (
     Array,
     Boolean,
@@ -81,6 +83,7 @@ class _Flattening:
         self.resets: list[Reset] = []  # of the `when` that is being read
         self.structural: dict[str, float | bool | str] = {}
         self.components: dict[str, str] = {}
+        self.states: Mapping[str, State] = {}
 
     def flatten(self, overrides: Mapping[str, Any]) -> FlatModel:
         definition = self.definition
@@ -99,8 +102,10 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.names.lookups, {}, allowed_of(self.table, definition), self.components,
+            self.states, self.names.lookups, {}, allowed_of(self.table, definition), self.components,
         )
+        refuse_states_elsewhere(model, self.report)
+        self.report.raise_errors()
         looks = (find_unread, find_idle, find_without_effect)
         return replace(model, warnings=tuple(d for look in looks for d in look(model, root, self.table).diagnostics))
 
@@ -386,7 +391,12 @@ class _Flattening:
     def _bind_variables(self) -> tuple[Equation, ...]:
         """Equations `y = expression` of variables without a binding become their bindings; the others are constraints."""
         constraints = []
-        for equation in self.equations:
+        found = find_states(self.variables, self.equations, self.report)
+        self.states = found.states
+        self.variables.update(found.variables)
+        self.energies += found.energies
+        self.works += found.works
+        for equation in found.equations:
             for side, other in ((equation.left, equation.right), (equation.right, equation.left)):
                 variable = self.variables.get(side.name) if isinstance(side, Ref) and not side.index else None
                 if variable is not None and variable.kind == "variable" and variable.binding is None:

@@ -1,0 +1,120 @@
+"""First-order states: a variable z with an equation der(z) = f.
+
+Each is made the rate of a coordinate of its own, of inertia 1, on which f works: as M dv/dt = f is what moves all rates, every
+solver, FMU and sweep has it. The coordinate, the integral of z, is in nothing else; its energy is none of the mechanism's.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from lagrangia.base.diagnostics import Report, Span
+from lagrangia.base.records import dataclass
+from lagrangia.language.flat import Energy, Equation, FlatModel, State, Variable, Work
+from lagrangia.language.mentions import nodes, reached
+from lagrangia.language.tree import Binary, Call, Flat, Number, Ref
+
+
+@dataclass(frozen=True)
+class FoundStates:
+    """What the states of a model add to it, and the equations that are left."""
+
+    states: Mapping[str, State]
+    variables: Mapping[str, Variable]  # the states, bound, and their coordinates
+    energies: tuple[Energy, ...]
+    works: tuple[Work, ...]
+    equations: tuple[Equation, ...]
+
+
+def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation], report: Report) -> FoundStates:
+    """Reports L0901 for arrays of them, L0229 for a second equation of the same."""
+    states, left = dict[str, State](), list[Equation]()
+    for equation in equations:
+        found = _state_of(equation, variables)
+        if found is None:
+            left.append(equation)
+        elif found.name in states:
+            report.error("L0229", f"'{found.name}' has two equations for its rate", equation.span,
+                         f"the other one is at {states[found.name].span}")
+        elif variables[found.name].shape:
+            report.error("L0901", f"not supported yet: the array '{found.name}' of first-order states", equation.span,
+                         "declare each by itself, or in an array of components")
+        else:
+            states[found.name] = found
+    made = {name: new for state in states.values() for name, new in _variables_of(state, variables[state.name]).items()}
+    energies = tuple(Energy("kinetic", _half_square(state), state.component, state.span, is_signal=True) for state in states.values())
+    works = tuple(Work(state.rate, Ref(state.coordinate, (), state.span), state.component, state.span, is_signal=True)
+                  for state in states.values())
+    return FoundStates(states, made, energies, works, tuple(left))
+
+
+def _state_of(equation: Equation, variables: Mapping[str, Variable]) -> State | None:
+    """Of der(z) = f, either way round, where z has no value of its own."""
+    for side, other in ((equation.left, equation.right), (equation.right, equation.left)):
+        if isinstance(side, Call) and side.function == "der" and isinstance(inner := side.arguments[0], Ref):
+            variable = variables.get(inner.name)
+            if variable is not None and variable.kind == "variable" and variable.binding is None:
+                return State(inner.name, f"integral({inner.name})", other, equation.component, equation.span)
+    return None
+
+
+def _variables_of(state: State, variable: Variable) -> dict[str, Variable]:
+    unit = _times_seconds(variable.unit)
+    coordinate = Variable(state.coordinate, "coordinate", (), unit, "", None, None, False, None, None, False,
+                          f"of {state.name} over time: nothing depends on it", variable.span)
+    rate = Call("der", (Ref(state.coordinate, (), variable.span),), (), variable.span)
+    return {state.coordinate: coordinate, state.name: replace(variable, binding=rate)}
+
+
+def _half_square(state: State) -> Flat:
+    z = Ref(state.name, (), state.span)
+    return Binary("/", Binary("*", z, z, state.span), Number(2.0, None, state.span, True), state.span)
+
+
+def _times_seconds(unit: str) -> str:
+    """N/m -> N.s/m; what has no unit stays without one."""
+    if unit.endswith("/s"):
+        return unit.removesuffix("/s")
+    if not unit or unit == "1":
+        return "s" if unit else ""
+    above, stroke, below = unit.partition("/")
+    return f"{'' if above == '1' else above + '.'}s{stroke}{below}"
+
+
+def refuse_states_elsewhere(model: FlatModel, report: Report) -> None:
+    """What mechanics cannot be made of rates that have no place: reports L0901. And rates that depend on themselves: L0212."""
+    bindings = {name: variable.binding for name, variable in model.variables.items()}
+    for value, span, what in _statements(model):
+        read = (node.name for node in reached([value], bindings) if isinstance(node, Ref))
+        name = next((name for name in read if name in model.states), None)
+        if name is not None:
+            report.error("L0901", f"not supported yet: the first-order state '{name}' in {what}", span,
+                         "let it act as a force or a torque: work ... on ..., AppliedForce, AppliedTorque")
+    for state in model.states.values():
+        if _asks_for(state.name, [state.rate], model, bindings, set()):
+            report.error("L0212", f"the rate of '{state.name}' depends on itself", state.span,
+                         f"solve it for der({state.name})")
+
+
+def _statements(model: FlatModel) -> Iterable[tuple[Flat, Span, str]]:
+    for energy in model.energies:
+        if not energy.is_signal:
+            what = "a dissipation function" if energy.kind == "dissipation" else f"a {energy.kind} energy"
+            yield energy.value, energy.span, what
+    for frames in model.frame_equations:
+        yield from ((side, frames.span, "the place of a frame") for side in (frames.left, frames.right))
+    for equation in model.constraints:
+        yield from ((side, equation.span, "an equation that holds the motion") for side in (equation.left, equation.right))
+
+
+def _asks_for(name: str, roots: Sequence[Flat], model: FlatModel, bindings: Mapping[str, Flat | None], seen: set[str]) -> bool:
+    """Whether expressions read der(name), through the rates of other states as well."""
+    read = {inner.name for node in reached(roots, bindings) for rate in nodes(node)
+            if isinstance(rate, Call) and rate.function == "der" and isinstance(inner := rate.arguments[0], Ref)}
+    for other in read & model.states.keys():
+        if other == name:
+            return True
+        if other not in seen:
+            seen.add(other)
+            if _asks_for(name, [model.states[other].rate], model, bindings, seen):
+                return True
+    return False
