@@ -75,15 +75,17 @@ def _check_limits(model: Model) -> None:
 def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
     """Degrees of freedom, coordinates, loops and redundant constraints."""
     notes = scene.notes
-    names = [c.name for c in scene.coordinates]
+    names = [c.name for c in scene.moving]
     shown = ", ".join(names[:6]) + (f", ... ({len(names)})" if len(names) > 6 else "")
-    degrees = freedom["degrees_of_freedom"]
+    degrees = freedom["degrees_of_freedom"] - len(scene.signals)
     still = "" if degrees else ": its motion is prescribed" if notes["is_driven"] else ", so it stands still: statics"
     lines = [f"{scene.name}: {degrees} degree{'s' if degrees != 1 else ''} of freedom{still}"]
     held = scene.sizes["n_multipliers"]
     closed = f", {notes['loops']} closed loop{'s' if notes['loops'] != 1 else ''}" if notes["loops"] else ""
     if names:
         lines.append(f"  coordinates {shown}" + (f"; {held} constraint{'s' if held != 1 else ''}{closed}" if held else ""))
+    if scene.signals:
+        lines.append(f"  first-order states {', '.join(scene.signals.values())}")
     if notes["dependent"]:
         lines.append(f"  given by others: {', '.join(notes['dependent'][:8])}")
     if freedom["is_rigid_at_start"]:
@@ -91,8 +93,9 @@ def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
     elif freedom["ways_at_start"]:
         ways = freedom["ways_at_start"]
         lines.append(f"  the start is a singular position, where {len(ways)} ways of moving meet: {'; or '.join(ways)}")
-    elif freedom["degrees_at_start"] > degrees:
-        lines.append(f"  the start is a singular position: {freedom['degrees_at_start']} degrees of freedom there")
+    elif freedom["degrees_at_start"] > freedom["degrees_of_freedom"]:
+        here = freedom["degrees_at_start"] - len(scene.signals)
+        lines.append(f"  the start is a singular position: {here} degrees of freedom there")
     lines += [f"  {text} only just holds: it is kept with its slopes" for text in notes["touching"]["told"]]
     lines += [f"  {text}" for text in (*freedom["repeated"], *freedom["assemblies"])]
     return "\n".join(lines)

@@ -29,7 +29,7 @@ from lagrangia.run.request import Experiment, Request, check_values, plan
 from lagrangia.run.scene import ALL_REACTIONS
 from lagrangia.run.simulate import Progress, loss
 from lagrangia.view.result_writers import RESULTS, EmptyCells, csv_lines, csv_names, open_writer
-from lagrangia.view.rows import ENERGIES, collect, columns
+from lagrangia.view.rows import ENERGIES, collect, columns, shown
 from lagrangia.view.statics import tells_reactions
 from lagrangia.view.trajectory import Trajectory
 
@@ -62,7 +62,7 @@ def simulate_command(options: Namespace) -> int:
 
         print(dump(model.completed().compilation, options.dump))
         return 0
-    keep_foreign(options, target, [column.name for column in (*scene.coordinates, *scene.rates)])
+    keep_foreign(options, target, [column.name for column in (*scene.moving, *shown(scene)[0].rates)])
     initial = values_with_units(assignments(options.initial, "--initial"), scene.start_units)
     request = asked(options, open_parameters(scene, given), initial, read_inputs(options.input, scene))
     experiment = plan(scene, request)
@@ -171,18 +171,19 @@ class _Rows:
     """Rows to a file, or to standard output for "-"."""
 
     def __init__(self, options: Namespace, target: str, scene: Any, progress: Progress) -> None:
-        self.file = open_writer(target, scene, progress, options.stream) if target != "-" else None
+        self.scene, self.as_shown = shown(scene)
+        self.file = open_writer(target, self.scene, progress, options.stream) if target != "-" else None
         self.is_disturbed = target == "-" or is_device(target)  # what reads it may keep its writer waiting for ever
-        self.scene = scene
-        self.empty = self.file.empty if self.file is not None else EmptyCells(scene)
+        self.empty = self.file.empty if self.file is not None else EmptyCells(self.scene)
 
     def __enter__(self) -> Callable[[Sequence[float]], None]:
         if self.file is not None:
             self.file.__enter__()
-            return self.file.write if self.is_disturbed else self._write_whole
-        shown = len(columns(self.scene))
+            write = self.file.write if self.is_disturbed else self._write_whole
+            return lambda rows: write(self.as_shown(rows))
+        count = len(columns(self.scene))
         print(csv_names(self.scene))
-        return lambda rows: print("\n".join(csv_lines(rows, shown, self.empty)))
+        return lambda rows: print("\n".join(csv_lines(self.as_shown(rows), count, self.empty)))
 
     def _write_whole(self, rows: Sequence[float]) -> None:
         assert self.file is not None

@@ -29,8 +29,10 @@ def summarise(options: Namespace, model: Model, progress: Progress, target: str,
         print(text, file=out)
 
     say(f"{scene.name}: {scene.description}" if scene.description else scene.name)
-    names = ", ".join(c.name for c in scene.coordinates[:6]) + (", ..." if scene.n > 6 else "")
-    say(f"  {scene.n} coordinate{'s' if scene.n != 1 else ''}{f' ({names})' if names else ''}, "
+    n = len(scene.moving)
+    names = ", ".join(c.name for c in scene.moving[:6]) + (", ..." if n > 6 else "")
+    states = f" and first-order states ({', '.join(scene.signals.values())})" if scene.signals else ""
+    say(f"  {n} coordinate{'s' if n != 1 else ''}{f' ({names})' if names else ''}{states}, "
         f"{experiment.start:g} to {experiment.stop:g} s, tolerance {experiment.tolerance:g}")
     if scene.notes["is_prescribed"]:
         say("  no freedom is left: its motion is prescribed")

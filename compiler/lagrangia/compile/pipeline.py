@@ -199,6 +199,10 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
     with deep_recursion():
         _, flat = flatten_file(path, model, structural)
         flat = redeclared(check_dimensions(flat), given or {})
+        if flat.states:
+            name, state = next(iter(flat.states.items()))
+            fail("L0901", f"not supported yet: written equations of scenes with first-order states ('{name}')", state.span,
+                 "lag simulate, FMUs, --to python and --to casadi have them")
         kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat)))
         if not kinematics.symbols.positions:
             fail("L0505", "nothing can move: the scene has no coordinate", flat.span,

@@ -226,7 +226,8 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
     kinetic = [str(span) for span in written_inertias(kinematics)]
-    return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic}
+    return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
+            "signals": {state.coordinate: name for name, state in model.states.items()}}
 
 
 def _notes(motion: Motion, tapes: dict[str, Tape]) -> dict[str, object]:

@@ -34,6 +34,7 @@ class Coordinate:
     description: str
     span: Span
     is_rate_fixed: bool = False
+    state: str = ""  # the first-order state that is its rate
 
     @property
     def has_start(self) -> bool:
@@ -43,7 +44,7 @@ class Coordinate:
     @property
     def rate_name(self) -> str:
         """As it is written in models and results."""
-        return f"der({self.name})"
+        return self.state or f"der({self.name})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -313,6 +314,8 @@ class _Building:
     def _coordinates(self, floating: list[Root]) -> list[Coordinate]:
         rates, fixed_rates = self._rate_starts(), self._fixed_rates()
         found = []
+        outputs = {v.name for v in self.model.variables.values() if v.is_output}  # have a column of their own
+        states = {state.coordinate: name for name, state in self.model.states.items() if name not in outputs}
         for variable in self.model.variables.values():
             if variable.kind != "coordinate":
                 continue
@@ -321,7 +324,8 @@ class _Building:
                                   "declare an array of components with one coordinate each")
                 continue
             found.append(Coordinate(variable.name, variable.unit, variable.display_unit, variable.start, rates.get(variable.name),
-                                    variable.is_fixed, variable.description, variable.span, variable.name in fixed_rates))
+                                    variable.is_fixed, variable.description, variable.span, variable.name in fixed_rates,
+                                    states.get(variable.name, "")))
         for root in floating:
             found += self._floating_coordinates(root)
         self._refuse_other_starts({root.frame for root in floating})

@@ -53,7 +53,7 @@ def _state_of(equation: Equation, variables: Mapping[str, Variable]) -> State | 
         if isinstance(side, Call) and side.function == "der" and isinstance(inner := side.arguments[0], Ref):
             variable = variables.get(inner.name)
             if variable is not None and variable.kind == "variable" and variable.binding is None:
-                return State(inner.name, f"integral({inner.name})", other, equation.component, equation.span)
+                return State(inner.name, f"{inner.name}.integral", other, equation.component, equation.span)
     return None
 
 

@@ -84,6 +84,17 @@ class Scene:
         units |= {alias: self.rates[slot - self.n].unit for alias, slot in self.aliases.items()}
         return units | {name: unit for name, (_, unit) in self.lost.items()}
 
+    @property
+    def signals(self) -> Mapping[str, str]:
+        """First-order states by the coordinates whose rates they are."""
+        found: Mapping[str, str] = self.notes["signals"]
+        return found
+
+    @property
+    def moving(self) -> tuple[Column, ...]:
+        """The coordinates of the mechanism: without those whose rates are first-order states."""
+        return tuple(c for c in self.coordinates if c.name not in self.signals)
+
     def slot(self, name: str) -> int | None:
         """Place in (q, v) of a coordinate, a rate or another name of one."""
         for k, column in enumerate((*self.coordinates, *self.rates)):

@@ -242,8 +242,16 @@ class Study:
 
     # ------------------------------------------------------------ what is asked for
 
+    def _require_mechanism(self) -> None:
+        """Raises LagError L0916 where first-order states would have to rest as well."""
+        if signals := self.scene.signals:
+            fail("L0916", "not supported yet: positions of rest, and small motion about them, of scenes with first-order states: "
+                 f"{', '.join(signals.values())}", self.c.flat.span,
+                 "lag simulate runs into them; lag linearize --about start has the matrices at the start")
+
     def rest(self, e: SmallMotion, pace: float) -> Held:
         """The position of rest found from the start, and what holds there. Raises RunError."""
+        self._require_mechanism()
         self.require_rest(e, pace)
         resting = self.resting(e, pace)
         found: Held | None
@@ -278,6 +286,7 @@ class Study:
 
     def equilibria(self, starts: int | None) -> Equilibria:
         """Positions of rest from the start and from `starts` - 1 other places."""
+        self._require_mechanism()
         graph = self.c.kinematics.graph
         outputs = [c.name for c in graph.dependent_coordinates]
         e = self.equations((), outputs)
@@ -433,6 +442,7 @@ class Study:
             e = self.equations()
             linears = self._linears(e, self.pace(e))
         else:
+            self._require_mechanism()
             linears = {"": self.linearize(about, (), ())}
         found = {way: find_modes(linear, self.names, mass_normalised, self.mechanism) for way, linear in linears.items()}
         return modes_of_ways(found) if len(found) > 1 else found[""]

@@ -1,6 +1,7 @@
 """Rows of results: what their columns are, and the moments that they are of."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from lagrangia.run.request import Values
@@ -15,6 +16,19 @@ ENERGIES = 5  # T, V, H, dissipated, work: the last of each row
 def columns(scene: Scene) -> tuple[Column, ...]:
     """Names and units of the first columns of a row; five energies follow them."""
     return (Column("time", "s", "", ""), *scene.coordinates, *scene.rates, *scene.outputs)
+
+
+def shown(scene: Scene) -> tuple[Scene, Callable[[Sequence[float]], Sequence[float]]]:
+    """The scene of what files have, and what makes rows of it of rows: of first-order states without the coordinates whose rates
+    they are, on which nothing depends."""
+    if not scene.signals:
+        return scene, lambda values: values
+    hidden = {*scene.signals, *(f"der({name})" for name in scene.signals)}
+    whole = columns(scene)
+    width, places = len(whole) + ENERGIES, [k for k, column in enumerate(whole) if column.name not in hidden]
+    places += range(len(whole), width)
+    told = replace(scene, coordinates=scene.moving, rates=tuple(c for c in scene.rates if c.name not in hidden))
+    return told, lambda values: [values[k + place] for k in range(0, len(values), width) for place in places]
 
 
 def moments(scene: Scene, parameters: "np.ndarray", values: Values, rows: "np.ndarray") -> "tuple[np.ndarray, ...]":

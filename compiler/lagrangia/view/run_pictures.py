@@ -35,7 +35,7 @@ def choose(scene: Scene, sight: Sight, names: Sequence[str], spectra: Sequence[s
             fail("L0706", f"'{section[0]}' is a vector", None, f"name an element: {sight.columns_of(section[0])[0].name}")
         return Wanted(tuple(pairs) or (_usual_pair(scene, section[0]),), (), section)
     if not pairs and not lines:
-        pairs = [Pair("", column.name) for column in scene.coordinates]
+        pairs = [Pair("", column.name) for column in scene.moving]
     return Wanted(tuple(pairs), lines)
 
 

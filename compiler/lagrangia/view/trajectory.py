@@ -15,7 +15,7 @@ from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import Progress, loss, shortcomings
 from lagrangia.view.curves import draw_panels
 from lagrangia.view.result_writers import RESULTS, TextRows, Writer, open_writer
-from lagrangia.view.rows import ENERGIES, columns
+from lagrangia.view.rows import ENERGIES, columns, shown
 from lagrangia.view.sight import Shown, Sight, known_column
 
 if TYPE_CHECKING:
@@ -122,17 +122,17 @@ class Trajectory:
         """A table with time as its index, units by name in its attrs["units"]; pandas must be installed."""
         import pandas
 
-        names = self.names
-        frame = pandas.DataFrame(self.rows[:, 1 : len(names)], columns=names[1:], index=pandas.Index(self.time, name="time"))
-        frame.attrs["units"] = {column.name: column.unit for column in self.columns}
+        told = columns(shown(self.scene)[0])
+        frame = pandas.DataFrame({c.name: self[c.name] for c in told[1:]}, index=pandas.Index(self.time, name="time"))
+        frame.attrs["units"] = {column.name: column.unit for column in told}
         return frame
 
     def to_xarray(self) -> "xarray.Dataset":
         """Variables over the dimension time, with units and descriptions as attributes; xarray must be installed."""
         import xarray
 
-        told = {c.name: {"units": c.unit, "long_name": c.description} for c in self.columns}
-        return xarray.Dataset({name: ("time", self[name], told[name]) for name in self.names[1:]},
+        told = {c.name: {"units": c.unit, "long_name": c.description} for c in columns(shown(self.scene)[0])}
+        return xarray.Dataset({name: ("time", self[name], told[name]) for name in told if name != "time"},
                               coords={"time": ("time", self.time, told["time"])}, attrs={"model": self.scene.name})
 
     @property
@@ -143,17 +143,17 @@ class Trajectory:
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Comma-separated columns with a line of names; all 17 digits that matter. Where a quantity has no finite value, its
         cell is empty."""
-        self._put(TextRows(Path(path), self.scene))
+        self._put(TextRows(Path(path), shown(self.scene)[0]))
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """The rows in a file of the kind its name says: .csv, .jsonl, .parquet (pyarrow), .npz, .mat (as Modelica tools read it).
         Raises LagError L0004, L0715."""
         require_kind(path, *RESULTS)
-        self._put(open_writer(path, self.scene, self.progress))
+        self._put(open_writer(path, shown(self.scene)[0], self.progress))
 
     def _put(self, writer: Writer) -> None:
         with writer:
-            writer.write(self.rows.ravel().tolist())
+            writer.write(shown(self.scene)[1](self.rows.ravel().tolist()))
 
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None, spectrum: Sequence[str] = (),
              section: str | tuple[str, float] | None = None,
