@@ -75,6 +75,7 @@ class _Flattening:
         self.frames: dict[str, Frame] = {}
         self.frame_equations: list[FrameEquation] = []
         self.equations: list[Equation] = []
+        self.joined: list[Equation] = []  # signals, by connect
         self.energies: list[Energy] = []
         self.works: list[Work] = []
         self.initial: list[Equation] = []
@@ -354,12 +355,15 @@ class _Flattening:
                  f"did you mean '{near}'?" if near else "an equation has a '=' between two expressions, or is connect(a, b)")
         if len(call.arguments) != 2:
             fail("L0215", f"connect takes two frames, not {len(call.arguments)}", span, "write: connect(a, b)")
-        ends = [self.names.flatten(argument, scope) for argument in call.arguments]
-        for end in ends:
+        a, b = (self.names.flatten(argument, scope) for argument in call.arguments)
+        if all(isinstance(end, Ref) for end in (a, b)):
+            self.joined.append(Equation(a, b, span, scope.instance.path))
+            return
+        for end in (a, b):
             if not is_frame(end):
-                fail("L0221", "connect joins frames, this is none", end.span,
-                     "a frame is a port, as bar.a, or shift(...) or turn(...) of one")
-        self.frame_equations.append(FrameEquation(ends[0], ends[1], span))
+                fail("L0221", "connect joins frames, or signals, this is none", end.span,
+                     "a frame is a port, as bar.a, or shift(...) or turn(...) of one; a signal is a variable")
+        self.frame_equations.append(FrameEquation(a, b, span))
 
     def _add_figure(self, call: Expression, scope: Scope, place: Span) -> None:
         if not isinstance(call, Call) or call.function not in WORDS:
@@ -391,7 +395,7 @@ class _Flattening:
     def _bind_variables(self) -> tuple[Equation, ...]:
         """Equations `y = expression` of variables without a binding become their bindings; the others are constraints."""
         constraints = []
-        found = find_states(self.variables, self.equations, self.report)
+        found = find_states(self.variables, [*self.equations, *self.joined], self.report)
         self.states = found.states
         self.variables.update(found.variables)
         self.energies += found.energies
