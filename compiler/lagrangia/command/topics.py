@@ -7,6 +7,7 @@ from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.folders import data_folder
 from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
+from lagrangia.command.signals_topic import SIGNALS
 from lagrangia.command.tables_topic import TABLES
 
 _LANGUAGE = """\
@@ -38,6 +39,7 @@ hinge.reaction             in outputs: force (2), in world axes, of a joint or a
                            center of a Block, or its last frame; hinge.reaction_torque: about that frame's origin. What is bound
                            to a joint's coordinate (stretch = guide.s, a Rack, a Motion, equations of coordinates) acts through
                            the joint, and counts as its reaction: the torque of a drive is hinge.reaction_torque
+der(z) = expression        a first-order state, declared as Real z(start = 0): lag help signals
 initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3
 parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
                            are structural: they decide what the scene consists of
@@ -50,7 +52,7 @@ equation for i in 1:n-1 loop connect(link[i].b, link[i+1].a); end for;
 A literal may carry a unit: 30[deg], 1.5[kN/m]. A bare number takes the unit of its place. Dimensions are checked.
 Gravity is {0, -9.81} unless the scene declares World world(gravity = {0, 0}). A body that is joined to nothing floats with
 coordinates of its own, named after its frame: bar.center.x, bar.center.y, bar.center.phi. Ground is always written: a = world.
-See also: lag help library, functions, events, tables, units.
+See also: lag help library, functions, events, signals, tables, units.
 """
 
 _EVENTS = """\
@@ -463,6 +465,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "events": ("events that reset rates: impacts, contacts, kicks", lambda: _EVENTS),
     "drawing": ("how components look: the drawing section", drawing_topic),
     "curves": ("pictures of runs: curves, phase portraits, spectra, sections", curves_topic),
+    "signals": ("first-order states: filters, motors, controllers", lambda: SIGNALS),
     "tables": ("tables of files and points: roads, measured forces", lambda: TABLES),
     "units": ("units and dimensions", lambda: _UNITS),
     "solver": ("how a scene is run, tolerance, cache, environment", lambda: _SOLVER),

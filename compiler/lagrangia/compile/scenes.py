@@ -22,11 +22,11 @@ from lagrangia.dynamics.idle_statements import find_idle_statements
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.negative_inertia import written_inertias
 from lagrangia.dynamics.switches import corners_remain
-from lagrangia.frames.graph import rate_of
+from lagrangia.frames.graph import Coordinate, rate_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.events import kept_by
-from lagrangia.language.flat import FlatModel, When
+from lagrangia.language.flat import FlatModel, Variable, When
 from lagrangia.language.folding import numbers_of
 from lagrangia.language.observables import observe
 from lagrangia.native.c_code import jet_tape, may_hide, usual_rhs
@@ -45,8 +45,8 @@ def build_scene(
     model, graph = kinematics.graph.model, kinematics.graph
     tapes = {name: tape_of(function) for name, function in functions.table.items()}
     coordinates = tuple(Column(c.name, c.unit, c.display_unit, c.description) for c in graph.coordinates)
-    rates = tuple(Column(c.rate_name, _per_second(c.unit), _per_second(c.display_unit) if c.display_unit else "", "")
-                  for c in graph.coordinates)
+    states = {state.coordinate: model.variables[name] for name, state in model.states.items()}
+    rates = tuple(_rate_column(c, states.get(c.name)) for c in graph.coordinates)
     outputs = tuple(Column(name, *_units(model, name)) for name in functions.outputs)
     started = (*graph.coordinates, *initial.lost)
     kinds = {unit: k + 1 for k, unit in enumerate(sorted({c.unit for c in started} - {"rad"}))} | {"rad": 0}
@@ -73,6 +73,13 @@ def build_scene(
         | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, initial),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {})},
     ))
+
+
+def _rate_column(coordinate: Coordinate, state: Variable | None) -> Column:
+    if state is not None:
+        return Column(coordinate.rate_name, state.unit, state.display_unit, state.description)
+    shown = _per_second(coordinate.display_unit) if coordinate.display_unit else ""
+    return Column(coordinate.rate_name, _per_second(coordinate.unit), shown, "")
 
 
 def _is_of_one_freedom(motion: Motion) -> bool:

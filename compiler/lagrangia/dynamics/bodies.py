@@ -43,17 +43,18 @@ class _Candidate:
 
 
 def find_bodies(kinematics: Kinematics, energies: Energies) -> Bodies:
-    """Splits the kinetic energy into rigid bodies and the rest."""
+    """Splits the kinetic energy into rigid bodies and the rest, without first-order states."""
     home, local = _rigid_clusters(kinematics)
     body = FreeBody()
-    found = [_candidate(kinematics, term, home, local, body) for term in energies.kinetic]
+    kinetic = [term for term in energies.kinetic if not term.statement.is_signal]
+    found = [_candidate(kinematics, term, home, local, body) for term in kinetic]
     candidates = [candidate for candidate in found if candidate is not None]
     turned = body.hessians([candidate.energy for candidate in candidates])
     straight = body.straight(turned)
     rigid = _are_rigid(straight, turned, body, kinematics)
     known = inertias([c.frame for c in candidates], straight)
     solved = {id(c.term) for c, is_rigid in zip(candidates, rigid, strict=True) if is_rigid}
-    rest = tuple(term for term in energies.kinetic if id(term) not in solved)
+    rest = tuple(term for term in kinetic if id(term) not in solved)
     return Bodies(tuple(x for x, is_rigid in zip(known, rigid, strict=True) if is_rigid), rest, home, local)
 
 

@@ -85,6 +85,8 @@ class ArticulatedBodies:
     def __init__(self, kinematics: Kinematics, bodies: Bodies, clusters: dict[str, Cluster]) -> None:
         self.kinematics, self.bodies, self.clusters = kinematics, bodies, clusters
         self.joints: dict[str, list[_Joint]] = {}  # by the cluster they move, leaf to root
+        signals = {state.coordinate for state in kinematics.graph.model.states.values()}
+        self.alone = [k for k, c in enumerate(kinematics.graph.coordinates) if c.name in signals]  # of inertia 1
         reduced = self._inertias()
         for name, cluster in reversed(clusters.items()):
             self.joints[name] = [_reduce(reduced[name], index, s) for index, s in reversed(cluster.directions)]
@@ -103,13 +105,14 @@ class ArticulatedBodies:
     def pivots(self) -> ca.SX:
         """D of each coordinate, (n,)."""
         inverse = {joint.index: joint.inverse for joints in self.joints.values() for joint in joints}
+        inverse |= dict.fromkeys(self.alone, 1.0)
         return ca.vertcat(*[1 / inverse[k] for k in range(len(inverse))])
 
     @cached_property
     def diagonal(self) -> ca.SX:
         """Of M, (n,): s . I s with the inertia of all that the coordinate moves."""
         whole = self._inertias()
-        found: dict[int, Scalar] = {}
+        found: dict[int, Scalar] = dict.fromkeys(self.alone, 1.0)
         for name, cluster in reversed(self.clusters.items()):
             found |= {index: dot(s, momentum(whole[name], s)) for index, s in cluster.directions}
             if cluster.parent is not None:
@@ -149,6 +152,8 @@ class ArticulatedBodies:
             if parent is not None and not parent.is_ground:
                 p[parent.frame] = _sum(p[parent.frame], about(p[name], cluster.joint))
         acceleration: list[Scalar] = [0.0] * len(r)
+        for k in self.alone:
+            acceleration[k] = r[k]
         twists: dict[str, Vector] = {}
         for name, cluster in self.clusters.items():
             twist = moved_twist(twists[cluster.parent.frame], cluster.joint) if cluster.parent else [*NOTHING]
@@ -180,7 +185,8 @@ def _clusters(kinematics: Kinematics, bodies: Bodies) -> dict[str, Cluster] | No
     if bodies.rest or tied or any(count > 1 for count in uses.values()):
         return None
     clusters = _joined(kinematics, bodies)
-    if sum(len(cluster.directions) for cluster in clusters.values()) < len(kinematics.graph.coordinates):
+    graph = kinematics.graph
+    if sum(len(cluster.directions) for cluster in clusters.values()) < len(graph.coordinates) - len(graph.model.states):
         return None
     for inertia in bodies.inertias:
         clusters[bodies.home[inertia.frame]].add(inertia, bodies.local[inertia.frame])

@@ -94,21 +94,19 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     """
     symbols = kinematics.symbols
     q, v, a = (ca.vertcat(ca.SX(0, 1), *s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
-    t, tau = symbols.time, symbols.tau
+    t, tau, impacts = symbols.time, symbols.tau, impacts or Impacts()
     _require_coordinates(kinematics)
-    impacts = impacts or Impacts()
     energies = replace(energies, loads=energies.loads + impacts.loads)
     bodies = find_bodies(kinematics, energies)
     T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
     slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
     momentum, dL_dt = slopes[:-1, 0], slopes[-1]
     mechanism = energies.of_mechanism()
-    T, swings = energies.total(mechanism.kinetic), ca.vertcat(ca.SX(0, 1), *_kept_rates(kinematics, v))
-    force, damping = generalised_force(mechanism, q), gradient_by_rates(D, v)
+    T, force, damping = energies.total(mechanism.kinetic), generalised_force(mechanism, q), gradient_by_rates(D, v)
     h = inertial_force(kinematics, energies, bodies, q, v) + damping
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
-    H = ca.dot(swings, momentum) - T + V if ca.depends_on(T, tau) else T + V
+    H = ca.dot(_kept_rates(kinematics, v), momentum) - T + V if ca.depends_on(T, tau) else T + V
     short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
     T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
     constrained, counted = None, dict[str, int]()
@@ -129,10 +127,10 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
                   short.inertia if short and way == "collected" else None, impacts, (*kinematics.algebra.index.lengths.values(),))
 
 
-def _kept_rates(kinematics: Kinematics, v: ca.SX) -> list[Scalar]:
-    """The rates whose energies count: 0 in the places of first-order states."""
+def _kept_rates(kinematics: Kinematics, v: ca.SX) -> ca.SX:
+    """The rates whose energies count, (n,): 0 in the places of first-order states."""
     signals = {state.coordinate for state in kinematics.graph.model.states.values()}
-    return [0.0 if name in signals else v[k] for k, name in enumerate(kinematics.symbols.rates)]
+    return ca.vertcat(ca.SX(0, 1), *[0.0 if name in signals else v[k] for k, name in enumerate(kinematics.symbols.rates)])
 
 
 def _require_coordinates(kinematics: Kinematics) -> None:

@@ -227,7 +227,7 @@ class _Names:
             if alias not in {c.name for c in scene.outputs}:
                 others.setdefault(slot, []).append(alias)
         self.states = [c.name for c in scene.coordinates]
-        self.slopes = [c.name for c in scene.rates]
+        self.slopes = [f"der({c.name})" for c in scene.coordinates]
         self.aliases: dict[str, tuple[str, ...]] = {}
         for k in range(n):
             first, *rest = others.get(n + k) or [_free(f"{self.states[k]}_rate", taken)]

@@ -428,7 +428,8 @@ class _Flattening:
                 *component, name = variable.name.split(".")
                 hint = f"write: {component[-1]}({name} = ...)" if component else f"write: {name} = ..., or an equation for it"
                 self.report.error("L0211", f"the variable '{variable.name}' has no value", variable.span, hint,
-                                  "what the motion decides is a coordinate: declare it with `coordinate`")
+                                  "what the motion decides is a coordinate: declare it with `coordinate`; a first-order state "
+                                  f"has an equation for its rate, der({name}) = ...")
 
 
 def _override_tree(overrides: Mapping[str, Any], root: Instance) -> Modification:

@@ -52,8 +52,8 @@ _NOT_YET = {
     "sample": "a value that is held between instants cannot be written yet: write the continuous law, or let it be an input and "
               "export the scene as an FMU, whose importer samples; what kicks at instants is: when mod(time, 0.1) < 0.05 then "
               "reinit(der(x), ...)",
-    "delay": "what acts late cannot be written yet: a lag comes near, with `coordinate Angle x` and the equation "
-             "0.2[s]*der(x) = h.phi - x, or let it be an input of an FMU",
+    "delay": "what acts late cannot be written yet: a lag comes near, FirstOrder late(T = 0.2, u = h.phi), or let it be an input "
+             "of an FMU",
 }
 _EACH_WHOLE = "write `each` before it if every element is to have the whole of it"
 _UNIT_BEHIND = "a unit stands behind a literal alone, as in 30[deg]; square brackets behind a name pick an element"

@@ -26,14 +26,14 @@ class FoundStates:
 
 
 def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation], report: Report) -> FoundStates:
-    """Reports L0901 for arrays of them, L0229 for a second equation of the same."""
+    """Reports L0901 for arrays of them, L0231 for a second equation of the same."""
     states, left = dict[str, State](), list[Equation]()
     for equation in equations:
         found = _state_of(equation, variables)
         if found is None:
             left.append(equation)
         elif found.name in states:
-            report.error("L0229", f"'{found.name}' has two equations for its rate", equation.span,
+            report.error("L0231", f"'{found.name}' has two equations for its rate", equation.span,
                          f"the other one is at {states[found.name].span}")
         elif variables[found.name].shape:
             report.error("L0901", f"not supported yet: the array '{found.name}' of first-order states", equation.span,
@@ -41,7 +41,8 @@ def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation]
         else:
             states[found.name] = found
     made = {name: new for state in states.values() for name, new in _variables_of(state, variables[state.name]).items()}
-    energies = tuple(Energy("kinetic", _half_square(state), state.component, state.span, is_signal=True) for state in states.values())
+    energies = tuple(Energy("kinetic", _half_square(state), state.component, state.span, is_signal=True)
+                     for state in states.values())
     works = tuple(Work(state.rate, Ref(state.coordinate, (), state.span), state.component, state.span, is_signal=True)
                   for state in states.values())
     return FoundStates(states, made, energies, works, tuple(left))

@@ -26,11 +26,12 @@ from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref
 from lagrangia.run.request import Values, check_parameters
 from lagrangia.study.contacts_at_rest import Grip, balance, find_all_held, find_held, holds_at
-from lagrangia.study.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of
+from lagrangia.study.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of, with_signals
 from lagrangia.study.modes import Modes, find_modes, modes_of_ways, stability_of_ways
 from lagrangia.study.probes import Probe, find_probes, usual_probes
 from lagrangia.study.response import Response, find_response
 from lagrangia.study.rest_equations import Resting, forces_of_grip, told_grip
+from lagrangia.study.signal_states import SignalStates
 from lagrangia.study.small_motion import DIRECTIONS, SmallMotion, build_small_motion
 from lagrangia.view.mechanism import Mechanism, build_mechanism
 
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 Held = tuple[Rest, Grip | None]  # a position of rest, and what holds there beside constraints
 ABOUT = ("equilibrium", "start")
+_FROM = 24  # places from which positions of rest are looked for
 _STEADY = 1e-9
 _MOMENTS = (0.37, 1.71, 0.0123)
 _STOPPED = ("warning[L0740]: the coefficients of small motion change with time, which was stopped at {:g} s: what moves supports "
@@ -236,30 +238,36 @@ class Study:
         m_h = sum(row.is_holonomic for row in self.c.constraints.rows)
 
         def slopes(names: Sequence[str], q: Vector, lam: Vector) -> dict[str, list[Vector]]:
-            return self.slopes(e, e.slopes, names, q, lam, pace)
+            s = self.signals
+            return s.by_states(self.slopes(e, e.slopes, s.asked(names), q, lam, pace, s.steady(q)))
 
-        return Resting(e, lambda f, q, lam: self.call(f, q, lam, pace), slopes, m_h, self.reach, self.is_angle)
+        return Resting(e, lambda f, q, lam: self.call(f, q, lam, pace, self.signals.steady(q)), slopes, m_h, self.reach,
+                       self.is_angle)
+
+    @cached_property
+    def signals(self) -> SignalStates:
+        """The first-order states."""
+        return SignalStates(self.names, self.scene.signals)
+
+    @property
+    def first(self) -> Vector:
+        """From where rest is looked for: the start."""
+        return self.signals.in_places(*self.start)
 
     # ------------------------------------------------------------ what is asked for
 
-    def _require_mechanism(self) -> None:
-        """Raises LagError L0916 where first-order states would have to rest as well."""
-        if signals := self.scene.signals:
-            fail("L0916", "not supported yet: positions of rest, and small motion about them, of scenes with first-order states: "
-                 f"{', '.join(signals.values())}", self.c.flat.span,
-                 "lag simulate runs into them; lag linearize --about start has the matrices at the start")
-
     def rest(self, e: SmallMotion, pace: float) -> Held:
         """The position of rest found from the start, and what holds there. Raises RunError."""
-        self._require_mechanism()
         self.require_rest(e, pace)
         resting = self.resting(e, pace)
         found: Held | None
         if e.holds.contacts or e.holds.rubs:
-            found = find_held(resting.equations(), self.start[0])
+            found = find_held(resting.equations(), self.first)
         else:
-            rest = find_rest(resting.statics(), self.start[0])
+            rest = find_rest(resting.statics(), self.first)
             found = None if rest is None else (rest, None)
+        if found is None and self.signals.states and len(others := self.all_rests(e, pace, _FROM)[0]) == 1:
+            return others[0]  # limits of controllers keep Newton's steps from coming there from the start
         if found is None:
             raise RunError("; ".join(["no equilibrium was found from the start values: forces stay unbalanced, or it runs away",
                                       "try other values with --initial, or look at the start itself with --about start"]))
@@ -269,8 +277,8 @@ class Study:
         """Positions of rest from so many starts, and whether there is one from the start of the scene."""
         resting = self.resting(e, pace)
         if e.holds.contacts or e.holds.rubs:
-            return find_all_held(resting.equations(), self.start[0], most)
-        found, is_reached = find_all(resting.statics(), self.start[0], most)
+            return find_all_held(resting.equations(), self.first, most)
+        found, is_reached = find_all(resting.statics(), self.first, most)
         return [(rest, None) for rest in found], is_reached
 
     def require_rest(self, e: SmallMotion, pace: float) -> None:
@@ -280,13 +288,12 @@ class Study:
         for row, here, there in zip(self.c.constraints.rows, rates, other, strict=True):
             if not row.is_holonomic and abs(there - here) > 1e-9 * max(abs(there), abs(here)):
                 fail("L0916", "not supported yet: equilibria and small motion where a constraint ties rates to positions",
-                     row.span, "as der(z) = s, the integral of a controller, does; lag simulate takes it")
+                     row.span, "as 0.2[s]*der(x) = s - x of a coordinate x does: Real x(start = 0) makes it a first-order state")
         if np.abs(rates).max(initial=0.0) > 1e-12 * self.size:
             raise RunError("nothing can rest here: a constraint prescribes a speed")
 
     def equilibria(self, starts: int | None) -> Equilibria:
         """Positions of rest from the start and from `starts` - 1 other places."""
-        self._require_mechanism()
         graph = self.c.kinematics.graph
         outputs = [c.name for c in graph.dependent_coordinates]
         e = self.equations((), outputs)
@@ -300,24 +307,26 @@ class Study:
             notes.append(f"reactions are not told: {straight[0].told} only just holds, so that nothing bounds them")
             asked = []
         full = self.equations((), (*outputs, *asked)) if asked else e
-        most = starts if starts is not None else (24 if self.scene.n <= _LARGE else 3)
+        most = starts if starts is not None else (_FROM if self.scene.n <= _LARGE else 3)
         found, is_reached = self.all_rests(e, pace, most)
         if found and (linears := self.linears_at(e, *found[0], pace)):
             notes += [x for x in self._timely(next(iter(linears.values())), e).notes if x.startswith("warning")]
-        units = {c.name: c.unit for c in self.scene.coordinates}
+        units = {self.scene.signals.get(c.name, c.name): c.unit for c in self.scene.coordinates}
+        units |= {self.scene.signals[c.name]: self.scene.rates[k].unit for k, c in enumerate(self.scene.coordinates)
+                  if c.name in self.scene.signals}
         units |= {name: unit_of(graph.model, observe(graph.model, name)) for name in outputs}
         return Equilibria(self.scene.name, self.time, tuple(self._told(full, *x, pace, len(outputs)) for x in found),
                           is_reached, units, tuple(notes), reaction_ports(graph))
 
     def _told(self, e: SmallMotion, rest: Rest, grip: Grip | None, pace: float, n_given: int) -> Equilibrium:
-        y = self.call(e.observed, rest.q, rest.multipliers, pace)[0].ravel()
-        position = dict(zip(self.names, map(float, rest.q), strict=True))
+        y = self.call(e.observed, rest.q, rest.multipliers, pace, self.signals.steady(rest.q))[0].ravel()
+        position = dict(zip(self.signals.names, map(float, rest.q), strict=True))
         position |= dict(zip(e.outputs[:n_given], map(float, y[:n_given]), strict=True))
         reactions = dict(zip(e.outputs[n_given:], map(float, y[n_given:]), strict=True))
         linears = self.linears_at(e, rest, grip, pace)
         kind, growth = ("singular", math.nan) if linears is None else stability_of_ways(list(linears.values()))
         eigenvalues = [complex(x) for linear in (linears or {}).values() for x in linear.eigenvalues]
-        R = self.call(e.static, rest.q, rest.multipliers, pace)[0]
+        R = self.call(e.static, rest.q, rest.multipliers, pace, self.signals.steady(rest.q))[0]
         ways = tuple(name for name in linears or () if name)
         reactions = {} if rest.ways is not None and rest.ways.is_rigid else reactions  # these have no bound
         return Equilibrium(position, rest.V, kind, growth, tuple(eigenvalues), rest.n_neutral, reactions,
@@ -331,7 +340,7 @@ class Study:
             if rest.ways.is_open:
                 return None
             planes = [self.reach[:, None] * plane for plane in rest.ways.planes or (np.zeros((self.scene.n, 0)),)]
-        still = np.zeros(self.scene.n)
+        still = self.signals.steady(rest.q)
         return {told(plane, self.names) if plane is not None and len(planes) > 1 else "":
                 self.linear_at(e, rest.q, still, rest.multipliers, pace, True, None, plane, grip) for plane in planes}
 
@@ -344,9 +353,10 @@ class Study:
         y, yq, yv, ya, yl, *ys = self.observed(e, q, lam, pace, v, a)
         residual = np.zeros(e.n) if is_equilibrium else self.call(e.static, q, lam, pace, v)[0].ravel()
         given = Given(self.scene.name, self.names, tuple(p.name for p in e.probes), e.outputs,
-                      dict(zip(self.names, map(float, q), strict=True)), residual, is_equilibrium,
+                      dict(zip(self.names, map(float, self.signals.in_places(q, v)), strict=True)), residual, is_equilibrium,
                       (y, yq, yv, ya, yl[:, places], *ys))
-        return replace(linearization(tangent, given), notes=told_grip(e, grip))
+        found = replace(linearization(tangent, given), notes=told_grip(e, grip))
+        return with_signals(found, self.scene.signals) if self.signals.states else found
 
     def linearize(self, about: str, excitations: Sequence[str] | None, outputs: Sequence[str] | None) -> Linearization:
         """About the equilibrium found from the start, or the start itself. Raises LagError, RunError."""
@@ -374,13 +384,13 @@ class Study:
 
     def _timely(self, linear: Linearization, e: SmallMotion) -> Linearization:
         """With a word where its coefficients change with time, as supports move or as loads follow the motion."""
-        q = np.array([linear.point[name] for name in self.names])
+        q = np.array([linear.point[name] for name in self.signals.names])
         N, free = linear.tangent.N, e.multipliers()
         if not e.is_timed:
             return linear
         found = []
         for moment in (0.0, *_MOMENTS):
-            by = self.slopes(e, e.slopes, ("a", "v", "q"), q, free, 1.0, time=self.time + moment)
+            by = self.slopes(e, e.slopes, ("a", "v", "q"), q, free, 1.0, self.signals.steady(q), time=self.time + moment)
             found.append([N.T @ by[name][0] @ N for name in ("a", "v", "q")])
         largest = [max(float(np.abs(x).max(initial=0.0)) for x in tables) for tables in zip(*found, strict=True)]
         changes = [max(float(np.abs(x - tables[0]).max(initial=0.0)) for x in tables) for tables in zip(*found, strict=True)]
@@ -395,15 +405,16 @@ class Study:
         others = [x.name for x in self.scene.outputs if not x.name.startswith("der(") and x.name not in prescribed]
         declared = [name for name, variable in variables.items() if variable.is_output]
         told = [x.name for x in self.scene.outputs if x.name.partition("[")[0] in declared]
-        return tuple(dict.fromkeys((*self.names, *(name for name in others if name not in told), *told)))
+        return tuple(dict.fromkeys((*self.signals.names, *(name for name in others if name not in told), *told)))
 
     def _about_start(self, e: SmallMotion, pace: float) -> Linearization:
         """The exact derivatives of the motion there: of a moving or accelerated state, of scenes without constraints alone."""
         q, v = self.start
-        if not v.any():
+        moves = bool(np.delete(v, self.signals.places).any())
+        if not moves:
             self.require_rest(e, pace)
         if e.holds.contacts or e.holds.rubs:
-            if not v.any() and (held := holds_at(self.resting(e, pace).equations(), q)) is not None:
+            if not moves and (held := holds_at(self.resting(e, pace).equations(), q)) is not None:
                 return self.linear_at(e, q, v, held[0].multipliers, pace, True, grip=held[1])
             self._require_free(e, q, v, pace)
         free = e.multipliers(shares=self._shares(e, q, v, pace))
@@ -412,7 +423,7 @@ class Study:
         M, rows = here.M, here.rates
         lam = np.asarray(-np.linalg.pinv(rows.T, rcond=1e-9) @ R) if e.m else np.zeros(0)
         left = float(np.abs(R + rows.T @ lam).max(initial=0.0))
-        is_rest = left <= _BALANCED * float(np.abs(R).max(initial=0.0)) and not v.any()
+        is_rest = left <= _BALANCED * float(np.abs(R).max(initial=0.0)) and not moves
         if e.m and not is_rest:
             fail("L0916", "not supported yet: a linearisation of a scene with constraints about a point that is no equilibrium",
                  self.c.flat.span, "linearise about the equilibrium found from there: --about equilibrium")
@@ -438,11 +449,13 @@ class Study:
 
     def modes(self, about: str, mass_normalised: bool) -> Modes:
         """Natural modes about "equilibrium" or "start"; where ways of moving meet, those of each."""
+        if signals := self.scene.signals:
+            fail("L0916", f"not supported yet: natural modes of scenes with first-order states: {', '.join(signals.values())}",
+                 self.c.flat.span, "lag linearize tells the eigenvalues, lag response what frequencies do")
         if about == "equilibrium":
             e = self.equations()
             linears = self._linears(e, self.pace(e))
         else:
-            self._require_mechanism()
             linears = {"": self.linearize(about, (), ())}
         found = {way: find_modes(linear, self.names, mass_normalised, self.mechanism) for way, linear in linears.items()}
         return modes_of_ways(found) if len(found) > 1 else found[""]

@@ -10,6 +10,7 @@ names: those whose columns of J are not needed to solve for the others. Works wi
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -138,6 +139,11 @@ class Linearization:
     tangent: Tangent
     notes: tuple[str, ...] = ()  # what holds at the point beside constraints, and what it is only for
 
+    @property
+    def has_signals(self) -> bool:
+        """Whether first-order states are among the states."""
+        return len(self.states) < len(self.coordinates) + int(self.tangent.W.shape[1])
+
     @cached_property
     def eigenvalues(self) -> NDArray[np.complex128]:
         """Of A, by size."""
@@ -235,6 +241,17 @@ def linearization(tangent: Tangent, given: Given) -> Linearization:
         tuple(map(float, given.observed[0].ravel())), given.is_equilibrium, t.M, t.C, t.K, (-t.E[0], -t.E[1], -t.E[2]), load,
         A, B, output, D, drift, t,
     )
+
+
+def with_signals(linear: Linearization, signals: Mapping[str, str]) -> Linearization:
+    """Without the coordinates whose rates are first-order states, on which nothing depends; the states have their own names.
+    M, C and K keep them: a state's row of C is its rate's."""
+    kept = [k for k, name in enumerate(linear.states) if name not in signals]
+    names = {f"der({name})": state for name, state in signals.items()}
+    states = tuple(names.get(linear.states[k], linear.states[k]) for k in kept)
+    point = {signals.get(name, name): value for name, value in linear.point.items()}
+    return replace(linear, states=states, point=point, A=linear.A[np.ix_(kept, kept)], B=linear.B[kept],
+                   output=linear.output[:, kept], drift=linear.drift[kept])
 
 
 def no_mass(least: float = 0.0) -> RunError:

@@ -234,6 +234,8 @@ def stability(linear: Linearization) -> tuple[str, float]:
     scale = float(np.abs(omega2).max(initial=0.0))
     has_rigid = bool((np.abs(omega2) <= _ROUNDING * scale).any()) or scale == 0
     s = linear.eigenvalues
+    if linear.has_signals:
+        has_rigid = bool((np.abs(s) <= 1e-9 * np.abs(s).max(initial=0.0)).any())
     size = max(float(np.abs(s).max(initial=0.0)), float(np.sqrt(scale)))
     margin = (_DEFECTIVE if has_rigid else 1e-9) * size
     growth = float(s.real.max(initial=-np.inf)) if s.size else 0.0

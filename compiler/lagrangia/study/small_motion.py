@@ -236,7 +236,9 @@ def _find_holds(motion: "Motion", energies: Energies, parts: _Parts, struck: Seq
     gaps = [-ca.SX(load.position[0]) for _, load in pressing]
     numbering, whens = Numbering(), parts.free.graph.model.whens
     has_corners = uses(_function_of(parts.R), CORNERS)
-    conditions, rests, cones = conditions_in([parts.R], motion.v, motion.v, numbering) if has_corners else ({}, {}, ())
+    signals = {state.coordinate for state in parts.free.graph.model.states.values()}
+    v = ca.vertcat(_NONE, *[motion.v[k] for k, name in enumerate(parts.free.symbols.rates) if name not in signals])
+    conditions, rests, cones = conditions_in([parts.R], v, v, numbering) if has_corners else ({}, {}, ())
     order = {pair: k for k, pair in enumerate(conditions)}
     shares = ca.SX.sym("share", len(conditions))
     places = dict(zip(conditions, shares.elements(), strict=True))
