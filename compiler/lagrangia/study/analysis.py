@@ -448,7 +448,7 @@ class Study:
                  "linearise about the equilibrium found from there: --about equilibrium")
 
     def modes(self, about: str, mass_normalised: bool) -> Modes:
-        """Natural modes about "equilibrium" or "start"; where ways of moving meet, those of each."""
+        """Natural modes about "equilibrium" or "start"; where ways of moving meet, those of each. Raises LagError, RunError."""
         if signals := self.scene.signals:
             fail("L0916", f"not supported yet: natural modes of scenes with first-order states: {', '.join(signals.values())}",
                  self.c.flat.span, "lag linearize tells the eigenvalues, lag response what frequencies do")
