@@ -41,7 +41,7 @@ def find_states(variables: Mapping[str, Variable], equations: Sequence[Equation]
         else:
             states[found.name] = found
     made = {name: new for state in states.values() for name, new in _variables_of(state, variables[state.name]).items()}
-    energies = tuple(Energy("kinetic", _half_square(state), state.component, state.span, is_signal=True)
+    energies = tuple(Energy("kinetic", _half_square(state), state.component, state.span, is_of_library=True, is_signal=True)
                      for state in states.values())
     works = tuple(Work(state.rate, Ref(state.coordinate, (), state.span), state.component, state.span, is_signal=True)
                   for state in states.values())
