@@ -311,9 +311,8 @@ class Study:
         found, is_reached = self.all_rests(e, pace, most)
         if found and (linears := self.linears_at(e, *found[0], pace)):
             notes += [x for x in self._timely(next(iter(linears.values())), e).notes if x.startswith("warning")]
-        units = {self.scene.signals.get(c.name, c.name): c.unit for c in self.scene.coordinates}
-        units |= {self.scene.signals[c.name]: self.scene.rates[k].unit for k, c in enumerate(self.scene.coordinates)
-                  if c.name in self.scene.signals}
+        units = {name: (rate if name != own.name else own).unit for name, own, rate in
+                 zip(self.signals.names, self.scene.coordinates, self.scene.rates, strict=True)}
         units |= {name: unit_of(graph.model, observe(graph.model, name)) for name in outputs}
         return Equilibria(self.scene.name, self.time, tuple(self._told(full, *x, pace, len(outputs)) for x in found),
                           is_reached, units, tuple(notes), reaction_ports(graph))
