@@ -7,7 +7,7 @@ others.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import field
 
 import casadi as ca
 
@@ -17,7 +17,7 @@ from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics.dissipation import gradient_by_rates
-from lagrangia.dynamics.energies import Energies
+from lagrangia.dynamics.energies import Energies, Term
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Kinematics, displacement
 from lagrangia.frames.planar import SIZE
@@ -102,7 +102,7 @@ def find_forces(kinematics: Kinematics, energies: Energies) -> Forces | None:
     algebra = _StepsAtRest(known.time, known.state, known.modes, known.index, known.tiny)
     apart = _Apart(kinematics, algebra, _movable(kinematics))
     value = Evaluator(kinematics.graph.model, algebra, apart).value
-    potential, dissipation = (energies.total(tuple(replace(term, value=value(term.statement.value)) for term in terms))
+    potential, dissipation = (energies.total(tuple(Term(value(term.statement.value), term.statement) for term in terms))
                               for terms in (energies.potential, energies.dissipation))
     positions, forces = [potential], [1.0]
     for load in energies.loads:

@@ -30,7 +30,7 @@ class Pose:
 
     def map(self, function: Callable[[Scalar], Scalar]) -> "Pose":
         """The pose whose numbers are the function's of these."""
-        return Pose(*(function(x) for x in (self.x, self.y, self.phi, self.cos, self.sin)))
+        return Pose(function(self.x), function(self.y), function(self.phi), function(self.cos), function(self.sin))
 
     @property
     def place(self) -> tuple[Scalar, ...]:
@@ -118,10 +118,9 @@ def turning(turn: Step, angle: Scalar) -> list[Scalar]:
 
 def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
     """R d with d = (x, y). Its rate is R d' + w x (R d), which reuses R d instead of differentiating the cosine and sine."""
-    moving = (cos, sin, x, y)
-    if not any(isinstance(s, Dual) for s in moving):
+    if not (isinstance(cos, Dual) or isinstance(sin, Dual) or isinstance(x, Dual) or isinstance(y, Dual)):
         return minus(times(cos, x), times(sin, y)), plus(times(sin, x), times(cos, y))
-    c, s, dx, dy = (value_of(m) for m in moving)
+    c, s, dx, dy = value_of(cos), value_of(sin), value_of(x), value_of(y)
     ahead_x, ahead_y = rotated(c, s, value_of(w), dx, dy)
     stretch_x, stretch_y = rotated(c, s, value_of(w), rate_of(x), rate_of(y))
     return Dual(ahead_x, minus(stretch_x, times(w, ahead_y))), Dual(ahead_y, plus(stretch_y, times(w, ahead_x)))

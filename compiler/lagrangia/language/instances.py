@@ -4,7 +4,7 @@ A modification is kept with the scope it was written in (`Bound`), so that names
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import field
 from math import prod
 from typing import Any, Protocol, TypeAlias
 
@@ -177,8 +177,7 @@ class Instantiation:
         inherited = len(scope.instance.clauses)
         for element in definition.elements:
             if isinstance(element, Declaration):
-                own = replace(modification_of(element.arguments, scope, element.binding, element.name_span),
-                              is_final="final" in element.prefixes)
+                own = modification_of(element.arguments, scope, element.binding, element.name_span, "final" in element.prefixes)
                 given = modification.children.get(element.name, NOTHING)
                 self._refuse_final(element.name, given, own)
                 yield element, merge(given, own)
@@ -353,7 +352,8 @@ def _with_article(word: str) -> str:
 # -------------------------------------------------------------------- modifications
 
 
-def modification_of(arguments: tuple[Argument, ...], scope: Scope, value: Expression | None, span: Span) -> Modification:
+def modification_of(arguments: tuple[Argument, ...], scope: Scope, value: Expression | None, span: Span,
+                    is_final: bool = False) -> Modification:
     """The tree of modifications written in one place; a later one of the same name is merged into the first."""
     children: dict[str, Modification] = {}
     for argument in arguments:
@@ -361,7 +361,7 @@ def modification_of(arguments: tuple[Argument, ...], scope: Scope, value: Expres
         child = Modification(inner.value, inner.children, "each" in argument.prefixes, "final" in argument.prefixes,
                              argument.name_span)
         children[argument.name] = merge(children[argument.name], child) if argument.name in children else child
-    return Modification(Bound(value, scope) if value is not None else None, children, span=span)
+    return Modification(Bound(value, scope) if value is not None else None, children, False, is_final, span)
 
 
 def merge(outer: Modification, inner: Modification) -> Modification:

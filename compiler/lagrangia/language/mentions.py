@@ -13,6 +13,8 @@ _CHILDREN: Mapping[type, Callable[[Any], tuple[Flat, ...]]] = {
     Array: lambda node: node.items,
 }
 
+_LEAVES = (Ref, FrameRef, Time)
+
 
 def children(node: Flat) -> tuple[Flat, ...]:
     """The expressions that an expression is made of."""
@@ -22,11 +24,12 @@ def children(node: Flat) -> tuple[Flat, ...]:
 
 def nodes(*roots: Flat) -> Iterator[Flat]:
     """Every node of the expressions, each shared node once for each place it stands in."""
-    stack = list(roots)
+    stack, known = list(roots), _CHILDREN.get
     while stack:
         node = stack.pop()
         yield node
-        stack.extend(children(node))
+        if (inside := known(node.__class__)) is not None:
+            stack.extend(inside(node))
 
 
 def reached(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> Iterator[Flat]:
@@ -36,7 +39,7 @@ def reached(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> Itera
     while pending:
         for node in nodes(pending.pop()):
             yield node
-            if isinstance(node, Ref) and node.name not in seen:
+            if node.__class__ is Ref and node.name not in seen:
                 seen.add(node.name)
                 binding = bindings.get(node.name)
                 if binding is not None:
@@ -45,7 +48,7 @@ def reached(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> Itera
 
 def leaves(roots: Iterable[Flat], bindings: Mapping[str, Flat | None]) -> list[Ref | FrameRef | Time]:
     """The leaves among them."""
-    return [node for node in reached(roots, bindings) if isinstance(node, Ref | FrameRef | Time)]
+    return [node for node in reached(roots, bindings) if isinstance(node, _LEAVES)]
 
 
 def is_linear(node: Flat, name: str) -> bool:
