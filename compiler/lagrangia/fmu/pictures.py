@@ -1,7 +1,7 @@
 """Pictures of a scene for its FMU: its schematic at the start as an icon, and the component graph."""
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from xml.sax.saxutils import escape
 
@@ -17,9 +17,10 @@ from lagrangia.draw.strokes import Stroke
 from lagrangia.draw.svg import write_svg
 from lagrangia.draw.values import States
 from lagrangia.fmu.variables import Exportable
+from lagrangia.language.flat import Figure
 
 _PIXELS, _MARGIN, _LINE = 128, 2, 1.5  # of the icon, at its borders, and of a line
-_MOST_FRAMES = 400  # shown in a picture
+_MOST_FRAMES, _MOST_FIGURES = 400, 400  # shown in a picture
 _COLUMN, _ROW = 170, 34
 _BOX = np.array([[1.0, 1.0], [6.0, 1.0], [6.0, 6.0], [1.0, 6.0]])  # mm, on the smallest page
 
@@ -38,7 +39,7 @@ def draw_icon(model: Exportable, start: tuple[float, ...]) -> Icon:
     n, inputs = scene.n, [known.value or 0.0 for known in scene.inputs]
     columns = ([scene.start], start[:n], start[n:], inputs, model.parameter_values())
     states = States(*(np.array(column, dtype=float).reshape(-1, 1) for column in columns))
-    page = draw_page(model.compilation, figures_of(model), states, {}, is_named=False)
+    page = draw_page(model.compilation, _told_apart(figures_of(model)), states, {}, is_named=False)
     if not page.paths:  # a scene of energies alone, whose components have no drawing: a box, as of any block
         page = replace(page, paths=(Stroke(_BOX, 0, "normal", "none", True),))
     scale = (_PIXELS - 2 * _MARGIN) / max(page.width, page.height)
@@ -46,6 +47,15 @@ def draw_icon(model: Exportable, start: tuple[float, ...]) -> Icon:
     png = io.BytesIO()
     image.convert("RGB").save(png, format="PNG", optimize=True)
     return Icon(png.getvalue(), write_svg(page).encode())
+
+
+def _told_apart(figures: Sequence[Figure]) -> Sequence[Figure]:
+    """Of many those of every so-manieth component: more would not be seen in an icon."""
+    if len(figures) <= _MOST_FIGURES:
+        return figures
+    components = list(dict.fromkeys(figure.component for figure in figures))
+    kept = set(components[:: 1 + len(figures) // _MOST_FIGURES])
+    return [figure for figure in figures if figure.component in kept]
 
 
 def draw_graph(compilation: Compilation) -> str:
