@@ -37,10 +37,15 @@ def draw_page(c: Compilation, figures: Sequence[Figure], states: States, names: 
     shapes = {k: scenery.shape(k, 0) for k in scenery.shown}
     labels = words_of(c, scenery, names) if is_named else {}
     arms = Shape(arms_of(scenery, 0))
-    drawn = [(arms, None), *((shape, labels.get(k)) for k, shape in shapes.items())]
+    drawn = [(arms, None), *((shapes[k], labels.get(k)) for k in sorted(shapes, key=lambda k: not is_load(scenery, k)))]
     strokes = [stroke for shape, _ in drawn for stroke in shape.strokes]
     view = view_of(strokes, MOST_SYMBOL / scenery.symbol)
     return build_page(drawn, view, c.flat.description or c.flat.name, weight_of(view.scale * scenery.symbol))
+
+
+def is_load(scenery: Scenery, k: int) -> bool:
+    """Whether a figure is the arrow of a force or torque, whose name is placed before others: beside it stands nothing else."""
+    return scenery.numbers.items[k].measure in ("force", "torque", "other")
 
 
 def fit_scenery(numbers: Numbers, tree: Tree, moments: Sequence[int], is_still: bool) -> Scenery:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.draw.joints import Tree
 from lagrangia.draw.page import Words, bounds_of
-from lagrangia.draw.picture import arms_of, constants_of, fit_scenery, words_of
+from lagrangia.draw.picture import arms_of, constants_of, fit_scenery, is_load, words_of
 from lagrangia.draw.scenery import Scenery
 from lagrangia.draw.strokes import Spot, Stroke
 from lagrangia.draw.values import States, evaluate_figures
@@ -65,7 +65,7 @@ def build_reel(c: Compilation, figures: Sequence[Figure], states: States, names:
     strokes: list[Moving] = []
     captions = []
     words = words_of(c, scenery, names)
-    for k in scenery.shown:
+    for k in sorted(scenery.shown, key=lambda k: not is_load(scenery, k)):
         if numbers.items[k].word != "trace":
             found, spots = _over_time(scenery, k, count)
             strokes += found
