@@ -21,6 +21,9 @@ Files        .csv: commas, semicolons, tabs or spaces; decimal commas where comm
              without; lines that begin with # or % are remarks. A unit may stand behind a name, as in z [mm]: values are taken to
              SI units, and dimensions are checked. .parquet is read by pyarrow, .mat (up to version 7) by SciPy.
 
+-u road.y=road.csv         of lag simulate and sweep gives an input of a scene the column of its name, or the second of two,
+                           over the first one: straight lines, held beyond the ends. Each input may have a file of its own.
+
 Of a + b*time with parameters a and b every knot is a time event, between which the table is a polynomial: exact for all solvers,
 in any step, however many rows there are. Of anything else (a coordinate) the pieces are written out with their conditions: up to
 2000 points. FMUs have their tables in them. Results never take the place of a table that is read. Exports to python write tables
