@@ -9,7 +9,7 @@ def add_values(parser: ArgumentParser) -> None:
     add = parser.add_argument
     add("--initial", action="append", default=[], metavar="NAME=VALUE",
         help="a start value of a coordinate or rate: --initial hinge.phi=1.2")
-    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|FILE.csv",
+    add("-u", "--input", action="append", default=[], metavar="NAME=VALUE|NAME=FILE|FILE.csv",
         help="an input: a constant, or a table with a column time")
 
 
