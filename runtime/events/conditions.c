@@ -101,8 +101,7 @@ void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
     }
     run->scale = scale;
     for (int k = 0; k < run->sliding.count; ++k)
-        if (lag_cones_have(run, run->sliding.which[k]))
-            s->unknown[run->sliding.which[k]] = lag_min(MOST_UNKNOWN, s->unknown[run->sliding.which[k]]);
+        s->unknown[run->sliding.which[k]] = lag_min(MOST_UNKNOWN, s->unknown[run->sliding.which[k]]);
     for (int k = 0; k < run->model->n_whens; ++k) { /* the events of contacts are those of their gaps, too */
         double *unknown = &s->unknown[lag_when(run->model, k)];
         *unknown = lag_max(s->unknown[lag_gap(run->model, k)], *unknown);
