@@ -89,7 +89,7 @@ void lag_conditions_find_unknown(LagRun *run, double t, const double *y)
     LagSwitches *s = &run->switches;
     const LagScale scale = run->scale;
     const double share = ROUNDINGS * DBL_EPSILON / scale.tolerance;
-    if (run->model->n_cones > 0) /* a slip is known as well where it stops, in steps as short as can be, as anywhere */
+    if (run->model->switches_need_acceleration) /* a slip is known as well where it stops, in steps as short as can be, as anywhere */
         run->scale.rate_rounding = run->scale.step = run->scale.reach = 0;
     memset(s->unknown, 0, (size_t)run->model->n_switches * sizeof *s->unknown);
     look_at(run, t, y, s->g_begin, s->rate_begin); /* which the next step begins with anew */

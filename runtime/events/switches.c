@@ -192,6 +192,17 @@ static int settle(LagRun *run)
     return turned;
 }
 
+/* Whether a slip was let go to one side, and what stopped others at the same time has thrown it to the other one: friction is against it. */
+static int is_thrown(LagRun *run, int i)
+{
+    LagSwitches *s = &run->switches;
+    if (!run->model->switches_need_acceleration || s->is_idle[i] || !(fabs(s->g[i]) > lag_sliding_drift(run, i)))
+        return 0;
+    s->held[i] = sign_of(s->g[i]);
+    *lag_share(run, i) = s->held[i];
+    return 1;
+}
+
 int lag_switches_enter(LagRun *run)
 {
     LagSwitches *s = &run->switches;
@@ -206,7 +217,7 @@ int lag_switches_enter(LagRun *run)
         lag_conditions_find_unknown(run, run->motion.t, run->motion.y);
     lag_contacts_foresee(run);
     for (int i = 0; i < run->model->n_switches; ++i)
-        if (s->turned[i] && !s->slides[i] && !lag_is_event(run->model, i)) /* what is left of it is rounding */
+        if (s->turned[i] && !s->slides[i] && !lag_is_event(run->model, i) && !is_thrown(run, i)) /* what is left of it is rounding */
             s->unknown[i] = lag_max(WRONG_SIDE * fabs(s->g[i]), s->unknown[i]);
     for (int i = 0; i < run->model->n_switches; ++i)
         if (s->is_idle[i])
