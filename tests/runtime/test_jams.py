@@ -267,8 +267,8 @@ THROWS = [
 @pytest.mark.parametrize(("mu", "phi", "w", "u", "v"), THROWS)
 def test_what_is_known_of_a_foot_does_not_end_with_short_bounces(mu: float, phi: float, w: float, u: float, v: float,
                                                                  scene: Write) -> None:
-    """After steps of 1e-14 s friction stuck on for 7 ms beyond its limit; what stopped both feet threw them aside, and the friction
-    of one pushed: the rod crept by 3e-6 m/s. By some solvers, at some rows."""
+    """After steps of 1e-14 s friction stuck on for 7 ms beyond its limit; what stopped both feet threw them aside, and the
+    friction of one pushed: the rod crept by 3e-6 m/s. By some solvers, at some rows."""
     model = scene(THROWN)
     initial = {"b.center.phi": phi, "der(b.center.phi)": w, "der(b.center.x)": u, "der(b.center.y)": v}
     ends = {(solver, rows): model.simulate(at=np.linspace(0, 1, rows + 1)[1:], tolerance=tolerance, solver=solver,
