@@ -127,7 +127,7 @@ WRONG = {
     f"response {BAR} --points 1": "L0702",
     f"response {BAR} --at 1e308": "L0702",
     f"response {BAR} --to ,": "L0706",
-    f"linearize {BAR} --from P.force[": "L0706",
+    f"linearize {BAR} --from P.force[": "L0711",
     f"linearize {BAR} -o nowhere/x.mat": "L0004",
     f"linearize {BAR} -o nowhere/x.json": "L0004",
     f"equilibrium {BAR} -o nowhere/x.json": "L0004",

@@ -9,19 +9,7 @@ from typing import Any
 from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span
 from lagrangia.base.diagnostics import RunError, fail
 from lagrangia.base.result_files import write_text
-from lagrangia.command.arguments import (
-    assignments,
-    keep_inputs,
-    load_model,
-    names_once,
-    number,
-    open_parameters,
-    read_inputs,
-    split_names,
-    tell,
-    tell_warnings,
-    values_with_units,
-)
+from lagrangia.command.arguments import keep_inputs, load_asked, names_once, number, tell
 from lagrangia.model import Model
 from lagrangia.view.curves import require_format
 
@@ -132,25 +120,13 @@ def _say(options: Namespace, model: Model, text: str) -> None:
 def _load(options: Namespace) -> tuple[Model, dict[str, Any]]:
     """The model and the numbers it is looked at with. Raises LagError."""
     keep_inputs(options, options.output, getattr(options, "animate", None))
-    given = assignments(options.parameter, "-p")
-    model = load_model(options, given, ())
-    tell_warnings(options, model)
-    scene = model.scene
-    parameters = open_parameters(scene, given)
-    initial = values_with_units(assignments(options.initial, "--initial"), scene.start_units)
-    inputs = read_inputs(options.input, scene)
-    return model, {"parameters": parameters, "initial": initial, "inputs": inputs, "time": options.time}
+    model, asked = load_asked(options)
+    return model, {"parameters": asked.parameters, "initial": asked.initial, "inputs": asked.inputs, "time": options.time}
 
 
 def _names(text: str | None, option: str) -> tuple[str, ...] | None:
-    """Names between commas outside brackets, each once; None where nothing is said. Raises LagError L0706."""
-    if text is None:
-        return None
-    found, depth = split_names(text), text.count("[") + text.count("(") - text.count("]") - text.count(")")
-    if depth != 0 or not found:
-        fail("L0706", f"'{text}' after {option} has a bracket too {'many' if depth < 0 else 'few'}" if depth else
-             f"{option} names nothing", None, "names of quantities with commas between them: tilt.phi,bar.a.y")
-    return names_once(text, option)
+    """Names between commas, each once; None where nothing is said. Raises LagError L0706, L0711."""
+    return None if text is None else names_once(text, option)
 
 
 def _span(text: str | None) -> tuple[float, float] | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from lagrangia.compile.instructions import tape_of
 from lagrangia.compile.pipeline import Compilation
-from lagrangia.draw.picture import SHORTEST_ARM, arms_between, words_of
+from lagrangia.draw.picture import SHORTEST_ARM, arms_between, is_load, words_of
 from lagrangia.draw.reel import build_reel
 from lagrangia.draw.scenery import Scenery
 from lagrangia.draw.values import States, build_drawn
@@ -34,7 +34,7 @@ def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names
     words = words_of(c, scenery, names)
     found = []
     ways = []
-    for k in scenery.shown:
+    for k in sorted(scenery.shown, key=lambda k: not is_load(scenery, k)):
         if scenery.numbers.items[k].word == "trace":
             ways.append([scenery.numbers.items[k].frames[0], *_places(scenery, k)[0]])
         else:
