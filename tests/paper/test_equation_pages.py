@@ -138,6 +138,24 @@ def test_scripts_derive_their_equations_again(form: str, capsys) -> None:
     capsys.readouterr()
 
 
+@pytest.mark.parametrize(("name", "form", "wrong"), [
+    ("double_pendulum", "first-order", ("M = sp", "rates_of_v = M.LUsolve(r) + r  #")), ("suspended_bar", "linear", ("K_0 = sp", "")),
+    ("rolling_disc", "matrix", ("h = sp", "")), ("pendulum", "energies", ("V = ", "")), ("disc_and_block_damped", "worked", ("D = ", "")),
+    ("spring_pendulum", "linear", ("M_0 = sp", "")), ("cart_pole", "linear", ("C_0 = sp", ""))])
+def test_scripts_of_the_other_forms_assert_them(name: str, form: str, wrong: tuple[str, str], capsys) -> None:
+    """Run, they end without a word; with one line doubled, they do not."""
+    script = equations(capsys, name, "--format", "sympy", "--form", form)
+    exec(script, {"__name__": "__main__"})
+    begin, instead = wrong
+    changed = (re.sub(r"rates_of_v = M.LUsolve\(r\)  #", instead, script) if instead
+               else re.sub(rf"^({re.escape(begin)}.*?)(?=^\S)", lambda m: f"{m[1]}{m[1].split()[0]} *= 2\n", script, count=1,
+                           flags=re.MULTILINE | re.DOTALL))
+    assert changed != script
+    with pytest.raises(AssertionError):
+        exec(changed, {"__name__": "__main__"})
+    capsys.readouterr()
+
+
 @pytest.mark.parametrize("path", [path for path in ALL if path.stem not in LARGE], ids=lambda path: path.stem)
 def test_html_is_well_formed_and_stands_alone(path: Path, capsys) -> None:
     page = equations(capsys, path.stem, "--form", "worked", "--format", "html")
@@ -308,7 +326,7 @@ def test_force_writes_everything_and_ends(capsys, monkeypatch) -> None:
     (["--names", "tilt.phi=a,tilt.phi=b"], "L0712"), (["-p", "mass=3"], "L0702"),
     (["-p", "m=heavy"], "L0706"), (["-p", "m=3[s]"], "L0706"), (["-p", "m"], "L0706"),
     (["--form", "linear", "--about", "bar=1"], "L0706"), (["--form", "linear", "--about", "tilt.phi=up"], "L0706"),
-    (["--model", "Nothing"], "L0003"), (["--format", "sympy", "--form", "matrix"], "L0704"), (["-p", "m=nan"], "L0706"),
+    (["--model", "Nothing"], "L0003"), (["--format", "sympy", "--form", "exercise"], "L0704"), (["-p", "m=nan"], "L0706"),
 ])
 def test_wrong_options(options: list[str], code: str, capsys) -> None:
     assert f"error[{code}]" in refused(capsys, str(EXAMPLES / "suspended_bar.lag"), *options)

@@ -14,6 +14,7 @@ from helpers.symbolic_scenes import EXAMPLES
 from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.base.diagnostics import LagError
 from lagrangia.paper.document import Display, Document, Heading
+from lagrangia.paper.layout import Grid, Name, Relation
 from lagrangia.paper.numbered import NUMBERED
 from lagrangia.paper.sheet import Request, page_of
 from lagrangia.paper.typeset import line
@@ -141,3 +142,84 @@ class Checker:
 
 def _near(formula: str) -> float:
     return ROUNDED if re.search(r"\d\.\d{3}|·10", formula) else BESIDE
+
+
+# ---------------------------------------------------------------- matrices
+
+
+def entries(page: Document, taken: set[tuple[str, str]]) -> dict[tuple[str, int, int], str]:
+    """Of the matrices on a page, whole or entry by entry, and of what stands for itself (row -1): by letter, row and column."""
+    found: dict[tuple[str, int, int], str] = {}
+    for formula in (formula for block in page.blocks if isinstance(block, Display) for formula in block.formulas):
+        name, right = formula, formula
+        while isinstance(name, Relation):  # M12 = M21 = ...
+            name, right = name.left, name.right if name is formula else right
+        is_whole = isinstance(right, Grid)
+        if not isinstance(name, Name) or right is name or ((name.base, name.sub) in taken and not is_whole) or name.argument == "t":
+            continue
+        if isinstance(right, Grid):
+            for i, row in enumerate(right.rows):
+                found |= {(name.base, i, j): line(cell) for j, cell in enumerate(row) if not name.marks}
+        elif name.base in "MhfJrbwA" and not name.marks and re.fullmatch(r"\d+( \d+)?|", name.sub):
+            while isinstance(right, Relation):  # M12 = M21 = ..., Delta = squares = ...
+                right = right.right
+            indices = [int(k) - 1 for k in (name.sub.split() if " " in name.sub else name.sub)] or [0]
+            i, j = indices if len(indices) == 2 else (indices[0], 0)
+            found[name.base, i, j] = line(right)
+            if name.base in "MA" and name.sub:
+                found[name.base, j, i] = found[name.base, i, j]
+        elif name.marks == 1 and name.base == "v":
+            found[name.sub, -1, 0] = line(right)
+    return found
+
+
+@pytest.mark.parametrize("path", [pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.slow)
+                                  for path in sorted(EXAMPLES.glob("*.lag"))])
+def test_every_printed_matrix_has_its_numbers(path: Path) -> None:
+    """M q'' + h + J^T lambda - f of the matrices as printed is what CasADi has; v' of the first-order form is its solution."""
+    structural = (("n", 3),) if path.stem == "chain" else ()
+    try:
+        book, page = page_of(path, Request("matrix"), None, dict(structural))
+        _, first = page_of(path, Request("first-order"), None, dict(structural))
+    except TooLarge:
+        pytest.skip("its equations are too large to be read")
+    known, e = reference(path, book, structural), book.equations
+    names = book.presentation.symbols.names
+    checker = Checker(known)
+    taken = {(x.base, x.sub) for x in names.values()}
+    labels = [line(names[x]) for x in e.scene.v]
+    sub = [" ".join(filter(None, (q.base, q.sub))) for q in book.q]
+    known.values |= {line(Name("v", sub[k])): known.values[label] for k, label in enumerate(labels)}
+
+    def tables(of: Document) -> dict[tuple[str, int, int], tuple[np.ndarray, np.ndarray]]:
+        texts = entries(of, taken)
+        for (base, i, j), text in texts.items():
+            if i >= 0 and of is first:
+                parts = (base, "" if e.n == 1 else f"{i + 1}{j + 1}" if base in "MA" else str(i + 1))
+                known.values[line(Name(*parts))] = checker.numbers(read(text, checker.motion))[0]
+        return {key: checker.numbers(read(text, checker.motion)) for key, text in texts.items() if key[1] >= 0 or of is first}
+
+    zero = (np.zeros(POINTS), np.zeros(POINTS))
+    whole = tables(page)
+    a = [known.values[line(names[x])] for x in e.scene.a]
+    multipliers = [known.values[line(names[x])] for x in e.multipliers]
+    forces = []
+    for k in range(e.n):
+        terms = [(whole.get(("M", k, j), zero), a[j]) for j in range(e.n)] + [(whole.get(("h", k, 0), zero), 1.0)]
+        right = [(whole.get(("f", k, 0), zero), 1.0), *((whole.get(("J", i, k), zero), -x) for i, x in enumerate(multipliers))]
+        value = sum(x * y for (x, _), y in terms) - sum(x * y for (x, _), y in right)
+        size = sum(np.abs(s * y) for (_, s), y in (*terms, *right)) + 1e-300
+        assert np.all(np.abs(value - known.residuals[k]) <= _near(str(entries(page, taken))) * 10 * size), (k, value, known.residuals[k])
+        forces.append((sum(x * y for (x, _), y in right) - whole.get(("h", k, 0), zero)[0], size))
+    M = np.array([[whole.get(("M", i, j), zero)[0] for j in range(e.n)] for i in range(e.n)])
+    if e.n == 2:
+        known.values["Δ"] = M[0, 0] * M[1, 1] - M[0, 1] ** 2
+    solved = tables(first)
+    rates = [solved[s, -1, 0][0] for s in sub if (s, -1, 0) in solved]
+    if len(rates) == e.n:  # else M v' = r
+        for k in range(e.n):
+            size = forces[k][1] + sum(np.abs(M[k, j] * rates[j]) for j in range(e.n))
+            assert np.all(np.abs(sum(M[k, j] * rates[j] for j in range(e.n)) - forces[k][0]) <= 1e-11 * size * max(1, _near(str(entries(first, taken))) / BESIDE))
+    else:
+        assert all(np.all(np.abs(solved["r", k, 0][0] - forces[k][0]) <= _near(str(entries(first, taken))) * 10 * forces[k][1])
+                   for k in range(e.n))

@@ -354,7 +354,7 @@ forms     lagrange      d/dt dT/dv - dT/dq + dV/dq + dD/dv = f, written out for 
           exercise      the statement: the scene, its coordinates and data, without the solution (see --check)
 formats   text, markdown (formulas between dollars), latex (--fragment: the body alone, which needs amsmath, with labels lag:a),
           html (one page that needs no network and prints well; a click on TeX shows a formula's LaTeX),
-          sympy (a Python script that builds lagrange or a form 5.16 ... 5.32, derives it once more from T, V, D and asserts it)
+          sympy (a Python script that builds the form, derives the equations once more from T, V, D, and asserts all of it)
 
 --names tilt.phi=theta,guide.s=x   symbols of your own: theta, \\theta or θ; k_1 or x_{cm} with a subscript; the pages' letters
                                    T, V, D, L, E, H, W (of virtual work) too: D=sigma

@@ -179,8 +179,8 @@ def first_order_form(book: Book) -> Document:
     elif e.n == 2:
         (a, b), (_, d) = e.M
         delta = e.ring.tidy(a * d - b * b)
-        r1, r2 = Name("r", "1"), Name("r", "2")
-        M = [[Name("M", f"{i + 1}{j + 1}") for j in range(2)] for i in range(2)]
+        r1, r2 = (_fresh(book, "rbw", label) for label in "12")
+        M = [[_fresh(book, "MA", f"{i + 1}{j + 1}") for j in range(2)] for i in range(2)]
         solved = [total([(1, product([M[1][1], r1])), (-1, product([M[0][1], r2]))]),
                   total([(1, product([M[0][0], r2])), (-1, product([M[0][1], r1]))])]
         lines += [equal(rate, p.over(top, Name("Delta"))) for rate, top in zip(rates, solved, strict=True)]
@@ -201,12 +201,18 @@ def _diagonal(book: Book, p: Presentation, lines: list[Node], rates: list[Name],
         quotient = p.quotient(right[k], book.equations.M[k][k])
         if len(line(quotient)) > _LONGEST_QUOTIENT and not isinstance(quotient, Total):
             label = str(k + 1) if len(rates) > 1 else ""
-            r, M = Name("r", label), Name("M", label * 2)
+            r, M = _fresh(book, "rbw", label), _fresh(book, "MA", label * 2)
             inside += [equal(r, p.sum(right[k])), equal(M, p.coefficient(book.equations.M[k][k]))]
             quotient = p.over(r, M)
         lines.append(equal(rate, quotient))
     more: list[Block] = [paragraph(say("with")), Display(tuple(inside))] if inside else []
     return [Display(tuple(lines)), *more]
+
+
+def _fresh(book: Book, letters: str, sub: str) -> Name:
+    """A name for a part of a formula: no name stands for two things."""
+    taken = {(x.base, x.sub) for x in book.presentation.symbols.names.values()}
+    return next((Name(base, sub) for base in letters if (base, sub) not in taken), Name(f"{letters[0]}_{letters[0]}", sub))
 
 
 def _descriptor(book: Book, p: Presentation, lines: list[Node], rates: list[Name], right: list[Expr]) -> list[Block]:

@@ -45,7 +45,7 @@ MOST_KINETIC_TERMS = 250
 MOST_COORDINATES, MOST_FORCED_COORDINATES = 24, 60
 MOST_PRODUCTS, MOST_FORCED_PRODUCTS = 20_000, 200_000  # some 0.2 ms each
 _DIGITS = 6
-_FORMS_OF_SCRIPTS = ("lagrange", *NUMBERED)
+_FORMS_OF_SCRIPTS = tuple(form for form in ALL_FORMS if form != "exercise")  # whose solution is not told
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def write_equations(path: Path, request: Request, model: str | None = None, stru
     _choose("format", request.format, ALL_FORMATS)
     if request.format == "sympy" and request.form not in _FORMS_OF_SCRIPTS:
         fail("L0704", f"there is no script of the form '{request.form}'", None,
-             "--format sympy has M, h, f, T, V, D of the forms lagrange and 5.16 to 5.32; go on from those")
+             "an exercise has no solution to compute with; --format sympy has all other forms")
     if request.is_fragment and request.format != "latex":
         fail("L0704", f"--fragment: there are no fragments of the format '{request.format}'", None, "--format latex has them")
     kinematics, constraints = compile_energies(path, model, structural, request.parameters)
@@ -125,7 +125,7 @@ def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, beg
     printer = as_fragment if request.is_fragment else PRINTERS.get(request.format)
     try:
         book = _book(kinematics, scene, request, has_kicks)
-        return Page(write_script(book, request.form)) if printer is None else printed(printer, _page(book, request, begin))
+        return Page(_script(book, request, begin)) if printer is None else printed(printer, _page(book, request, begin))
     except TooLarge as large:
         if not request.is_forced:
             return _too_large(scene, request, printer, large)
@@ -179,9 +179,17 @@ def _form(book: Book, request: Request, begin: Callable[[], Begin]) -> Document:
     if request.form == "worked":
         return worked_form(book, _small(book, begin))
     if request.form == "linear":
-        about = None if request.about is None else _point(book, request.about)
-        return linear_form(book, linearize(book.equations, values_of(book), begin, about))
+        return linear_form(book, _linear(book, request, begin))
     return numbered_form(book, request.form) if request.form in NUMBERED else FORMS[request.form](book)
+
+
+def _linear(book: Book, request: Request, begin: Callable[[], Begin]) -> Linear:
+    about = None if request.about is None else _point(book, request.about)
+    return linearize(book.equations, values_of(book), begin, about)
+
+
+def _script(book: Book, request: Request, begin: Callable[[], Begin]) -> str:
+    return write_script(book, request.form, _linear(book, request, begin) if request.form == "linear" else None)
 
 
 def _small(book: Book, begin: Callable[[], Begin]) -> Linear | None:

@@ -15,6 +15,7 @@ from lagrangia.algebra.with_sympy import Expr, exact_throughout, slope
 from lagrangia.base.spelling import python_text
 from lagrangia.paper.book import Book
 from lagrangia.paper.layout import Name
+from lagrangia.paper.linear_matrices import Linear
 from lagrangia.paper.numbered import NUMBERED, sides_of
 from lagrangia.paper.symbolic import Given
 
@@ -22,12 +23,14 @@ _RESERVED = {*kwlist, "T", "V", "D", "M", "h", "f", "J", "Phi", "q", "v", "a", "
              "formulas", "values", "left", "right", "rates", "rate", "derived", "points", "point", "random", "sides", "chance",
              "L_e", "V_e", "V_f"}
 _WIDTH = 110
+_SOLVED = 2  # coordinates: more have accelerations nobody reads
 
 
-def write_script(book: Book, word: str = "lagrange") -> str:
+def write_script(book: Book, word: str = "lagrange", linear: Linear | None = None) -> str:
     """Symbols, T, V, D, f, Phi, M, h, J and the equations; exact numbers, the values of the parameters in a dictionary.
 
-    Of a numbered form also its functions, and each side of its equations.
+    Of a numbered form also its functions, and each side of its equations; of the first-order form the accelerations, of the
+    linear one the matrices about its point.
     """
     e, scene = book.equations, book.equations.scene
     names = identifiers(book, {NUMBERED[word].function} if word in NUMBERED else set())
@@ -57,7 +60,45 @@ def write_script(book: Book, word: str = "lagrange") -> str:
     lines += [_dictionary("formulas", formulas, "parameters that follow from others")] if formulas else []
     numbers = [(names[p.symbol], repr(book.values[p.name])) for p in parameters]
     lines += [_dictionary("values", numbers, "SI units")] if numbers else []
-    return "\n".join([*lines, "", *_derived_again(book, names, word in NUMBERED)])
+    more = _accelerations(book) if word == "first-order" else _small_motion(book, linear, names, code) if linear else ([], [])
+    lines += [*more[0], ""]
+    return "\n".join([*lines, *_derived_again(book, names, word in NUMBERED), *more[1]])
+
+
+def _accelerations(book: Book) -> tuple[list[str], list[str]]:
+    """What computes them where they follow from forces and are few, and what asserts it."""
+    e = book.equations
+    forces = f"f - h{' - J.T*multipliers' if e.rows else ''}"
+    if e.n > _SOLVED or any(e.M[k][k] == 0 for k in range(e.n)):
+        return [f"r = {forces}  # M*a == r gives the accelerations: v' = a, q' = v"], []
+    return ([f"r = {forces}", "rates_of_v = M.LUsolve(r)  # q' = v"],
+            ["    symbols = sorted(M.free_symbols | r.free_symbols, key=str)",
+             "    point = {x: sp.Rational(chance.randint(50, 150), 100) for x in symbols}",
+             "    assert all(abs(sp.N(x, 30)) < 1e-20 for x in (M*rates_of_v - r).subs(point))"])
+
+
+def _small_motion(book: Book, linear: Linear, names: Mapping[Expr, str], code: Callable[[Expr], str]
+                  ) -> tuple[list[str], list[str]]:
+    """The point and its matrices, M_0 q'' + C_0 q' + K_0 q = f_0 of what deviates from it; and what asserts them, where nothing
+    moves the supports."""
+    e, scene = book.equations, book.equations.scene
+    point = [(names[x], code(at)) for x, at in zip((*scene.q, *e.multipliers), (*linear.point, *linear.multipliers), strict=True)]
+    lines = ["", _dictionary("point_of_rest", point, "about which motion is small")]
+    for name, table in (("M_0", linear.M), ("C_0", linear.C), ("K_0", linear.K), ("J_0", linear.J)):
+        lines += [_matrix(name, [[code(x) for x in row] for row in table])] if table else []
+    lines += [_matrix("f_0", [[code(x)] for x in linear.load])]
+    if linear.varies or any(g.what in ("coordinate", "support") for g in scene.given) or scene.events:
+        return lines, []
+    still = [names[x] for x in (*scene.v, *scene.inputs.values(), *(y for g in scene.given for y in g.moving)) if x in names]
+    lines += ["at_rest = {**point_of_rest, " + ", ".join(f"{name}: 0" for name in still) + "}",
+              f"force = h - f{' + J.T*multipliers' if e.rows else ''}"]
+    tables = ["(M, M_0)", "(force.jacobian(v), C_0)", "(force.jacobian(q), K_0)", *(["(J, J_0)"] if e.rows else [])]
+    given = "formulas, values" if any(p.formula is not None for p in scene.parameters) else "values"
+    return lines, [f"    for full, small in ({', '.join(tables)}):",
+                   "        for x in full.subs(at_rest) - small:",
+                   f"            for known in ({given},):", "                x = x.subs(known)",
+                   "            largest = max(abs(sp.N(y, 30)) for y in small.subs(values))",
+                   "            assert abs(sp.N(x, 30)) < 1e-9*(1 + largest)"]
 
 
 def _head(book: Book) -> list[str]:
