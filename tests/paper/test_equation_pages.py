@@ -16,7 +16,7 @@ import sympy as sp
 
 import lagrangia as lag
 from helpers.printed_numbers import everything_laid_out
-from helpers.symbolic_scenes import CLASSROOM, EXAMPLES, derived
+from helpers.symbolic_scenes import CLASSROOM, EXAMPLES
 from lagrangia.command.cli import WRONG, main
 from lagrangia.paper.layout import Bracket, Name, Numeral, Product, Relation, Total, broken
 from lagrangia.paper.notation import Wanted, name_all
@@ -105,55 +105,6 @@ def test_every_form_of_every_example(path: Path, capsys) -> None:
         assert not re.search(r"Derivative|Symbol|Rational|\bNone\b|Float|\*\*|der\(", said)
         assert said.startswith(path.stem.replace("_", "").lower()[:3].capitalize()) or said[0].isupper()
         assert [row for row in said.splitlines() if len(row) > 100] == []
-
-
-@pytest.mark.parametrize("path", [path for path in ALL if path.stem not in LARGE], ids=lambda path: path.stem)
-def test_scripts_build_the_same_equations(path: Path, capsys) -> None:
-    """Executed, and compared by symbolic equality, symbol by symbol."""
-    space: dict[str, object] = {}
-    script = equations(capsys, path.stem, "--format", "sympy")
-    exec(script, space)
-    e = derived(path).equations
-    mine = sp.Matrix([e.left[k] + e.reactions[k] - e.f[k] for k in range(e.n)])
-    theirs = space["equations"]
-    assert isinstance(theirs, sp.MatrixBase)
-    renamed: dict[object, sp.Expr] = {}
-    for theirs_name, ours in (("q", e.scene.q), ("v", e.scene.v), ("a", e.scene.a), ("multipliers", e.multipliers)):
-        renamed |= dict(zip(space.get(theirs_name, ()), ours, strict=True))  # type: ignore[call-overload]
-    commented = re.findall(r"^(\w+) = sp\.Symbol\(.*?\)  # ([^\s,]+)", script, re.MULTILINE)
-    known = {p.name: p.symbol for p in e.scene.parameters} | {str(x): x for g in e.scene.given for x in g.moving}
-    renamed |= {space[name]: known[source] for name, source in commented if source in known}
-    for x, y in zip(theirs, mine, strict=True):
-        assert e.ring.is_zero(x.subs(renamed) - y)
-
-
-@pytest.mark.parametrize("form", ["lagrange", "5.16", "5.21", "5.23", "5.27", "dissipation"])
-def test_scripts_derive_their_equations_again(form: str, capsys) -> None:
-    """Run, they end without a word; with another T, they do not."""
-    script = equations(capsys, "suspended_bar", "--format", "sympy", "--form", form)
-    exec(script, {"__name__": "__main__"})
-    wrong = re.sub(r"^(T = .*)$", r"\1 + m*s_d**2*s", script, flags=re.MULTILINE)
-    with pytest.raises(AssertionError):
-        exec(wrong, {"__name__": "__main__"})
-    capsys.readouterr()
-
-
-@pytest.mark.parametrize(("name", "form", "wrong"), [
-    ("double_pendulum", "first-order", ("M = sp", "rates_of_v = M.LUsolve(r) + r  #")), ("suspended_bar", "linear", ("K_0 = sp", "")),
-    ("rolling_disc", "matrix", ("h = sp", "")), ("pendulum", "energies", ("V = ", "")), ("disc_and_block_damped", "worked", ("D = ", "")),
-    ("spring_pendulum", "linear", ("M_0 = sp", "")), ("cart_pole", "linear", ("C_0 = sp", ""))])
-def test_scripts_of_the_other_forms_assert_them(name: str, form: str, wrong: tuple[str, str], capsys) -> None:
-    """Run, they end without a word; with one line doubled, they do not."""
-    script = equations(capsys, name, "--format", "sympy", "--form", form)
-    exec(script, {"__name__": "__main__"})
-    begin, instead = wrong
-    changed = (re.sub(r"rates_of_v = M.LUsolve\(r\)  #", instead, script) if instead
-               else re.sub(rf"^({re.escape(begin)}.*?)(?=^\S)", lambda m: f"{m[1]}{m[1].split()[0]} *= 2\n", script, count=1,
-                           flags=re.MULTILINE | re.DOTALL))
-    assert changed != script
-    with pytest.raises(AssertionError):
-        exec(changed, {"__name__": "__main__"})
-    capsys.readouterr()
 
 
 @pytest.mark.parametrize("path", [path for path in ALL if path.stem not in LARGE], ids=lambda path: path.stem)

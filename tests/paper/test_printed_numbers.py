@@ -155,7 +155,8 @@ def entries(page: Document, taken: set[tuple[str, str]]) -> dict[tuple[str, int,
         while isinstance(name, Relation):  # M12 = M21 = ...
             name, right = name.left, name.right if name is formula else right
         is_whole = isinstance(right, Grid)
-        if not isinstance(name, Name) or right is name or ((name.base, name.sub) in taken and not is_whole) or name.argument == "t":
+        is_other = isinstance(name, Name) and (((name.base, name.sub) in taken and not is_whole) or name.argument == "t")
+        if not isinstance(name, Name) or right is name or is_other:
             continue
         if isinstance(right, Grid):
             for i, row in enumerate(right.rows):
@@ -173,53 +174,71 @@ def entries(page: Document, taken: set[tuple[str, str]]) -> dict[tuple[str, int,
     return found
 
 
+Number = tuple[np.ndarray, np.ndarray]  # values, and the sum of the sizes of their terms
+ZERO = (np.zeros(POINTS), np.zeros(POINTS))
+
+
+class Pages:
+    """The pages of matrices and of first order, as numbers."""
+
+    def __init__(self, path: Path) -> None:
+        structural = (("n", 3),) if path.stem == "chain" else ()
+        book, self.page = page_of(path, Request("matrix"), None, dict(structural))
+        _, self.first = page_of(path, Request("first-order"), None, dict(structural))
+        self.known, self.e, self.names = reference(path, book, structural), book.equations, book.presentation.symbols.names
+        self.checker = Checker(self.known)
+        self.taken = {(x.base, x.sub) for x in self.names.values()}
+        self.subs = [" ".join(filter(None, (q.base, q.sub))) for q in book.q]
+        for sub, v in zip(self.subs, self.e.scene.v, strict=True):
+            self.known.values[line(Name("v", sub))] = self.known.values[line(self.names[v])]
+        self.near = _near(str(entries(self.page, self.taken)) + str(entries(self.first, self.taken)))
+
+    def number(self, text: str) -> Number:
+        return self.checker.numbers(read(text, self.checker.motion))
+
+    def of_matrices(self) -> dict[tuple[str, int, int], Number]:
+        return {key: self.number(text) for key, text in entries(self.page, self.taken).items() if key[1] >= 0}
+
+    def of_first_order(self, M: np.ndarray) -> dict[tuple[str, int, int], Number]:
+        """What is named on the page is known from there on."""
+        texts, n = entries(self.first, self.taken), self.e.n
+        for (base, i, j), text in texts.items():
+            if i >= 0:
+                label = "" if n == 1 else f"{i + 1}{j + 1}" if base in "MA" else str(i + 1)
+                self.known.values[line(Name(base, label))] = self.number(text)[0]
+        if n == 2:
+            self.known.values["Δ"] = M[0, 0] * M[1, 1] - M[0, 1] ** 2
+        return {key: self.number(text) for key, text in texts.items()}
+
+    def values(self, symbols) -> list[np.ndarray]:
+        return [self.known.values[line(self.names[x])] for x in symbols]
+
+
 @pytest.mark.parametrize("path", [pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.slow)
                                   for path in sorted(EXAMPLES.glob("*.lag"))])
 def test_every_printed_matrix_has_its_numbers(path: Path) -> None:
     """M q'' + h + J^T lambda - f of the matrices as printed is what CasADi has; v' of the first-order form is its solution."""
-    structural = (("n", 3),) if path.stem == "chain" else ()
     try:
-        book, page = page_of(path, Request("matrix"), None, dict(structural))
-        _, first = page_of(path, Request("first-order"), None, dict(structural))
+        pages = Pages(path)
     except TooLarge:
         pytest.skip("its equations are too large to be read")
-    known, e = reference(path, book, structural), book.equations
-    names = book.presentation.symbols.names
-    checker = Checker(known)
-    taken = {(x.base, x.sub) for x in names.values()}
-    labels = [line(names[x]) for x in e.scene.v]
-    sub = [" ".join(filter(None, (q.base, q.sub))) for q in book.q]
-    known.values |= {line(Name("v", sub[k])): known.values[label] for k, label in enumerate(labels)}
-
-    def tables(of: Document) -> dict[tuple[str, int, int], tuple[np.ndarray, np.ndarray]]:
-        texts = entries(of, taken)
-        for (base, i, j), text in texts.items():
-            if i >= 0 and of is first:
-                parts = (base, "" if e.n == 1 else f"{i + 1}{j + 1}" if base in "MA" else str(i + 1))
-                known.values[line(Name(*parts))] = checker.numbers(read(text, checker.motion))[0]
-        return {key: checker.numbers(read(text, checker.motion)) for key, text in texts.items() if key[1] >= 0 or of is first}
-
-    zero = (np.zeros(POINTS), np.zeros(POINTS))
-    whole = tables(page)
-    a = [known.values[line(names[x])] for x in e.scene.a]
-    multipliers = [known.values[line(names[x])] for x in e.multipliers]
-    forces = []
-    for k in range(e.n):
-        terms = [(whole.get(("M", k, j), zero), a[j]) for j in range(e.n)] + [(whole.get(("h", k, 0), zero), 1.0)]
-        right = [(whole.get(("f", k, 0), zero), 1.0), *((whole.get(("J", i, k), zero), -x) for i, x in enumerate(multipliers))]
-        value = sum(x * y for (x, _), y in terms) - sum(x * y for (x, _), y in right)
-        size = sum(np.abs(s * y) for (_, s), y in (*terms, *right)) + 1e-300
-        assert np.all(np.abs(value - known.residuals[k]) <= _near(str(entries(page, taken))) * 10 * size), (k, value, known.residuals[k])
-        forces.append((sum(x * y for (x, _), y in right) - whole.get(("h", k, 0), zero)[0], size))
-    M = np.array([[whole.get(("M", i, j), zero)[0] for j in range(e.n)] for i in range(e.n)])
-    if e.n == 2:
-        known.values["Δ"] = M[0, 0] * M[1, 1] - M[0, 1] ** 2
-    solved = tables(first)
-    rates = [solved[s, -1, 0][0] for s in sub if (s, -1, 0) in solved]
-    if len(rates) == e.n:  # else M v' = r
-        for k in range(e.n):
-            size = forces[k][1] + sum(np.abs(M[k, j] * rates[j]) for j in range(e.n))
-            assert np.all(np.abs(sum(M[k, j] * rates[j] for j in range(e.n)) - forces[k][0]) <= 1e-11 * size * max(1, _near(str(entries(first, taken))) / BESIDE))
-    else:
-        assert all(np.all(np.abs(solved["r", k, 0][0] - forces[k][0]) <= _near(str(entries(first, taken))) * 10 * forces[k][1])
-                   for k in range(e.n))
+    n, whole = pages.e.n, pages.of_matrices()
+    a, multipliers = pages.values(pages.e.scene.a), pages.values(pages.e.multipliers)
+    forces: list[Number] = []  # f - h - J^T lambda
+    for k in range(n):
+        left = [(whole.get(("M", k, j), ZERO), a[j]) for j in range(n)]
+        right = [(whole.get(("f", k, 0), ZERO), 1.0), (whole.get(("h", k, 0), ZERO), -1.0),
+                 *((whole.get(("J", i, k), ZERO), -x) for i, x in enumerate(multipliers))]
+        force, size = sum(x * y for (x, _), y in right), sum(np.abs(s * y) for (_, s), y in (*left, *right)) + 1e-300
+        value = sum(x * y for (x, _), y in left) - force
+        assert np.all(np.abs(value - pages.known.residuals[k]) <= 10 * pages.near * size), (k, value, pages.known.residuals[k])
+        forces.append((force, size))
+    M = np.array([[whole.get(("M", i, j), ZERO)[0] for j in range(n)] for i in range(n)])
+    solved = pages.of_first_order(M)
+    rates = [solved[sub, -1, 0][0] for sub in pages.subs if (sub, -1, 0) in solved]
+    for k, (force, size) in enumerate(forces):
+        if len(rates) == n:
+            parts = [M[k, j] * rates[j] for j in range(n)]
+            assert np.all(np.abs(sum(parts) - force) <= 10 * pages.near * (size + sum(map(np.abs, parts))))
+        else:  # M v' = r
+            assert np.all(np.abs(solved["r", k, 0][0] - force) <= 10 * pages.near * size)
