@@ -73,13 +73,12 @@ class _Term:
 
 def _gathered(expressions: list[ca.SX], constants: _Constants, p: ca.SX) -> list[ca.SX]:
     column = ca.vertcat(ca.SX(0, 1), *expressions)
-    symbols = ca.symvar(column)
-    if not symbols:
-        return expressions
     if ca.n_nodes(column) > _MOST_OPERATIONS:
         reduced, names, values = ca.extract_parametric(column, p, {"extract_trivial": True})
-        constants.symbols += [as_expression(x) for x in names]
-        constants.values += [as_expression(x) for x in values]
+        constants.symbols += map(as_expression, names)
+        constants.values += map(as_expression, values)
+    elif not (symbols := ca.symvar(column)):
+        return expressions
     else:
         function = ca.Function("gather", [ca.vertcat(*symbols)], [ca.cse(column)])
         reduced = ca.vertcat(*_Walk(function, symbols, constants).outputs())

@@ -108,7 +108,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
     H = ca.dot(_kept_rates(kinematics, v), momentum) - T + V if ca.depends_on(T, tau) else T + V
     short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
-    T, V, D, H, momentum, h, dissipated, source = ca.substitute([T, V, D, H, momentum, h, dissipated, source], [tau], [ca.SX(1)])
+    T, V, D, H, momentum, h, dissipated, source = _on_time([T, V, D, H, momentum, h, dissipated, source], tau)
     constrained, counted = None, dict[str, int]()
     if constraints.rows:
         if short is not None and short.is_shorter(kinematics, momentum, h):
@@ -252,7 +252,7 @@ def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momen
     inner = inertial_force(kinematics, replace(energies, potential=weights, loads=()), bodies, q, v)
     outer = inertial_force(kinematics, replace(energies, potential=springs), replace(bodies, inertias=(), rest=()), q, v)
     resting = ca.substitute(momentum, v, ca.SX.zeros(v.numel()))
-    inner, rest, resting = ca.substitute([inner, outer + damping, resting], [symbols.tau], [ca.SX(1)])
+    inner, rest, resting = _on_time([inner, outer + damping, resting], symbols.tau)
     inertia = collect(kinematics, ca.jacobian(momentum, v), inner, is_held)
     return _Short(inertia, rest, inertia.momentum(v) + resting) if inertia is not None else None
 
@@ -313,8 +313,13 @@ def _along(tree: ArticulatedBodies, energies: Energies, h: ca.SX) -> ca.SX:
     found = tree.accelerate(energies)
     if found is None:
         found = tree.solve(-h)
-    along: ca.SX = ca.substitute([found], [tree.kinematics.symbols.tau], [ca.SX(1)])[0]
-    return along
+    return _on_time([found], tree.kinematics.symbols.tau)[0]
+
+
+def _on_time(expressions: list[ca.SX], tau: ca.SX) -> list[ca.SX]:
+    """Where the rate of time is 1. Most scenes do not know it: to put it in would make all their nodes anew."""
+    found = [ca.SX(x) for x in expressions]  # some are numbers
+    return list(ca.substitute(found, [tau], [ca.SX(1)])) if ca.depends_on(ca.veccat(*found), tau) else found
 
 
 def coupled_pairs(kinematics: Kinematics) -> int:
@@ -342,7 +347,7 @@ def solve_mass(kinematics: Kinematics, motion: Motion, r: ca.SX) -> ca.SX:
     tree = articulate(kinematics, motion.bodies) if motion.way == "tree" else None
     if tree is None:
         return solve_dense(motion.momentum, r, motion.v)
-    return ca.substitute([tree.solve(r)], [kinematics.symbols.tau], [ca.SX(1)])[0]
+    return _on_time([tree.solve(r)], kinematics.symbols.tau)[0]
 
 
 def count_nodes(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:

@@ -7,6 +7,7 @@ way where another one is wanted (`sin(3*time)`, `torque = 0.5*sin(2*time)`); an 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 
 from lagrangia.base.diagnostics import LagError, Report, Span, fail, suggest
 from lagrangia.base.records import dataclass
@@ -158,7 +159,7 @@ class _Checker:
             self.same(self.quantity(reset.rate), self.quantity(reset.value), reset.span, "be equal")
 
     def declared(self, variable: Variable) -> Quantity:
-        return Quantity(parse_unit(variable.unit).dimension) if variable.unit else ANY
+        return _in_unit(variable.unit) if variable.unit else ANY
 
     def check_frame(self, node: Flat) -> None:
         """The shifts and turns of a frame expression."""
@@ -262,7 +263,7 @@ class _Checker:
     def quantity(self, node: Flat, local: Mapping[str, Quantity] | None = None) -> Quantity:
         match node:
             case Number(_, unit, _, _):
-                return ANY if unit is None else Quantity(parse_unit(unit).dimension)
+                return ANY if unit is None else _in_unit(unit)
             case Boolean() | String():
                 return ANY
             case Ref(name, _, _):
@@ -427,7 +428,7 @@ class _Checker:
             unit = function.units[name]
             if unit and not _fits(found, parse_unit(unit).dimension):
                 self.report.error("L0304", f"{node.function} wants '{name}' in {unit}, this is in {found.spell()}", argument.span)
-            known[name] = Quantity(parse_unit(unit).dimension) if unit else found
+            known[name] = _in_unit(unit) if unit else found
         key = function.name, *known.values()
         if key not in self.results:
             self.results[key] = self._result(function, known)
@@ -438,7 +439,12 @@ class _Checker:
         for name, expression in function.steps:
             known[name] = self.quantity(expression, known)
         unit = function.units[function.output]
-        return Quantity(parse_unit(unit).dimension) if unit else known[function.output]
+        return _in_unit(unit) if unit else known[function.output]
+
+
+@cache
+def _in_unit(unit: str) -> Quantity:
+    return Quantity(parse_unit(unit).dimension)
 
 
 def _fits(found: Quantity, wanted: Dimension) -> bool:
