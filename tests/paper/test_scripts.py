@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 
 from helpers.symbolic_scenes import derived
+from lagrangia.command.cli import main
 from paper.test_equation_pages import ALL, LARGE, equations
 
 
@@ -39,6 +40,15 @@ def test_scripts_derive_their_equations_again(form: str, capsys) -> None:
     with pytest.raises(AssertionError):
         exec(wrong, {"__name__": "__main__"})
     capsys.readouterr()
+
+
+def test_letters_that_stand_nowhere_are_told(capsys) -> None:
+    bar = str(ALL[0].with_name("suspended_bar.lag"))
+    assert main(["equations", bar, "--names", "W=tau,D=sigma"]) == 0
+    told = capsys.readouterr()
+    assert "warning: --names W=tau has no effect: 'W' stands nowhere on this page" in told.err and "D=sigma" not in told.err
+    assert main(["equations", bar, "--names", "W=tau,D=sigma", "--form", "worked"]) == 0
+    assert capsys.readouterr().err == ""
 
 
 @pytest.mark.parametrize(("name", "form", "wrong"), [

@@ -1,5 +1,6 @@
 """`lag equations`: options -> Request -> page."""
 
+import sys
 from argparse import Namespace
 from pathlib import Path
 
@@ -33,6 +34,8 @@ def equations_command(options: Namespace) -> int:
         print(told)
         return 0 if is_right else 1
     text = write_equations(options.file, request, options.model, structural)
+    for letter in text.idle:
+        print(f"warning: --names {letter}={names[letter]} has no effect: '{letter}' stands nowhere on this page", file=sys.stderr)
     if options.output in (None, "-"):
         print(text)
     else:

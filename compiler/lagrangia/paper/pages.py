@@ -1,12 +1,12 @@
 """Document -> text, Markdown; and the table of all printers."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from lagrangia.paper.document import Block, Display, Document, Heading, Inline, Paragraph, Table, words_of
 from lagrangia.paper.html_page import as_html
 from lagrangia.paper.latex import latex
 from lagrangia.paper.latex_page import aligned, as_latex, tag, typeset_lines
-from lagrangia.paper.layout import Node, Pieces, broken
+from lagrangia.paper.layout import Name, Node, Pieces, broken
 from lagrangia.paper.typeset import line, text
 
 WIDTH = 100
@@ -105,9 +105,22 @@ class Page(str):
     """A printed page: its text. Notebooks show the formulas typeset."""
 
     document: Document | None = None  # what was printed; scripts have none
+    idle: tuple[str, ...] = ()  # letters of the page that were named and stand nowhere on it
 
     def _repr_markdown_(self) -> str:
         return as_markdown(self.document) if self.document is not None else f"```python\n{self}\n```"
+
+
+def names_in(x: object) -> Iterator[Name]:
+    """All names in the formulas of a document, or of a part of one."""
+    if isinstance(x, Name):
+        yield x
+    elif isinstance(x, tuple):
+        for part in x:
+            yield from names_in(part)
+    elif not isinstance(x, str) and hasattr(x, "__match_args__"):
+        for member in x.__match_args__:
+            yield from names_in(getattr(x, member))
 
 
 def printed(printer: Callable[[Document], str], document: Document) -> Page:

@@ -28,7 +28,7 @@ from lagrangia.paper.linear_matrices import Begin, Linear, linearize
 from lagrangia.paper.linear_page import linear_form, values_of
 from lagrangia.paper.numbered import NUMBERED, WORDS, numbered_form
 from lagrangia.paper.overview import structure_page
-from lagrangia.paper.pages import PRINTERS, Page, printed
+from lagrangia.paper.pages import PRINTERS, Page, names_in, printed
 from lagrangia.paper.phrase_table import LANGUAGES
 from lagrangia.paper.phrases import spoken
 from lagrangia.paper.symbolic import SymbolicScene, build_symbolic
@@ -125,7 +125,12 @@ def _written(kinematics: Kinematics, scene: SymbolicScene, request: Request, beg
     printer = as_fragment if request.is_fragment else PRINTERS.get(request.format)
     try:
         book = _book(kinematics, scene, request, has_kicks)
-        return Page(_script(book, request, begin)) if printer is None else printed(printer, _page(book, request, begin))
+        if printer is None:
+            return Page(_script(book, request, begin))
+        found = printed(printer, _page(book, request, begin))
+        there = {name.base for name in names_in(found.document)}
+        found.idle = tuple(letter for letter, name in book.letters.items() if name.base not in there)
+        return found
     except TooLarge as large:
         if not request.is_forced:
             return _too_large(scene, request, printer, large)
