@@ -271,7 +271,7 @@ RUBBING = {
 }
 
 
-@pytest.mark.parametrize("target", ["python", "casadi", "modelica"])
+@pytest.mark.parametrize("target", ["python", "casadi", "modelica", "sympy"])
 @pytest.mark.parametrize("name", RUBBING)
 def test_friction_that_cannot_stick_is_told(name: str, target: str, written, tmp_path: Path, capsys) -> None:
     """By a warning, and in the file; dampers without a jump are as smooth as they were."""
@@ -284,3 +284,11 @@ def test_friction_that_cannot_stick_is_told(name: str, target: str, written, tmp
         assert ("nothing sticks in it" in text) == bool(name)
         if target == "python":
             exec(text, {})
+
+
+
+def test_equations_of_a_scene_with_events_tell_that_these_are_left_out(written, tmp_path: Path, capsys) -> None:
+    scene = written("model Falls Block b(m = 2, base = world, along = {0, 1}, s(start = 1)); Stop f(gap = b.s); end Falls;")
+    assert main(["export", str(scene), "--to", "sympy", "-o", str(tmp_path / "out")]) == 0
+    assert "warning[L0741]: the event 'gap < 0' is left out" in capsys.readouterr().err
+    assert (tmp_path / "out").read_text(encoding="utf-8").startswith("# the event 'gap < 0' is left out")

@@ -55,6 +55,8 @@ def exported_text(model: "Model", target: str, names: Mapping[str, str] | None =
     if target in ("python", "modelica"):
         _require_smooth(model, target)
     text = {"python": _python, "modelica": _modelica}.get(target, _page)(model, target, names or {}, force)
+    if target == "sympy":
+        text = "".join(f"# {remark}\n" for remark in _remarks(model, target)) + text
     return text if text.endswith("\n") else text + "\n"
 
 
@@ -80,14 +82,18 @@ def _require_smooth(model: "Model", target: str) -> None:
 
 
 def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
-    """What the scene means and the export cannot keep: friction that sticks."""
+    """What the scene means and the export cannot keep: friction that sticks, and events, where they are not refused."""
     c = model.compilation
-    if target not in ("python", "casadi", "modelica") or not bends(c.run) or not c.motion.q.numel():
-        return []
+    events = [Diagnostic("warning", "L0741", f"the event '{when.condition.span.text}' is left out of the export to {target}, whose "
+                         "equations hold between events", when.span, "", ("an FMU has the events: --to fmu",))
+              for when in c.flat.whens if target == "sympy"]
+    if target not in ("python", "casadi", "modelica", "sympy") or not bends(c.run) or not c.motion.q.numel():
+        return events
     spans = {load.statement.component: load.statement.span for load in c.energies.loads}
     spans |= {term.statement.component: term.statement.span for term in c.energies.dissipation}
     rubbing = build_small_motion(c.kinematics, c.constraints, c.run).rubs_dry
-    return [Diagnostic("warning", "L0741", f"{name or 'this'} is dry friction, which the export to {target} has as a force that "
+    return events + [
+        Diagnostic("warning", "L0741", f"{name or 'this'} is dry friction, which the export to {target} has as a force that "
                        "jumps with the sign of a rate: nothing sticks in it, an integrator chatters about rest", spans.get(name),
                        "", ("an FMU holds what sticks, by events: --to fmu",)) for name in rubbing]
 
@@ -95,7 +101,7 @@ def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
 def _remarks(model: "Model", target: str) -> list[str]:
     """The same for the file itself, without what would end a text or a comment."""
     told = (re.sub(r'["\\\n]', " ", found.message) for found in export_warnings(model, target))
-    return [f"{text}; an FMU holds what sticks" for text in told]
+    return [f"{text}; an FMU has what sticks, and events" for text in told]
 
 
 def _page(model: "Model", target: str, names: Mapping[str, str], force: bool) -> str:
