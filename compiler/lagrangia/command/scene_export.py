@@ -84,8 +84,8 @@ def _require_smooth(model: "Model", target: str) -> None:
 def export_warnings(model: "Model", target: str) -> list[Diagnostic]:
     """What the scene means and the export cannot keep: friction that sticks, and events, where they are not refused."""
     c = model.compilation
-    events = [Diagnostic("warning", "L0741", f"the event '{when.condition.span.text}' is left out of the export to {target}, whose "
-                         "equations hold between events", when.span, "", ("an FMU has the events: --to fmu",))
+    events = [Diagnostic("warning", "L0741", f"the event '{when.condition.span.text}' is left out of the export to {target}, "
+                         "whose equations hold between events", when.span, "", ("an FMU has the events: --to fmu",))
               for when in c.flat.whens if target == "sympy"]
     if target not in ("python", "casadi", "modelica", "sympy") or not bends(c.run) or not c.motion.q.numel():
         return events
