@@ -5,6 +5,7 @@ import sys
 import time
 from argparse import Namespace
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from lagrangia.base.diagnostics import LagError, RunError, fail
@@ -39,6 +40,9 @@ _BAR_AFTER = 2.0  # seconds
 def simulate_command(options: Namespace) -> int:
     """`lag simulate`: runs a scene, or an FMU, and writes its rows; returns the exit code. Raises LagError, RunError."""
     if options.file.suffix.lower() == ".fmu":
+        if options.start_from is not None:
+            fail("L0706", "an FMU cannot be started from its equilibrium: it does not tell what holds it", None,
+                 "find the position with `lag equilibrium` of its scene, and give it with --initial")
         from lagrangia.command.fmu_simulate import simulate_fmu_command
 
         return simulate_fmu_command(options)
@@ -66,6 +70,8 @@ def simulate_command(options: Namespace) -> int:
     initial = values_with_units(assignments(options.initial, "--initial"), scene.start_units)
     request = asked(options, open_parameters(scene, given), initial, read_inputs(options.input, scene))
     experiment = plan(scene, request)
+    if options.start_from is not None:
+        request = _from_rest(options, model, request, experiment.start)
     values = check_values(scene, request.parameters, request.initial, request.inputs)
     picture = _planned(options, model, request) if options.plot is not None else None
     tell_warnings(options, model)
@@ -84,6 +90,16 @@ def _measuring(model: Model, texts: list[str], request: Request) -> Callable[[An
 
     take = prepare_measures(model, texts, request)
     return lambda out: print("\n".join(measure_lines(take())), file=out)
+
+
+def _from_rest(options: Namespace, model: Model, request: Request, time: float) -> Request:
+    """The same, begun at rest."""
+    from lagrangia.study.rest_start import start_at_rest
+
+    found = start_at_rest(model, options.start_from, request.parameters, request.initial, request.inputs, time)
+    if not options.quiet:
+        print(found.told, file=sys.stderr)
+    return replace(request, initial=found.values)
 
 
 def _planned(options: Namespace, model: Model, request: Request) -> Any:

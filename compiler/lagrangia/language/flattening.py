@@ -350,6 +350,9 @@ class _Flattening:
                 fail("L0222", "reinit stands in a when", span, "write: when x < 0 then reinit(der(x), value); end when;")
             if call.function in ("assert", "terminate"):
                 fail("L0901", f"not supported yet: {call.function}", span)
+            if call.function == "equilibrium":
+                fail("L0901", "not supported yet: a start at rest that the model states", span,
+                     "lag simulate FILE --from equilibrium starts there")
             near = nearest(call.function, ["connect"])
             fail("L0222", f"{call.function}(...) is no equation", span,
                  f"did you mean '{near}'?" if near else "an equation has a '=' between two expressions, or is connect(a, b)")
