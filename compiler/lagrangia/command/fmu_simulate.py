@@ -42,6 +42,9 @@ def simulate_fmu_command(options: Namespace) -> int:
         if getattr(options, name) != usual:
             fail("L0706", f"not supported for an FMU: --{name.replace('_', '-')}", None, *filter(None, [hint]))
     target = prepare_target(options)
+    if options.start_from is not None:
+        fail("L0706", "an FMU cannot be started from its equilibrium: it does not tell what holds it", None,
+             "find the position with `lag equilibrium` of its scene, and give it with --initial")
     opened = open_fmu(options.file)
     description = opened.description
     shown = names_once(options.plot_quantities, "--plot-quantities")

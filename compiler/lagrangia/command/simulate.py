@@ -40,17 +40,10 @@ _BAR_AFTER = 2.0  # seconds
 def simulate_command(options: Namespace) -> int:
     """`lag simulate`: runs a scene, or an FMU, and writes its rows; returns the exit code. Raises LagError, RunError."""
     if options.file.suffix.lower() == ".fmu":
-        if options.start_from is not None:
-            fail("L0706", "an FMU cannot be started from its equilibrium: it does not tell what holds it", None,
-                 "find the position with `lag equilibrium` of its scene, and give it with --initial")
         from lagrangia.command.fmu_simulate import simulate_fmu_command
 
         return simulate_fmu_command(options)
-    if options.kind is not None:
-        fail("L0706", "--kind belongs to FMUs", None, f"'{options.file}' is none: its name would end in .fmu")
-    target = prepare_target(options, RESULTS)
-    if options.stream and target == "-":
-        fail("L0706", "--stream has no effect: rows on standard output are a stream anyway", None, "leave it out")
+    target = _target(options)
     begin = time.perf_counter()
     named = names_once(options.outputs, "--outputs")
     measured = [name for name in named if re.match(r"(?!der\b)\w+\(", name)]  # max(y), but not der(y)
@@ -70,8 +63,7 @@ def simulate_command(options: Namespace) -> int:
     initial = values_with_units(assignments(options.initial, "--initial"), scene.start_units)
     request = asked(options, open_parameters(scene, given), initial, read_inputs(options.input, scene))
     experiment = plan(scene, request)
-    if options.start_from is not None:
-        request = _from_rest(options, model, request, experiment.start)
+    request = _from_rest(options, model, request, experiment.start)
     values = check_values(scene, request.parameters, request.initial, request.inputs)
     picture = _planned(options, model, request) if options.plot is not None else None
     tell_warnings(options, model)
@@ -84,6 +76,16 @@ def simulate_command(options: Namespace) -> int:
     return code
 
 
+def _target(options: Namespace) -> str:
+    """Where the rows go."""
+    if options.kind is not None:
+        fail("L0706", "--kind belongs to FMUs", None, f"'{options.file}' is none: its name would end in .fmu")
+    target = prepare_target(options, RESULTS)
+    if options.stream and target == "-":
+        fail("L0706", "--stream has no effect: rows on standard output are a stream anyway", None, "leave it out")
+    return target
+
+
 def _measuring(model: Model, texts: list[str], request: Request) -> Callable[[Any], None]:
     """What tells them after the run. Raises LagError before it."""
     from lagrangia.study.measuring import measure_lines, prepare_measures
@@ -93,7 +95,9 @@ def _measuring(model: Model, texts: list[str], request: Request) -> Callable[[An
 
 
 def _from_rest(options: Namespace, model: Model, request: Request, time: float) -> Request:
-    """The same, begun at rest."""
+    """The same, begun at rest where that is asked for."""
+    if options.start_from is None:
+        return request
     from lagrangia.study.rest_start import start_at_rest
 
     found = start_at_rest(model, options.start_from, request.parameters, request.initial, request.inputs, time)
