@@ -211,7 +211,7 @@ def test_many_points_stay_apart(scene: Callable[[str], lag.Model]) -> None:
 def test_loose_parts_keep_clear_of_each_other_all_the_time() -> None:
     """Masses of an absorber, whose places nothing but numbers say: the spring between them is as long as they need."""
     model = lag.load(EXAMPLES / "vibration_absorber.lag")
-    reel = reel_of(model.simulate(interval=0.1), {}, [])
+    reel = reel_of(model.simulate(stop=6, interval=0.05), {}, [])
     boxes = [moving for moving in reel.strokes if moving.stroke.fill == "white" and moving.poses is not None]
     machine, absorber = (box.poses[:, 0] for box in boxes)
     half = np.ptp(boxes[0].stroke.points[:, 0])
