@@ -23,7 +23,7 @@ from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
 from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.dynamics.negative_inertia import without_negative_inertia
 from lagrangia.dynamics.reactions import build_reactions
-from lagrangia.dynamics.switches import Switches, find_roots, find_switches
+from lagrangia.dynamics.switches import Switches, find_roots, find_switches, find_thresholds
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.observables import observe
@@ -48,6 +48,7 @@ class Functions:
     refused: Mapping[str, str]  # solvers that cannot run the scene, and why
     sizes: Mapping[str, int]  # of the matrix of implicit steps
     form: Taken | None  # of a linear scene: whether `auto` takes the solver `linear`
+    thresholds: tuple[float, ...] = ()  # with which rates are compared where forces jump
 
 
 def build_functions(
@@ -89,7 +90,7 @@ def build_functions(
     patterns |= {"reset_places": motion.impacts.places, **_patterns(jacobian, switches, modes)}
     refused |= _refusals(bool(jacobian.values) or "jacobian_waits" in jacobian.sizes, bool(len(patterns.get("cones", ()))))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
-                     {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
+                     {**jacobian.sizes, "n_lengths": switches.lengths}, pays, find_thresholds(motion, switches))
 
 
 def _refusals(has_jacobian: bool, has_cones: bool) -> dict[str, str]:

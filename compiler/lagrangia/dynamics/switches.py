@@ -122,6 +122,19 @@ def jumps_at_rest(force: ca.SX, shares: ca.SX, v: ca.SX) -> list[bool]:
     return [not jumps[:, k].is_zero() for k in range(shares.numel())]
 
 
+def find_thresholds(motion: Motion, switches: Switches) -> tuple[float, ...]:
+    """The numbers other than 0, in SI units, with which rates are compared where forces jump about rest."""
+    keys, found = switches.numbering.keys, dict[float, Expression]()
+    for pair, share in switches.places.items():
+        is_square = any(keys[k][0] == ca.OP_SQ for k in pair)
+        constants = (abs(float(keys[k][1])) for k in pair if keys[k][0] == ca.OP_CONST)
+        found |= {x**0.5 if is_square else x: share for x in constants if x > 0 and share.__hash__() in switches.shares}
+    if not found:
+        return ()
+    jumps = jumps_at_rest(switches.hold([motion.h])[0], ca.vertcat(*found.values()), motion.v)
+    return tuple(x for x, is_jump in zip(found, jumps, strict=True) if is_jump)
+
+
 def has_dry_friction(motion: Motion) -> bool:
     """Whether a force jumps where a rate passes through zero."""
     switches = find_switches(motion)

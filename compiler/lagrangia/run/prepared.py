@@ -88,7 +88,8 @@ class PreparedRun:
         scene = self.scene
         progress = Progress(self.experiment, len(self._times), self._run.time, self._seconds, self._run.statistics,
                             has_power=scene.sizes["n_power"] > 0, is_driven=bool(scene.notes["is_driven"]),
-                            contacts=tuple(scene.notes["contacts"]), outputs=tuple(x.name for x in scene.outputs))
+                            contacts=tuple(scene.notes["contacts"]), outputs=tuple(x.name for x in scene.outputs),
+                            thresholds=tuple(scene.notes["thresholds"]))
         return [*filter(None, [loss(progress)]), *shortcomings(progress)]
 
     def _set(self, parameters: Sequence[float]) -> None:

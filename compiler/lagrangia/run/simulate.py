@@ -40,6 +40,7 @@ class Progress:
     is_driven: bool = False  # something is moved in time, and may bring energy whatever the steps
     contacts: tuple[str, ...] = ()  # of each event, what to call it
     outputs: tuple[str, ...] = ()  # their names
+    thresholds: tuple[float, ...] = ()  # with which rates are compared where forces jump
     interrupted: bool = False
     engine: str = ""  # native, tape, or an integrator of CasADi
     events: Sequence[float] = ()  # times of the first ones, s
@@ -61,7 +62,8 @@ def simulate(
     run = start_run(scene, engine, experiment, values)
     progress = Progress(experiment, parameters=run.parameters, has_power=scene.sizes["n_power"] > 0,
                         is_driven=bool(scene.notes["is_driven"]), contacts=tuple(scene.notes["contacts"]),
-                        outputs=tuple(x.name for x in scene.outputs), engine=engine.how)
+                        outputs=tuple(x.name for x in scene.outputs), engine=engine.how,
+                        thresholds=tuple(scene.notes["thresholds"]))
     return progress, _all_rows(_Parts(scene, engine, run, values, complete), progress, watch)
 
 
@@ -268,6 +270,10 @@ def loss(progress: Progress) -> str:
         rows = f"{s.unsure} rows" if s.unsure > 1 else "one row"
         return (f"'{progress.outputs[s.unsure_output]}' is not known at t = {s.unsure_time:.9g}, so near a singular position "
                 f"that rounding decides it: what is so in {rows} is written as NaN; ask for other times")
+    small = min(progress.thresholds, default=math.inf)
+    if small < progress.experiment.tolerance and s.events:
+        return (f"a force jumps where a rate passes {small:g}, which rates are not told from 0 by at the tolerance "
+                f"{progress.experiment.tolerance:g}: ask whether it rests (v == 0), or take a smaller tolerance")
     if not (s.energy_is_open or _is_beyond_doubt(progress)):
         return ""
     relative, reason = s.energy_residual / s.energy_size, ""
