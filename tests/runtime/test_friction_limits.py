@@ -163,7 +163,10 @@ def test_speeds_that_are_not_told_from_rest(cap: str, scene: Write) -> None:
     assert told == [True, False] and model.scene.notes["thresholds"] == pytest.approx((1e-9,))
 
 
-@pytest.mark.parametrize("force", ["-2*b.v/max(abs(b.v), 1e-9)", "-2*(if abs(b.v) > 0 then sign(b.v) else 0)", "-1[N.s2/m2]*b.v*abs(b.v)"])
+SMOOTH = ["-2*b.v/max(abs(b.v), 1e-9)", "-2*(if abs(b.v) > 0 then sign(b.v) else 0)", "-1[N.s2/m2]*b.v*abs(b.v)"]
+
+
+@pytest.mark.parametrize("force", SMOOTH)
 def test_smooth_laws_have_no_thresholds(force: str, scene: Write) -> None:
     model = scene(f"""model Smooth Block b(m = 1, base = world, v(start = 1));
         AppliedForce f(at = b.center, force = {{{force}, 0}}); end Smooth;""")
