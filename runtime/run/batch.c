@@ -22,6 +22,8 @@ struct LagBatch {
     LagReduced *reduced;
     int *varied, *at; /* at: the reductions of kind LAG_REDUCE_AT in the order of their times */
     int n_at, next_at;
+    double *row_times, *rows; /* of the present run */
+    int next_row;
     int n_pending; /* reductions over windows that are not known yet */
     int *is_open;  /* those that the windows of the present step are looked at for */
     double *given, *mask, *start, *least, *most;
@@ -50,6 +52,7 @@ static void layout(LagBatch *batch, const LagSweep *sweep, LagArena *arena)
     batch->p = lag_take(arena, parameters);
     batch->state = lag_take(arena, 2 * n);
     batch->row = lag_take(arena, (size_t)lag_run_row_width(model));
+    batch->row_times = copied(arena, sweep->row_times, (size_t)sweep->n_rows);
     lag_window_layout(&batch->window, model, arena);
 }
 
@@ -144,13 +147,21 @@ static void keep_at(LagBatch *batch, const double *row)
     lag_reduce_row(&batch->reductions[i], &batch->reduced[i], row);
 }
 
-/* Reductions at times up to t, for which the rows are asked one by one. */
+static double next_at(const LagBatch *batch)
+{
+    return batch->next_at < batch->n_at ? batch->reductions[batch->at[batch->next_at]].value : INFINITY;
+}
+
+static double next_row(const LagBatch *batch)
+{
+    return batch->next_row < batch->sweep.n_rows ? batch->row_times[batch->next_row] : INFINITY;
+}
+
+/* Reductions at times up to t, and rows that are kept, which are asked for one by one. */
 static LagStatus visit(LagBatch *batch, double t)
 {
-    while (batch->next_at < batch->n_at) {
-        const double when = batch->reductions[batch->at[batch->next_at]].value;
-        if (when > t)
-            break;
+    const size_t width = (size_t)lag_run_row_width(batch->model);
+    for (double when; (when = fmin(next_at(batch), next_row(batch))) <= t && when < INFINITY;) {
         LagStatus status = LAG_PAUSED;
         for (int done = 0; status == LAG_PAUSED;) {
             if (is_over(batch))
@@ -159,8 +170,10 @@ static LagStatus visit(LagBatch *batch, double t)
         }
         if (status != LAG_OK)
             return status;
-        while (batch->next_at < batch->n_at && batch->reductions[batch->at[batch->next_at]].value == when)
+        while (next_at(batch) == when)
             keep_at(batch, batch->row);
+        for (; next_row(batch) == when; ++batch->next_row)
+            memcpy(batch->rows + (size_t)batch->next_row * width, batch->row, width * sizeof *batch->row);
     }
     return LAG_OK;
 }
@@ -283,7 +296,7 @@ static int wrong_parameter(const LagBatch *batch)
 
 static void start_reductions(LagBatch *batch)
 {
-    batch->next_at = 0;
+    batch->next_at = batch->next_row = 0;
     batch->row[0] = NAN;
     batch->n_pending = batch->sweep.n_reductions - batch->n_at;
     for (int i = 0; i < batch->sweep.n_reductions; ++i) {
@@ -393,9 +406,10 @@ static LagStatus drive(LagBatch *batch, const double *values, LagOutcome *outcom
 }
 
 int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, double *results, LagOutcome *outcomes,
-                          const volatile int32_t *stop)
+                          double *rows, const volatile int32_t *stop)
 {
     const LagOutcome fresh = {0};
+    const size_t kept = (size_t)batch->sweep.n_rows * (size_t)lag_run_row_width(batch->model);
     batch->stop = stop;
     for (int64_t i = 0; i < runs; ++i) {
         if (*stop)
@@ -403,6 +417,9 @@ int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, d
         LagOutcome *outcome = &outcomes[i];
         *outcome = fresh;
         outcome->failure.index = -1;
+        batch->rows = rows + (size_t)i * kept;
+        for (size_t k = 0; k < kept; ++k)
+            batch->rows[k] = NAN;
         batch->deadline = batch->sweep.seconds > 0 ? lag_clock() + batch->sweep.seconds : INFINITY;
         const LagStatus status = drive(batch, values + i * batch->sweep.n_varied, outcome);
         if (status == LAG_PAUSED && *stop)

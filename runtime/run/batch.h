@@ -22,6 +22,8 @@ typedef struct {
     const double *start;        /* 2 n: start values given for all runs, NaN where not */
     const double *least, *most; /* n_parameters: what each parameter may be */
     int is_driven; /* something is moved in time, and may bring energy whatever the steps */
+    int n_rows;    /* whole rows of each run that are kept, at these times, ascending, of the run's */
+    const double *row_times;
 } LagSweep;
 
 enum { LAG_RUN_DONE, LAG_RUN_FAILED, LAG_RUN_PARAMETER, LAG_RUN_OVERTIME, LAG_RUN_OPEN };
@@ -39,10 +41,11 @@ typedef struct {
 LAG_API LagBatch *lag_batch_new(const LagModel *model, LagRun *run, const LagSweep *sweep);
 LAG_API void lag_batch_free(LagBatch *batch);
 
-/* values[runs * n_varied] -> results[runs * n_reductions], outcomes[runs]. Results that a motion does not have are NaN.
+/* values[runs * n_varied] -> results[runs * n_reductions], outcomes[runs], and rows[runs * n_rows * width] where there are any.
+ * Results that a motion does not have are NaN, and rows that it does not reach.
  * Answers how many runs were done: fewer only when *stop was set to something else than 0 meanwhile. */
 LAG_API int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, double *results, LagOutcome *outcomes,
-                                  const volatile int32_t *stop);
+                                  double *rows, const volatile int32_t *stop);
 
 /* The rainflow cycles of the latest run for a reduction that keeps them; they last until the next run. */
 LAG_API const LagCycle *lag_batch_cycles(const LagBatch *batch, int reduction, int64_t *count);

@@ -415,8 +415,10 @@ enum { KEPT = sizeof reductions / sizeof *reductions };
 static LagBatch *batch_of(LagRun *run, int n_varied)
 {
     static const int varied[] = {0, 1};
-    static const double one[] = {1}, none[] = {0}, free_start[] = {NAN, NAN}, least[] = {0}, most[] = {1000};
+    static const double row_times[] = {1, 3}, one[] = {1}, none[] = {0}, free_start[] = {NAN, NAN}, least[] = {0};
+    static const double most[] = {1000};
     const LagSweep sweep = {.t_stop = 3, .window = 0.3, .n_reductions = KEPT, .reductions = reductions, .n_varied = n_varied,
+        .n_rows = 2, .row_times = row_times,
         .varied = varied, .given = one, .mask = none, .start = free_start, .least = least, .most = most};
     return lag_batch_new(&model, run, &sweep);
 }
@@ -424,16 +426,16 @@ int main(void)
 {
     const LagSettings settings = {.t_stop = 3, .tolerance = 1e-9};
     const double values[] = {1, 1, 4, 0.5, -1, 1, 400, 1, 9, 2};
-    double results[5 * KEPT], again[2 * KEPT];
+    double results[5 * KEPT], again[2 * KEPT], kept[5 * 2 * 8];
     LagOutcome outcomes[5];
     const volatile int32_t go = 0, stop = 1;
     LagRun *run = lag_run_new(&model, &settings), *other = lag_run_new(&model, &settings);
     LagBatch *two = batch_of(run, 2), *none = batch_of(other, 0);
-    if (lag_batch_advance(two, 5, values, results, outcomes, &go) != 5)
+    if (lag_batch_advance(two, 5, values, results, outcomes, kept, &go) != 5)
         return 1;
-    if (outcomes[3].kind != LAG_RUN_FAILED || lag_batch_advance(none, 2, values, again, outcomes + 3, &go) != 2)
+    if (outcomes[3].kind != LAG_RUN_FAILED || lag_batch_advance(none, 2, values, again, outcomes + 3, kept, &go) != 2)
         return 1;
-    if (lag_batch_advance(two, 5, values, results, outcomes, &stop) != 0)
+    if (lag_batch_advance(two, 5, values, results, outcomes, kept, &stop) != 0)
         return 2;
     const int kinds[] = {LAG_RUN_DONE, LAG_RUN_DONE, LAG_RUN_PARAMETER};
     for (int i = 0; i < 3; ++i)
@@ -443,6 +445,8 @@ int main(void)
         return 4;
     if (!isnan(results[2 * KEPT]) || again[0] != again[KEPT] || isnan(again[0]))
         return 5;
+    if (kept[0] != 1 || fabs(kept[1] - cos(1)) > 1e-8 || kept[8] != 3)
+        return 7;
     int64_t cycles = 0;
     if (fabs(results[6] - 0.5*pow(1 - cos(3), 3)) > 1e-7 || !lag_batch_cycles(none, 6, &cycles) || cycles != 1)
         return 6;

@@ -89,6 +89,8 @@ def add_sweep(parser: ArgumentParser) -> None:
     add("--jobs", type=int, metavar="N", help="threads; as many as there are cores by default")
     add("--dask", metavar="ADDRESS", help="run on the cluster of this Dask scheduler: tcp://host:8786")
     add("-o", "--output", metavar="FILE", help="the table (.csv, .parquet; - for standard output); by default NAME_sweep.csv")
+    add("--keep", action="store_true",
+        help="whole trajectories too, rows an interval apart: Parquet files in a folder beside the table, NAME_sweep_runs")
     add("--restart", action="store_true", help="begin anew, whatever an interrupted sweep has left in FILE.part")
     add("--dry-run", action="store_true", help="only say which runs there would be")
     add("--quiet", action="store_true", help="say nothing but errors")

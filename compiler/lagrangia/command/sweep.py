@@ -6,6 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
+from lagrangia.base.diagnostics import fail
 from lagrangia.base.interruptions import INTERRUPTED
 from lagrangia.base.result_files import Target, cells, is_device
 from lagrangia.command.arguments import (
@@ -23,6 +24,7 @@ from lagrangia.run.batch import Ending
 from lagrangia.run.request import plan
 from lagrangia.run.simulate import DOUBTFUL
 from lagrangia.study.sweep.journal import Journal, Ledger
+from lagrangia.study.sweep.keeping import Dataset, Keeper
 from lagrangia.study.sweep.measures import Measure, quantities, read_measures
 from lagrangia.study.sweep.plan import Design, Job
 from lagrangia.study.sweep.run import require_place, run_job
@@ -34,7 +36,7 @@ _DRY_ROWS = 10
 
 
 def sweep_command(options: Namespace) -> int:
-    """0 when at least one run went well, and no energy account is open; runs that fail are rows of the table."""
+    """0 when at least one run went well, and no energy account is open; runs that fail are rows of the table. Raises LagError."""
     target = options.output or f"{options.file.stem}_sweep.csv"
     if not options.dry_run:
         require_place(target, [options.file, *filter(None, [options.runs]), *input_tables(options.input)])
@@ -42,13 +44,23 @@ def sweep_command(options: Namespace) -> int:
     keep_foreign(options, target, ["run", *(measure.text for measure in job.measures)])
     if options.dry_run:
         return _show(job)
+    if options.keep and (target == "-" or is_device(target)):
+        fail("L0706", "--keep puts its folder beside the table: the table needs a file", None, "-o FILE.csv")
     if target == "-" or is_device(target):
         return _finish(options, _run(options, model, job, Ledger(job)), target, None)
     Target(Path(target)).abandon()  # better told now than after the runs
     with Journal(job, Path(f"{target}.part"), options.restart) as journal:
         if journal.found and not options.quiet:
             print(f"goes on with {target}.part: {journal.found} of {job.runs} runs are done", file=sys.stderr)
-        return _finish(options, _run(options, model, job, journal), target, journal)
+        keeper = Dataset(_folder(target), job.scene, journal) if options.keep else None
+        code = _finish(options, _run(options, model, job, journal, keeper), target, journal)
+        if keeper is not None and code == 0 and not options.quiet:
+            print(f"  {len(job.sweep.row_times)} rows of each run in {keeper.folder}")
+        return code
+
+
+def _folder(target: str) -> Path:
+    return Path(target).with_name(f"{Path(target).stem}_runs")
 
 
 def _prepare(options: Namespace) -> tuple[Model, Job]:
@@ -61,14 +73,15 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     varied = {name: text for name, text in given.items() if name not in model.structural}
     request = asked(options, varied, dict(assignments(options.initial, "--initial")), read_inputs(options.input, scene))
     tell_inputs(options, model, plan(scene, request), request.inputs)
-    design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run)
+    design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run,
+                    options.keep)
     return model.prepared_for(measures, request, design)
 
 
-def _run(options: Namespace, model: Model, job: Job, ledger: Ledger) -> Sweep:
+def _run(options: Namespace, model: Model, job: Job, ledger: Ledger, keeper: Keeper | None = None) -> Sweep:
     bar = _Bar(ledger, job.runs, sys.stderr)
     try:
-        return run_job(job, model, ledger, jobs=options.jobs, dask=options.dask, watch=bar)
+        return run_job(job, model, ledger, jobs=options.jobs, dask=options.dask, watch=bar, keeper=keeper)
     finally:
         bar.close()
 

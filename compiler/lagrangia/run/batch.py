@@ -98,6 +98,7 @@ class Sweep:
     input_times: Sequence[float] = ()
     input_values: Sequence[float] = ()
     is_driven: bool = False  # something is moved in time, and may bring energy whatever the steps
+    row_times: Sequence[float] = ()  # s: whole rows that are kept of each run
 
 
 class _Reduction(c.Structure):
@@ -116,7 +117,7 @@ class _Sweep(c.Structure):
         ("n_reductions", c.c_int), ("reductions", c.POINTER(_Reduction)),
         ("n_varied", c.c_int), ("varied", _INTS),
         ("given", _DOUBLES), ("mask", _DOUBLES), ("start", _DOUBLES), ("least", _DOUBLES), ("most", _DOUBLES),
-        ("is_driven", c.c_int),
+        ("is_driven", c.c_int), ("n_rows", c.c_int), ("row_times", _DOUBLES),
     )  # fmt: skip
 
 
@@ -147,7 +148,8 @@ class Batch:
         vectors = ((c.c_double * len(v))(*v) for v in (sweep.given, sweep.mask, sweep.start, sweep.least, sweep.most))
         struct = _Sweep(sweep.settings.t_start, sweep.settings.t_stop, sweep.window or math.inf, sweep.seconds,
                         self.n_reductions, reductions, self.n_varied, (c.c_int * self.n_varied)(*sweep.varied), *vectors,
-                        int(sweep.is_driven))
+                        int(sweep.is_driven), len(sweep.row_times), (c.c_double * len(sweep.row_times))(*sweep.row_times))
+        self.n_rows = len(sweep.row_times)
         self._batch: int | None = self._library.lag_batch_new(c.byref(model.struct), self._run.handle, c.byref(struct))
         if not self._batch:
             self._run.close()
@@ -161,7 +163,8 @@ class Batch:
         library.lag_batch_cycles.restype = c.POINTER(_Cycle)
         library.lag_batch_cycles.argtypes = (c.c_void_p, c.c_int, c.POINTER(c.c_int64))
         library.lag_batch_advance.restype = c.c_int64
-        library.lag_batch_advance.argtypes = (c.c_void_p, c.c_int64, c.c_void_p, c.c_void_p, c.c_void_p, c.POINTER(c.c_int32))
+        library.lag_batch_advance.argtypes = (c.c_void_p, c.c_int64, c.c_void_p, c.c_void_p, c.c_void_p, c.c_void_p,
+                                              c.POINTER(c.c_int32))
 
     def __enter__(self) -> Self:
         return self
@@ -175,8 +178,8 @@ class Batch:
         self._batch = None
         self._run.close()
 
-    def advance(self, values: "np.ndarray", stop: Any = None) -> "tuple[np.ndarray, np.ndarray]":
-        """values (runs, n_varied) -> results (done, n_reductions) and outcomes (done,).
+    def advance(self, values: "np.ndarray", stop: Any = None) -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
+        """values (runs, n_varied) -> results (done, n_reductions), outcomes (done,) and rows (done, row_times, width).
 
         All are done unless `stop` (a ctypes c_int32) is set to 1 by another thread meanwhile.
         """
@@ -187,9 +190,10 @@ class Batch:
         if values.shape != (runs, self.n_varied):
             raise ValueError(f"values of the shape {(runs, self.n_varied)} are needed, not {values.shape}")
         results, outcomes = np.empty((runs, self.n_reductions)), np.zeros(runs, dtype=OUTCOME)
+        rows = np.empty((runs, self.n_rows, self._run.width))
         done = self._library.lag_batch_advance(self._batch, runs, values.ctypes.data, results.ctypes.data, outcomes.ctypes.data,
-                                               c.byref(stop if stop is not None else c.c_int32(0)))
-        return results[:done], outcomes[:done]
+                                               rows.ctypes.data, c.byref(stop if stop is not None else c.c_int32(0)))
+        return results[:done], outcomes[:done], rows[:done]
 
     def cycles(self, reduction: int) -> "np.ndarray":
         """Of the latest run, by a reduction that keeps them: (cycles, 3), range, mean and count (1 or 1/2) of each."""

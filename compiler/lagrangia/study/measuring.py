@@ -57,7 +57,7 @@ def take_cycles(model: Asked, quantity: str, request: Request) -> "np.ndarray":
     (reduction,) = job.sweep.reductions
     ledger = Ledger(job)
     with Batch(engine.runtime, engine.model, replace(job.sweep, reductions=[replace(reduction, keeps_cycles=True)])) as batch:
-        ledger.enter(0, *batch.advance(np.empty((1, 0))))
+        ledger.enter(0, *batch.advance(np.empty((1, 0)))[:2])
         _raise_failure(Sweep(job, ledger, 0.0))
         return batch.cycles(0)
 

@@ -42,7 +42,7 @@ def run_there(text: str, runs: int, values: bytes) -> tuple[bytes, bytes, float]
     engine, sweep = _loaded(text)
     begin = time.perf_counter()
     with Batch(engine.runtime, engine.model, sweep) as batch:
-        results, outcomes = batch.advance(np.frombuffer(values, dtype="<f8").reshape(runs, len(sweep.varied)))
+        results, outcomes, _ = batch.advance(np.frombuffer(values, dtype="<f8").reshape(runs, len(sweep.varied)))
     seconds = time.perf_counter() - begin
     engine.look(seconds, 0.0)  # nobody knows here how many are left
     return results.astype("<f8").tobytes(), outcomes.tobytes(), seconds

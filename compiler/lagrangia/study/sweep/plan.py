@@ -50,6 +50,7 @@ class Design:
     sampling: str = "random"
     together: bool = False  # lists side by side instead of all their combinations
     seconds: float = 0.0  # of wall time a run may take
+    keeps: bool = False  # rows of each run, an interval apart
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
     sweep = Sweep(settings, window, seconds, reduced, variations.places,
                   values.parameters, values.mask, (*values.q, *values.v), least, most,
                   tuple(values.input_times) if has_inputs else (), tuple(values.input_values) if has_inputs else (),
-                  bool(scene.notes["is_driven"]))
+                  bool(scene.notes["is_driven"]), tuple(t for times in experiment.times() for t in times) if design.keeps else ())
     return Job(scene, tuple(measures), variations, sweep)
 
 

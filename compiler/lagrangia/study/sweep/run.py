@@ -16,6 +16,7 @@ from lagrangia.run.scene import Scene
 from lagrangia.run.solvers import name_of
 from lagrangia.study.sweep.dask_cluster import run_on_dask
 from lagrangia.study.sweep.journal import Journal, Ledger
+from lagrangia.study.sweep.keeping import InMemory, Keeper
 from lagrangia.study.sweep.measures import Measure, quantities, read_measures
 from lagrangia.study.sweep.pieces import Watch
 from lagrangia.study.sweep.plan import Design, Job
@@ -46,13 +47,15 @@ class Asked(Loaded, Protocol):
 
 
 def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None, dask: str | None = None,
-            watch: Watch | None = None) -> Sweep:
+            watch: Watch | None = None, keeper: Keeper | None = None) -> Sweep:
     """What the ledger misses, on so many threads (all cores), or on the cluster of a Dask scheduler.
 
     KeyboardInterrupt ends it, and marks the table as interrupted. Raises LagError L0712, L0716, L0901.
     """
     if jobs is not None and a_count("number of jobs", jobs) < 1:
         fail("L0712", f"the number of jobs must be positive, not {jobs}")
+    if dask is not None and keeper is not None:
+        fail("L0901", "not supported yet: whole trajectories from a cluster", None, "it gives measures; or leave --dask out")
     if dask is not None:
         begin = time.perf_counter()
         is_whole = run_on_dask(job, dask, ledger, watch)
@@ -61,8 +64,9 @@ def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None,
         if engine is None:
             fail("L0901", "not supported yet: many runs without a C compiler", None, "pip install ziglang brings one")
         begin = time.perf_counter()
-        is_whole = run_on_threads(job, engine, ledger, jobs or cores(), watch)
-    return Sweep(job, ledger, time.perf_counter() - begin, not is_whole)
+        is_whole = run_on_threads(job, engine, ledger, jobs or cores(), watch, keeper)
+    kept = keeper if isinstance(keeper, InMemory) else None
+    return Sweep(job, ledger, time.perf_counter() - begin, not is_whole, kept)
 
 
 def require_place(path: str | os.PathLike[str], read: Iterable[str | os.PathLike[str]]) -> None:
@@ -78,6 +82,9 @@ def run_many(model: Asked, outputs: str | Sequence[str], request: Request, desig
     """What Model.simulate_many does. Raises LagError, Interrupted with what was computed."""
     if path is not None:
         require_place(path, [model.path, *model.scene.notes["files"], *([] if design.runs is None else [design.runs])])
+    if path is not None and design.keeps:
+        fail("L0901", "not supported yet: trajectories in memory beside a table in a file", None,
+             "leave path out, or use the command lag sweep --keep, which writes both to files")
     measures = read_measures(outputs)
     suited, job = model.reporting(quantities(measures)).prepared_for(measures, request, design)
     sweep = run_into(job, suited, path, restart=restart, jobs=jobs, dask=dask)
@@ -90,7 +97,8 @@ def run_into(job: Job, model: Loaded, path: str | os.PathLike[str] | None, *, re
              dask: str | None = None) -> Sweep:
     """Like `run_job`, and writes the table to the path, if there is one; `path`.part is the journal meanwhile."""
     with Journal(job, Path(f"{os.fspath(path)}.part"), restart) if path is not None else nullcontext(Ledger(job)) as ledger:
-        sweep = run_job(job, model, ledger, jobs=jobs, dask=dask)
+        keeper = InMemory(job.scene, job.runs, len(job.sweep.row_times)) if job.sweep.row_times else None
+        sweep = run_job(job, model, ledger, jobs=jobs, dask=dask, keeper=keeper)
         if path is not None and not sweep.interrupted and isinstance(ledger, Journal):
             sweep.write(path)
             ledger.remove()

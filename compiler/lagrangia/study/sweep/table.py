@@ -17,12 +17,15 @@ from lagrangia.run.runtime import Failure, Status
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import explain
 from lagrangia.study.sweep.journal import Ledger
+from lagrangia.study.sweep.keeping import InMemory
 from lagrangia.study.sweep.measures import unit_of
 from lagrangia.study.sweep.plan import Job
+from lagrangia.view.rows import columns
 
 if TYPE_CHECKING:
     import numpy as np
     import pandas
+    import xarray
 
 _PORTION = 4096  # rows
 _SHOWN = 20  # in a notebook
@@ -40,6 +43,7 @@ class Sweep:
     ledger: Ledger
     seconds: float
     interrupted: bool = False
+    kept: InMemory | None = None  # whole trajectories
 
     @property
     def runs(self) -> int:
@@ -128,6 +132,28 @@ class Sweep:
     def write(self, path: str | os.PathLike[str]) -> None:
         """To Parquet if the name ends in .parquet, else to CSV."""
         (self.to_parquet if is_parquet(path) else self.to_csv)(path)
+
+    @property
+    def trajectories(self) -> "np.ndarray":
+        """Rows of all runs, (runs, times, columns) in the order of a Trajectory's names; NaN where a run did not come. Raises
+        LagError L0712 where they were not kept."""
+        if self.kept is None:
+            fail("L0712", "whole trajectories were not kept", None, "simulate_many(keep=True) keeps them")
+        return self.kept.rows
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """The trajectories as variables over the dimensions run and time, what was varied as coordinates along run, with units;
+        xarray must be installed."""
+        import xarray
+
+        shown, rows = columns(self.job.scene), self.trajectories
+        varied = {name: ("run", self[name], {"units": unit}) for name, unit in zip(self.names, self.units(), strict=False)
+                  if name in self.job.variations.names}
+        told = {c.name: {"units": c.unit, "long_name": c.description} for c in shown}
+        found = {c.name: (("run", "time"), rows[:, :, k], told[c.name]) for k, c in enumerate(shown) if k}
+        times = ("time", list(self.job.sweep.row_times), told["time"])
+        coordinates = {"run": range(self.runs), "time": times, **varied}
+        return xarray.Dataset(found, coords=coordinates, attrs={"model": self.job.scene.name})
 
     def units(self) -> list[str]:
         """Of the columns in `names`."""

@@ -10,6 +10,7 @@ from lagrangia.base.interruptions import held_back
 from lagrangia.run.batch import Batch
 from lagrangia.run.engines import Engine
 from lagrangia.study.sweep.journal import Ledger
+from lagrangia.study.sweep.keeping import Keeper
 from lagrangia.study.sweep.pieces import Pace, Pieces, Watch
 from lagrangia.study.sweep.plan import Job
 
@@ -44,8 +45,10 @@ class _Worker(threading.Thread):
         self.answers.put(None)
 
 
-def run_on_threads(job: Job, engine: Engine, ledger: Ledger, threads: int, watch: Watch | None = None) -> bool:
-    """Runs what the ledger misses. False when the keyboard interrupted it: what was computed is in the ledger."""
+def run_on_threads(job: Job, engine: Engine, ledger: Ledger, threads: int, watch: Watch | None = None,
+                   keeper: Keeper | None = None) -> bool:
+    """Runs what the ledger misses; the keeper has a run's rows before the ledger has it. False when the keyboard interrupted it:
+    what was computed is in the ledger."""
     answers: queue.SimpleQueue[object] = queue.SimpleQueue()
     stop = ctypes.c_int32(0)
     pieces = Pieces(ledger.missing(), threads)
@@ -68,7 +71,10 @@ def run_on_threads(job: Job, engine: Engine, ledger: Ledger, threads: int, watch
                 elif isinstance(answer, BaseException):
                     failure, stop.value = failure or answer, 1
                 elif isinstance(answer, tuple):
-                    ledger.enter(*answer)
+                    first, results, outcomes, rows = answer
+                    if keeper is not None and len(rows):
+                        keeper.keep(first, rows)
+                    ledger.enter(first, results, outcomes)
                     if watch is not None:
                         watch(ledger)
         finally:

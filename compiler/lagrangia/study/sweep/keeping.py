@@ -1,0 +1,85 @@
+"""Whole trajectories of a sweep's runs, where they are asked for: in memory, or as a folder of Parquet files."""
+
+import contextlib
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from lagrangia.base.diagnostics import fail
+from lagrangia.base.result_files import Target, require_parquet
+from lagrangia.run.batch import Ending
+from lagrangia.run.scene import Scene
+from lagrangia.study.sweep.journal import Ledger
+from lagrangia.view.rows import columns
+
+if TYPE_CHECKING:
+    import numpy as np
+
+_MOST = 1 << 31  # bytes that trajectories may take in memory
+_PART = re.compile(r"part-(\d+)-(\d+)\.parquet")
+
+
+class Keeper(Protocol):
+    """Takes rows of runs, (runs, times, width), in any order of the runs; NaN where a run did not come."""
+
+    def keep(self, first: int, rows: "np.ndarray") -> None:
+        """Those of the runs from `first` on."""
+
+
+class InMemory:
+    """`rows` are all of them, (runs, times, columns)."""
+
+    def __init__(self, scene: Scene, runs: int, times: int) -> None:
+        """Raises LagError L0712 for what would not fit."""
+        import numpy as np
+
+        self.width = len(columns(scene))
+        if 8 * runs * times * self.width > _MOST:
+            fail("L0712", f"{runs} trajectories of {times} rows take {8e-9 * runs * times * self.width:.3g} GB of memory", None,
+                 "a longer interval, or fewer runs; lag sweep --keep writes them to files")
+        self.rows = np.full((runs, times, self.width), np.nan)
+
+    def keep(self, first: int, rows: "np.ndarray") -> None:
+        """Those of the runs from `first` on."""
+        self.rows[first : first + len(rows)] = rows[:, :, : self.width]
+
+
+class Dataset:
+    """A folder whose Parquet files have a column `run` before those of a trajectory; pyarrow must be installed."""
+
+    def __init__(self, folder: Path, scene: Scene, ledger: Ledger) -> None:
+        """What an interrupted sweep has left of runs that are not in the ledger is removed. Raises LagError L0004, L0715."""
+        self.folder = folder
+        self.pyarrow, self.parquet = require_parquet()
+        told = [{key: text for key, text in (("unit", c.unit), ("description", c.description)) if text} for c in columns(scene)]
+        fields = [self.pyarrow.field(c.name, self.pyarrow.float64(), metadata=words or None)
+                  for c, words in zip(columns(scene), told, strict=True)]
+        self.schema = self.pyarrow.schema([self.pyarrow.field("run", self.pyarrow.int64()), *fields])
+        try:
+            folder.mkdir(exist_ok=True)
+            others = [path.name for path in folder.iterdir() if _PART.fullmatch(path.name) is None]
+        except OSError as error:
+            fail("L0004", f"'{folder}' cannot be written: {error.strerror}")
+        if others:
+            fail("L0004", f"'{folder}' holds something else than trajectories: {others[0]}", None,
+                 "move it, or choose another -o")
+        for path in folder.iterdir():
+            found = _PART.fullmatch(path.name)
+            first, count = (int(found[1]), int(found[2])) if found else (0, 0)
+            if not (ledger.outcomes["kind"][first : first + count] != Ending.NOT_RUN).all():
+                with contextlib.suppress(OSError):
+                    path.unlink()
+
+    def keep(self, first: int, rows: "np.ndarray") -> None:
+        """A file for these runs, in which rows that a run did not come to are left out."""
+        import numpy as np
+
+        count, width = len(rows), len(self.schema) - 1
+        flat = rows[:, :, :width].reshape(-1, width)
+        there = np.isfinite(flat[:, 0])
+        runs = np.repeat(np.arange(first, first + count), rows.shape[1])[there]
+        arrays = [self.pyarrow.array(runs), *map(self.pyarrow.array, flat[there].T)]
+        table = self.pyarrow.Table.from_arrays(arrays, schema=self.schema)
+        with Target(self.folder / f"part-{first}-{count}.parquet", binary=True) as target:
+            self.parquet.write_table(table, target.stream)
+
