@@ -174,7 +174,8 @@ static double energy_taken(LagRun *run, int count)
     double lost = 0;
     lag_impulses_look(run, run->motion.y + run->model->n, s->rate_after, s->lu.scale);
     for (int i = 0; i < count; ++i)
-        lost -= s->impulse[i] * (s->rate[s->which[i]] + s->rate_after[s->which[i]]) / 2;
+        if (!lag_is_signal(run->model, s->which[i]))
+            lost -= s->impulse[i] * (s->rate[s->which[i]] + s->rate_after[s->which[i]]) / 2;
     return lost;
 }
 

@@ -54,7 +54,7 @@ enum { LAG_EVENT_ZERO, LAG_EVENT_INTEGER, LAG_EVENT_TABLE };
 enum { LAG_KIND_ANGLE };
 
 /* What a reset leaves may rest there: positions that do not approach any more, or a rate at the end of a one-way range. */
-enum { LAG_KICK, LAG_CONTACT, LAG_ONE_WAY };
+enum { LAG_KICK, LAG_CONTACT, LAG_ONE_WAY, LAG_SIGNAL = 4 }; /* LAG_SIGNAL beside these: of a first-order state, without energy */
 
 typedef struct LagModel LagModel;
 

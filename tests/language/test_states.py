@@ -169,6 +169,8 @@ def test_starts_events_and_columns(scene: Scene, tmp_path: Path, capsys: pytest.
     assert run["level"] == pytest.approx([0.75, 0.25], abs=1e-10)
     area = 0.25 * 1.5 + 0.25 * 1.5**2  # until 1.5 s, and from there on anew
     assert run["der(float.s)"][1] == pytest.approx(area + 0.25 * 0.5**2, abs=1e-9)
+    energy = run.energy  # what empties the tank does nothing to the float
+    assert (energy.dissipated[-1], energy.work[-1]) == pytest.approx((0.0, run["der(float.s)"][1] ** 2 / 2), abs=1e-9)
     assert model.simulate(at=[1.0], initial={"level": 0.1})["level"] == pytest.approx([0.6], abs=1e-10)
     assert model.simulate(at=[1.0], parameters={"first": 0.0})["level"] == pytest.approx([0.5], abs=1e-10)
     run.to_csv(tmp_path / "rows.csv")

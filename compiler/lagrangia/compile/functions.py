@@ -10,6 +10,7 @@ from itertools import islice
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import Mode
 from lagrangia.base.records import dataclass
 from lagrangia.compile.hoisting import hoist
@@ -32,6 +33,7 @@ from lagrangia.needs.linear_form import LinearForm, find_linear_form
 from lagrangia.run.rules import Moment, Taken, decide
 
 # Functions of the state that only constraints ask for, and their results.
+_SIGNAL = 4  # LAG_SIGNAL
 _OF_CONSTRAINTS = {"steer": ["dv"], "residual": ["phi", "rate"], "nearest": ["dq", "dv", "phi", "rate", "energies", "doubt"]}
 
 
@@ -87,7 +89,7 @@ def build_functions(
     table |= _start_functions(kinematics, motion, initial)
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
-    patterns |= {"reset_places": motion.impacts.places, **_patterns(jacobian, switches, modes)}
+    patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes)}
     refused |= _refusals(bool(jacobian.values) or "jacobian_waits" in jacobian.sizes, bool(len(patterns.get("cones", ()))))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, "n_lengths": switches.lengths}, pays, find_thresholds(motion, switches))
@@ -386,6 +388,18 @@ def _events(modes: list[Mode]) -> list[tuple[ca.SX, int]]:
     """The arguments of the modes with their kinds; what modes of one table share stands there once."""
     shared = {id(mode.arguments): mode for mode in modes}
     return [(argument, mode.kind) for mode in shared.values() for argument in mode.arguments]
+
+
+def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
+    """Of each reset its event and its kind, with SIGNAL where it is of first-order states alone."""
+    rates = kinematics.symbols.rates
+    signals = {rates[state.coordinate].__hash__() for state in kinematics.graph.model.states.values()}
+    moving = {rate.__hash__() for rate in rates.values()}
+    places = list(motion.impacts.places)
+    for k in range(motion.impacts.rates.numel() if signals else 0):
+        if symbols_in(motion.impacts.rates[k]) & moving <= signals:
+            places[2 * k + 1] |= _SIGNAL
+    return tuple(places)
 
 
 def _patterns(jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict[str, tuple[int, ...]]:
