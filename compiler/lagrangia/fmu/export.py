@@ -47,10 +47,10 @@ _LONGEST_IDENTIFIER = 60
 _BUILDING = 0.5  # seconds for which zig compiles and links the smallest scene, when it has made the run time
 _EARLIEST = (1980, 1, 1, 0, 0, 0)  # in an archive; files in it have no dates
 _VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_unused.c", "fmi3_instance.h")}
-# Of the run time: many runs, what Python compares when it loads a library, what only the package's library for FMUs needs, and
-# what a page does and what compiles.
-_UNUSED = ("batch.c", "batch.h", "reduce.c", "reduce.h", "layout.c", "layout.h", "stored.c", "image.c", "image.h",
-           "play.c", "play.h", "arrange.c", "arrange.h")
+# Of the run time: many runs, tables that Python reads, what it compares when it loads a library, what only the package's library
+# for FMUs needs, what a page does and what compiles.
+_UNUSED = ("batch.c", "batch.h", "read_numbers.c", "read_numbers.h", "reduce.c", "reduce.h", "layout.c", "layout.h",
+           "stored.c", "image.c", "image.h", "play.c", "play.h", "arrange.c", "arrange.h")
 
 
 @dataclass(frozen=True)
