@@ -14,8 +14,8 @@
 #include "numbers/extremes.h"
 #include "state/state.h"
 
-static const double LEAST = 1e-9, MANY = 3; /* of the sizes of outputs; tolerances: what need not be known */
-static const double NEAR = 0.1, NOTHING = 1e-13; /* singular values: of what is nearly singular, of what repeats others */
+static const double LEAST = 1e-6, MANY = 1000; /* of the sizes of outputs; tolerances: what need not be known */
+static const double NEAR = 0.1, NOTHING = 1e-9; /* singular values: of what is nearly singular, of what repeats others */
 static const double ROUNDINGS = 2; /* of constraints, in which positions are known */
 static const double DOUBLE_ROOT = 1e-8; /* of sizes: to which they are known where a singular value vanishes */
 static const double FAINT = 1e-12; /* of the largest multiplier, or coordinate, or rate: rounding of what is none */
@@ -99,6 +99,17 @@ static void find_slopes(LagRun *run, double t, const double *q)
         s->reach[j] = lag_max(lag_largest(s->J + j * n, (size_t)n), s->reach[j]);
 }
 
+/* The usual sizes of rows, at places beside the first one. */
+static void see_other_places(LagRun *run, double t, const double *q)
+{
+    LagUnsure *s = &run->unsure;
+    for (int k = 0; k < PLACES && s->repeated == run->model->n_multipliers; ++k) {
+        for (int i = 0; i < run->model->n; ++i)
+            s->place[i] = q[i] + ((i >> k) & 1 ? -1 : 1) * size_of(run, i);
+        find_slopes(run, t, s->place);
+    }
+}
+
 static double product(const double *a, const double *b, int n)
 {
     double sum = 0;
@@ -140,6 +151,7 @@ static int find_values(LagRun *run, double t, const double *q)
     LagUnsure *s = &run->unsure;
     const int n = run->model->n, m = run->model->n_multipliers;
     int none = 0;
+    see_other_places(run, t, q);
     find_slopes(run, t, q);
     for (int j = 0; j < m; ++j)
         for (int i = 0; i < n && s->reach[j] > 0; ++i)
@@ -150,18 +162,10 @@ static int find_values(LagRun *run, double t, const double *q)
     return none;
 }
 
-/* At other places first, where there was no row before: how large rows of J are, and how many only repeat others. Returns how many do
- * so here alone. */
+/* How many rows repeat others here, that did not in a row before. */
 static int find_lost(LagRun *run, double t, const double *y)
 {
     LagUnsure *s = &run->unsure;
-    const int n = run->model->n, is_first = s->repeated == run->model->n_multipliers;
-    for (int k = 0; k < PLACES && is_first; ++k) {
-        for (int i = 0; i < n; ++i)
-            s->place[i] = y[i] + ((i >> k) & 1 ? -1 : 1) * size_of(run, i);
-        const int none = find_values(run, t, s->place);
-        s->repeated = none < s->repeated ? none : s->repeated;
-    }
     const int none = find_values(run, t, y);
     s->repeated = none < s->repeated ? none : s->repeated;
     return none - s->repeated;
