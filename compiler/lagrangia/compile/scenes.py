@@ -69,7 +69,8 @@ def build_scene(
         tables=tuple(kinematics.algebra.index.tables),
         coordinate_kind=tuple(kinds[c.unit] for c in started), fixed=tuple(map(int, initial.fixed)),
         event_kind=functions.event_kinds, initial_places=_initial_places(initial), lost=_lost_starts(model, initial),
-        notes=_notes(motion, tapes) | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
+        notes=_notes(motion, tapes)
+        | {"form": functions.form.why if functions.form else "", "thresholds": [*functions.thresholds]}
         | _freedom(kinematics, motion, constraints, is_still) | _told(kinematics, initial),
         refused={**functions.refused, **({"conservative": no_momenta} if no_momenta else {})},
     ))
