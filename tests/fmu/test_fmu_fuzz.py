@@ -217,8 +217,7 @@ int main(void)
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc with its sanitizers")
-@pytest.mark.parametrize("version", ["2", "3"])
-@pytest.mark.parametrize("example", ["quarter_car", "four_bar"])
+@pytest.mark.parametrize(("example", "version"), [("quarter_car", "3"), ("four_bar", "2")])  # half a minute of gcc each
 def test_no_sequence_of_calls_crashes(example: str, version: str, tmp_path: Path) -> None:
     with zipfile.ZipFile(fmu_of(EXAMPLES / f"{example}.lag", version)) as archive:
         archive.extractall(tmp_path)

@@ -36,7 +36,9 @@ end Scene;
 """
 # They say where things are, or tie numbers: nothing of theirs can be seen.
 UNSEEN = {"World", "Planar", "Motion", "Coupler", "TorsionStop"}
-MODELS = [c for file in drawn_library() for c in file.classes if c.kind == "model" and not c.is_partial]
+WITHOUT_PLACE = "signals.lag"  # numbers that act on each other
+MODELS = [c for file in drawn_library() for c in file.classes
+          if c.kind == "model" and not c.is_partial and Path(c.span.source.name).name != WITHOUT_PLACE]
 
 
 def words(path: Path, is_drawn: bool) -> dict[str, list[str]]:

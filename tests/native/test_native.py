@@ -125,8 +125,11 @@ def test_builds_started_together_finish_in_any_order() -> None:
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Caches that the scenes of a test share: the run time is compiled once for each way to compile it."""
-    return tmp_path_factory.mktemp("built")
+    """Caches that the scenes of a test share, in all processes: the run time is compiled once for each way to compile it."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "built"
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 @needs_compiler

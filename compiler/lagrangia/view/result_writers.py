@@ -157,15 +157,20 @@ class _Rows:
         return rows
 
 
+def parquet_fields(pyarrow: Any, scene: Scene) -> list[Any]:
+    """The columns of a trajectory, as doubles, with unit and description as metadata."""
+    shown = columns(scene)
+    told = [{key: text for key, text in (("unit", c.unit), ("description", c.description)) if text} for c in shown]
+    return [pyarrow.field(c.name, pyarrow.float64(), metadata=words or None) for c, words in zip(shown, told, strict=True)]
+
+
 class ParquetRows(_Rows):
     """Columns of doubles, with units and descriptions as metadata of the fields; pyarrow must be installed."""
 
     def __init__(self, path: Path, scene: Scene) -> None:
         super().__init__(scene)
         self.pyarrow, parquet = require_parquet()
-        told = [{key: text for key, text in (("unit", c.unit), ("description", c.description)) if text} for c in self.columns]
-        self.schema = self.pyarrow.schema([self.pyarrow.field(c.name, self.pyarrow.float64(), metadata=words or None)
-                                           for c, words in zip(self.columns, told, strict=True)])
+        self.schema = self.pyarrow.schema(parquet_fields(self.pyarrow, scene))
         self.target = Target(path, binary=True)
         self.file = parquet.ParquetWriter(self.target.stream, self.schema)
 

@@ -13,7 +13,7 @@ from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
-from lagrangia.base.diagnostics import RunError, fail
+from lagrangia.base.diagnostics import Error, RunError, fail
 from lagrangia.base.folders import data_folder
 from lagrangia.native.prebuilt import digest
 from lagrangia.run.batch import OUTCOME, Batch, Reduction, Sweep
@@ -25,6 +25,7 @@ from lagrangia.study.sweep.pieces import Pace, Pieces, Watch
 from lagrangia.study.sweep.plan import Job
 
 _PIECE = 1.0  # s: a task costs the scheduler about a millisecond
+_GONE = ("CommClosedError", "CancelledError", "FutureCancelledError", "StreamClosedError", "TimeoutError")
 _TIMEOUT = 15  # s, to reach the scheduler and the first worker
 _AHEAD = 2  # tasks for each thread of the cluster
 _RETRIES = 2
@@ -78,9 +79,10 @@ def pack(job: Job) -> str:
 def run_on_dask(job: Job, address: str, ledger: Ledger, watch: Watch | None = None) -> bool:
     """Runs what the ledger misses on the cluster of the scheduler at this address. False when the keyboard interrupted it.
 
-    Raises LagError L0716 when there is no such cluster, RunError when the workers cannot do it; the ledger keeps what was done.
+    Raises LagError L0716 when there is no such cluster, RunError when the workers cannot do it or the cluster goes away; the
+    ledger keeps what was done.
     """
-    with _connected(address) as client:
+    with _connected(address) as client, _there(client, address, ledger):
         tasks = _Tasks(job, client, ledger)
         try:
             while tasks.submit():
@@ -95,6 +97,19 @@ def run_on_dask(job: Job, address: str, ledger: Ledger, watch: Watch | None = No
 
 
 @contextmanager
+def _there(client: Any, address: str, ledger: Ledger) -> "Iterator[None]":
+    """What Dask says in many ways of a scheduler that is no more is said in one. Raises RunError."""
+    try:
+        yield
+    except BaseException as error:
+        is_ours = isinstance(error, Error | KeyboardInterrupt)
+        if is_ours or (type(error).__name__ not in _GONE and client.status == "running"):
+            raise
+        raise RunError(f"the Dask scheduler at '{address}' has gone away: {ledger.entered} of {len(ledger.outcomes)} runs are "
+                       "done; the same command goes on with the others") from None
+
+
+@contextmanager
 def _connected(address: str) -> "Iterator[Any]":
     try:
         from distributed import Client
@@ -105,12 +120,28 @@ def _connected(address: str) -> "Iterator[Any]":
     except (OSError, ValueError, TypeError) as error:
         fail("L0716", f"there is no Dask scheduler at '{address}': {str(error) or type(error).__name__}", None,
              "`dask scheduler` starts one, and says its address: tcp://host:8786")
-    with client, client.as_current():  # `wait` looks for the current one
+    with _silence(), client, client.as_current():  # `wait` looks for the current one
         try:
             client.wait_for_workers(1, timeout=_TIMEOUT)
         except TimeoutError:
             fail("L0716", f"the Dask scheduler at '{address}' has no workers", None, f"`dask worker {address}` starts one")
         yield client
+
+
+@contextmanager
+def _silence() -> "Iterator[None]":
+    """Dask's own words about a lost connection, with its source, come on top of ours."""
+    import logging
+
+    loggers = [logging.getLogger(f"distributed.{name}") for name in ("client", "core", "comm", "comm.core", "comm.tcp")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 class _Tasks:

@@ -10,6 +10,7 @@ from lagrangia.base.result_files import Target, require_parquet
 from lagrangia.run.batch import Ending
 from lagrangia.run.scene import Scene
 from lagrangia.study.sweep.journal import Ledger
+from lagrangia.view.result_writers import parquet_fields
 from lagrangia.view.rows import columns
 
 if TYPE_CHECKING:
@@ -51,10 +52,8 @@ class Dataset:
         """What an interrupted sweep has left of runs that are not in the ledger is removed. Raises LagError L0004, L0715."""
         self.folder = folder
         self.pyarrow, self.parquet = require_parquet()
-        told = [{key: text for key, text in (("unit", c.unit), ("description", c.description)) if text} for c in columns(scene)]
-        fields = [self.pyarrow.field(c.name, self.pyarrow.float64(), metadata=words or None)
-                  for c, words in zip(columns(scene), told, strict=True)]
-        self.schema = self.pyarrow.schema([self.pyarrow.field("run", self.pyarrow.int64()), *fields])
+        run = self.pyarrow.field("run", self.pyarrow.int64())
+        self.schema = self.pyarrow.schema([run, *parquet_fields(self.pyarrow, scene)])
         try:
             folder.mkdir(exist_ok=True)
             others = [path.name for path in folder.iterdir() if _PART.fullmatch(path.name) is None]
