@@ -133,7 +133,9 @@ def _silence() -> "Iterator[None]":
     """Dask's own words about a lost connection, with its source, come on top of ours."""
     import logging
 
-    loggers = [logging.getLogger(f"distributed.{name}") for name in ("client", "core", "comm", "comm.core", "comm.tcp")]
+    names = ("distributed.client", "distributed.core", "distributed.comm", "distributed.comm.core", "distributed.comm.tcp",
+             "distributed.batched", "distributed.utils", "tornado.application", "asyncio")
+    loggers = [logging.getLogger(name) for name in names]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.CRITICAL)
