@@ -11,16 +11,9 @@ from lagrangia.base.diagnostics import LagError
 from lagrangia.command.cli import main
 from lagrangia.native.build import find_compiler
 from lagrangia.run.batch import Batch
+from study.test_sweep import EXPLOSION
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
-EXPLOSION = """model Explosion
-  parameter Velocity v0 = 2; parameter Real a = 2;
-  coordinate Length s(start = 1); Velocity v(start = v0) = der(s);
-energy
-  kinetic 1[kg]*v^2/2; potential -a*1[J/m3]*s^3;
-  annotation(experiment(StopTime = 3));
-end Explosion;
-"""
 EXAMPLES = Path(__file__).resolve().parents[2] / "models" / "examples"
 
 

@@ -120,13 +120,15 @@ class SteppedRun:
         if dt != self._dt:
             self._pace(dt)
         u, row = self._pointers
+        looks = self._engine.upgrade is not None and self._steps % _LOOK == 0
+        begin = time.perf_counter() if looks else 0.0
         status = self._library.lag_run_steps(self._handle, self._begin, dt, self._count, 1, u, row, self._done, 0.0)
         if status != 0:
             self._fail()
         self._count += 1
         self._steps += 1
-        if self._engine.upgrade is not None and self._steps % _LOOK == 0:
-            self._look(time.perf_counter())
+        if looks:  # one step stands for those until the next look
+            self._engine.look(_LOOK * (time.perf_counter() - begin), 0.0)
         return self._state
 
     def steps(self, inputs: Any, dt: float) -> "np.ndarray":
@@ -151,8 +153,7 @@ class SteppedRun:
                 self._u[:] = u[min(done, count - 1)]
             if status not in (Status.OK, Status.PAUSED):
                 self._fail()
-        if self._engine.upgrade is not None:
-            self._look(begin)
+        self._engine.look(time.perf_counter() - begin, 0.0)
         return rows
 
     def _pace(self, dt: float) -> None:
@@ -195,9 +196,6 @@ class SteppedRun:
         self._count = int(count)
         self._row[:] = np.frombuffer(kept[_PACE:row])
         self._u[:] = np.frombuffer(kept[row : row + u])
-
-    def _look(self, begin: float) -> None:
-        self._engine.look(time.perf_counter() - begin, 0.0)
 
     def _fail(self) -> None:
         raise RunError(explain(self.scene, self._run.failure, self._run.parameters))

@@ -16,7 +16,7 @@ from lagrangia.base.diagnostics import fail
 from lagrangia.base.result_files import Target, cells, quoted, require_parquet
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import Progress
-from lagrangia.view.rows import ENERGIES, columns
+from lagrangia.view.rows import ENERGIES, collect, columns
 
 if TYPE_CHECKING:
     import numpy as np
@@ -134,7 +134,7 @@ class _Rows:
     """Rows that are kept as they come, with what is empty in them noted."""
 
     def __init__(self, scene: Scene) -> None:
-        self.columns = columns(scene)
+        self.scene, self.columns = scene, columns(scene)
         self.empty = EmptyCells(scene)
         self.kept: list[Sequence[float]] = []
         self.count = 0
@@ -148,9 +148,7 @@ class _Rows:
         """(rows, columns) of what is kept, which is then forgotten."""
         import numpy as np
 
-        width = len(self.columns) + ENERGIES
-        parts = [np.asarray(portion, dtype=np.float64).reshape(-1, width) for portion in self.kept]
-        rows = (np.concatenate(parts) if parts else np.empty((0, width)))[:, : len(self.columns)]
+        rows = collect(self.scene, self.kept)[:, : len(self.columns)]
         for k in np.flatnonzero(~np.isfinite(rows).all(axis=1)):
             _note(rows[k].tolist(), self.empty)
         self.kept, self.count = [], 0
@@ -199,7 +197,7 @@ class WholeRows(_Rows):
 
     def __init__(self, path: Path, scene: Scene, progress: Progress) -> None:
         super().__init__(scene)
-        self.scene, self.progress = scene, progress
+        self.progress = progress
         self.target = Target(path, binary=True)
 
     def __enter__(self) -> "WholeRows":
