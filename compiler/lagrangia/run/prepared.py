@@ -14,7 +14,7 @@ from lagrangia.run.engines import Engine
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Statistics, Status
 from lagrangia.run.scene import Scene
-from lagrangia.run.simulate import Progress, explain, fail_start, loss, shortcomings, start_run
+from lagrangia.run.simulate import explain, fail_start, loss, progress_of, shortcomings, start_run
 
 if TYPE_CHECKING:
     import numpy as np
@@ -85,11 +85,8 @@ class PreparedRun:
     @property
     def warnings(self) -> list[str]:
         """What kept the latest run from its tolerance, in words; empty when nothing did."""
-        scene = self.scene
-        progress = Progress(self.experiment, len(self._times), self._run.time, self._seconds, self._run.statistics,
-                            has_power=scene.sizes["n_power"] > 0, is_driven=bool(scene.notes["is_driven"]),
-                            contacts=tuple(scene.notes["contacts"]), outputs=tuple(x.name for x in scene.outputs),
-                            thresholds=tuple(scene.notes["thresholds"]))
+        progress = progress_of(self.scene, self.experiment, rows=len(self._times), time=self._run.time, seconds=self._seconds,
+                               statistics=self._run.statistics)
         return [*filter(None, [loss(progress)]), *shortcomings(progress)]
 
     def _set(self, parameters: Sequence[float]) -> None:

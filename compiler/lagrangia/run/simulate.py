@@ -7,7 +7,7 @@ import math
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import field, replace
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from lagrangia.base.diagnostics import Diagnostic, LagError, RunError, tell_miss
 from lagrangia.base.records import dataclass
@@ -60,11 +60,15 @@ def simulate(
     rows computed so far. KeyboardInterrupt ends the rows and marks the progress.
     """
     run = start_run(scene, engine, experiment, values)
-    progress = Progress(experiment, parameters=run.parameters, has_power=scene.sizes["n_power"] > 0,
-                        is_driven=bool(scene.notes["is_driven"]), contacts=tuple(scene.notes["contacts"]),
-                        outputs=tuple(x.name for x in scene.outputs), engine=engine.how,
-                        thresholds=tuple(scene.notes["thresholds"]))
+    progress = progress_of(scene, experiment, parameters=run.parameters, engine=engine.how)
     return progress, _all_rows(_Parts(scene, engine, run, values, complete), progress, watch)
+
+
+def progress_of(scene: Scene, experiment: Experiment, **known: Any) -> Progress:
+    """With what the scene tells of any of its runs."""
+    return Progress(experiment, has_power=scene.sizes["n_power"] > 0, is_driven=bool(scene.notes["is_driven"]),
+                    contacts=tuple(scene.notes["contacts"]), outputs=tuple(x.name for x in scene.outputs),
+                    thresholds=tuple(scene.notes["thresholds"]), **known)
 
 
 def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Values) -> Run:

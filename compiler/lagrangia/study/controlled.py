@@ -11,7 +11,7 @@ from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import Interrupted, RunError, fail
 from lagrangia.run.request import Experiment, Request, Values, check_values, plan
 from lagrangia.run.scene import Scene
-from lagrangia.run.simulate import Progress
+from lagrangia.run.simulate import progress_of
 from lagrangia.run.stepped import SteppedRun
 from lagrangia.study.observing import observe
 from lagrangia.view.trajectory import Trajectory
@@ -105,9 +105,8 @@ def _trajectory(model: Startable, request: Request, experiment: Experiment, run:
         u = np.repeat(held[: len(rows) - 1] or held[:1], 2, axis=0)
         moments = np.repeat(times, 2)[1:-1] if len(rows) > 1 else np.repeat(times, 2)
         values = replace(values, input_times=moments.tolist(), input_values=u.ravel().tolist())
-    progress = Progress(experiment, len(rows), run.time, seconds, run.statistics, run.parameters,
-                        scene.sizes["n_power"] > 0, bool(scene.notes["is_driven"]), tuple(scene.notes["contacts"]),
-                        tuple(x.name for x in scene.outputs), engine=run.engine)
+    progress = progress_of(scene, experiment, rows=len(rows), time=run.time, seconds=seconds, statistics=run.statistics,
+                           parameters=run.parameters, engine=run.engine)
     return Trajectory(scene, table, progress, partial(_observe, model, scene, np.array(run.parameters), values))
 
 
