@@ -216,6 +216,35 @@ def test_runs_beside_are_in_the_same_picture(tmp_path: Path) -> None:
     assert any(np.allclose(poses[:, :2], places, atol=1e-5) for poses in thin for places in frames), "its lower bar"
 
 
+LEGEND = """<script>
+const told = document.createElement("pre"); told.id = "told";
+const entries = [...document.querySelectorAll("figcaption span")], boxes = entries.map(e => e.getBoundingClientRect());
+const legend = document.querySelector("figcaption"), canvas = document.querySelector("figure canvas").clientHeight;
+told.textContent = JSON.stringify({ names: entries.map(e => e.textContent),
+  inside: boxes.every(b => b.left >= 0 && b.right <= innerWidth),
+  apart: boxes.every((a, i) => boxes.slice(0, i).every(b => a.top >= b.bottom - 1 || a.left >= b.right)),
+  reached: legend.scrollHeight <= legend.clientHeight || getComputedStyle(legend).overflowY === "auto",
+  canvas, faults: window.faults });
+document.body.append(told);
+</script></body>"""
+
+
+@pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+def test_a_legend_names_all_curves(tmp_path: Path) -> None:
+    model = lag.load(EXAMPLES / "double_pendulum.lag")
+    runs = {f"run {k} of many": model.simulate(stop=0.5, interval=0.1, initial={"elbow.phi": 0.1 * k}) for k in range(8)}
+    page = runs["run 0 of many"].animate(quantities=["shoulder.phi", "lower.b.r"], beside=runs)
+    page = page.replace("<head>", "<head><script>window.faults = []; onerror = e => faults.push(e);</script>")
+    (tmp_path / "x.html").write_text(page.replace("</body>", LEGEND))
+    command = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path}/profile", "--dump-dom",
+               "--window-size=500,700", (tmp_path / "x.html").as_uri()]
+    dom = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
+    told = json.loads(re.search(r'<pre id="told">(.*?)</pre>', dom)[1])  # type: ignore[index]
+    assert told["faults"] == []
+    assert len(told["names"]) == 27 and {c["unit"] for c in data_of(page)["curves"]} == {"deg", "m"}
+    assert told["inside"] and told["apart"] and told["reached"] and told["canvas"] > 30
+
+
 @pytest.mark.parametrize("options", [["--beside", "elbow.q=1"], ["--beside", ","], ["--beside", "lower.L=2[kg]"],
                                      ["--beside", "elbow.phi=1", "--beside", "elbow.phi=1"],
                                      ["--beside", "elbow.phi=1", "--stroboscope", "3"]])
@@ -253,29 +282,44 @@ def test_a_table_of_something_else_is_refused(tmp_path: Path, monkeypatch: pytes
 
 
 NAMES = """
-const { readFileSync } = require("fs"), [page, places] = process.argv.slice(1), shown = [];
-const measure = text => ({ width: 8 * text.length });
-const fillText = (text, x, y) => shown.push([text, x, y]);
-const g = { canvas: { clientWidth: 400 }, measureText: measure, strokeText() {}, fillText };
-new Function("g", "all", readFileSync(page, "utf8") + "; css = { bg: '', fg: '' }; captions(g, all);")(g, JSON.parse(places));
+const { readFileSync } = require("fs"), [page, places, lines] = process.argv.slice(1), shown = [], at = [0, 0];
+const g = { canvas: { clientWidth: 400, clientHeight: 600 }, measureText: text => ({ width: 8 * text.length }),
+  translate(x, y) { at[0] = x; at[1] = y; }, fillText: (text, x, y) => shown.push([text, at[0] + x, at[1] + y]) };
+for (const name of ["strokeText", "scale", "save", "restore", "beginPath", "moveTo", "lineTo"]) g[name] = () => {};
+new Function("g", "all", "lines", "const css = { bg: '', fg: '' };" + readFileSync(page, "utf8") + `
+  for (const steps of lines) {
+    const pen = new Pen(g, 400, 600, true); pen.begin(); for (const [x, y] of steps) pen.to(x, y); captions(pen, all, false);
+  }`)(g, JSON.parse(places), JSON.parse(lines));
 console.log(JSON.stringify(shown));
 """
 
 
+def names_shown(places: list[dict], *lines: list) -> list:
+    """Text, x and y of what is written on pictures of these lines, one after another."""
+    page = Path(lag.__file__).parent / "draw" / "captions.js"
+    command = ["node", "-e", NAMES, str(page), json.dumps(places), json.dumps(lines)]
+    return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+
+
 @pytest.mark.skipif(shutil.which("node") is None, reason="needs Node.js")
 def test_names_on_a_page_give_way_to_each_other() -> None:
-    """Ten in one place: those that are shown are apart, the others wait; one alone stands where it belongs."""
-    page = Path(lag.__file__).parent / "draw" / "page.js"
-
-    def shown(places: list[dict]) -> list:
-        command = ["node", "-e", NAMES, str(page), json.dumps(places)]
-        return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
-
-    crowd = [{"words": [[f"name{k}", 1, 0]], "x": 200, "y": 200 + 3 * k, "u": 1, "v": 0} for k in range(30)]
-    found = shown(crowd)
-    assert 5 < len(found) < 30
+    """Very many in one place: those that are shown are apart, the others wait; one alone stands where it belongs."""
+    crowd = [{"words": [[f"name{k}", 1, 0]], "x": 200, "y": 200 + 3 * k, "u": 1, "v": 0} for k in range(300)]
+    found = names_shown(crowd, [])
+    assert 30 < len(found) < 300
     boxes = [(x, y - 13, x + 8 * len(text), y + 4) for text, x, y in found]
     for k, a in enumerate(boxes):
         assert all(a[0] >= b[2] or a[2] <= b[0] or a[1] >= b[3] or a[3] <= b[1] for b in boxes[:k])
-    ((_, x, y),) = shown(crowd[:1])
-    assert (x, y) == (pytest.approx(208), 205)
+    ((_, x, y),) = names_shown(crowd[:1], [])
+    assert (x, y) == (pytest.approx(203), 205)
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="needs Node.js")
+def test_names_on_a_page_give_way_to_lines() -> None:
+    """And stay where they are while it is free, though the line that drove them there has gone."""
+    name = [{"words": [["name", 1, 0]], "x": 200, "y": 200, "u": 1, "v": 0}]
+    bar, elsewhere = [[150, 200], [300, 201]], [[10, 10], [20, 500]]
+    first, there, after = ((x, y) for _, x, y in names_shown(name, elsewhere, bar, elsewhere))
+    assert first == (pytest.approx(203), 205)
+    assert there[1] < 205 - 4 - 8 or there[1] - 13 > 205, "above or below the bar, by letters 13 high of which 4 hang"
+    assert after == there

@@ -16,6 +16,7 @@ from lagrangia.draw.reel import Caption, Moving, Reel, in_order
 
 Vector = NDArray[np.float64]
 _GONE, _LAST = 65535, 65534  # of sixteen bits: nothing there; the far corner
+_COMMON = ("page.css", "page.js", "captions.js", "graphs.js")  # of all pages
 _MOST_MARKS = 1000  # of events
 _WATCHED = 8.0  # s: a motion is played so that it takes about as long, by a round factor
 
@@ -40,7 +41,7 @@ def write_animation(reel: Reel, title: str, curves: Sequence[Curve], energies: S
 def written(parts: Sequence[Path], title: str, data: Mapping[str, Any]) -> str:
     """A page of its parts, those that all pages have before them: styles (.css), what is seen (.html), scripts (.js)."""
     own = Path(__file__)
-    whole = [own.with_name("page.css"), own.with_name("page.js"), *parts]
+    whole = [*(own.with_name(name) for name in _COMMON), *parts]
     text = own.with_name("page.html").read_text(encoding="utf-8")
     for place, kind in (("STYLE", ".css"), ("BODY", ".html"), ("SCRIPT", ".js")):
         found = [part.read_text(encoding="utf-8").rstrip() for part in whole if part.suffix == kind]

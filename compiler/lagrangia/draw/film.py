@@ -20,6 +20,7 @@ from lagrangia.draw.reel import Reel, build_reel, strokes_at
 from lagrangia.draw.several import joined, labelled
 from lagrangia.draw.strokes import ARROWS, Shape, Stroke
 from lagrangia.draw.svg import write_svg
+from lagrangia.view.plots import scaled, shown_unit
 from lagrangia.view.sight import Shown
 from lagrangia.view.trajectory import Trajectory
 
@@ -32,7 +33,6 @@ _MOST_NUMBERS = 6_000_000  # of what moves, over all frames: some 40 MB of a pag
 _FEWEST_FRAMES = 60
 _MOST_EVENTS = 300  # that get rows of their own
 _QUICK = 10.0  # s: what took longer is not run again for them
-_DEGREE = 180.0 / np.pi
 
 
 def require_film(path: str | os.PathLike[str]) -> None:
@@ -92,6 +92,8 @@ def animate_run(run: Trajectory, path: str | os.PathLike[str] | None = None, *, 
     first, *others = [thinned(one, most) for one in whole]
     reel = joined(reel_of(first, names or {}, traces), [reel_of(other, {}, traces) for other in others])
     curves = curves_of(first, quantities)
+    if note is not None and not quantities and len(usual := _usual(run)) > MOST_CURVES:
+        note(f"{MOST_CURVES} of {len(usual)} curves are shown: --curves names others")
     for label, other in zip(labels, others, strict=True):
         curves += labelled(curves_of(other, quantities), label)
     text = write_animation(reel, run.scene.description or run.scene.name, curves, energies_of(first), whole[0].events)
@@ -142,16 +144,16 @@ def _frames_of(runs: Sequence[Trajectory], note: Callable[[str], None] | None) -
 
 
 def curves_of(run: Trajectory, names: Sequence[str]) -> list[Curve]:
-    """Quantities in the units they are shown in. Raises LagError L0701."""
-    chosen = names or [column.name for column in (*run.scene.coordinates, *run.scene.outputs)][:MOST_CURVES]
-    known = {column.name: column for column in run.columns}
+    """Quantities in the units they are shown in, vectors by their elements. Raises LagError L0701."""
     found = []
-    for name in chosen:
-        column = known.get(name)
-        unit = (column.display_unit or column.unit) if column is not None else ""
-        values = np.asarray(run[name], dtype=float)
-        found += [Curve(name, unit, values * (_DEGREE if unit.startswith("deg") else 1.0))] if values.ndim == 1 else []
+    for column in [column for name in names or _usual(run)[:MOST_CURVES] for column in run.columns_of(name)]:
+        unit = shown_unit(column)
+        found.append(Curve(column.name, "" if unit == "1" else unit, scaled(column, np.asarray(run[column.name], dtype=float))))
     return found
+
+
+def _usual(run: Trajectory) -> list[str]:
+    return [column.name for column in (*run.scene.coordinates, *run.scene.outputs)]
 
 
 def energies_of(run: Trajectory) -> list[Curve]:

@@ -183,13 +183,13 @@ function shape_of(figure, rows, S) {
   return shape;
 }
 const extent = s => { let lx = Infinity, ly = Infinity, hx = -Infinity, hy = -Infinity; if (s.f === "none") return 2 * s.r; for (let i = 0; i < s.p.length; i += 2) { lx = Math.min(lx, s.p[i]); hx = Math.max(hx, s.p[i]); ly = Math.min(ly, s.p[i + 1]); hy = Math.max(hy, s.p[i + 1]); } return 2 * s.r + Math.max(hx - lx, hy - ly); };
-// All of a moment: strokes in the order in which they are drawn, named [words, x, y, aside x, aside y].
+// All of a moment: strokes in the order in which they are drawn, named [words, x, y, aside x, aside y] or null where there is nothing.
 function picture(data, rows) {
   const strokes = [], named = [];
   for (const figure of data.figures) {
     const shape = shape_of(figure, rows, data.symbol);
     for (const s of shape.strokes) strokes.push([s.layer, -extent(s), strokes.length, s]);
-    if (figure.words && shape.spot) { const [x, y, u, v] = shape.spot, n = hypot(u, v) || 1; named.push([figure.words, x, y, u / n, v / n]); }
+    if (figure.words) { const [x, y, u, v] = shape.spot || [], n = hypot(u, v) || 1; named.push(shape.spot && [figure.words, x, y, u / n, v / n]); }
   }
   for (const [[a, ax, ay], [b, bx, by]] of data.arms) {
     const p = [rows[a] + ax, rows[a + 1] + ay, rows[b] + bx, rows[b + 1] + by];

@@ -75,16 +75,17 @@ function scene() {
   const W = high[0] - low[0], H = high[1] - low[1], k = Math.min((w - 16) / W, (h - 16) / H, 42 / S);
   const X = x => w / 2 + (x - low[0] - W / 2) * k, Y = y => h / 2 - (y - low[1] - H / 2) * k;
   view = { x: u => low[0] + W / 2 + (u - w / 2) / k, y: v => low[1] + H / 2 - (v - h / 2) / k, k };
+  const pen = new Pen(g, w, h, state.names && named.length);
   g.lineCap = g.lineJoin = "round"; const weight = weight_of(S * k);
   if (state.trace) for (const t of traces) { g.beginPath(); g.strokeStyle = css.hot; g.lineWidth = 1; for (let i = 0; i < t.length; i += 2) g[i ? "lineTo" : "moveTo"](X(t[i]), Y(t[i + 1])); g.stroke(); }
   for (const s of strokes) {
-    g.beginPath();
-    if (s.r > 0) g.arc(X(s.p[0]), Y(s.p[1]), Math.max(s.r * k, 1), 0, 7);
-    else for (let i = 0; i < s.p.length; i += 2) g[i ? "lineTo" : "moveTo"](X(s.p[i]), Y(s.p[i + 1]));
-    ink(g, s.l, s.f, s.c && !s.r, weight);
+    pen.begin();
+    if (s.r > 0) pen.round(X(s.p[0]), Y(s.p[1]), Math.max(s.r * k, 1));
+    else for (let i = 0; i < s.p.length; i += 2) pen.to(X(s.p[i]), Y(s.p[i + 1]));
+    ink(pen, s.l, s.f, s.c && !s.r, weight);
   }
   g.setLineDash([]);
-  if (state.names) captions(g, named.map(([words, x, y, u, v]) => ({ words, x: X(x), y: Y(y), u, v })));
+  if (state.names) captions(pen, named.map(found => { if (!found) return null; const [words, x, y, u, v] = found; return { words, x: X(x), y: Y(y), u, v }; }), running);
 }
 function draw() {
   scene();

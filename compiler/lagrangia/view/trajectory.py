@@ -168,7 +168,7 @@ class Trajectory:
         """
         from lagrangia.view.run_pictures import choose, picture_of, table_series
 
-        sight = self.sight or Sight(self._known_columns, self._no_small_motion)
+        sight = self._sight
         cut = (section, 0.0) if isinstance(section, str) else section
         wanted = choose(self.scene, sight, names, (spectrum,) if isinstance(spectrum, str) else spectrum, cut)
         pairs = overlay.items() if isinstance(overlay, Mapping) else _numbered(overlay).items()
@@ -186,6 +186,14 @@ class Trajectory:
         events = self.events
         inside = events[(events >= self.time[0]) & (events <= self.time[-1])] if len(self.rows) else events
         return Series(label, self.time, cache(self.__getitem__), events=inside)
+
+    def columns_of(self, name: str) -> tuple[Column, ...]:
+        """The elements of a quantity with their units, itself for a scalar. Raises LagError L0701 for an unknown one."""
+        return self._sight.columns_of(name)
+
+    @property
+    def _sight(self) -> Sight:
+        return self.sight or Sight(self._known_columns, self._no_small_motion)
 
     def _known_columns(self, name: str) -> tuple[Column, ...]:
         return (known_column(self.scene, name) or Column(name, "", "", ""),)
