@@ -55,6 +55,16 @@ def test_a_spring_is_drawn_where_its_ends_are() -> None:
     assert np.allclose(np.linalg.norm(ahead, axis=1), 0.5 * data["symbol"], rtol=1e-2), "it ends at the bob"
 
 
+def test_curves_that_vary_little_are_told(scene: Callable[[str], lag.Model]) -> None:
+    """A place a thousand kilometres away that moves by micrometres: four bytes alone would show steps."""
+    model = scene("model A Prismatic p(a = world, s(start = 1e6)); PointMass m(m = 1, center = p.b);\n"
+                  "AppliedForce F(at = p.b, force = {1e-6, 0}); end A;")
+    run = model.simulate(stop=2, interval=0.1)
+    (curve,) = data_of(run.animate(quantities=["p.s"]))["curves"]
+    assert np.ptp(run["p.s"]) == pytest.approx(2e-6, rel=1e-3)
+    assert np.allclose(curve["base"] + numbers(curve["y"], "<f4").astype(float), run["p.s"], rtol=0, atol=1e-9)
+
+
 def test_names_are_text(scene: Callable[[str], lag.Model]) -> None:
     model = scene('model A "</script><b>" Revolute h(a = world); Bar bar(m = 1, L = 1, a = h.b);\n'
                   'drawing text(bar.b, "</script>"); end A;')

@@ -4,8 +4,7 @@ const T = new Float64Array(bytes(D.t)), N = T.length, GONE = 65535;
 for (const s of D.strokes) { if (s.points) s.data = U(s.points); if (s.poses) s.data = F(s.poses); }
 for (const c of D.captions) { c.at = U(c.at); c.side = F(c.side); }
 for (const t of D.traces) t.at = U(t.at);
-for (const c of D.curves) c.y = F(c.y);
-for (const e of D.energies) e.y = F(e.y);
+for (const c of [...D.curves, ...D.energies]) { const y = F(c.y); c.y = c.base ? Float64Array.from(y, x => c.base + x) : y; }
 if (!D.curves.length && !D.energies.length) document.querySelector("aside").style.display = "none";
 const span = D.span, x0 = D.low[0], y0 = D.low[1], Q = span / 65534;
 let now = T[0], playing = false, last = 0, speed = 1;

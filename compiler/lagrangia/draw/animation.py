@@ -17,6 +17,7 @@ from lagrangia.draw.reel import Caption, Moving, Reel, in_order
 Vector = NDArray[np.float64]
 _GONE, _LAST = 65535, 65534  # of sixteen bits: nothing there; the far corner
 _COMMON = ("page.css", "page.js", "captions.js", "graphs.js")  # of all pages
+_LITTLE = 1e-3  # of its values, a curve that is told above a base
 _MOST_MARKS = 1000  # of events
 _WATCHED = 8.0  # s: a motion is played so that it takes about as long, by a round factor
 
@@ -93,7 +94,11 @@ def _small(points: Vector, reel: Reel, span: float) -> str:
 
 
 def _curve(curve: Curve) -> dict[str, Any]:
-    return {"name": curve.name, "unit": curve.unit, "y": _text(curve.values.astype("<f4"))}
+    """By numbers of four bytes; above a base where it varies so little that these would not tell it."""
+    known = curve.values[np.isfinite(curve.values)]
+    base = float(known[0]) if known.size and np.ptp(known) < _LITTLE * np.abs(known).max() else 0.0
+    told = {"name": curve.name, "unit": curve.unit, "y": _text((curve.values - base).astype("<f4"))}
+    return told | ({"base": base} if base else {})
 
 
 def _text(values: Any) -> str:

@@ -29,7 +29,7 @@ function graph(canvas, unit, mine, T, N, from, to, now, events) {
   g.strokeStyle = css.line; g.lineWidth = 1; g.strokeRect(LEFT, top, w - LEFT - RIGHT, bottom - top);
   g.beginPath(); for (const t of events) if (t >= from && t <= to) { g.moveTo(X(t), bottom); g.lineTo(X(t), bottom - 6); } g.strokeStyle = css.soft; g.stroke(); g.strokeStyle = css.line;
   if (lo < 0 && hi > 0) { g.beginPath(); g.moveTo(LEFT, Y(0)); g.lineTo(w - RIGHT, Y(0)); g.stroke(); }
-  g.fillStyle = css.soft; g.textAlign = "right"; g.fillText(short(hi, hi - lo), LEFT - 4, top + 6); g.fillText(short(lo, hi - lo), LEFT - 4, bottom - 6); g.fillText(unit, LEFT - 4, (top + bottom) / 2, LEFT - 8);
+  g.fillStyle = css.soft; g.textAlign = "right"; [[short(hi, hi - lo), top + 6], [short(lo, hi - lo), bottom - 6], [unit, (top + bottom) / 2]].forEach(([text, y]) => g.fillText(text, LEFT - 4, y, LEFT - 6));
   mine.forEach((c, k) => {
     const look = look_of(k);
     g.strokeStyle = g.fillStyle = look.tint; g.lineWidth = 1.4; g.setLineDash(look.dashes); g.beginPath(); let on = false;
@@ -46,6 +46,6 @@ function bars(canvas, energies, greatest) {
   energies.forEach((e, k) => { const v = Math.max(0, value(e) - e.least), x = room * v / most; g.fillStyle = TINTS[k]; g.globalAlpha = .8; g.fillRect(at, 8, x, 16); g.globalAlpha = 1; at += x; });
   g.fillStyle = css.soft; g.textAlign = "right"; g.fillText("J", 50, 16); g.textAlign = "left";
   const told = energies.map(e => e.name + " " + short(value(e), most)), widths = told.map(s => g.measureText(s).width);
-  const even = room / energies.length, spare = Math.max(0, room - widths.reduce((a, b) => a + b, 0)) / energies.length;
-  for (let k = 0, x = LEFT, is_even = widths.every(s => s + 8 <= even); k < told.length; k++) { g.fillStyle = TINTS[k]; g.fillText(told[k], x, 38); x += is_even ? even : widths[k] + spare; }
+  const even = room / energies.length, whole = widths.reduce((a, b) => a + b + 8, 0), narrow = Math.min(1, room / whole);
+  for (let k = 0, x = LEFT, is_even = widths.every(s => s + 8 <= even); k < told.length; k++) { g.fillStyle = TINTS[k]; g.fillText(told[k], x, 38, narrow * widths[k]); x += is_even ? even : narrow * (widths[k] + 8) + Math.max(0, room - whole) / told.length; }
 }

@@ -17,7 +17,12 @@ function ink(pen, line, fill, is_closed, weight) {
   g.strokeStyle = css.fg; g.lineWidth = LW[line] * weight; g.setLineDash(line === "dashed" ? [5, 4] : []); g.stroke();
 }
 const weight_of = symbol => Math.max(0.2, Math.min(1, symbol / 7));  // of lines, where symbols are so small, in pixels
-function short(x, range = 0) { if (Math.abs(x) < 1e-9 * range) return "0"; const a = Math.abs(x); return x === 0 ? "0" : a >= 1e4 || a < 1e-3 ? x.toExponential(1) : String(+x.toPrecision(3)); }
+function short(x, range = 0) {  // as many digits as tell the ends of a range from each other
+  const a = Math.abs(x), more = range > 0 && a > 0 ? Math.min(9, Math.max(0, Math.ceil(Math.log10(a / range)))) : 0;
+  return a === 0 || a < 1e-9 * range ? "0" : a >= 1e4 || a < 1e-3 ? x.toExponential(1 + more) : String(+x.toPrecision(3 + more));
+}
+const long = x => { const a = Math.abs(x); return a !== 0 && (a >= 1e7 || a < 1e-3) ? x.toExponential(5) : x.toPrecision(6); };
+const brief = x => { const text = long(x); return text.includes("e") ? (+text).toExponential() : String(+text); };
 const clock = (t, length) => (length < 0.1 ? t.toExponential(3) : t.toFixed(3)) + " s";
 function other_theme() { const r = document.documentElement, dark = css.bg !== "#fff"; r.removeAttribute("data-dark"); r.removeAttribute("data-light"); r.setAttribute(dark ? "data-light" : "data-dark", ""); colours(); }
 const SPEEDS = [1e-6, 1e-5, 1e-4, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 4, 10, 30, 100, 1000, 1e4, 1e5];

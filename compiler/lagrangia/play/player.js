@@ -45,7 +45,7 @@ function change(control, value) {
 }
 function show(control) {
   const shown = Math.abs(control.now) < 1e-12 * (control.high - control.low) ? 0 : control.now * control.scale;  // what is rounding
-  control.range.value = shown; if (document.activeElement !== control.field) control.field.value = +shown.toPrecision(6);
+  control.range.value = shown; if (document.activeElement !== control.field) control.field.value = brief(shown);
 }
 function controls() {
   for (const [kind, title] of [["input", "inputs"], ["parameter", "parameters"], ["start", "start"]]) {
@@ -92,7 +92,7 @@ function draw() {
   const t = now[0], from = Math.max(D.start, t - WINDOW), first = T.findIndex(u => u >= from);
   graphs($("curves"), curves.map(c => ({ name: c.name, unit: c.unit, y: c.y.slice(first), now: now[c.ref] * c.scale })), T.slice(first), T.length - first, from, from + WINDOW, t, events.filter(u => u <= t));
   bars($("energy"), D.energies.map((e, i) => ({ name: e.name, least: i === 1 ? least : 0, value: now[e.ref] })), most);
-  for (const v of D.shown) v.cell.textContent = (now[v.ref] * v.scale).toPrecision(6) + " " + v.unit;
+  for (const v of D.shown) v.cell.textContent = long(now[v.ref] * v.scale) + " " + v.unit;
   $("now").textContent = "t = " + clock(t, WINDOW); $("play").innerHTML = running ? "&#10074;&#10074;" : "&#9654;";
 }
 // ------------------------------------------------------------ time
