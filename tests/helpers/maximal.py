@@ -371,6 +371,8 @@ class _Run:
                 for rate in wanted:
                     if 0 < rate < 0.05:
                         raise _Stopped("bounces ever lower")
+                if any(p > 1e-9 and rates[k] > -_CLOSED for k, p in zip(struck, impulses, strict=True)):
+                    raise _Stopped("what rests at one contact is struck at another: no one answer")
                 return after
         raise _Stopped("no impact fits")
 

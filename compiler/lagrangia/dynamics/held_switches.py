@@ -62,8 +62,10 @@ def _is_positive(numbering: Numbering, number: int) -> bool:
 
 
 def _zeros_of(numbering: Numbering, number: int) -> tuple[Pair, ...]:
-    """Of |a|, a^2 or sign(a): a with 0, without its factors, and as it is."""
+    """Of |a|, a^2, a^4 or sign(a): a with 0, without its factors, and as it is."""
     inner, zero = int(numbering.keys[number][1]), numbering.of_number(0.0)
+    while numbering.keys[(even := _without_factors(numbering, inner))][0] in _EVEN:
+        inner = int(numbering.keys[even][1])
     return ordered(_without_factors(numbering, inner), zero), ordered(inner, zero)
 
 

@@ -185,11 +185,12 @@ class _Finding:
         return as_expression(a - b if numbers[0] == pair[0] else b - a)
 
     def _note_square(self, operands: list[Expression]) -> None:
-        """Of a^2 > 0 or a^2 == 0: a."""
-        square = next((x for x in operands if not x.is_constant() and x.op() == ca.OP_SQ), None)
-        if square is None:
+        """Of a^2 > 0, a^4 > 0 or a^2 == 0: a."""
+        root = next((x for x in operands if not x.is_constant() and x.op() == ca.OP_SQ), None)
+        if root is None:
             return
-        root = as_expression(square.dep(0))
+        while not root.is_symbolic() and root.op() == ca.OP_SQ:
+            root = as_expression(root.dep(0))
         number = self.numbering.number(root)
         pair = ordered(number, self.numbering.of_number(0.0))
         if not self.moving.isdisjoint(symbols_in(root)):

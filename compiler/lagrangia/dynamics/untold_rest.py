@@ -4,6 +4,9 @@ An even function of the sign of a rate, sign(v)^2, is 1 except where v rests: `F
 nobody knows whether it holds up to 3 F. Forces are looked at as functions of each sign s: at s = 1 and s = -1, where it moves,
 and with value and slope at s = 0. What is told of rest lies between the two sides; what is odd as a whole, s^3 s^2, has no
 slope there, and holds as much as it rubs (A.F. Filippov, Differential equations with discontinuous righthand sides, 1988).
+
+What asks whether something rests in a shape that nobody knows (v^4 > 0, max(v, -v) > 0, exp(abs(v)) > 1) is found by values:
+with all signs as in a direction, forces at rest are not those of ever slower motion that way.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,15 +21,17 @@ from lagrangia.algebra.with_casadi import CORNERS
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.energies import Energies
-from lagrangia.dynamics.held_switches import SIGNS, Holding, Pair, pair_of, rest_asked
+from lagrangia.dynamics.held_switches import SIGNS, WHOLE, Holding, Pair, pair_of, rest_asked
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.switches import bends
 
+_ASKING = (ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, *WHOLE)
 _TURNING = (ca.OP_LT, ca.OP_LE, ca.OP_SIGN, ca.OP_FABS)
 _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _KEEPING = (ca.OP_NEG, ca.OP_TWICE, ca.OP_ADD, ca.OP_SUB, ca.OP_NOT)  # what is linear in all operands
 _LITTLE = 1e-30  # m/s or rad/s: of a rate that moves
 _NOTHING, _SAME, _ZERO = 1e-9, 1e-6, 1e-12  # relative: of a value; of slopes; of a rate that is another one's multiple
+_SLOW, _JUMP = 1e-11, 10.0  # m/s or rad/s: of slow motion; how much more a force changes from rest to there than from there to twice
 _POINTS = 3
 _HINT = ("what holds at rest is told by F_static, mu_static or tau_static of the component, or by "
          "`if abs(v) > 0 then ... else ...`: the second value is that at rest")
@@ -58,7 +63,35 @@ def _apart(energies: Energies, v: ca.SX) -> Iterator[tuple[ca.SX, Span]]:
 def _is_untold(force: ca.SX, v: ca.SX) -> bool:
     probe = _Probe(v, Numbering())
     (held,) = rebuilt([ca.densify(force)], probe.numbering, probe.made)
+    if probe.is_asking and any(_is_apart(values) for values in _values_from_rest(held, probe, v)):
+        return True
     return probe.is_doubtful and any(_tells_nothing(values) for values in _values_of(held, probe, v))
+
+
+def _is_apart(values: Sequence[Vector]) -> bool:
+    """Of forces at rest, at a slow motion and at twice that: whether they jump as it begins."""
+    if not np.isfinite(values).all():
+        return False
+    rest, slow, twice = values
+    return bool((np.abs(slow - rest) > _JUMP * np.abs(twice - slow) + _NOTHING * np.abs(values).max(axis=0)).any())
+
+
+def _values_from_rest(held: ca.SX, probe: "_Probe", v: ca.SX) -> Iterator[Sequence[Vector]]:
+    """In a few directions, with the signs that rates have in each also at rest."""
+    forces, moving, symbols = _functions_of(held, probe, v)
+    random, n = np.random.default_rng(2), v.numel()
+    for _ in range(_POINTS):
+        at = random.uniform(0.5, 1.5, symbols.numel())
+        way = random.uniform(0.5, 1.5, n) * random.choice([-1.0, 1.0], n)
+        for turn in (1.0, -1.0):
+            at[:n] = 0.0
+            rates, J = (np.array(x) for x in moving(at))
+            signs, values = np.sign(np.where(rates.ravel() == 0, turn * (J @ way), rates.ravel())), []
+            for speed in (0.0, _SLOW, 2 * _SLOW):
+                at[:n] = turn * speed * way
+                now = np.array(moving(at)[0]).ravel()
+                values.append(np.array(forces(at, now, np.sign(now) if speed else signs)[0]).ravel())
+            yield values
 
 
 def _tells_nothing(values: Sequence[Vector]) -> bool:
@@ -77,16 +110,11 @@ def _tells_nothing(values: Sequence[Vector]) -> bool:
 
 def _values_of(held: ca.SX, probe: "_Probe", v: ca.SX) -> Iterator[tuple[Vector, Vector, Vector, Vector]]:
     """Of each rate, at a few general places where it rests."""
-    rates, pairs = ca.vertcat(*probe.rates.values()), list(probe.found.values())
-    G, s = (ca.vertcat(*(pair[k] for pair in pairs)) for k in (0, 1))
-    own = symbols_in(ca.vertcat(G, s))
-    x = ca.vertcat(v, *(y for y in ca.symvar(ca.veccat(held, rates)) if y.__hash__() not in own | symbols_in(v)))
-    forces = ca.Function("forces", [x, G, s], [held, ca.densify(ca.jacobian(held, s))])
-    moving = ca.Function("rates", [x], [rates, ca.densify(ca.jacobian(rates, v))])
+    forces, moving, symbols = _functions_of(held, probe, v)
     random = np.random.default_rng(1)
     for _ in range(_POINTS):
-        place = random.uniform(0.5, 1.5, x.numel())
-        for k in range(len(pairs)):
+        place = random.uniform(0.5, 1.5, symbols.numel())
+        for k in range(len(probe.found)):
             at, found, J = place.copy(), *map(np.array, moving(place))
             if not (weight := J[k] @ J[k]) > 0:
                 continue
@@ -101,6 +129,16 @@ def _values_of(held: ca.SX, probe: "_Probe", v: ca.SX) -> Iterator[tuple[Vector,
             yield f[0], f[1], f[2], np.array(rest[1]) @ turned
 
 
+def _functions_of(held: ca.SX, probe: "_Probe", v: ca.SX) -> tuple[ca.Function, ca.Function, ca.SX]:
+    """Forces and their slopes by signs, of all symbols x, the rates and their signs; rates and their slopes by v, of x; and x."""
+    rates, pairs = ca.vertcat(ca.SX(0, 1), *probe.rates.values()), list(probe.found.values())
+    G, s = (ca.vertcat(ca.SX(0, 1), *(pair[k] for pair in pairs)) for k in (0, 1))
+    own = symbols_in(ca.vertcat(G, s))
+    x = ca.vertcat(v, *(y for y in ca.symvar(ca.veccat(held, rates)) if y.__hash__() not in own | symbols_in(v)))
+    forces = ca.Function("forces", [x, G, s], [held, ca.densify(ca.jacobian(held, s))])
+    return forces, ca.Function("rates", [x], [rates, ca.densify(ca.jacobian(rates, v))]), x
+
+
 class _Probe(Holding):
     """Makes forces anew with a symbol for each rate whose sign they ask for, and one for the sign."""
 
@@ -111,6 +149,7 @@ class _Probe(Holding):
         self.found = dict[Pair, tuple[Expression, Expression]]()  # the symbols of a rate and of its sign
         self.jumping, self.cornered = set[int](), set[int]()  # numbers of what jumps with a sign, and of what is not smooth
         self.is_doubtful = False  # whether forces are more than linear in a sign
+        self.is_asking = False  # whether they compare rates in another way than by what is known to ask whether one rests
 
     def made(self, op: int, numbers: list[int], operands: list[Expression]) -> Expression:
         """An instruction: as in motion, where it asks whether something rests."""
@@ -121,6 +160,7 @@ class _Probe(Holding):
         asked = rest_asked(self.numbering, op, numbers) if is_of_rate else None
         if asked is not None:
             return as_expression(0.0 if asked[1] else 1.0)
+        self.is_asking |= is_of_rate and op in _ASKING
         if is_of_rate and op in _TURNING and (made := self._of_rate(op, numbers, operands, is_smooth)) is not None:
             return made
         if op == ca.OP_MUL:
@@ -148,12 +188,11 @@ class _Probe(Holding):
         if op == ca.OP_SIGN:
             self.jumping.add(number)
             return self._sign(pair, numbers[0])
-        rate = self.found[pair][0] if numbers[0] == pair[0] else -self.found[pair][0]
         if op == ca.OP_FABS:
             self.absolute[number] = pair, numbers[0]
-            return operate(op, [rate])
+            return operate(op, [self.found[pair][0]])
         self.jumping.add(number)
-        return operate(op, [rate, zero])
+        return operate(op, [self._sign(pair, numbers[0]), zero])
 
     def _sign(self, pair: Pair, number: int) -> Expression:
         sign = self.found[pair][1]
