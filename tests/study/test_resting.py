@@ -219,6 +219,27 @@ def test_what_is_held_away_from_rest_is_not_linearised(scene: Write) -> None:
         model.linearize(about="start")
 
 
+# ---------------------------------------------------------------- corners
+
+
+@pytest.mark.parametrize(("what", "is_told"), [
+    ("GeneralSpring s(stretch = b.s, V = 50*max(0, -b.s)^2 + 5*max(0, b.s)^2);", True),
+    ("GeneralSpring s(stretch = b.s, V = 50*max(0, -b.s)^2 + 5*max(0, b.s)^2 - 0.5*b.s);", False),
+    ("AppliedForce s(at = b.center, force = {-table(b.s, {-1, 0, 1}, {-5, 0, 10}), 0});", True),
+    ("AppliedForce s(at = b.center, force = {-table(b.s, {-1, 0, 1}, {-5, 0, 5}), 0});", False),
+    ("GeneralSpring s(stretch = b.s, V = 2*abs(b.s) + 3*b.s^2);", True),
+    ("GeneralSpring s(stretch = b.s, V = 1[N/m2]*abs(b.s)^3 + 3[N/m]*b.s^2);", False),
+    ("Spring s(k = 4, stretch = b.s); GeneralDamper d(rate = b.v, D = (if b.v > 0 then 1 else 3)*1[N.s/m]*b.v^2);", True),
+    ("Spring s(k = 4, stretch = b.s); QuadraticDamper d(c = 3, rate = b.v);", False),
+    ("Spring s(k = 4, stretch = b.s); DryFriction d(F = 1, rate = b.v - 1[m/s]);", False),
+])
+def test_places_where_forces_bend_are_told(what: str, is_told: bool, scene: Write) -> None:
+    """Where stiffness or damping is another one to either side, no frequency is one of small motion."""
+    model = scene(f"model Bent World world(gravity = {{0, 0}}); Block b(m = 1, base = world); {what} end Bent;")
+    for notes in (model.modes().notes, model.linearize().notes, model.equilibrium().notes):
+        assert any("L0743" in note for note in notes) == is_told
+
+
 # ---------------------------------------------------------------- time
 
 

@@ -420,6 +420,7 @@ there were none, where it then holds without force. Small motion goes along cont
 
 Where coefficients of small motion change with time (a pivot that shakes up and down, a load along a pendulum), which stands
 still, warning L0740 says so: stability and frequencies are those of that moment.
+Where it rests just where forces bend (a spring that acts one way, play), warning L0743: frequencies are of neither side.
 
 From Python: model.equilibrium(), model.linearize(excitations=["road.y"], outputs=["car.s"]), model.modes(), model.response(...)
 with parameters=, initial=, inputs=, time=, about=. A linearisation has .M, .C, .K, .A, .B, .output, .D, .save(path) and

@@ -31,7 +31,7 @@ _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _KEEPING = (ca.OP_NEG, ca.OP_TWICE, ca.OP_ADD, ca.OP_SUB, ca.OP_NOT)  # what is linear in all operands
 _LITTLE = 1e-30  # m/s or rad/s: of a rate that moves
 _NOTHING, _SAME, _ZERO = 1e-9, 1e-6, 1e-12  # relative: of a value; of slopes; of a rate that is another one's multiple
-_SLOW, _JUMP = 1e-11, 10.0  # m/s or rad/s: of slow motion; how much more a force changes from rest to there than from there to twice
+_SLOW, _JUMP = 1e-11, 10.0  # m/s or rad/s: of slow motion; a force changes more from rest to there than from there to twice
 _POINTS = 3
 _HINT = ("what holds at rest is told by F_static, mu_static or tau_static of the component, or by "
          "`if abs(v) > 0 then ... else ...`: the second value is that at rest")

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.checked_values import MOST_POINTS, MOST_STARTS, a_count_within, a_frequency, a_span, any_names, numbers
 
 if TYPE_CHECKING:
-    from lagrangia.study.analysis import Equilibria, Study
+    from lagrangia.study.analysis import Study
+    from lagrangia.study.equilibria import Equilibria
     from lagrangia.study.linearization import Linearization
     from lagrangia.study.modes import Modes
     from lagrangia.study.response import Response

@@ -1,10 +1,10 @@
 """Statics and small motion of a compiled scene in numbers: positions of rest, linearisation, modes, frequency response."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from lagrangia.algebra.duals import value_of
 from lagrangia.base.checked_values import a_number
 from lagrangia.base.diagnostics import RunError, fail
-from lagrangia.base.records import dataclass
 from lagrangia.constraints.assembly import Assembly
 from lagrangia.constraints.initial import FIXED, FREE
 from lagrangia.constraints.newton import start_equations
@@ -26,6 +25,8 @@ from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref
 from lagrangia.run.request import Values, check_parameters
 from lagrangia.study.contacts_at_rest import Grip, balance, find_all_held, find_held, holds_at
+from lagrangia.study.corners_at_rest import BENT, bends_at
+from lagrangia.study.equilibria import Equilibria, Equilibrium
 from lagrangia.study.linearization import Given, Linearization, TangentParts, linearization, no_mass, tangent_of, with_signals
 from lagrangia.study.modes import Modes, find_modes, modes_of_ways, stability_of_ways
 from lagrangia.study.probes import Probe, find_probes, usual_probes
@@ -49,54 +50,6 @@ _STOPPED = ("warning[L0740]: the coefficients of small motion change with time, 
             "or loads may make it stable or unstable, and frequencies are of that moment; lag simulate has the motion itself")
 _BALANCED = 1e-9  # of the forces at the point
 _LARGE = 40  # coordinates: above, the usual search is from few starts
-
-
-@dataclass(frozen=True)
-class Equilibrium:
-    """`position`: all coordinates, those that constraints give too, m and rad. `stability` after the linearised motion:
-    asymptotically stable, stable (it oscillates without damping), neutral (some motion costs nothing), unstable; fixed, where
-    nothing can move; singular, where constraints are less independent than elsewhere and the linearised motion says nothing.
-    Where ways of moving meet it is that of the least stable one."""
-
-    position: Mapping[str, float]
-    potential: float
-    stability: str
-    growth: float  # the largest real part of an eigenvalue, 1/s
-    eigenvalues: tuple[complex, ...]
-    n_neutral: int
-    reactions: Mapping[str, float]
-    residual: float  # the largest force left, N or N.m
-    ways: tuple[str, ...] = ()  # of moving, by the coordinates that move, where several meet; the eigenvalues are of all of them
-    contacts: Mapping[str, float] = field(default_factory=dict)  # that are closed, and the forces with which they push
-    friction: Mapping[str, tuple[float, float]] = field(default_factory=dict)  # that holds: how much, of how much it can
-    holding: tuple[str, ...] = ()  # both in words
-
-    @property
-    def is_stable(self) -> bool:
-        """Whether motion from nearby stays nearby, for all that the linearised motion can tell."""
-        return self.stability in ("stable", "asymptotically stable", "fixed")
-
-
-@dataclass(frozen=True)
-class Equilibria(Sequence[Equilibrium]):
-    """The first one is what is reached from the start, where anything is; the others by potential energy."""
-
-    name: str
-    time: float
-    found: tuple[Equilibrium, ...]
-    is_reached: bool  # whether the first was found from the start itself
-    units: Mapping[str, str] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    ports: Mapping[str, str] = field(default_factory=dict)  # of joints and ties, the port that the reaction acts on
-
-    def __getitem__(self, k: Any) -> Any:
-        return self.found[k]
-
-    def __len__(self) -> int:
-        return len(self.found)
-
-    def __iter__(self) -> Iterator[Equilibrium]:
-        return iter(self.found)
 
 
 class Study:
@@ -382,9 +335,11 @@ class Study:
         return {way: self._timely(linear, e) for way, linear in found.items()}
 
     def _timely(self, linear: Linearization, e: SmallMotion) -> Linearization:
-        """With a word where its coefficients change with time, as supports move or as loads follow the motion."""
+        """With a word where its coefficients change from side to side, or with time, as supports or loads move."""
         q = np.array([linear.point[name] for name in self.signals.names])
         N, free = linear.tangent.N, e.multipliers()
+        if e.is_bent and bends_at(lambda dq, side: self._sided(e, N, q + dq, side), N, self.reach):
+            linear = replace(linear, notes=(*linear.notes, BENT))
         if not e.is_timed:
             return linear
         found = []
@@ -396,6 +351,14 @@ class Study:
         if all(change <= _STEADY * max(large, 1e-300) for change, large in zip(changes, largest, strict=True)):
             return linear
         return replace(linear, notes=(*linear.notes, _STOPPED.format(self.time)))
+
+    def _sided(self, e: SmallMotion, N: Vector, q: Vector, side: bool) -> list[Vector]:
+        """Forces, damping and stiffness, with rates on one side."""
+        v = self.signals.steady(q)
+        slips = self.call(e.touching, q, e.multipliers(), 1.0, v)[2].ravel()
+        lam = e.multipliers(shares=np.where(slips == 0, float(side), slips > 0))
+        by = self.slopes(e, e.slopes, ("v", "q"), q, lam, 1.0, v)
+        return [N.T @ self.call(e.static, q, lam, 1.0, v)[0], *(N.T @ by[name][0] @ N for name in ("v", "q"))]
 
     def _usual_outputs(self) -> tuple[str, ...]:
         """The coordinates, those that others give too, but none that is itself what excites; and the declared outputs."""

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 from lagrangia.base.diagnostics import RunError, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.run.scene import Scene
-from lagrangia.study.analysis import Equilibria
+from lagrangia.study.equilibria import Equilibria
 
 STARTS = ("equilibrium",)
 

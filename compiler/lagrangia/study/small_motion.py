@@ -92,6 +92,11 @@ class SmallMotion:
         return bool(ca.depends_on(parts.R, ca.vertcat(parts.motion.t, parts.free.symbols.tau, modes)))
 
     @cached_property
+    def is_bent(self) -> bool:
+        """Whether forces bend, or friction jumps, somewhere."""
+        return bool(self.holds.shares.numel()) or uses(_function_of(self._parts.R), CORNERS)
+
+    @cached_property
     def rubs_dry(self) -> tuple[str, ...]:
         """The components whose forces jump where a rate passes through 0, as those of dry friction do; each once."""
         h = self.holds

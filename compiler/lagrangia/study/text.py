@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from lagrangia.language.frame_attributes import WRENCH_HEADINGS
 
 if TYPE_CHECKING:
-    from lagrangia.study.analysis import Equilibria, Equilibrium
+    from lagrangia.study.equilibria import Equilibria, Equilibrium
     from lagrangia.study.linearization import Linearization
     from lagrangia.study.modes import Mode, Modes
     from lagrangia.study.response import Response
