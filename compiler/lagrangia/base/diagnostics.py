@@ -19,7 +19,7 @@ from typing import Any, Literal, NoReturn
 from lagrangia.base.records import dataclass
 
 # The codes of warnings: those that can be allowed.
-WARNINGS = ("L0224", "L0305", "L0607", "L0708", "L0709", "L0740", "L0741", "L0742", "L0743")
+WARNINGS = ("L0224", "L0305", "L0607", "L0708", "L0709", "L0740", "L0741", "L0742", "L0743", "L0744")
 Severity = Literal["error", "warning", "note"]
 _LONGEST_LINE = 160
 _MOST_SHOWN = 20

@@ -19,6 +19,7 @@ from lagrangia.dynamics.double_roots import touching_notes
 from lagrangia.dynamics.hamilton import is_separable
 from lagrangia.dynamics.idle_lines import find_idle_lines
 from lagrangia.dynamics.idle_statements import find_idle_statements
+from lagrangia.dynamics.jumping_energies import find_jumping_energies
 from lagrangia.dynamics.motion import Motion
 from lagrangia.dynamics.negative_inertia import written_inertias
 from lagrangia.dynamics.switches import corners_remain
@@ -230,7 +231,8 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     model = kinematics.graph.model
     contacts = [_called(model, when) for when in model.whens]
     lines = find_idle_lines(kinematics, initial).diagnostics
-    found = (*model.warnings, *lines, *find_idle_statements(kinematics.graph, lines).diagnostics)
+    idle, jumping = find_idle_statements(kinematics.graph, lines), find_jumping_energies(kinematics)
+    found = (*model.warnings, *lines, *idle.diagnostics, *jumping.diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
     kinetic = [str(span) for span in written_inertias(kinematics)]
