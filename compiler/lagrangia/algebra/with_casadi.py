@@ -63,6 +63,7 @@ class ModeIndex:
     lengths: dict[int, ca.SX] = field(default_factory=dict)  # x of |x| that are lengths, by their numbers
     tables: list[TableData] = field(default_factory=list)  # in time, each once
     literals: dict[Hashable, TableData] = field(default_factory=dict)
+    asked: set[str] = field(default_factory=set)  # of the algebra: functions, "choice" for conditions and tables
 
 
 @dataclass(frozen=True)
@@ -121,6 +122,7 @@ class CasadiAlgebra:
 
     def call(self, function: str, *arguments: Scalar) -> Scalar:
         """CasADi's function of that name; floor, ceil and signs become modes where time decides on them."""
+        self.index.asked.add(function)
         if function in ("floor", "ceil"):
             inner = arguments[0] if function == "floor" else -arguments[0]
             crossing = self._crossing(inner)
@@ -140,6 +142,7 @@ class CasadiAlgebra:
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
         """Of numbers 0 or 1; a mode where time decides, else CasADi's condition."""
+        self.index.asked.add("choice")
         if isinstance(a, float | int) and isinstance(b, float | int):
             return float(_COMPARE[operator](a, b))
         if is_zero(b) or is_zero(a):
@@ -155,6 +158,7 @@ class CasadiAlgebra:
 
     def choose(self, condition: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
         """The sum of both, each of which is 0 where the condition says so."""
+        self.index.asked.add("choice")
         if isinstance(condition, float | int):
             return then if condition else otherwise
         opposite = apply_to_one(ca.OP_NOT, condition)
@@ -173,6 +177,7 @@ class CasadiAlgebra:
 
     def lines(self, x: Scalar, xs: Sequence[Scalar], ys: Sequence[Scalar]) -> tuple[Scalar, Callable[[], Scalar]]:
         """The table's value as a sum of kinks, and its slope."""
+        self.index.asked.add("choice")
         if not isinstance(x, ca.SX):
             return nested_lines(self, x, xs, ys)
         columns = [[xs[0], *xs], [ys[0], *ys], [0.0, *slopes_of(xs, ys), 0.0]]
@@ -191,6 +196,7 @@ class CasadiAlgebra:
 
     def pieces(self, x: Scalar, table: TableData) -> list[Scalar]:
         """Place and coefficients of the piece in force: modes, where time alone decides; else sums over all pieces."""
+        self.index.asked.add("choice")
         if not isinstance(x, ca.SX):
             return list(table.piece(float(x)))
         rest = self._at_rest(x)

@@ -41,7 +41,8 @@ def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Ener
         return f"{supports[0].child} is moved in time ({supports[0].span})"
     for name, span in moved_in_time(kinematics, constraints):
         return f"{name} is moved in time ({span})"
-    if kinematics.algebra.modes or ca.depends_on(ca.vertcat(motion.acceleration, motion.T, motion.V), motion.t):
+    spoken = ca.vertcat(motion.acceleration, motion.T, motion.V) if kinematics.is_timed else ca.SX(0, 1)
+    if kinematics.algebra.modes or ca.depends_on(spoken, motion.t):
         return "time stands in its equations"
     return ""
 

@@ -25,8 +25,11 @@ def find_idle_statements(graph: ComponentGraph, told: Iterable[Diagnostic] = ())
     for k, statement in enumerate(_all(model)):
         stated.setdefault(statement.component or k, []).append(statement)
     for key, statements in stated.items():
-        why = {_idle(statement, model, bindings, grounded) for statement in statements}
-        span = statements[0].span
+        why, span = set[str](), statements[0].span
+        for statement in statements:
+            why.add(_idle(statement, model, bindings, grounded))
+            if "" in why:
+                break
         if "" in why or span in known or (isinstance(key, str) and _is_body(statements) and _carries(key, model)):
             continue
         name = f"'{key}'" if isinstance(key, str) else "this"

@@ -44,6 +44,7 @@ _NEARLY = 1.1
 _MOST_FREE, _MOST_HELD = 60, 250
 # Below this ratio fewer operations are worth differences of what the tree would do and what constraints take back.
 _CLEARLY = 0.9
+_SMOOTH = frozenset({"sin", "cos", "sinh", "cosh", "tanh", "exp"})  # with their derivatives
 Held = tuple[ca.SX, ca.SX, ConstrainedMotion]  # what `constrain` finds
 
 
@@ -73,11 +74,12 @@ class Motion:
     collected: Collected | None = None  # where that is the way
     impacts: Impacts = field(default_factory=Impacts)  # whose forces are among those in h
     lengths: tuple[ca.SX, ...] = ()  # x of |x| that are lengths
+    asked: frozenset[str] = frozenset({"choice"})  # of the algebra, while the scene was put down
 
     @cached_property
     def operations(self) -> frozenset[int]:
-        """CasADi's, of which h is made."""
-        return operations_in(self.h)
+        """CasADi's, of which h is made; not looked for where nothing was asked of the algebra that bends or has roots."""
+        return operations_in(self.h) if self.asked - _SMOOTH else frozenset()
 
     @cached_property
     def nodes(self) -> dict[str, int]:
@@ -106,9 +108,10 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     h = inertial_force(kinematics, energies, bodies, q, v) + damping
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
-    H = ca.dot(_kept_rates(kinematics, v), momentum) - T + V if ca.depends_on(T, tau) else T + V
+    moves_in_time = kinematics.is_timed and ca.depends_on(T, tau)
+    H = ca.dot(_kept_rates(kinematics, v), momentum) - T + V if moves_in_time else T + V
     short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
-    T, V, D, H, momentum, h, dissipated, source = _on_time([T, V, D, H, momentum, h, dissipated, source], tau)
+    T, V, D, H, momentum, h, dissipated, source = _on_time([T, V, D, H, momentum, h, dissipated, source], kinematics)
     constrained, counted = None, dict[str, int]()
     if constraints.rows:
         if short is not None and short.is_shorter(kinematics, momentum, h):
@@ -124,7 +127,8 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     names = kinematics.graph.model.variables
     p, u = (_stack(kinematics, [n for n, x in names.items() if x.kind == kind]) for kind in ("parameter", "input"))
     return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, counted,
-                  short.inertia if short and way == "collected" else None, impacts, (*kinematics.algebra.index.lengths.values(),))
+                  short.inertia if short and way == "collected" else None, impacts, (*kinematics.algebra.index.lengths.values(),),
+                  frozenset(kinematics.algebra.index.asked))
 
 
 def _kept_rates(kinematics: Kinematics, v: ca.SX) -> ca.SX:
@@ -252,7 +256,7 @@ def _collected(kinematics: Kinematics, energies: Energies, bodies: Bodies, momen
     inner = inertial_force(kinematics, replace(energies, potential=weights, loads=()), bodies, q, v)
     outer = inertial_force(kinematics, replace(energies, potential=springs), replace(bodies, inertias=(), rest=()), q, v)
     resting = ca.substitute(momentum, v, ca.SX.zeros(v.numel()))
-    inner, rest, resting = _on_time([inner, outer + damping, resting], symbols.tau)
+    inner, rest, resting = _on_time([inner, outer + damping, resting], kinematics)
     inertia = collect(kinematics, ca.jacobian(momentum, v), inner, is_held)
     return _Short(inertia, rest, inertia.momentum(v) + resting) if inertia is not None else None
 
@@ -313,13 +317,14 @@ def _along(tree: ArticulatedBodies, energies: Energies, h: ca.SX) -> ca.SX:
     found = tree.accelerate(energies)
     if found is None:
         found = tree.solve(-h)
-    return _on_time([found], tree.kinematics.symbols.tau)[0]
+    return _on_time([found], tree.kinematics)[0]
 
 
-def _on_time(expressions: list[ca.SX], tau: ca.SX) -> list[ca.SX]:
+def _on_time(expressions: list[ca.SX], kinematics: Kinematics) -> list[ca.SX]:
     """Where the rate of time is 1. Most scenes do not know it: to put it in would make all their nodes anew."""
-    found = [ca.SX(x) for x in expressions]  # some are numbers
-    return list(ca.substitute(found, [tau], [ca.SX(1)])) if ca.depends_on(ca.veccat(*found), tau) else found
+    found, tau = [ca.SX(x) for x in expressions], kinematics.symbols.tau  # some are numbers
+    knows = kinematics.is_timed and ca.depends_on(ca.veccat(*found), tau)
+    return list(ca.substitute(found, [tau], [ca.SX(1)])) if knows else found
 
 
 def coupled_pairs(kinematics: Kinematics) -> int:
@@ -347,7 +352,7 @@ def solve_mass(kinematics: Kinematics, motion: Motion, r: ca.SX) -> ca.SX:
     tree = articulate(kinematics, motion.bodies) if motion.way == "tree" else None
     if tree is None:
         return solve_dense(motion.momentum, r, motion.v)
-    return _on_time([tree.solve(r)], kinematics.symbols.tau)[0]
+    return _on_time([tree.solve(r)], kinematics)[0]
 
 
 def count_nodes(expressions: list[ca.SX], arguments: list[ca.SX]) -> int:

@@ -53,6 +53,7 @@ class Symbols:
     accelerations: dict[str, Scalar]
     values: dict[str, Any]  # parameters and inputs; tuples for arrays
     compiled: Mapping[str, Any] = field(default_factory=dict)  # the same, with numbers where these are compiled in
+    asked: set[str] = field(default_factory=set)  # "time" as soon as an expression speaks of it
 
 
 @dataclass
@@ -118,6 +119,7 @@ class Kinematics:
     def time(self, level: int) -> Scalar:
         """The time, s, with its rate tau."""
         t, tau = self.symbols.time, self.symbols.tau
+        self.symbols.asked.add("time")
         return (t, Dual(t, tau), Dual(Dual(t, tau), Dual(tau, 0.0)))[level]
 
     def frame(self, name: str, attribute: str, level: int) -> Value:
@@ -187,6 +189,11 @@ class Kinematics:
     def _names(self) -> dict[int, str]:
         """Of coordinates, by the hashes of their symbols."""
         return {x.__hash__(): name for name, x in self.symbols.positions.items()}
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether time stands in what was evaluated so far; looking for its symbol takes as long as deriving with it."""
+        return "time" in self.symbols.asked or bool(self.dependents)
 
     # ------------------------------------------------------------ poses
 

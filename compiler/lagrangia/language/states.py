@@ -83,6 +83,8 @@ def _times_seconds(unit: str) -> str:
 
 def refuse_states_elsewhere(model: FlatModel, report: Report) -> None:
     """What mechanics cannot be made of rates that have no place: reports L0901. And rates that depend on themselves: L0212."""
+    if not model.states:
+        return
     bindings = {name: variable.binding for name, variable in model.variables.items()}
     for value, span, what in _statements(model):
         read = (node.name for node in reached([value], bindings) if isinstance(node, Ref))
