@@ -138,12 +138,16 @@ def is_zero(x: Scalar) -> bool:
 
 def plus(a: Scalar, b: Scalar) -> Scalar:
     """a + b, without terms that are 0."""
-    return b if is_zero(a) else a if is_zero(b) else a + b
+    if isinstance(a, _NUMBERS) and a == 0:  # is_zero, which is called more often than all else
+        return b
+    return a if isinstance(b, _NUMBERS) and b == 0 else a + b
 
 
 def minus(a: Scalar, b: Scalar) -> Scalar:
     """a - b, without terms that are 0."""
-    return a if is_zero(b) else -b if is_zero(a) else a - b
+    if isinstance(b, _NUMBERS) and b == 0:
+        return a
+    return -b if isinstance(a, _NUMBERS) and a == 0 else a - b
 
 
 def times(a: Scalar, b: Scalar) -> Scalar:

@@ -84,15 +84,19 @@ class Evaluator:
 
     def value(self, node: Flat, level: int = 0, local: Mapping[str, Value] | None = None) -> Value:
         """The value of an expression at a level; `local` are the variables of a function. Raises LagError."""
-        match node:
-            case Number(number):
-                return self._number(number)
-            case Boolean(flag):
-                return self._number(float(flag))
+        match node:  # what stands in most expressions first
             case Ref(name, index, span):
                 return _element(self.variable(name, level, span), index)
+            case Binary():
+                return self._binary(node, level, local)
+            case Number(number):
+                return self._number(number)
             case FrameRef(name, attribute, index, _):
                 return _element(self.leaves.frame(name, attribute, level), index)
+            case Call():
+                return self._call(node, level, local)
+            case Boolean(flag):
+                return self._number(float(flag))
             case Time():
                 return self.leaves.time(level)
             case Local(name, span):
@@ -103,16 +107,12 @@ class Evaluator:
                 return self.algebras[level].logic("not", self.value(operand, level, local))
             case Unary(_, operand, _):
                 return _map(lambda x: -x, self.value(operand, level, local))
-            case Binary():
-                return self._binary(node, level, local)
             case IfExpression(condition, then, otherwise, _):
                 chosen = self.value(condition, level, local)
                 a, b = self.value(then, level, local), self.value(otherwise, level, local)
                 return _zip(lambda x, y: self.algebras[level].choose(chosen, x, y), a, b, node.span)
             case Array(items, _):
                 return tuple(self.value(item, level, local) for item in items)
-            case Call():
-                return self._call(node, level, local)
             case String(_, span):
                 fail("L0302", "a text is no number", span)
 

@@ -200,7 +200,9 @@ class Kinematics:
     def pose(self, name: str, level: int) -> Pose:
         """Raises LagError L0401 for a frame that is joined to nothing."""
         if level == 0:
-            return self.pose(name, 1).map(value_of)
+            if name not in self._poses[0]:
+                self._poses[0][name] = self.pose(name, 1).map(value_of)
+            return self._poses[0][name]
         pose = self.poses(level).get(name)
         if pose is None:
             fail("L0401", f"the frame '{name}' is joined to nothing", self.graph.model.frames[name].span)

@@ -122,6 +122,8 @@ def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[
         return minus(times(cos, x), times(sin, y)), plus(times(sin, x), times(cos, y))
     c, s, dx, dy = value_of(cos), value_of(sin), value_of(x), value_of(y)
     ahead_x, ahead_y = rotated(c, s, value_of(w), dx, dy)
+    if not (isinstance(x, Dual) or isinstance(y, Dual)):  # as most are: it only turns
+        return Dual(ahead_x, minus(0.0, times(w, ahead_y))), Dual(ahead_y, times(w, ahead_x))
     stretch_x, stretch_y = rotated(c, s, value_of(w), rate_of(x), rate_of(y))
     return Dual(ahead_x, minus(stretch_x, times(w, ahead_y))), Dual(ahead_y, plus(stretch_y, times(w, ahead_x)))
 
