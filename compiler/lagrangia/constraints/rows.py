@@ -351,10 +351,10 @@ class _Reduction:
         kept = tuple(c for c in graph.coordinates if c.name not in dependents)
         given = (*graph.dependent_coordinates, *(c for c in graph.coordinates if c.name in dependents))
         dependents = {name: _composed(x, dependents) for name, x in kinematics.dependents.items()} | dependents
-        symbols = replace(kinematics.symbols, **{
-            field: {n: s for n, s in getattr(kinematics.symbols, field).items() if n not in dependents}
-            for field in ("positions", "rates", "accelerations")
-        })
+        old = kinematics.symbols
+        positions, rates, accelerations = ({name: symbol for name, symbol in symbols.items() if name not in dependents}
+                                           for symbols in (old.positions, old.rates, old.accelerations))
+        symbols = replace(old, positions=positions, rates=rates, accelerations=accelerations)
         return Kinematics(replace(graph, coordinates=kept, dependent_coordinates=given), symbols, kinematics.algebra, dependents)
 
 
