@@ -108,8 +108,7 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     h = inertial_force(kinematics, energies, bodies, q, v) + damping
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
-    moves_in_time = kinematics.is_timed and ca.depends_on(T, tau)
-    H = ca.dot(_kept_rates(kinematics, v), momentum) - T + V if moves_in_time else T + V
+    H = ca.dot(_kept_rates(kinematics, v), momentum) - T + V if _knows(kinematics, T) else T + V
     short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
     T, V, D, H, momentum, h, dissipated, source = _on_time([T, V, D, H, momentum, h, dissipated, source], kinematics)
     constrained, counted = None, dict[str, int]()
@@ -124,11 +123,10 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
         acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, h, v, short)
         if short is not None and way == "collected":
             momentum, h = short.momentum, short.h
-    names = kinematics.graph.model.variables
-    p, u = (_stack(kinematics, [n for n, x in names.items() if x.kind == kind]) for kind in ("parameter", "input"))
+    p, u = (_stack(kinematics, kind) for kind in ("parameter", "input"))
+    inertia, index = short.inertia if short and way == "collected" else None, kinematics.algebra.index
     return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, counted,
-                  short.inertia if short and way == "collected" else None, impacts, (*kinematics.algebra.index.lengths.values(),),
-                  frozenset(kinematics.algebra.index.asked))
+                  inertia, impacts, (*index.lengths.values(),), frozenset(index.asked))
 
 
 def _kept_rates(kinematics: Kinematics, v: ca.SX) -> ca.SX:
@@ -195,7 +193,8 @@ def generalised_force(energies: Energies, q: ca.SX) -> ca.SX:
     return ca.densify(ca.jtimes(positions, q, forces, True))
 
 
-def _stack(kinematics: Kinematics, names: list[str]) -> ca.SX:
+def _stack(kinematics: Kinematics, kind: str) -> ca.SX:
+    names = [name for name, variable in kinematics.graph.model.variables.items() if variable.kind == kind]
     return ca.vertcat(*[x for name in names for x in scalars_of(kinematics.symbols.values[name])])
 
 
@@ -322,9 +321,14 @@ def _along(tree: ArticulatedBodies, energies: Energies, h: ca.SX) -> ca.SX:
 
 def _on_time(expressions: list[ca.SX], kinematics: Kinematics) -> list[ca.SX]:
     """Where the rate of time is 1. Most scenes do not know it: to put it in would make all their nodes anew."""
-    found, tau = [ca.SX(x) for x in expressions], kinematics.symbols.tau  # some are numbers
-    knows = kinematics.is_timed and ca.depends_on(ca.veccat(*found), tau)
-    return list(ca.substitute(found, [tau], [ca.SX(1)])) if knows else found
+    found = [ca.SX(x) for x in expressions]  # some are numbers
+    knows = _knows(kinematics, ca.veccat(*found))
+    return list(ca.substitute(found, [kinematics.symbols.tau], [ca.SX(1)])) if knows else found
+
+
+def _knows(kinematics: Kinematics, expression: ca.SX) -> bool:
+    """Whether the rate of time stands in it."""
+    return kinematics.is_timed and bool(ca.depends_on(expression, kinematics.symbols.tau))
 
 
 def coupled_pairs(kinematics: Kinematics) -> int:
