@@ -34,14 +34,16 @@ from lagrangia.base.version import VERSION
 if TYPE_CHECKING:
     from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Error, Interrupted, LagError, RunError
     from lagrangia.model import Model, load, loads
+    from lagrangia.run.input_pieces import slopes
     from lagrangia.run.stepped import SteppedRun
     from lagrangia.view.trajectory import EnergyAccount, Trajectory
 
 __version__ = VERSION
 __all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Error", "Interrupted", "LagError", "Model", "RunError", "SteppedRun",
-           "Trajectory", "load", "loads"]
+           "Trajectory", "load", "loads", "slopes"]
 _PLACES = dict.fromkeys(__all__, "base.diagnostics") | dict.fromkeys(("Model", "load", "loads"), "model") | dict.fromkeys(
-    ("EnergyAccount", "Trajectory"), "view.trajectory") | {"SteppedRun": "run.stepped"}
+    ("EnergyAccount", "Trajectory"), "view.trajectory") | {
+    "SteppedRun": "run.stepped", "slopes": "run.input_pieces"}
 
 
 def __getattr__(name: str) -> Any:

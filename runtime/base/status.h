@@ -22,12 +22,13 @@ typedef enum {
     LAG_CONSTRAINTS_OPEN, /* a row cannot be brought back to its constraints: by how much of the motion one is open */
     LAG_NO_PROGRESS,      /* steps are so short that the rest would take so many */
     LAG_WANTS_JACOBIAN,   /* implicit steps are to go on, and model.jacobian_waits: run it again where it is there */
-    LAG_TABLE_ENDED       /* a table is asked for what lies beyond its ends: which one */
+    LAG_TABLE_ENDED,      /* a table is asked for what lies beyond its ends: which one */
+    LAG_INPUT_JUMPS       /* the input of this index moves places, and jumps by so much */
 } LagStatus;
 
 typedef struct {
     int32_t status; /* LagStatus */
-    int32_t index;  /* coordinate, acceleration or initial equation; -1: none */
+    int32_t index;  /* coordinate, acceleration, initial equation or input; -1: none */
     int32_t rate;   /* 1: the rate of the coordinate, 0: its position */
     double time;
     double value; /* residual of the initial equation, or what the status says */

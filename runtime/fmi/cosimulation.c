@@ -40,6 +40,22 @@ static int begin_slopes(LagInstance *s)
     return some;
 }
 
+/* What moves places goes on as its rates say; where its slope was given instead, the rates beside it say nothing. */
+static void extrapolate_pieces(const LagInstance *s, double h, double *before, double *after)
+{
+    for (int k = 0; k < s->model->n_pieces; ++k) {
+        const int *places = s->model->pieces + 4 * k, y = places[0], rate = places[1], second = places[2];
+        if (rate < 0)
+            continue;
+        if (s->u_slope[y] != 0) {
+            before[rate] = after[rate] = NAN;
+        } else {
+            after[y] = s->u[y] + h * (s->u[rate] + h * s->u[second] / 2);
+            after[rate] = s->u[rate] + h * s->u[second];
+        }
+    }
+}
+
 /* Inputs go on with their slopes over this step; from its end on they are held, unless told otherwise. */
 static LagAnswer interpolate_inputs(LagInstance *s, double end)
 {
@@ -51,6 +67,7 @@ static LagAnswer interpolate_inputs(LagInstance *s, double end)
         values[i] = s->u[i];
         values[n + i] = s->u[i] + s->u_slope[i] * (end - s->vital.t);
     }
+    extrapolate_pieces(s, end - s->vital.t, values, values + n);
     LagStatus status = lag_run_cut(s->run, s->vital.t);
     if (status == LAG_OK)
         status = lag_run_set_inputs(s->run, times, values, 2);
@@ -60,8 +77,16 @@ static LagAnswer interpolate_inputs(LagInstance *s, double end)
 /* Where they are after a step that began at `begin`. */
 static void keep_inputs(LagInstance *s, double begin)
 {
+    const double h = s->vital.t - begin;
     for (int i = 0; i < s->model->n_inputs; ++i)
-        s->u[i] += s->u_slope[i] * (s->vital.t - begin);
+        s->u[i] += s->u_slope[i] * h;
+    for (int k = 0; k < s->model->n_pieces; ++k) {
+        const int *places = s->model->pieces + 4 * k;
+        if (places[1] >= 0 && s->u_slope[places[0]] == 0) {
+            s->u[places[0]] += h * (s->u[places[1]] + h * s->u[places[2]] / 2);
+            s->u[places[1]] += h * s->u[places[2]];
+        }
+    }
     s->vital.inputs_changed = 1;
 }
 

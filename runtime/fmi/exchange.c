@@ -33,7 +33,8 @@ LagAnswer lag_instance_set_time(LagInstance *s, double t)
 {
     if (!isfinite(t))
         return lag_instance_log(s, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "the time is not finite");
-    const LagAnswer answer = lag_instance_settle(s);
+    const int is_awaited = s->model->n_pieces > 0 && s->vital.inputs_changed; /* what moves places was set for this time */
+    const LagAnswer answer = is_awaited ? LAG_ANSWER_OK : lag_instance_settle(s);
     s->vital.t = t;
     lag_instance_forget(s);
     return answer;

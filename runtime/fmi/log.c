@@ -78,16 +78,19 @@ int lag_instance_allows(LagInstance *instance, LagCall call, const char *functio
     return 0;
 }
 
-static const char *name_of(const LagInstance *s, int index, int rate)
+static const char *name_of(const LagInstance *s, LagStatus status, int index, int rate)
 {
-    const int place = index + (rate ? s->model->n : 0);
-    return index >= 0 && place < 2 * s->model->n ? s->fmu->names[1 + place] : "";
+    const LagModel *m = s->model;
+    if (status == LAG_INPUT_JUMPS)
+        return s->fmu->names[1 + 4 * m->n + m->n_outputs + LAG_ENERGIES + index];
+    const int place = index + (rate ? m->n : 0);
+    return index >= 0 && place < 2 * m->n ? s->fmu->names[1 + place] : "";
 }
 
 LagAnswer lag_instance_failed(LagInstance *s, LagStatus status)
 {
     const LagFailure *failure = lag_run_failure(s->run);
-    const char *about = failure->status == LAG_INITIAL_FAILED ? "" : name_of(s, failure->index, failure->rate);
+    const char *about = failure->status == LAG_INITIAL_FAILED ? "" : name_of(s, status, failure->index, failure->rate);
     const char *text = "the run stopped";
     switch (status) {
     case LAG_INITIAL_FAILED: text = "the initial equations cannot all hold"; break;
@@ -101,6 +104,7 @@ LagAnswer lag_instance_failed(LagInstance *s, LagStatus status)
     case LAG_CONSTRAINTS_OPEN: text = "constraints do not close"; break;
     case LAG_NO_PROGRESS: text = "steps are too short to get on"; break;
     case LAG_TABLE_ENDED: text = "a table ends here, and says nothing beyond its ends"; break;
+    case LAG_INPUT_JUMPS: text = "an input that moves a support jumps: set the inputs that are its rates, too"; break;
     case LAG_OUT_OF_MEMORY: text = "no memory is left"; break;
     default: break;
     }

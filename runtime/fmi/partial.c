@@ -263,6 +263,13 @@ static void fill_motion(LagInstance *s, const Directions *d, const void *what)
         memcpy(d->x, s->slope, 2 * (size_t)s->model->n * sizeof *d->x);
     if (s->model->n_inputs > 0)
         memcpy(d->u, s->u_slope, (size_t)s->model->n_inputs * sizeof *d->u);
+    for (int k = 0; k < s->model->n_pieces; ++k) {
+        const int *places = s->model->pieces + 4 * k;
+        if (places[1] >= 0) {
+            d->u[places[0]] = s->run->u[places[1]];
+            d->u[places[1]] = s->run->u[places[2]];
+        }
+    }
 }
 
 LagAnswer lag_instance_output_slope(LagInstance *s, unsigned int reference, int order, double *value)

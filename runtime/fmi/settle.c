@@ -4,6 +4,7 @@
 
 #include "fmi/instance.h"
 
+#include "model/function.h"
 #include "state/evaluate.h"
 #include "state/state.h"
 #include "steps/segment.h"
@@ -142,6 +143,28 @@ static double total_energy(LagInstance *s)
     return energies[2];
 }
 
+/* In Model Exchange the importer moves time and inputs: pieces begin where they are set, and go on from there. Where rates of supports may jump, they come into
+ * force with the event's impulses. */
+static LagStatus follow_inputs(LagInstance *s)
+{
+    LagRun *run = s->run;
+    const LagModel *m = s->model;
+    const int is_event = (s->vital.mode & LAG_MODE_EVENT) != 0, has_kick = lag_present(&m->kick);
+    const size_t size = (size_t)m->n_modes * sizeof *run->d;
+    double *after = run->d_before, jump = 0;
+    if (m->n_pieces == 0)
+        return LAG_OK;
+    memcpy(after, run->d, size);
+    lag_inputs_read(&run->inputs, after);
+    const int is_tried = !is_event && run->d[m->pieces[3]] == s->vital.t; /* importers try other values, for derivatives */
+    const int jumping = is_tried ? -1 : lag_inputs_jump(&run->inputs, run->d, after, s->vital.t, 1, &jump);
+    if (jumping >= 0)
+        return lag_fail(run, LAG_INPUT_JUMPS, jumping, 0, jump);
+    if (!(is_event && has_kick))
+        memcpy(run->d, after, size);
+    return LAG_OK;
+}
+
 /* In Model Exchange the run only holds what belongs to the parameters and the segment; the state is the importer's. */
 static LagStatus settle_exchange(LagInstance *s)
 {
@@ -159,6 +182,8 @@ static LagStatus settle_exchange(LagInstance *s)
         run->started = 0;
         status = set_inputs(s, s->vital.t);
         run->started = 1;
+        if (status == LAG_OK)
+            status = follow_inputs(s);
     }
     s->vital.work += total_energy(s) - before;
     return status;

@@ -124,11 +124,20 @@ static LagAnswer set_parameter(LagInstance *s, unsigned int reference, int index
     return LAG_ANSWER_OK;
 }
 
+/* Whether an input goes on with its rates until it is set again. */
+static int goes_on(const LagModel *model, int index)
+{
+    for (int k = 0; k < 4 * model->n_pieces; ++k)
+        if (k % 4 < 3 && model->pieces[k] == index && model->pieces[k - k % 4 + 1] >= 0)
+            return 1;
+    return 0;
+}
+
 static LagAnswer set_input(LagInstance *s, int index, double value)
 {
     if (!s->vital.has_slopes) /* else it is of the step to come, as this value is */
         s->u_slope[index] = 0;
-    if (s->u[index] == value)
+    if (s->u[index] == value && !goes_on(s->model, index))
         return LAG_ANSWER_OK;
     s->u[index] = value;
     s->vital.inputs_changed = 1;

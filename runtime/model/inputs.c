@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double ROUNDING = 1e-9; /* of the size of an input */
+
 static int ascending(const double *times, int rows)
 {
     for (int i = 0; i < rows; ++i)
@@ -61,7 +63,97 @@ static int rows_until(const LagInputs *inputs, double t)
 
 void lag_inputs_enter(LagInputs *inputs, double t) { inputs->left = rows_until(inputs, t) - 1; }
 
-void lag_inputs_at(const LagInputs *inputs, double t, double *u)
+static double value(const LagInputs *inputs, int row, int column)
+{
+    return column < 0 ? 0 : inputs->values[row * inputs->n + column];
+}
+
+/* Before the first row, behind the last one, or of one row: it goes on as the one row says, and is held where there are others. */
+static void outer_piece(const LagInputs *inputs, const int *places, int row, double *piece)
+{
+    const double rate = inputs->rows == 1 ? value(inputs, row, places[1]) : 0;
+    const double second = inputs->rows == 1 ? value(inputs, row, places[2]) : 0;
+    piece[0] = inputs->times[row];
+    piece[1] = value(inputs, row, places[0]);
+    piece[2] = isfinite(rate) ? rate : 0;
+    piece[3] = isfinite(second) ? second / 2 : 0;
+    piece[4] = 0;
+}
+
+/* Straight, but where rates are known at both rows. */
+static void inner_piece(const LagInputs *inputs, const int *places, double *piece)
+{
+    const int left = inputs->left;
+    const double h = inputs->times[left + 1] - inputs->times[left];
+    const double a = value(inputs, left, places[1]), b = value(inputs, left + 1, places[1]);
+    const int is_cubic = places[1] >= 0 && isfinite(a) && isfinite(b);
+    const double rise = (value(inputs, left + 1, places[0]) - value(inputs, left, places[0])) / h;
+    piece[0] = inputs->times[left];
+    piece[1] = value(inputs, left, places[0]);
+    piece[2] = is_cubic ? a : rise;
+    piece[3] = is_cubic ? (3 * rise - 2 * a - b) / h : 0;
+    piece[4] = is_cubic ? (a + b - 2 * rise) / (h * h) : 0;
+}
+
+static void find_piece(const LagInputs *inputs, const int *places, double *piece)
+{
+    const int left = inputs->left, last = inputs->rows - 1;
+    if (last < 0)
+        memset(piece, 0, LAG_PIECE * sizeof *piece);
+    else if (left < 0 || left >= last)
+        outer_piece(inputs, places, left < 0 ? 0 : last, piece);
+    else
+        inner_piece(inputs, places, piece);
+}
+
+void lag_inputs_read(const LagInputs *inputs, double *d)
+{
+    for (int k = 0; k < inputs->n_pieces; ++k)
+        find_piece(inputs, inputs->pieces + 4 * k, d + inputs->pieces[4 * k + 3]);
+}
+
+static double value_of(const double *piece, double t)
+{
+    const double x = t - piece[0];
+    return piece[1] + x * (piece[2] + x * (piece[3] + x * piece[4]));
+}
+
+/* How far the rates of both let it be moved in the time between them. */
+static double explained(const double *before, const double *after, double t)
+{
+    const double h = fabs(t - before[0]);
+    return h * (fabs(before[2]) + fabs(after[2]) + h * (fabs(before[3]) + fabs(after[3])));
+}
+
+int lag_inputs_jump(const LagInputs *inputs, const double *before, const double *after, double t, int is_new, double *jump)
+{
+    for (int k = 0; k < inputs->n_pieces; ++k) {
+        const int *places = inputs->pieces + 4 * k;
+        const double *old = before + places[3], *now = after + places[3], from = value_of(old, t), to = value_of(now, t);
+        const double size = fabs(from) + fabs(to) + fabs(old[1]) + explained(old, now, t);
+        *jump = to - from;
+        if (places[1] >= 0 && fabs(*jump) > ROUNDING * size + (is_new ? explained(old, now, t) : 0))
+            return places[0];
+    }
+    return -1;
+}
+
+static void set_pieces(const LagInputs *inputs, double t, double *u)
+{
+    for (int k = 0; k < inputs->n_pieces; ++k) {
+        const int *places = inputs->pieces + 4 * k;
+        double piece[LAG_PIECE];
+        find_piece(inputs, places, piece);
+        const double x = t - piece[0];
+        u[places[0]] = value_of(piece, t);
+        if (places[1] >= 0) {
+            u[places[1]] = piece[2] + x * (2 * piece[3] + x * 3 * piece[4]);
+            u[places[2]] = 2 * piece[3] + x * 6 * piece[4];
+        }
+    }
+}
+
+static void find_values(const LagInputs *inputs, double t, double *u)
 {
     const int n = inputs->n, last = inputs->rows - 1, left = inputs->left;
     if (n == 0)
@@ -84,6 +176,16 @@ void lag_inputs_slope(const LagInputs *inputs, double *slope)
         const double *u0 = inputs->values + (is_held ? 0 : left * n + i);
         slope[i] = is_held ? 0 : (u0[n] - u0[0]) / (inputs->times[left + 1] - inputs->times[left]);
     }
+    for (int k = 0; k < 4 * inputs->n_pieces; ++k) /* nobody reads what pieces say */
+        if (k % 4 < 3 && inputs->pieces[k] >= 0)
+            slope[inputs->pieces[k]] = 0;
+}
+
+void lag_inputs_at(const LagInputs *inputs, double t, double *u)
+{
+    find_values(inputs, t, u);
+    if (inputs->n_pieces > 0)
+        set_pieces(inputs, t, u);
 }
 
 double lag_inputs_next(const LagInputs *inputs, double t)

@@ -1,4 +1,8 @@
-/* Inputs as functions of time: one table, linear between its rows, held outside. */
+/* Inputs as functions of time: one table, linear between its rows, held outside.
+ *
+ * Inputs that stand where functions of time do ("pieces", model.h) are polynomials there, whose coefficients are modes: cubic where
+ * their first rates are in the table as well, and of one row alone a parabola, of what the row says of the input and its rates.
+ */
 #ifndef LAG_INPUTS_H
 #define LAG_INPUTS_H
 
@@ -10,6 +14,8 @@ typedef struct {
     double *times;  /* rows, ascending; two equal times are a jump */
     double *values; /* rows x n */
     int left;       /* the present segment lies between rows left and left + 1; -1: before the table */
+    int n_pieces;      /* as in the model */
+    const int *pieces; /* 4 n_pieces */
 } LagInputs;
 
 LagStatus lag_inputs_set(LagInputs *inputs, const double *times, const double *values, int rows);
@@ -18,7 +24,17 @@ void lag_inputs_free(LagInputs *inputs);
 /* Chooses the segment of the table that holds t, which is no corner. */
 void lag_inputs_enter(LagInputs *inputs, double t);
 
-/* Values at t by the present segment: at a jump, those of its own side. */
+/* So many numbers are a piece: its place in time, and the coefficients of its powers of the time since, the constant first. */
+enum { LAG_PIECE = 5 };
+
+/* The pieces of the present segment, into modes. */
+void lag_inputs_read(const LagInputs *inputs, double *d);
+
+/* The input that places follow and that is somewhere else at t by the modes `after` than by those `before`; -1 where none is. How far,
+ * into `jump`. What is set anew (`is_new`) may be as far off as its rates tell: whoever sets it now and then knows no more. */
+int lag_inputs_jump(const LagInputs *inputs, const double *before, const double *after, double t, int is_new, double *jump);
+
+/* Values at t by the present segment: at a jump, those of its own side. Rates of pieces are those of the polynomial. */
 void lag_inputs_at(const LagInputs *inputs, double t, double *u);
 
 /* Slopes in the present segment. */

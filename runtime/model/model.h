@@ -75,6 +75,7 @@ struct LagModel {
     int n_roots;    /* of positions, in the forces: these bend where what stands under one touches 0 */
     int n_cones;    /* slips in the plane, of which a force holds both components */
     int n_lookups;  /* tables in time, whose pieces are modes */
+    int n_pieces;   /* inputs that stand where functions of time do: polynomials between rows, whose coefficients are modes */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
@@ -83,6 +84,7 @@ struct LagModel {
     const int *rests;           /* n_rests: the switch of each */
     const int *cones;           /* 2 n_cones: the switches of both components */
     const int *lookups;         /* 2 n_lookups: the event whose argument a table is asked for, and the first of its modes */
+    const int *pieces;          /* 4 n_pieces: the input, those that are its first two rates (-1: none), the first of its modes */
     const LagTable *tables;
     int outputs_need_acceleration; /* a or lambda */
     int switches_need_acceleration;
@@ -109,7 +111,8 @@ struct LagModel {
     LagFunction parameters; /* given, mask          -> p               given values kept, dependent ones computed */
     LagFunction hoist;      /* p                    -> c */
     LagFunction start;      /* p                    -> q, v            guesses */
-    LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   column-major, n_initial x 2 (n + n_lost) */
+    LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   column-major, n_initial x 2 (n + n_lost); of q, v, p, u with
+                               pieces */
     LagFunction momentum;   /* q, v, p              -> M v             at the start; absent: start values have no mass */
     LagFunction events;     /* p                    -> a, b            event arguments a + b t */
     LagFunction modes;      /* t, p                 -> d */

@@ -33,6 +33,14 @@ static void guess(LagRun *run, const double *q_given, const double *v_given)
     }
 }
 
+/* Inputs at the start, for the equations of start values. */
+static void look_at_inputs(LagRun *run)
+{
+    lag_inputs_enter(&run->inputs, run->motion.t);
+    lag_inputs_at(&run->inputs, run->motion.t, run->u);
+    run->assembly.newton.u = run->u;
+}
+
 static void clear(LagRun *run)
 {
     const LagStatistics none = {0};
@@ -69,6 +77,8 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     if (!settings_valid(&run->settings) || !lag_methods_permit(run->model, run->methods.solver))
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     guess(run, q_given, v_given);
+    if (run->model->n_pieces > 0)
+        look_at_inputs(run);
     if (run->model->n_initial > 0 && !lag_parts.assemble)
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     const int worst = run->model->n_initial > 0 ? lag_parts.assemble(&run->assembly, run->p, run->fixed, run->start, run->work) : -1;

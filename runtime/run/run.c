@@ -67,6 +67,8 @@ static void connect_parts(LagRun *run, const LagModel *model)
 {
     run->model = run->assembly.model = model;
     run->inputs.n = model->n_inputs;
+    run->inputs.n_pieces = model->n_pieces;
+    run->inputs.pieces = model->pieces;
     run->motion.n = model->n;
     run->motion.size = 2 * model->n + model->n_power;
     run->motion.rhs = lag_accelerations;

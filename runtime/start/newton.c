@@ -51,7 +51,7 @@ void lag_newton_layout(LagNewton *s, const LagModel *model, LagArena *arena)
 
 int lag_newton_evaluate(LagNewton *s, const double *p, const double *x, double *work)
 {
-    const double *in[] = {x, x + lag_start_size(s->model), p};
+    const double *in[] = {x, x + lag_start_size(s->model), p, s->u};
     double *out[] = {s->g, s->jacobian};
     return lag_call(&s->model->initial, in, out, work);
 }

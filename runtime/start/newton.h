@@ -9,6 +9,7 @@
 
 typedef struct {
     const LagModel *model;
+    const double *u; /* inputs at the start */
     double *g, *jacobian; /* n_initial, n_initial x 2 n column-major */
     double *transposed;   /* 2 n x n_initial, or fewer of both: scaled */
     double *length;       /* n_initial: size of an equation's scaled gradient */

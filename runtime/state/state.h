@@ -72,6 +72,7 @@ struct LagRun {
     int doubtful;         /* so many evaluations are made the way that bears dependent constraints */
     int segment_over;     /* an event was reached: the next step begins a new segment */
     int silent_table;     /* the table that says nothing in this segment; -1: none */
+    int inputs_version;   /* of the table of inputs that is in force in this segment */
     double segment_end;   /* time of the next event */
     double wanted;        /* time of the row that is asked for */
     double row_spacing;   /* of the rows that are asked for at once, on average; 0: nobody knows */

@@ -36,11 +36,13 @@ void lag_segment_enter(LagRun *run)
     run->segment_over = 0;
     const double inside = middle(t, run->segment_end, run->settings.t_stop);
     const double *in[] = {&inside, run->p};
+    run->inputs_version = run->inputs.version;
     lag_inputs_enter(&run->inputs, inside);
     for (int i = 0; i < model->n_modes; ++i)
         run->d_before[i] = run->d[i];
     lag_call(&model->modes, in, &run->d, run->work);
     run->silent_table = lag_tables_read(model, run->event_a, run->event_b, inside, run->d);
+    lag_inputs_read(&run->inputs, run->d);
 }
 
 /* `is_bend`: a switch has changed. Where accelerations are hardly another function of time for it, steps stay as they are. */
@@ -124,7 +126,12 @@ LagStatus lag_segment_next(LagRun *run)
     const int was_known = t == run->segment_end;
     lag_account_open(run);
     lag_impacts_await_jump(run, t, run->motion.y);
+    const int is_new = run->inputs_version != run->inputs.version;
+    double jump;
     lag_segment_enter(run);
+    const int jumping = lag_inputs_jump(&run->inputs, run->d_before, run->d, t, is_new, &jump);
+    if (jumping >= 0)
+        return lag_fail(run, LAG_INPUT_JUMPS, jumping, 0, jump);
     lag_kick(run, t, run->motion.y);
     lag_impacts_note_jump(run, t, run->motion.y);
     const LagStatus status = lag_impacts_strike(run);

@@ -77,6 +77,11 @@ def nested_lines(algebra: Algebra, x: Scalar, xs: Sequence[Scalar], ys: Sequence
 def looked_up(algebra: Algebra, x: Scalar, table: TableData) -> Scalar:
     """What a table is at x, with its rates."""
     place, *coefficients = algebra.pieces(x, table)
+    return polynomial(x, place, coefficients)
+
+
+def polynomial(x: Scalar, place: Scalar, coefficients: Sequence[Scalar]) -> Scalar:
+    """Of x - place, the constant first, with its rates."""
     value, way = coefficients[-1], minus(x, place)
     for coefficient in reversed(coefficients[:-1]):
         value = plus(times(way, value), coefficient)

@@ -27,7 +27,8 @@ class Mode:
     """A quantity that is constant between two time events: a relation, a floor, or what a table in time says of a line.
 
     `value` gives it as a function of t (the middle of the segment) and p; the events are where one of the arguments crosses
-    zero (kind 0), an integer (kind 1) or a knot of table k (kind 2 + k). Of a table, `use`, it is a number of its piece.
+    zero (kind 0), an integer (kind 1) or a knot of table k (kind 2 + k). Of a table, `use`, it is a number of its piece; of an
+    input it is one, too, and has no events of its own.
     """
 
     symbol: ca.SX
@@ -36,6 +37,12 @@ class Mode:
     kind: int
     use: TableUse | None = None
     column: int = 0
+    of_input: tuple[int, int, int] | None = None  # the places of one and of its first two rates among the inputs, or -1
+
+    @property
+    def is_filled_in(self) -> bool:
+        """By the run time, from tables or from inputs."""
+        return self.use is not None or self.of_input is not None
 
     @property
     def jumps(self) -> bool:
@@ -219,6 +226,13 @@ class CasadiAlgebra:
         return [self._mode(("table", known, column, number), None, arguments, _FIRST_TABLE + known, use, column)
                 for column in range(2 + table.degree)]
 
+    def pieces_of_input(self, places: tuple[int, int, int], y: ca.SX, rate: Scalar, second: Scalar) -> list[ca.SX]:
+        """Place and coefficients of what an input is in time, modes that the run time fills in: LAG_PIECE of inputs.h. Elsewhere
+        it goes on from the present time with its rates."""
+        values, arguments = (self.time, y, rate, second / 2, 0.0), list[ca.SX]()
+        return [self._mode(("input", column, places[0]), as_expression(value), arguments, 0, column=column, of_input=places)
+                for column, value in enumerate(values)]
+
     def _literal(self, xs: Sequence[float], ys: Sequence[float]) -> TableData:
         """Straight lines between points, held beyond their ends."""
         key = "points", tuple(xs), tuple(ys)
@@ -277,11 +291,11 @@ class CasadiAlgebra:
         return frozenset(x.__hash__() for x in self.state.elements())
 
     def _mode(self, key: Hashable, value: ca.SX | None, arguments: Sequence[ca.SX], kind: int, use: TableUse | None = None,
-              column: int = 0) -> ca.SX:
+              column: int = 0, of_input: tuple[int, int, int] | None = None) -> ca.SX:
         if key not in self.index.symbols:
             made = self.index.symbols[key] = make_symbol(f"d_{len(self.modes)}")
             self.index.hashes.add(made.__hash__())
-            mode = Mode(made, value, arguments, kind, use, column)
+            mode = Mode(made, value, arguments, kind, use, column, of_input)
             self.modes.append(mode)
             self.index.modes.append(mode)
         return self.index.symbols[key]

@@ -64,7 +64,7 @@ def tell_inputs(options: Namespace, model: Model, experiment: Any, given: Any) -
     times, columns = given if isinstance(given, tuple) else ((), given)
     found = []
     for known in model.scene.inputs:
-        if known.name not in columns and not known.is_stated:
+        if known.name not in columns and not known.is_stated and not known.name.startswith("der("):
             value = f"{known.value or 0:g} {known.unit}".rstrip()
             found.append(f"warning[L0708]: nothing is given for the input '{known.name}': it is {value} throughout\n"
                          f"   = give it with -u {known.name}=VALUE, or -u FILE.csv")

@@ -404,7 +404,15 @@ def _reset_places(kinematics: Kinematics, motion: Motion) -> tuple[int, ...]:
 
 def _patterns(jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict[str, tuple[int, ...]]:
     """Lists of places that a whole scene and an island have alike."""
-    return {"jacobian_pattern": jacobian.pattern, **switches.patterns, "lookups": find_lookups(modes)}
+    pieces = find_pieces(modes)
+    return {"jacobian_pattern": jacobian.pattern, **switches.patterns, "lookups": find_lookups(modes),
+            **({"pieces": pieces} if pieces else {})}
+
+
+def find_pieces(modes: list[Mode]) -> tuple[int, ...]:
+    """LagModel.pieces: of each input that is a polynomial of time its place among them, those of its rates, its first mode."""
+    firsts = [(mode, k) for k, mode in enumerate(modes) if mode.of_input is not None and mode.column == 0]
+    return tuple(x for mode, k in firsts for x in (*(mode.of_input or ()), k))
 
 
 def find_lookups(modes: list[Mode]) -> tuple[int, ...]:
@@ -427,6 +435,6 @@ def _mode_functions(motion: Motion, modes: list[Mode]) -> dict[str, ca.Function]
     slopes, offsets = ca.densify(ca.jtimes(arguments, t, ca.SX(1))), ca.substitute(arguments, t, ca.SX(0))
     return {
         "events": ca.Function("events", [p], [offsets, slopes], ["p"], ["a", "b"]),
-        "modes": ca.Function("modes", [t, p], [ca.vertcat(*[ca.SX(0) if mode.use else mode.value for mode in modes])],
-                             ["t", "p"], ["d"]),  # the run time looks tables up
+        "modes": ca.Function("modes", [t, p], [ca.vertcat(*[ca.SX(0) if mode.is_filled_in else mode.value for mode in modes])],
+                             ["t", "p"], ["d"])
     }

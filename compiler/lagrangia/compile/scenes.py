@@ -123,7 +123,7 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
                             *events)
     used = symbols_in(everything)
     is_kicked = "kick" in scene.tapes  # by modes that may stand in no equation
-    asked = {id(mode.arguments) for mode in kinematics.algebra.modes if mode.use and mode.symbol.__hash__() in used}
+    asked = {id(mode.arguments) for mode in kinematics.algebra.modes if mode.is_filled_in and mode.symbol.__hash__() in used}
     modes = [mode for mode in kinematics.algebra.modes
              if is_kicked or mode.symbol.__hash__() in used or id(mode.arguments) in asked]  # of a table all
     algebra = replace(kinematics.algebra, modes=modes)
@@ -155,6 +155,8 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "conditions_know_time": int(ca.depends_on(motion.impacts.conditions, motion.t)),
         "is_steady": int(_is_steady(functions)),
     }
+    if "pieces" in functions.patterns:
+        found["n_pieces"] = len(functions.patterns["pieces"]) // 4
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
     return found | ({"solver": int(Solver.LINEAR)} if functions.form and functions.form.takes is Solver.LINEAR else {})
 

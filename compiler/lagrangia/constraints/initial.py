@@ -18,9 +18,9 @@ from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.duals import rate_of as rate_of_dual
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
-from lagrangia.constraints.parameters import default_parameters, parameter_symbols
+from lagrangia.constraints.parameters import default_parameters, input_symbols, parameter_symbols, with_declared_inputs
 from lagrangia.constraints.rows import Constraints
-from lagrangia.frames.evaluation import Value, scalars_of
+from lagrangia.frames.evaluation import Value
 from lagrangia.frames.graph import Coordinate, rate_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Equation
@@ -85,8 +85,7 @@ def _settle(initial: InitialConditions, kinematics: Kinematics, acceleration: ca
     if not initial.steady:
         return initial
     symbols, model = kinematics.symbols, kinematics.graph.model
-    inputs = ca.vertcat(ca.SX(0, 1), *[x for name, v in model.variables.items() if v.kind == "input"
-                                       for x in scalars_of(symbols.values[name])])
+    inputs = input_symbols(kinematics)
     rates = ca.vertcat(*symbols.rates.values())
     gaps = ca.substitute([gap for gap, _ in initial.steady], [ca.vertcat(*symbols.accelerations.values())],
                          kinematics.at_start([acceleration]))
@@ -114,7 +113,10 @@ def initial_function(kinematics: Kinematics, initial: InitialConditions) -> ca.F
     positions, rates = (ca.vertcat(ca.SX(0, 1), *x.values()) for x in (kinematics.symbols.positions, kinematics.symbols.rates))
     q, v, p = ca.vertcat(positions, initial.lost_q), ca.vertcat(rates, initial.lost_v), parameter_symbols(kinematics)
     jacobian = ca.densify(ca.jacobian(initial.residuals, ca.vertcat(q, v)))
-    return ca.Function("initial", [q, v, p], [initial.residuals, ca.vec(jacobian)], ["q", "v", "p"], ["g", "J"])
+    arguments, labels = [q, v, p], ["q", "v", "p"]
+    if kinematics.graph.model.moving_inputs:
+        arguments, labels = [*arguments, input_symbols(kinematics)], [*labels, "u"]
+    return ca.Function("initial", arguments, [initial.residuals, ca.vec(jacobian)], labels, ["g", "J"])
 
 
 class _Starts:
@@ -188,7 +190,8 @@ class _Starts:
                 self.residuals.append((told - read, span))
                 if self._freedom(slot) == FREE:
                     guesses = self.values[:kept] + self.values[self.n : self.n + kept]
-                    self.values[slot] = ca.substitute([read], [self._state()], [ca.vertcat(*guesses)])[0]
+                    known = ca.substitute([read], [self._state()], [ca.vertcat(*guesses)])
+                    (self.values[slot],) = with_declared_inputs(self.kinematics, known)
 
     def _require_agreement(self, coordinate: Coordinate) -> None:
         """A prescribed coordinate starts where it is prescribed, whatever it was guessed; its rate as well."""
@@ -199,6 +202,7 @@ class _Starts:
                 continue
             p, defaults = self._defaults
             gap = self._at_start(ca.SX(value - self.kinematics.evaluator.value(start)))
+            (gap,) = with_declared_inputs(self.kinematics, [gap])
             miss = abs(float(ca.evalf(ca.substitute(gap, p, ca.SX(defaults)))))
             if miss > _AGREES:
                 self.report.error("L0601", f"'{coordinate.name}' is given two initial values", start.span,

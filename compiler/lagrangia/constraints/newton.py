@@ -10,7 +10,7 @@ from lagrangia.algebra.orthogonal import Vector, nearest
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.constraints.metric import Metric, Momenta, Way
-from lagrangia.constraints.parameters import default_parameters
+from lagrangia.constraints.parameters import default_parameters, input_symbols, with_declared_inputs
 from lagrangia.frames.kinematics import Kinematics
 
 _SATISFIED, _DEPENDENT, _SHORTEST_STEP, _LONGEST_STEP, _FAITHFUL = 1e-10, 1e-10, 1e-4, 0.5, 0.9
@@ -27,6 +27,7 @@ class Equations:
     is_angle: NDArray[np.bool_]  # (n,)
     kind: NDArray[np.int_]  # (n,)
     n_positions: int
+    u: Vector | None = None  # inputs, where they move what is held
 
     @property
     def n(self) -> int:
@@ -41,7 +42,8 @@ class Equations:
 
     def __call__(self, x: Vector) -> tuple[Vector, Vector]:
         """g (m,) and its Jacobian (m, 2 n)."""
-        g, jacobian = self.initial(x[: self.n], x[self.n :], self.p)
+        inputs = () if self.u is None else (self.u,)
+        g, jacobian = self.initial(x[: self.n], x[self.n :], self.p, *inputs)
         values = g.full().ravel()
         return values, jacobian.full().reshape(values.size, 2 * self.n, order="F")
 
@@ -51,7 +53,10 @@ def start_equations(kinematics: Kinematics, initial: InitialConditions, table: M
     units = [c.unit for c in (*kinematics.graph.coordinates, *initial.lost)]
     kinds = np.array([sorted(set(units)).index(unit) for unit in units])
     p, is_angle = default_parameters(kinematics)[1].full().ravel(), np.array([unit == "rad" for unit in units])
-    return Equations(table["initial"], table.get("momentum"), p, is_angle, kinds, initial.n_positions)
+    u = None
+    if kinematics.graph.model.moving_inputs:
+        u = ca.evalf(with_declared_inputs(kinematics, [input_symbols(kinematics)])[0]).full().ravel()
+    return Equations(table["initial"], table.get("momentum"), p, is_angle, kinds, initial.n_positions, u)
 
 
 def pattern(n: int, turn: int) -> Vector:

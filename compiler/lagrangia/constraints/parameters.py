@@ -1,6 +1,7 @@
 """Parameters: all values from those given, the dependent ones following their bindings."""
 
 from collections.abc import Collection, Iterator
+from math import prod
 from typing import NoReturn
 
 import casadi as ca
@@ -12,7 +13,8 @@ from lagrangia.algebra.scalars import apply
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.frames.evaluation import Evaluator, Value, elements, scalars_of
 from lagrangia.frames.kinematics import Kinematics
-from lagrangia.language.flat import FlatModel
+from lagrangia.language.flat import FlatModel, Variable
+from lagrangia.language.folding import numbers_of
 
 # What takes an energy or a dissipation function in place of a constant of this unit.
 _GENERAL = {**dict.fromkeys(("N/m", "N.m/rad"), "GeneralSpring(V = ...)"),
@@ -60,6 +62,27 @@ def parameter_symbols(kinematics: Kinematics) -> ca.SX:
     return ca.vertcat(*[x for v in model.variables.values() if v.kind == "parameter" for x in scalars_of(symbols.values[v.name])])
 
 
+def input_symbols(kinematics: Kinematics) -> ca.SX:
+    """Of all inputs, (n_u,)."""
+    inputs = [v.name for v in kinematics.graph.model.variables.values() if v.kind == "input"]
+    return ca.vertcat(ca.SX(0, 1), *[x for name in inputs for x in scalars_of(kinematics.symbols.values[name])])
+
+
+def with_declared_inputs(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
+    """The expressions where inputs have the values with which they are declared."""
+    inputs = [v for v in kinematics.graph.model.variables.values() if v.kind == "input"]
+    if not inputs:
+        return expressions
+    values = [x or 0.0 for v in inputs for x in _declared(v)]
+    found: list[ca.SX] = ca.substitute(expressions, [input_symbols(kinematics)], [ca.SX(values)])
+    return found
+
+
+def _declared(variable: Variable) -> list[float | None]:
+    source = variable.start or variable.binding
+    return [0.0] * prod(variable.shape) if source is None else numbers_of(source, variable.shape)
+
+
 def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:
     """The symbols of all parameters, and their values when none is given."""
     p = parameter_symbols(kinematics)
@@ -85,8 +108,7 @@ def at_declared_values(kinematics: Kinematics, expressions: list[ca.SX]) -> list
 
 def at_start(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
     """The expressions at the start time, inputs zero: functions of q, v and p."""
-    symbols, model = kinematics.symbols, kinematics.graph.model
-    inputs = [x for n, v in model.variables.items() if v.kind == "input" for _, x in scalars(n, symbols.values[n])]
+    inputs = input_symbols(kinematics).elements()
     found: list[ca.SX] = ca.substitute(kinematics.at_start(expressions), inputs, [ca.SX(0)] * len(inputs))
     return found
 

@@ -20,7 +20,6 @@ from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters
 from lagrangia.frames.closures import gaps
 from lagrangia.frames.edges import Closure
-from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Dependent, Kinematics
 from lagrangia.language.flat import Equation
 
@@ -184,7 +183,7 @@ class _Reduction:
     """Gaussian elimination of the linear rows, the coefficients kept as expressions of the parameters."""
 
     def __init__(self, kinematics: Kinematics, among: frozenset[str] | None = None) -> None:
-        symbols, model = kinematics.symbols, kinematics.graph.model
+        symbols = kinematics.symbols
         self.kinematics = kinematics
         self.among = frozenset(symbols.positions) if among is None else among  # of the coordinates that may be given up
         self.report = Report()
@@ -194,7 +193,6 @@ class _Reduction:
         self.defaults = {x.__hash__(): value for x, value in zip(p.elements(), defaults.full().ravel(), strict=True)}
         self.moving = _hashes([*kinematics.algebra.state.elements(), symbols.time])
         self.accelerations = _hashes(symbols.accelerations.values())
-        self.inputs = _hashes(x for n, v in model.variables.items() if v.kind == "input" for x in scalars_of(symbols.values[n]))
         self.started = {c.name for c in kinematics.graph.coordinates if c.has_start}
         self.solved: dict[str, ca.SX] = {}
         self.users: dict[int, dict[str, None]] = {}  # the solutions in which a coordinate stands, by its place
@@ -265,11 +263,8 @@ class _Reduction:
         if not mentioned.isdisjoint(self.accelerations):
             self.report.error("L0412", "a constraint cannot depend on accelerations", row.span,
                               "constrain positions or velocities, or let a force act")
-        elif not mentioned.isdisjoint(self.inputs):
-            self.report.error("L0904", "not supported yet: an input in a constraint", row.span, "let it act as a force")
-        else:
-            return False
-        return True
+            return True
+        return False
 
     def _numbers(self, expression: ca.SX) -> ca.DM:
         symbols = ca.symvar(expression)
@@ -324,12 +319,13 @@ class _Reduction:
             self.agreements += [(x, row) for x in vanishing if symbols_in(x)]
 
     def _sizes_in_time(self, values: ca.SX) -> list[float]:
-        """How large functions of time become, with the parameters as they are declared."""
+        """How large functions of time become, with the parameters as they are declared, and inputs of all kinds."""
         experiment, time = self.kinematics.graph.model.experiment, self.kinematics.symbols.time
         (values,) = self.kinematics.algebra.with_modes([values])
         symbols = [x for x in ca.symvar(values) if x.__hash__() != time.__hash__()]
         evaluate = ca.Function("values", [time, ca.vertcat(ca.SX(0, 1), *symbols)], [values])
-        numbers = ca.DM([self.defaults[x.__hash__()] for x in symbols])
+        others = np.random.default_rng(3).uniform(0.3, 1.7, len(symbols))
+        numbers = ca.DM([self.defaults.get(x.__hash__(), other) for x, other in zip(symbols, others, strict=True)])
         times = [experiment.start + part * (experiment.stop - experiment.start) for part in (0.0, 0.381, 0.764)]
         found = np.abs(np.hstack([evaluate(t, numbers).full() for t in times]))
         return [float(x) for x in found.max(axis=1)]

@@ -9,7 +9,7 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.base.records import dataclass
-from lagrangia.frames.evaluation import Value, scalars_of
+from lagrangia.frames.evaluation import Value
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Energy, Work
 
@@ -96,21 +96,16 @@ def _check_scalar(value: Value, kind: str, span: Span, report: Report) -> None:
 
 
 def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report) -> None:
-    """V may depend on positions, T and D on velocities, nothing on accelerations; inputs act through forces and dampers."""
+    """V may depend on positions, T and D on velocities, nothing on accelerations."""
     symbols = kinematics.symbols
     accelerations = ca.vertcat(*symbols.accelerations.values())
     rates = ca.vertcat(*symbols.rates.values())
-    inputs = ca.vertcat(*[x for name, v in kinematics.graph.model.variables.items() if v.kind == "input"
-                          for x in scalars_of(symbols.values[name])])
     groups = {"kinetic": energies.kinetic, "potential": energies.potential, "dissipation": energies.dissipation}
     for kind, terms in groups.items():
         whole = energies.total(terms)
         checks = [(accelerations, "L0501", f"a {kind} energy cannot depend on accelerations", "")]
         if kind == "potential":
             checks.append((rates, "L0502", "a potential cannot depend on velocities", "what resists motion is a dissipation"))
-        if kind != "dissipation":
-            checks.append((inputs, "L0908", f"not supported yet: an input in a {kind} energy",
-                           "let it act as a force: work ... on ..."))
         for wrong, code, message, hint in checks:
             if wrong.numel() and ca.depends_on(whole, wrong):
                 for term in terms:

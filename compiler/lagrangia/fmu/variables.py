@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from lagrangia.base.diagnostics import LagError, RunError, fail
 from lagrangia.base.records import dataclass
+from lagrangia.language.units import per_second
 from lagrangia.native.tapes import Tape
 from lagrangia.run.request import check_values
 from lagrangia.run.scene import Column, Scene
@@ -262,7 +263,7 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
                        nominal=nominal[k], aliases=names.aliases.get(names.states[k], ()))
     for k, column in enumerate(columns):
         yield Variable(names.slopes[k], "slope", reference(), "local", "continuous", "calculated", None,
-                       _per_second(column.unit), _per_second(column.display_unit) if column.display_unit else "",
+                       per_second(column.unit), per_second(column.display_unit) if column.display_unit else "",
                        f"derivative of {names.states[k]}", derivative_of=names.states[k])
     for column in scene.outputs:
         yield Variable(column.name, "output", reference(), "output", "continuous", "calculated", None, column.unit,
@@ -270,7 +271,7 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
     for part, text in _ENERGIES.items():
         yield Variable(f"{names.energy}.{part}", "energy", reference(), "local", "continuous", "calculated", None, "J", "", text)
     for given_input in scene.inputs:
-        yield Variable(given_input.name, "input", reference(), "input", "continuous", None, given_input.value or 0.0,
+        yield Variable(_structured(given_input.name), "input", reference(), "input", "continuous", None, given_input.value or 0.0,
                        given_input.unit, "", given_input.description, given_input.minimum, given_input.maximum)
     for known, value, is_free in zip(scene.parameters, given, settable, strict=True):
         causality = "parameter" if is_free else "calculatedParameter"
@@ -280,6 +281,11 @@ def _variables(scene: Scene, names: _Names, kinds: Sequence[str], start: Sequenc
         yield Variable(f"{names.switch}[{k}]", "indicator", reference(), "local", "continuous", "calculated", None,
                        description="event indicator: forces bend or jump where it falls to 0")
     yield from _constants(scene, reference)
+
+
+def _structured(name: str) -> str:
+    """der(y,2), as FMI writes what is der(der(y)) here."""
+    return f"der({name[8:-2]},2)" if name.startswith("der(der(") else name
 
 
 def _constants(scene: Scene, reference: Callable[[], int]) -> Iterator[Variable]:
@@ -303,13 +309,3 @@ def _columns(names: _Names, variables: Sequence[Variable]) -> list[str]:
     inputs = [v.name for v in variables if v.group == "input"]
     parameters = [v.name for v in variables if v.group == "parameter"]
     return ["time", *names.states, *inputs, *parameters]
-
-
-def _per_second(unit: str) -> str:
-    """m/s -> m/s2, N.m -> N.m/s."""
-    above, slash, below = unit.partition("/")
-    if not unit or unit == "1":
-        return "1/s"
-    if not slash:
-        return f"{unit}/s"
-    return f"{above}/s2" if below == "s" else f"{above}/({below.strip('()')}.s)"

@@ -146,10 +146,8 @@ class _Building:
                 fail("L0402", f"a joint's shift or turn cannot depend on the frame '{leaf.name}'", equation.span)
         names = {leaf.name: self.model.variables.get(leaf.name) for leaf in found if isinstance(leaf, Ref)}
         coordinates = tuple(name for name, v in names.items() if v is not None and v.kind == "coordinate")
-        inputs = [name for name, v in names.items() if v is not None and v.kind == "input"]
-        if inputs:
-            fail("L0904", f"not supported yet: the input '{inputs[0]}' moves a frame", equation.span, "let it act as a force")
-        edge = Edge(right, left, steps, coordinates, any(isinstance(leaf, Time) for leaf in found), equation.span)
+        is_moved = any(v is not None and v.kind == "input" for v in names.values())
+        edge = Edge(right, left, steps, coordinates, is_moved or any(isinstance(leaf, Time) for leaf in found), equation.span)
         if left == right and not steps:
             return
         self.candidates.append(edge)

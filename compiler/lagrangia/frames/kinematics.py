@@ -3,14 +3,14 @@
 The poses (planar.py) are evaluated with Duals, so the velocities come with the positions.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property, partial
 from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, plus, times, value_of
+from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, plus, polynomial, times, value_of
 from lagrangia.algebra.scalars import symbol
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import fail
@@ -25,7 +25,9 @@ from lagrangia.frames.steps import Step
 from lagrangia.frames.vectors_on_a_line import line_of
 from lagrangia.language.compiled_numbers import compiled_numbers
 from lagrangia.language.consequences import CONSTRAINT_FORCE
+from lagrangia.language.flat import FlatModel
 from lagrangia.language.frame_attributes import ATTRIBUTES
+from lagrangia.language.moving_inputs import rate_names
 
 _JUST_AFTER = 1e-9  # of the time from start to stop
 Displacement = tuple[ca.SX, ...]  # a virtual one and its rate, or those of an excitation, with its second derivative
@@ -53,7 +55,16 @@ class Symbols:
     accelerations: dict[str, Scalar]
     values: dict[str, Any]  # parameters and inputs; tuples for arrays
     compiled: Mapping[str, Any] = field(default_factory=dict)  # the same, with numbers where these are compiled in
+    pieces: Mapping[str, Any] = field(default_factory=dict)  # of moving inputs, as polynomials of time: Piece; tuples for arrays
     asked: set[str] = field(default_factory=set)  # "time" as soon as an expression speaks of it
+
+
+@dataclass(frozen=True)
+class Piece:
+    """What an input is between two times: a polynomial of the time since `place`, the constant first."""
+
+    place: ca.SX
+    coefficients: tuple[ca.SX, ...]
 
 
 @dataclass
@@ -87,9 +98,16 @@ class Kinematics:
         if name in self.graph.cut_coordinates:
             read = cut_coordinate(self, self.graph.cut_coordinates[name], level)
             return read + displacement(self.released[name], level) if name in self.released else read
+        if name in self.symbols.pieces:
+            return self._moved_input(self.symbols.pieces[name], level)
         if name.startswith(CONSTRAINT_FORCE):
             return self.forces.setdefault(name, symbol(name))
         return self.symbols.compiled.get(name, self.symbols.values.get(name))
+
+    def _moved_input(self, piece: Value, level: int) -> Value:
+        if isinstance(piece, tuple):
+            return tuple(self._moved_input(item, level) for item in piece)
+        return polynomial(self.time(level), piece.place, piece.coefficients)
 
     def coordinate(self, name: str, level: int) -> Scalar:
         """A coordinate with its rate, and its acceleration at level 2."""
@@ -111,7 +129,8 @@ class Kinematics:
         """At the start time, with modes as they are just after it."""
         t, modes, experiment = self.symbols.time, self.algebra.modes, self.graph.model.experiment
         just_after = experiment.start + _JUST_AFTER * (experiment.stop - experiment.start)
-        values = ca.substitute([mode.value for mode in modes], [t], [ca.SX(just_after)])
+        begins = [experiment.start if mode.of_input is not None else just_after for mode in modes]
+        values = [ca.substitute(mode.value, t, ca.SX(begin)) for mode, begin in zip(modes, begins, strict=True)]
         expressions = ca.substitute(expressions, [mode.symbol for mode in modes], values) if modes else expressions
         found: list[ca.SX] = ca.substitute(expressions, [t, self.symbols.tau], [ca.SX(experiment.start), ca.SX(1)])
         return found
@@ -276,11 +295,31 @@ def build_kinematics(graph: ComponentGraph, is_general: bool = True, massless: t
     time, tau = symbol("t"), symbol("tau")
     variables = [v for v in graph.model.variables.values() if v.kind in ("parameter", "input")]
     values = {v.name: _shaped(v.name, v.shape, ()) for v in variables}
-    inputs = [x for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
-    moving = ca.vertcat(*positions.values(), *rates.values(), *accelerations.values(), *inputs)
+    inputs = [(v.name, x) for v in variables if v.kind == "input" for x in scalars_of(values[v.name])]
+    moving = ca.vertcat(*positions.values(), *rates.values(), *accelerations.values(), *(x for _, x in inputs))
     numbers = compiled_numbers(graph.model, is_general, massless)
     compiled = {name: _compiled(values[name], known) for name, known in numbers.items()}
-    return Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values, compiled), CasadiAlgebra(time, moving))
+    algebra = CasadiAlgebra(time, moving)
+    pieces = {name: _pieces(algebra, graph.model, name, values, [x for x, _ in inputs]) for name in graph.model.moving_inputs}
+    return Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values, compiled, pieces), algebra)
+
+
+def _pieces(algebra: CasadiAlgebra, model: FlatModel, name: str, values: Mapping[str, Any], inputs: list[str]) -> Value:
+    """Of a moving input, in the shape of its value. `inputs`: of each scalar among the inputs, whose it is."""
+    rates = rate_names(name) if model.moving_inputs[name] else ()
+    columns = [scalars_of(values[part]) for part in (name, *rates)]
+    firsts = [inputs.index(part) for part in (name, *rates)]
+    found = []
+    for k, parts in enumerate(zip(*columns, strict=True)):
+        y, rate, second = (*parts, 0.0, 0.0)[:3]
+        at = (firsts[0] + k, firsts[1] + k if rates else -1, firsts[2] + k if rates else -1)
+        place, *coefficients = algebra.pieces_of_input(at, y, rate, second)
+        found.append(Piece(place, tuple(coefficients)))
+    return _nested(iter(found), model.variables[name].shape)
+
+
+def _nested(items: Iterator[Piece], shape: tuple[int, ...]) -> Value:
+    return tuple(_nested(items, shape[1:]) for _ in range(shape[0])) if shape else next(items)
 
 
 def _compiled(value: Value, numbers: Sequence[float | None]) -> Value:

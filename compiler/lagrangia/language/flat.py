@@ -40,7 +40,8 @@ class Variable:
         indices: list[tuple[int, ...]] = [()]
         for size in self.shape:
             indices = [(*index, i) for index in indices for i in range(1, size + 1)]
-        return [(self.name + (f"[{','.join(map(str, i))}]" if i else ""), i) for i in indices]
+        core = self.name.rstrip(")")  # der(y[1]) of the input der(y)
+        return [(core + (f"[{','.join(map(str, i))}]" if i else "") + self.name[len(core) :], i) for i in indices]
 
 
 @dataclass(frozen=True)
@@ -179,6 +180,7 @@ class FlatModel:
     states: Mapping[str, State] = field(default_factory=dict)  # by their names
     lookups: Mapping[Lookup, Span] = field(default_factory=dict)  # tables of files that are asked for
     tables: Mapping[Lookup, ReadTable] = field(default_factory=dict)  # as they were read
+    moving_inputs: Mapping[str, bool] = field(default_factory=dict)  # in places or energies; whether their rates matter
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
     components: Mapping[str, str] = field(default_factory=dict)  # descriptions of those that have one, by their names
 

@@ -29,6 +29,7 @@ from lagrangia.language.folding import fold
 from lagrangia.language.idle import find_idle
 from lagrangia.language.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot, outside
 from lagrangia.language.mentions import leaves
+from lagrangia.language.moving_inputs import with_moving_inputs
 from lagrangia.language.names import Names, read_unit
 from lagrangia.language.states import find_states, refuse_states_elsewhere
 from lagrangia.language.tree import (
@@ -103,12 +104,13 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.states, self.names.lookups, {}, allowed_of(self.table, definition), self.components,
+            self.states, self.names.lookups, {}, {}, allowed_of(self.table, definition), self.components,
         )
         refuse_states_elsewhere(model, self.report)
         self.report.raise_errors()
         looks = (find_unread, find_idle, find_without_effect)
-        return replace(model, warnings=tuple(d for look in looks for d in look(model, root, self.table).diagnostics))
+        warnings = tuple(d for look in looks for d in look(model, root, self.table).diagnostics)
+        return with_moving_inputs(replace(model, warnings=warnings))
 
     def _require_model(self) -> None:
         if self.definition.kind != "model" or self.definition.is_partial:

@@ -122,6 +122,16 @@ def divide(a: Dimension, b: Dimension) -> Dimension:
     return tuple(map(sub, a, b))
 
 
+def per_second(unit: str) -> str:
+    """The unit of a rate, as text: m/s -> m/s2, N.m -> N.m/s."""
+    above, slash, below = unit.partition("/")
+    if not unit or unit == "1":
+        return "1/s"
+    if not slash:
+        return f"{unit}/s"
+    return f"{above}/s2" if below == "s" else f"{above}/({below.strip('()')}.s)"
+
+
 def power(a: Dimension, exponent: int | Fraction) -> Dimension:
     """The dimension of a power."""
     found = [x * exponent for x in a]

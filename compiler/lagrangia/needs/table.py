@@ -19,6 +19,7 @@ from lagrangia.dynamics.motion import Motion, build_motion, count_nodes, inertia
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.graph import Coordinate
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.moving_inputs import rate_inputs
 from lagrangia.language.observables import observe
 from lagrangia.needs.dependence import changes
 from lagrangia.needs.islands import MOST_COORDINATES, find_islands
@@ -353,13 +354,15 @@ def _products(parts: _Parts) -> Iterable[Need]:
 
 def _inputs(parts: _Parts) -> Need:
     motion, kinematics = parts.motion, parts.kinematics
-    inputs = [v for v in kinematics.graph.model.variables.values() if v.kind == "input"]
+    model = kinematics.graph.model
+    inputs = [v for v in model.variables.values() if v.kind == "input" and v.name not in rate_inputs(model)]
     if not inputs:
         return Need("inputs", False, "nothing comes from outside")
     acts = ca.vertcat(motion.acceleration, motion.dissipated_power, motion.source_power)
-    values = [kinematics.evaluator.value(observe(kinematics.graph.model, column.name)) for column in parts.scene.outputs]
+    values = [kinematics.evaluator.value(observe(model, column.name)) for column in parts.scene.outputs]
     read = ca.vertcat(*[ca.SX(x) for value in values for x in scalars_of(value)])
-    is_moving, is_read = ca.depends_on(acts, motion.u), ca.depends_on(read, motion.u)
+    u = ca.vertcat(motion.u, *[mode.symbol for mode in kinematics.algebra.modes if mode.of_input is not None])
+    is_moving, is_read = ca.depends_on(acts, u), ca.depends_on(read, u)
     who = "the motion depends" if is_moving else "outputs alone depend" if is_read else "nothing depends"
     return Need("inputs", is_moving or is_read, f"{who} on {_few([v.name for v in inputs])}", str(inputs[0].span))
 

@@ -134,10 +134,14 @@ def _inputs(values: Values) -> dict[str, Any] | None:
 
 
 def _given_inputs(described: FmuModel, values: Values) -> Iterator[dict[str, Any]]:
-    """Sliders of inputs; those that a table gives over time begin with its first row, and are held where they are moved."""
+    """Sliders of inputs that do not move places; those that a table gives over time begin with its first row, and are held where
+    they are moved."""
     columns = np.reshape(values.input_values, (len(values.input_times), -1)).T
     has_table = len(values.input_times) > 1
-    for v, x in zip(described.of("input"), columns, strict=True):
+    moving = {place for piece in described.scene.pieces if piece[1] >= 0 for place in piece[:3]}  # what may not jump
+    for k, (v, x) in enumerate(zip(described.of("input"), columns, strict=True)):
+        if k in moving:
+            continue
         first, most = (float(x[0]), float(np.abs(x).max())) if has_table else (float(v.start or 0.0), 1.0)
         yield _control("input", v, first, most or 1.0) | {"varies": bool(np.ptp(x) > 0)}
 

@@ -64,7 +64,7 @@ def _shared(values: Any) -> Any:
 _SIZES = (
     "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
     "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost", "n_switches", "n_lengths", "n_whens", "n_rubs", "n_resets",
-    "n_rests", "n_roots", "n_cones", "n_lookups",
+    "n_rests", "n_roots", "n_cones", "n_lookups", "n_pieces",
 )
 FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
@@ -86,6 +86,7 @@ class ModelMirror(c.Structure):
         ("rests", Ints),
         ("cones", Ints),
         ("lookups", Ints),
+        ("pieces", Ints),
         ("tables", c.POINTER(TableMirror)),
         ("outputs_need_acceleration", c.c_int),
         ("switches_need_acceleration", c.c_int),

@@ -12,6 +12,7 @@ from typing import Any
 from lagrangia.base.checked_values import a_count, a_number, by_name, numbers
 from lagrangia.base.diagnostics import Report, fail, suggest
 from lagrangia.base.records import dataclass
+from lagrangia.run.input_pieces import complete_rates
 from lagrangia.run.scene import Parameter, Scene
 from lagrangia.run.solvers import AUTO, is_casadi, number_of
 
@@ -92,6 +93,10 @@ class Values:
     input_times: Sequence[float] = (0.0,)
     input_values: Sequence[float] = ()
     lost: tuple[float, ...] = ()  # as `scene.lost` places them, NaN where nothing is given
+
+    def input_times_from(self, start: float) -> Sequence[float]:
+        """Of the table of inputs; what is given once holds, or begins, at the start."""
+        return (start,) if len(self.input_times) == 1 else self.input_times
 
 
 @dataclass(frozen=True)
@@ -230,6 +235,7 @@ def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[fl
             report.error("L0703", f"the input '{name}' must be finite everywhere")
     if any(b < a for a, b in pairwise(times)):
         report.error("L0703", "the times of the inputs must not fall")
+    columns = complete_rates(scene, times, columns) if scene.pieces else columns
     full = [columns.get(p.name, [p.value or 0.0] * len(times)) for p in scene.inputs]
     for known, column in zip(scene.inputs, full, strict=True):
         _require_within("input", known, min(column), max(column), report)

@@ -43,6 +43,7 @@ class Status(IntEnum):
     NO_PROGRESS = 15
     WANTS_JACOBIAN = 16
     TABLE_ENDED = 17
+    INPUT_JUMPS = 18
 
 
 _STATUS = tuple(Status)

@@ -73,6 +73,13 @@ class Scene:
     lost: Mapping[str, tuple[int, str]]  # place among the starts of LagModel's n_lost coordinates, then their rates, and the unit
 
     @property
+    def pieces(self) -> list[tuple[int, int, int, int]]:
+        """Of each input that stands where functions of time do: its place among them, those of its rates (-1: they do not
+        matter), the first of its modes."""
+        places = self.patterns.get("pieces", ())
+        return [(places[k], places[k + 1], places[k + 2], places[k + 3]) for k in range(0, len(places), 4)]
+
+    @property
     def n(self) -> int:
         """The number of coordinates."""
         return len(self.coordinates)

@@ -80,7 +80,7 @@ def start_run(scene: Scene, engine: Engine, experiment: Experiment, values: Valu
         run.set_parameters(values.parameters, values.mask)
         check_parameters(scene, run.parameters)
         if scene.inputs:
-            run.set_inputs(values.input_times, values.input_values)
+            run.set_inputs(values.input_times_from(experiment.start), values.input_values)
         run.set_lost(values.lost or [math.nan] * (2 * scene.sizes["n_lost"]))
         status = run.start(values.q, values.v)
         if status is not Status.OK:
@@ -212,6 +212,10 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
     if failure.status is Status.TABLE_ENDED:
         return (f"the table '{scene.tables[int(failure.value)].name}' ends, and the run goes on: it says nothing after "
                 f"t = {failure.time:.9g}; stop earlier, or say what holds beyond its ends, as with beyond = \"hold\"")
+    if failure.status is Status.INPUT_JUMPS:
+        name = scene.inputs[failure.index].name
+        return (f"the input '{name}' moves places, and jumps by {failure.value:.3g} at t = {failure.time:.9g}: what it moves "
+                f"would have no speed; give der({name}) and der(der({name})) with it, or all of it as a table before the run")
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"

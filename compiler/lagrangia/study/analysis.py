@@ -23,6 +23,7 @@ from lagrangia.frames.planar import LENGTHS, SIZE
 from lagrangia.language.dimensions import unit_of
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import Ref
+from lagrangia.run.input_pieces import InputTable
 from lagrangia.run.request import Values, check_parameters
 from lagrangia.study.contacts_at_rest import Grip, balance, find_all_held, find_held, holds_at
 from lagrangia.study.corners_at_rest import BENT, bends_at
@@ -63,9 +64,7 @@ class Study:
         table = compilation.functions.table
         self.p = table["parameters"](values.parameters, values.mask).full().ravel()
         check_parameters(self.scene, list(map(float, self.p)))
-        count = len(self.scene.inputs)
-        rows = np.asarray(values.input_values, dtype=float).reshape(-1, count) if count else np.zeros((1, 0))
-        self.u = np.array([np.interp(self.time, values.input_times, rows[:, k]) for k in range(count)])
+        self.u = InputTable(self.scene, values, self.time).at(np.array([self.time]))[:, 0]
         if self.scene.n == 0:
             fail("L0505", "nothing can move: the scene has no coordinate", compilation.flat.span,
                  "lag simulate tells the reactions of such a scene")
@@ -86,7 +85,8 @@ class Study:
         guess = np.where(is_given, given, guess)
         if "initial" not in table:
             return guess[:n], guess[n:]
-        equations = replace(start_equations(self.c.kinematics, initial, self.c.functions.table), p=self.p)
+        equations = start_equations(self.c.kinematics, initial, self.c.functions.table)
+        equations = replace(equations, p=self.p, u=None if equations.u is None else self.u)
         x, worst = Assembly(equations, np.where(is_given, FIXED, np.array(initial.fixed)), guess).assemble()
         if worst >= 0:
             fail("L0606", initial.complaint(worst), initial.residual_spans[worst],

@@ -19,6 +19,7 @@ from lagrangia.base.interruptions import noticed
 from lagrangia.base.records import dataclass
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.dynamics.switches import has_dry_friction, live
+from lagrangia.run.input_pieces import InputTable
 from lagrangia.run.request import Experiment, Values, check_parameters
 from lagrangia.run.runtime import Statistics
 from lagrangia.run.simulate import Progress
@@ -82,6 +83,7 @@ class _Run:
         self.n = self.compilation.scene.n
         self.p = np.array(table["parameters"](self.values.parameters, self.values.mask))
         self.c = table["hoist"](self.p)
+        self.inputs = InputTable(self.compilation.scene, self.values, self.experiment.start)
         self.y = self._start(table)
 
     def _start(self, table: Any) -> np.ndarray:
@@ -132,11 +134,9 @@ class _Run:
 
     def _inputs(self, t: Any, now: float, target: float) -> Any:
         """u(t) on a segment: linear between the table's rows, held outside."""
-        count = len(self.compilation.scene.inputs)
-        if not count:
+        if not self.compilation.scene.inputs:
             return ca.DM(0, 1)
-        table = np.asarray(self.values.input_values, dtype=float).reshape(-1, count)
-        times = np.asarray(self.values.input_times, dtype=float)
+        table, times = np.nan_to_num(self.inputs.rows), self.inputs.times
         middle = 0.5 * (now + target)
         k = bisect.bisect_right(list(times), middle)
         if k in (0, len(times)):
@@ -153,6 +153,8 @@ class _Run:
         lookups, kinds = self.compilation.functions.patterns["lookups"], self.compilation.functions.event_kinds
         for event, first in zip(lookups[::2], lookups[1::2], strict=True):
             piece = self.compilation.scene.tables[kinds[event] - 2].piece(float(a[event] + b[event] * middle))
+            found[first : first + len(piece)] = piece
+        for first, piece in self.inputs.pieces_within(middle):
             found[first : first + len(piece)] = piece
         return ca.DM(found)
 

@@ -19,6 +19,7 @@ from lagrangia.frames.kinematics import Displacement, Kinematics, Symbols
 from lagrangia.frames.planar import SIZE
 from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS
 from lagrangia.language.mentions import nodes
+from lagrangia.language.moving_inputs import rate_inputs
 from lagrangia.language.observables import observe
 from lagrangia.language.tree import FrameRef, Ref, Time
 
@@ -98,12 +99,12 @@ def find_probes(kinematics: Kinematics, constraints: Constraints, names: Sequenc
 def usual_probes(kinematics: Kinematics) -> tuple[Probe, ...]:
     """The declared inputs, and all variables and frames whose own formula mentions time."""
     model = kinematics.graph.model
-    found = []
+    found, rates = [], rate_inputs(model)
     for variable in model.variables.values():
         driven = variable.kind not in ("parameter", "coordinate", "input") and variable.binding is not None \
             and not variable.is_output and any(isinstance(node, Time) for node in nodes(variable.binding))
         if variable.kind == "input":
-            found += _elements(kinematics, variable.name)
+            found += [] if variable.name in rates else _elements(kinematics, variable.name)
         elif driven:
             probes = _elements(kinematics, variable.name)
             values = scalars_of(kinematics.evaluator.variable(variable.name, 0, variable.span))

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from lagrangia.run.input_pieces import InputTable
 from lagrangia.run.request import Values
 from lagrangia.run.scene import Column, Scene
 
@@ -33,12 +34,9 @@ def shown(scene: Scene) -> tuple[Scene, Callable[[Sequence[float]], Sequence[flo
 
 def moments(scene: Scene, parameters: "np.ndarray", values: Values, rows: "np.ndarray") -> "tuple[np.ndarray, ...]":
     """t, q, v and u, (., T) each, and p, (n_p, 1), of rows of results."""
-    import numpy as np
-
-    n, count = scene.n, len(values.input_values) // len(values.input_times)
+    n = scene.n
     t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
-    table = np.asarray(values.input_values).reshape(len(values.input_times), count)
-    u = np.array([np.interp(t[0], values.input_times, table[:, k]) for k in range(len(scene.inputs))]).reshape(-1, t.size)
+    u = InputTable(scene, values, float(t[0, 0]) if t.size else scene.start).at(t[0])
     return t, q, v, u, parameters.reshape(-1, 1)
 
 

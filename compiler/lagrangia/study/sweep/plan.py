@@ -122,11 +122,11 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
     window = float(request.interval or (experiment.stop - experiment.start) / _LOOKS)
     least = [-math.inf if p.minimum is None else p.minimum for p in scene.parameters]
     most = [math.inf if p.maximum is None else p.maximum for p in scene.parameters]
-    has_inputs = bool(scene.inputs)
+    moments, u = (values.input_times_from(experiment.start), values.input_values) if scene.inputs else ((), ())
     sweep = Sweep(settings, window, seconds, reduced, variations.places,
                   values.parameters, values.mask, (*values.q, *values.v), least, most,
-                  tuple(values.input_times) if has_inputs else (), tuple(values.input_values) if has_inputs else (),
-                  bool(scene.notes["is_driven"]), tuple(t for times in experiment.times() for t in times) if design.keeps else ())
+                  tuple(moments), tuple(u), bool(scene.notes["is_driven"]),
+                  tuple(t for times in experiment.times() for t in times) if design.keeps else ())
     return Job(scene, tuple(measures), variations, sweep)
 
 
