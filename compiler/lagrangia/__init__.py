@@ -34,7 +34,7 @@ from lagrangia.base.version import VERSION
 if TYPE_CHECKING:
     from lagrangia.base.diagnostics import Diagnostic, EngineWarning, Error, Interrupted, LagError, RunError
     from lagrangia.model import Model, load, loads
-    from lagrangia.run.input_pieces import slopes
+    from lagrangia.run.input_rates import slopes
     from lagrangia.run.stepped import SteppedRun
     from lagrangia.view.trajectory import EnergyAccount, Trajectory
 
@@ -43,7 +43,7 @@ __all__ = ["Diagnostic", "EnergyAccount", "EngineWarning", "Error", "Interrupted
            "Trajectory", "load", "loads", "slopes"]
 _PLACES = dict.fromkeys(__all__, "base.diagnostics") | dict.fromkeys(("Model", "load", "loads"), "model") | dict.fromkeys(
     ("EnergyAccount", "Trajectory"), "view.trajectory") | {
-    "SteppedRun": "run.stepped", "slopes": "run.input_pieces"}
+    "SteppedRun": "run.stepped", "slopes": "run.input_rates"}
 
 
 def __getattr__(name: str) -> Any:

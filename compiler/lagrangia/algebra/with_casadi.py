@@ -118,6 +118,14 @@ class CasadiAlgebra:
         found: list[ca.SX] = ca.substitute(expressions, [m.symbol for m in self.modes], [m.value for m in self.modes])
         return found
 
+    def by_inputs(self, expressions: list[ca.SX]) -> list[ca.SX]:
+        """With inputs and their rates, as they are set at the time, in the place of modes that come from them."""
+        modes = [mode for mode in self.modes if mode.of_input is not None]
+        if not modes:
+            return expressions
+        found: list[ca.SX] = ca.substitute(expressions, [m.symbol for m in modes], [m.value for m in modes])
+        return found
+
     def number(self, value: float) -> Scalar:
         """A plain number, which CasADi takes as it is."""
         return value

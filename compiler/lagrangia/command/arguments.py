@@ -14,7 +14,7 @@ from lagrangia.base.cutting import split_list
 from lagrangia.base.diagnostics import WARNINGS, fail, suggest
 from lagrangia.base.result_files import keep_apart, require_kind
 from lagrangia.base.tables import read_table
-from lagrangia.command.input_tables import named_tables, read_input, together
+from lagrangia.command.input_tables import named_tables, path_of, read_input, together
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
 from lagrangia.run.request import USUAL, Request
@@ -203,8 +203,11 @@ def values_with_units(given: list[tuple[str, str]], units: dict[str, str]) -> di
 def input_tables(given: list[str]) -> list[str]:
     """The files among them."""
     named = named_tables(given)
-    whole = [text for text in given if "=" not in text or (Path(text).suffix == ".csv" and not _is_named(text, named))]
-    return [*whole, *named.values()]
+    return [*_whole_tables(given, named), *map(path_of, named.values())]
+
+
+def _whole_tables(given: list[str], named: Mapping[str, str]) -> list[str]:
+    return [text for text in given if "=" not in text or (Path(text).suffix == ".csv" and not _is_named(text, named))]
 
 
 def _is_named(text: str, named: Mapping[str, str]) -> bool:
@@ -216,7 +219,8 @@ def read_inputs(given: list[str], scene: Any) -> Any:
     """Constants by name, or a table of one CSV file with a column `time` and of files for inputs by their names, in SI units.
     Raises LagError L0301, L0701, L0703, L0706, L0712."""
     named = named_tables(given)
-    files = [text for text in input_tables(given) if text not in named.values() or text in given]
+    files = _whole_tables(given, named)
+    moving = {scene.inputs[piece[0]].name for piece in scene.pieces if piece[1] >= 0}
     units = {p.name: p.unit for p in scene.inputs}
     others = (text for text in given if text not in files and not _is_named(text, named))
     constants = values_with_units(assignments(others, "-u"), units)
@@ -226,7 +230,8 @@ def read_inputs(given: list[str], scene: Any) -> Any:
         fail("L0703", "one table of inputs can be given", None, "put its columns into one file, or name each: -u NAME=FILE")
     if unknown := next((name for name in named if name not in units), None):
         fail("L0701", f"the scene has no input '{unknown}'", None, *filter(None, [suggest(unknown, units)]))
-    tables = [read_table(Path(file)) for file in files] + [read_input(name, units[name], named[name]) for name in named]
+    tables = [read_table(Path(file)) for file in files] + [read_input(name, units[name], named[name], name in moving)
+                                                            for name in named]
     known = Counter([*constants, *(name for _, columns in tables for name in columns)])
     if twice := sorted(name for name, count in known.items() if count > 1):
         fail("L0712", f"'{twice[0]}' is given twice", None, f"by -u, and by a column of '{(*files, *named.values())[0]}'")

@@ -1,4 +1,7 @@
-"""-u NAME=FILE: inputs as columns of files, and all of them as one table."""
+"""-u NAME=FILE, -u NAME=FILE:cubic: inputs as columns of files, and all of them as one table.
+
+What is smooth has a column of its rate beside its own, der(NAME): between two rows it is the cubic with these values and rates.
+"""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -9,9 +12,21 @@ from typing import Any
 from lagrangia.base.diagnostics import fail
 from lagrangia.language.units import parse_unit
 from lagrangia.run.columns import Columns, read_columns
+from lagrangia.run.input_rates import slopes
 
 _KINDS = (".csv", ".txt", ".dat", ".parquet", ".mat")
+_SMOOTHNESS = ("linear", "steps", "cubic", "monotone")
 Table = tuple[Sequence[float], Mapping[str, Sequence[float]]]  # times, values by the names of inputs
+
+
+def path_of(named: str) -> str:
+    """The file of FILE:cubic."""
+    return _parted(named)[0]
+
+
+def _parted(named: str) -> tuple[str, str]:
+    path, sign, smoothness = named.rpartition(":")
+    return (path, smoothness) if sign and smoothness in _SMOOTHNESS else (named, "linear")
 
 
 def named_tables(given: Sequence[str]) -> dict[str, str]:
@@ -19,25 +34,34 @@ def named_tables(given: Sequence[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for text in given:
         name, sign, path = text.partition("=")
-        if sign and Path(path).suffix.lower() in _KINDS and not os.path.isfile(text):
+        if sign and Path(path_of(path)).suffix.lower() in _KINDS and not os.path.isfile(text):
             if name in found:
                 fail("L0712", f"'{name}' is given twice", None, f"by -u {name}={found[name]} and by -u {text}")
             found[name] = path
     return found
 
 
-def read_input(name: str, unit: str, path: str) -> Table:
-    """The column of that name over the first one, or the second of two, in SI units. Raises LagError L0301, L0703."""
+def read_input(name: str, unit: str, named: str, is_moving: bool) -> Table:
+    """The column of that name over the first one, or the second of two, in SI units; `is_moving`: its rates matter. Raises
+    LagError L0301, L0703, L0901."""
+    path, smoothness = _parted(named)
     columns = read_columns(Path(path))
     place = columns.place(name) if name in columns.names else columns.place(None)
     if place is None or place == 0:
         known = ", ".join(label or str(k) for k, label in enumerate(columns.names, 1))
         fail("L0703", f"'{path}' has no column '{name}', and {len(columns.names)} columns", None,
              f"its columns are: {known}"[:300])
-    times = _in_si(columns, 0, "s", path)
+    times, values = _in_si(columns, 0, "s", path), _in_si(columns, place, unit, path)
     if any(b < a for a, b in pairwise(times)):
         fail("L0703", f"the first column of '{path}' must not fall: it is the time")
-    return times, {name: _in_si(columns, place, unit, path)}
+    if smoothness == "steps":
+        return [t for t in times for _ in (0, 1)][1:], {name: [x for x in values for _ in (0, 1)][:-1]}
+    if smoothness == "linear":
+        return times, {name: values}
+    if not is_moving:
+        fail("L0901", f"not supported yet: the input '{name}', which moves no places, as a smooth table", None,
+             f"write table(time, \"{path}\", smoothness = \"{smoothness}\") in its place, or leave :{smoothness} away")
+    return times, {name: values, f"der({name})": slopes(times, values, smoothness)}
 
 
 def _in_si(columns: Columns, place: int, wanted: str, path: str) -> list[float]:
@@ -55,7 +79,7 @@ def _in_si(columns: Columns, place: int, wanted: str, path: str) -> list[float]:
 
 
 def together(tables: Sequence[Table]) -> Table:
-    """One table of them all, with all their times: each is linear between its own, and held beyond its ends. Raises LagError
+    """One table of them all, with all their times: each is as it was between its own, and held beyond its ends. Raises LagError
     L0901 where one that jumps is not alone."""
     import numpy as np
 
@@ -66,6 +90,30 @@ def together(tables: Sequence[Table]) -> Table:
             fail("L0901", f"not supported yet: a table that jumps beside others ({', '.join(columns)})", None,
                  "put the inputs as columns into one file")
     whole = np.unique(np.concatenate([np.asarray(times, float) for times, _ in tables]))
-    found: dict[str, Any] = {name: np.interp(whole, times, values).tolist()
-                             for times, columns in tables for name, values in columns.items()}
+    smooth = [times for times, columns in tables if any(name.startswith("der(") for name in columns)]
+    ends = [x for times in smooth for x in (times[0], times[-1]) if whole[0] < x < whole[-1]]  # where rates jump, to 0 or from it
+    whole = np.sort(np.concatenate([whole, np.unique(ends)])) if ends else whole
+    found: dict[str, Any] = {}
+    for times, columns in tables:
+        for name in (name for name in columns if not name.startswith("der(")):
+            rates = columns.get(f"der({name})")
+            if rates is None:
+                found[name] = np.interp(whole, times, columns[name]).tolist()
+            else:
+                found[name], found[f"der({name})"] = _refined(times, columns[name], rates, whole)
     return whole.tolist(), found
+
+
+def _refined(times: Sequence[float], values: Sequence[float], rates: Sequence[float], at: Any) -> tuple[list[float], list[float]]:
+    """Values and rates at more times; of two that are equal those before, then those after."""
+    import numpy as np
+
+    x, y, s = (np.asarray(column, float) for column in (times, values, rates))
+    k = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
+    h, w = x[k + 1] - x[k], np.clip(at, x[0], x[-1]) - x[k]
+    rise = (y[k + 1] - y[k]) / h
+    c, d = (3 * rise - 2 * s[k] - s[k + 1]) / h, (s[k] + s[k + 1] - 2 * rise) / h**2
+    is_second = np.append([False], np.diff(at) == 0)
+    is_first = np.append(np.diff(at) == 0, [False])
+    is_outside = (at < x[0]) | (at > x[-1]) | ((at == x[0]) & is_first) | ((at == x[-1]) & is_second)
+    return (y[k] + w * (s[k] + w * (c + w * d))).tolist(), np.where(is_outside, 0.0, s[k] + w * (2 * c + w * 3 * d)).tolist()

@@ -23,6 +23,7 @@ Files        .csv: commas, semicolons, tabs or spaces; decimal commas where comm
 
 -u road.y=road.csv         of lag simulate and sweep gives an input of a scene the column of its name, or the second of two,
                            over the first one: straight lines, held beyond the ends. Each input may have a file of its own.
+-u road.y=road.csv:cubic   of an input that moves places: a spline; or :monotone, :steps (see lag help signals)
 
 Of a + b*time with parameters a and b every knot is a time event, between which the table is a polynomial: exact for all solvers,
 in any step, however many rows there are. Of anything else (a coordinate) the pieces are written out with their conditions: up to

@@ -468,7 +468,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "events": ("events that reset rates: impacts, contacts, kicks", lambda: _EVENTS),
     "drawing": ("how components look: the drawing section", drawing_topic),
     "curves": ("pictures of runs: curves, phase portraits, spectra, sections", curves_topic),
-    "signals": ("first-order states: filters, motors, controllers", lambda: SIGNALS),
+    "signals": ("inputs, first-order states: filters, motors, controllers", lambda: SIGNALS),
     "tables": ("tables of files and points: roads, measured forces", lambda: TABLES),
     "units": ("units and dimensions", lambda: _UNITS),
     "solver": ("how a scene is run, tolerance, cache, environment", lambda: _SOLVER),

@@ -248,7 +248,8 @@ def people_functions(
 def people_derivatives(kinematics: Kinematics, motion: Motion, given: Collection[str] = ()) -> dict[str, ca.Function]:
     """jacobian_u: d(dv/dt)/du (n, n_u) and jacobian_p: d(dv/dt)/dp (n, n_p), as functions of t, q, v, u, p;
     parameters: p -> all values with which these and `people_functions` reckon, (n_p,)."""
-    a, p, parameters = motion.acceleration, motion.p, parameters_of(kinematics, motion.p, given)
+    (a,), p = kinematics.algebra.by_inputs([motion.acceleration]), motion.p
+    parameters = parameters_of(kinematics, p, given)
     slopes = {"jacobian_u": [ca.jacobian(a, motion.u)], "jacobian_p": [ca.jacobian(a, p) @ ca.jacobian(parameters, p)]}
     return {**_following(kinematics, motion, slopes, parameters),
             "parameters": ca.Function("parameters", [p], [parameters], ["p"], ["parameters"])}

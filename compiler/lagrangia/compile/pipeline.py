@@ -203,6 +203,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
             name, state = next(iter(flat.states.items()))
             fail("L0901", f"not supported yet: written equations of scenes with first-order states ('{name}')", state.span,
                  "lag simulate, FMUs, --to python and --to casadi have them")
+        _refuse_moving_inputs(flat)
         kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat)))
         if not kinematics.symbols.positions:
             fail("L0505", "nothing can move: the scene has no coordinate", flat.span,
@@ -210,6 +211,13 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
         default_parameters(kinematics)
         kinematics, constraints, _ = settle_massless(kinematics, constraints, build_energies(kinematics))
         return kinematics, constraints
+
+
+def _refuse_moving_inputs(flat: "FlatModel") -> None:
+    name = next((name for name, is_placing in flat.moving_inputs.items() if is_placing), None)
+    if name is not None:
+        fail("L0901", f"not supported yet: written equations of places that inputs move ('{name}')", flat.variables[name].span,
+             "write a function of time in its place; lag simulate, FMUs, --to python and --to casadi have them")
 
 
 def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None, is_drawn: bool = False

@@ -16,10 +16,6 @@ from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import FlatModel, Variable
 from lagrangia.language.folding import numbers_of
 
-# What takes an energy or a dissipation function in place of a constant of this unit.
-_GENERAL = {**dict.fromkeys(("N/m", "N.m/rad"), "GeneralSpring(V = ...)"),
-            **dict.fromkeys(("N.s/m", "N.m.s/rad"), "GeneralDamper(D = ...)")}
-
 
 def scalars(name: str, value: Value) -> list[tuple[str, Scalar]]:
     """The entries of an array by name[k], counted from 1; a scalar by its name."""
@@ -165,11 +161,9 @@ class _ParameterLeaves:
         parameter = self.model.variables[self.pending[-1]]
         place = parameter.binding.span if parameter.binding is not None else parameter.span
         is_of_component = "." in parameter.name
-        general = _GENERAL.get(parameter.unit) if is_of_component else None
         fail("L0604", f"the parameter '{parameter.name}' cannot depend on {what}", place,
              "what changes during the run is a variable: leave `parameter` away" +
-             (", in a component of your own" if is_of_component else ""),
-             *([f"of the library's components, {general} takes any expression"] if general else []))
+             (", in a component of your own" if is_of_component else ""))
 
 
 def _nest(values: Iterator[Scalar], shape: tuple[int, ...]) -> Value:

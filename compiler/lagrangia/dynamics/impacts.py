@@ -103,8 +103,6 @@ class _Event:
     def __init__(self, kinematics: Kinematics, when: When) -> None:
         self.kinematics, self.when = kinematics, when
         model = kinematics.graph.model
-        self.inputs = ca.vertcat(_NONE, *[x for name, v in model.variables.items() if v.kind == "input"
-                                          for x in scalars_of(kinematics.symbols.values[name])])
         self.g = self._level(when.condition)
         self.positions = [position_of(reset, model) for reset in when.resets]
         self.places, self.rates, self.wanted = list[Flat](), list[ca.SX](), list[ca.SX]()  # of each scalar that is reset
@@ -171,10 +169,6 @@ class _Event:
                  "compare what moves, as x < 0")
         if ca.depends_on(ca.vertcat(self.g, *self.wanted), accelerations):
             fail("L0501", "an event cannot depend on accelerations", self.when.span)
-        for reset, position in zip(self.when.resets, self.positions, strict=True):
-            moved = ca.vertcat(*scalars_of(self.kinematics.evaluator.value(position)), 0)
-            if self.inputs.numel() and ca.depends_on(moved, self.inputs):
-                fail("L0908", "not supported yet: an input in what is reset", reset.span, "its rate is not known here")
         for reset, rate in zip(self.when.resets, rates.elements(), strict=False):
             if not ca.depends_on(rate, ca.vertcat(_NONE, *symbols.rates.values())):
                 fail("L0225", "this is given in time, and cannot be reset", reset.rate.span.within(reset.span),

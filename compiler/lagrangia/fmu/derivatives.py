@@ -76,17 +76,9 @@ def _equations(compilation: Compilation, outputs: tuple[str, ...],
         V = v + ca.substitute(steer, q, Q)
         a, y, rates = ca.substitute([a, y, rates], [q, v], [Q, V])
         slope = ca.vertcat(V, a) + stabilisation * (ca.vertcat(Q, V) - ca.vertcat(q, v))
-    slope, y, rates = _by_inputs(kinematics, [slope, y, rates])
+    slope, y, rates = kinematics.algebra.by_inputs([slope, y, rates])
     return kinematics, symbols, [slope, y, rates, shares, switches.rest_symbols]
 
-
-def _by_inputs(kinematics: Kinematics, expressions: list[ca.SX]) -> list[ca.SX]:
-    """With the inputs and their rates, which importers set, in the place of the modes that come from them."""
-    modes = [mode for mode in kinematics.algebra.modes if mode.of_input is not None]
-    if not modes:
-        return expressions
-    found: list[ca.SX] = ca.substitute(expressions, [mode.symbol for mode in modes], [mode.value for mode in modes])
-    return found
 
 
 def _both(knowns: list[ca.SX], unknowns: list[ca.SX], state: list[ca.SX]) -> tuple[ca.Function, ca.Function]:

@@ -12,7 +12,7 @@ from typing import Any
 from lagrangia.base.checked_values import a_count, a_number, by_name, numbers
 from lagrangia.base.diagnostics import Report, fail, suggest
 from lagrangia.base.records import dataclass
-from lagrangia.run.input_pieces import complete_rates
+from lagrangia.run.input_rates import complete_rates
 from lagrangia.run.scene import Parameter, Scene
 from lagrangia.run.solvers import AUTO, is_casadi, number_of
 

@@ -1,0 +1,256 @@
+"""Inputs where functions of time may stand: places, prescribed coordinates, energies; in runs, FMUs, studies and exports."""
+
+import importlib.util
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import lagrangia as lag
+from helpers.fmus import KINDS, VERSIONS, unpacked
+from lagrangia.command.cli import main
+from lagrangia.run.input_pieces import InputTable
+from lagrangia.run.request import check_values
+
+ROAD = """model Road
+  input Length y;
+  Frame road = shift(world, {0, y});
+  Prismatic guide(a = world, along = {0, 1});
+  PointMass p(m = 2, center = guide.b);
+  AxialSpring s(a = road, b = guide.b, k = 100, along = {0, 1});
+  AxialDamper d(a = road, b = guide.b, c = 3, along = {0, 1});
+end Road;"""
+CUBIC = np.array([0.01, 0.2, -0.3, 0.05])  # y(t), the constant first
+PARABOLA = np.array([0, 0.1, -0.2, 0])
+STOP = 2.0
+
+
+def model(folder: Path, text: str, **options: object) -> lag.Model:
+    (folder / "scene.lag").write_text(text)
+    return lag.load(folder / "scene.lag", **options)
+
+
+def road(t: np.ndarray, order: int = 0, y: np.ndarray = CUBIC) -> np.ndarray:
+    return np.polynomial.Polynomial(y).deriv(order)(t) if order else np.polynomial.Polynomial(y)(t)
+
+
+def exact(t: float, y: np.ndarray = CUBIC) -> np.ndarray:
+    """s, s' of 2 s'' + 3 (s' - y') + 100 (s - y) = -2 g from rest, by the exponential of it with 1, t, t^2, t^3 beside."""
+    A = np.zeros((6, 6))
+    A[0, 1], A[1, 0], A[1, 1] = 1, -50, -1.5
+    A[1, 2:] = 50 * y + 1.5 * np.array([y[1], 2 * y[2], 3 * y[3], 0])
+    A[1, 2] -= 9.81
+    A[3, 2], A[4, 3], A[5, 4] = 1, 2, 3
+    return (expm(A * t) @ [0, 0, 1, 0, 0, 0])[:2]
+
+
+@pytest.mark.parametrize("solver", ["auto", "erk9", "implicit", "taylor", "adams", "casadi:cvodes"])
+def test_a_road_as_a_spline(solver: str, tmp_path: Path) -> None:
+    """The spline of a cubic is the cubic."""
+    t = np.array([0, 0.3, 0.5, 1.1, 1.2, 1.9, 2.0])
+    given = (t, {"y": road(t), "der(y)": lag.slopes(t, road(t))})
+    run = model(tmp_path, ROAD).simulate(stop=STOP, inputs=given, solver=solver, tolerance=1e-12)
+    miss = 1e-8 if solver == "casadi:cvodes" else 1e-11
+    assert [run["guide.s"][-1], run["guide.v"][-1]] == pytest.approx(exact(STOP), abs=miss)
+    assert run.statistics.energy_residual < 100 * miss
+
+
+def test_a_constant_with_rates_goes_on_with_them(tmp_path: Path) -> None:
+    """y = 0.1 t - 0.2 t^2 from the start of the run, which is not that of the model."""
+    run = model(tmp_path, ROAD).simulate(start=1, stop=3, inputs={"der(y)": 0.1, "der(der(y))": -0.4}, tolerance=1e-12)
+    assert run["guide.s"][-1] == pytest.approx(exact(2.0, PARABOLA)[0], abs=1e-11)
+
+
+def test_rates_that_jump_are_impulses(tmp_path: Path) -> None:
+    """The support of a pendulum at rest sets off with the speed v: the mass stays where it is, der(phi) = -v/L."""
+    scene = model(tmp_path, """model M
+      input Length x;
+      Revolute hinge(a = shift(world, {x, 0}), phi(start = -90[deg]));
+      Frame tip = shift(hinge.b, {0.5, 0});
+      PointMass p(m = 3, center = tip);
+    end M;""")
+    run = scene.simulate(stop=2, at=[0.999, 1 + 1e-9], inputs=([0, 1, 2], {"x": [0, 0, 0.7]}), tolerance=1e-12)
+    assert run["der(hinge.phi)"] == pytest.approx([0, -0.7 / 0.5], abs=1e-8)
+    run = scene.simulate(stop=1.4, inputs=([0, 1, 2], {"x": [0, 0, 0.7]}), tolerance=1e-12)
+    assert run.statistics.energy_residual < 1e-10
+
+
+FOUR_BAR = """model FourBar
+  {drive}
+  Revolute o(a = world, phi(start = 1)), p(a = crank.b), q(a = rod.b), e(a = shift(world, {{0.9, 0}}), b = rocker.a);
+  Bar crank(m = 1, L = 0.3, a = o.b), rod(m = 1, L = 1, a = p.b), rocker(m = 1, L = 0.8, b = q.b);
+  Motion motor(of = o.phi, to = drive);
+  output Torque M = motor.reaction;
+end FourBar;"""
+
+
+def test_an_input_drives_a_loop(tmp_path: Path) -> None:
+    """As the same function of time: with two rows 1 + 3 t, with one and its rate the same."""
+    t = model(tmp_path, FOUR_BAR.format(drive="Angle drive = 1 + 3*time;")).simulate(stop=2, tolerance=1e-11)
+    driven = model(tmp_path, FOUR_BAR.format(drive="input Angle drive(start = 0.8);"))
+    for given in (([0, 2], {"drive": [1, 7]}), {"drive": 1, "der(drive)": 3}):
+        u = driven.simulate(stop=2, inputs=given, tolerance=1e-11)
+        for name in ("q.phi", "der(q.phi)", "M"):
+            assert u[name] == pytest.approx(t[name], abs=1e-9), name
+
+
+@pytest.mark.parametrize(("kind", "name"), [("potential", "{u}*s^2/2"), ("kinetic", "({u} - 99[N/m])*1[kg.m/N]*der(s)^2/2")])
+def test_energies_with_inputs(kind: str, name: str, tmp_path: Path) -> None:
+    """Those of a function of time, with the power that it gives."""
+    text = """model M
+      {u}
+      coordinate Length s(start = 0.1);
+    energy
+      kinetic 2[kg]*der(s)^2/2;
+      {kind} {term};
+      potential 10[N/m]*s^2/2;
+    end M;"""
+    t = model(tmp_path, text.format(u="Stiffness k = 100 + 50*time/1[s];", kind=kind, term=name.format(u="k"))).simulate(
+        stop=2, tolerance=1e-12)
+    u = model(tmp_path, text.format(u="input Stiffness k;", kind=kind, term=name.format(u="k"))).simulate(
+        stop=2, inputs=([0, 2], {"k": [100, 200]}), tolerance=1e-12)
+    assert u["s"] == pytest.approx(t["s"], abs=1e-11)
+    assert u.energy.work == pytest.approx(t.energy.work, abs=1e-10)
+    assert u.statistics.energy_residual < 1e-10
+
+
+def test_limits_and_constants_of_the_library(tmp_path: Path) -> None:
+    """k, c and F of springs, dampers and friction follow an input: m s'' = -k(t) s - c(t) s' as the function of time has it."""
+    text = """model M
+      {u}
+      Prismatic g(a = world, s(start = 0.3));
+      PointMass p(m = 2, center = g.b);
+      Spring s(stretch = g.s, k = 50[N/m]*u); Damper d(rate = g.v, c = (1 + u)*1[N.s/m]);
+      DryFriction f(rate = g.v, F = 0.3[N]*u);
+    end M;"""
+    t = model(tmp_path, text.format(u="Real u = 1 + time/1[s];")).simulate(stop=2, tolerance=1e-12)
+    u = model(tmp_path, text.format(u="input Real u;")).simulate(stop=2, inputs=([0, 2], {"u": [1, 3]}), tolerance=1e-12)
+    assert u["g.s"] == pytest.approx(t["g.s"], abs=1e-11)
+
+
+def test_the_rate_of_an_input_in_a_force(tmp_path: Path) -> None:
+    """It was 0, without a word."""
+    text = ROAD.replace("  AxialSpring s(a = road, b = guide.b, k = 100, along = {0, 1});\n", "").replace(
+        "  AxialDamper d(a = road, b = guide.b, c = 3, along = {0, 1});\n",
+        "  AppliedForce f(at = guide.b, force = {0, -100*(guide.s - y) - 3*(guide.v - der(y))});\n").replace(
+        "  Frame road = shift(world, {0, y});\n", "")
+    t = np.linspace(0, 2, 5)
+    run = model(tmp_path, text).simulate(stop=STOP, inputs=(t, {"y": road(t), "der(y)": road(t, 1)}), tolerance=1e-12)
+    assert run["guide.s"][-1] == pytest.approx(exact(STOP)[0], abs=1e-11)
+
+
+def test_python_and_c_have_the_same_pieces(tmp_path: Path) -> None:
+    model(tmp_path, ROAD)
+    scene = lag.Model(tmp_path / "scene.lag", outputs=("y", "der(y)", "der(der(y))"))
+    t, at = np.array([0.2, 0.5, 0.9, 1.4]), np.linspace(0, 2, 30)
+    for columns in ({"y": road(t)}, {"y": road(t), "der(y)": np.cos(t)}):
+        run = scene.simulate(at=at, inputs=(t, columns))
+        values = check_values(scene.scene, inputs=(t, columns))
+        found = InputTable(scene.scene, values, 0.0).at(at)
+        assert np.array([run[name] for name in ("y", "der(y)", "der(der(y))")]) == pytest.approx(found, abs=1e-12)
+
+
+def test_studies(tmp_path: Path) -> None:
+    """The input and its rate in B, and (k + i w c)/(k - m w^2 + i w c)."""
+    scene = model(tmp_path, ROAD)
+    linear = scene.linearize(outputs=["guide.s"])
+    assert (linear.inputs, linear.excitations) == (("y", "der(y)"), ("y",))
+    assert linear.B.tolist() == [pytest.approx([0, 0]), pytest.approx([50, 1.5])]
+    response = scene.response(outputs=["guide.s"], frequencies=[0.5, 1.3])
+    w = 2 * np.pi * response.frequencies
+    assert response.of("guide.s") == pytest.approx((100 + 3j * w) / (100 - 2 * w**2 + 3j * w), rel=1e-12)
+    (rest,) = scene.equilibrium(inputs={"y": 0.1})
+    assert rest.position["guide.s"] == pytest.approx(0.1 - 2 * 9.81 / 100)
+
+
+def test_sweeps_and_steps(tmp_path: Path) -> None:
+    scene = model(tmp_path, ROAD)
+    t = np.linspace(0, 2, 6)
+    given = (t, {"y": road(t), "der(y)": road(t, 1)})
+    found = scene.simulate_many(parameters={"p.m": [1.0, 2.0]}, outputs=["final(guide.s)"], stop=STOP, inputs=given,
+                                tolerance=1e-12)
+    assert found["final(guide.s)"][1] == pytest.approx(exact(STOP)[0], abs=1e-10)
+    run = scene.start(inputs={"y": float(road(0.0)), "der(y)": float(road(0.0, 1)), "der(der(y))": float(road(0.0, 2))},
+                      tolerance=1e-12)
+    for k in range(400):
+        now = 0.005 * k
+        run.set({"y": road(now), "der(y)": road(now, 1), "der(der(y))": road(now, 2)})
+        kept = run.save()
+        run.step(0.005)
+    assert run["guide.s"] == pytest.approx(exact(STOP)[0], abs=1e-7)  # third derivatives are not told
+    there = run["guide.s"]
+    run.restore(kept)
+    run.step(0.005)
+    assert run["guide.s"] == there
+    run.set({"y": 1.0})
+    with pytest.raises(lag.RunError, match=r"'y' moves places, and jumps by 1.39 .* give der\(y\)"):
+        run.step(0.005)
+
+
+def test_exports(tmp_path: Path) -> None:
+    """The accelerations by u, u', u'': -(k (s - y) + c (v - y'))/m - g."""
+    scene = model(tmp_path, ROAD)
+    assert main(["export", str(tmp_path / "scene.lag"), "--to", "python", "-o", str(tmp_path / "scene.py")]) == 0
+    spec = importlib.util.spec_from_file_location("scene", tmp_path / "scene.py")
+    assert spec is not None and spec.loader is not None
+    exported = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(exported)
+    p = exported.parameters([x.value or 0.0 for x in scene.scene.parameters])
+    wanted = -(100 * (0.3 - 0.1) + 3 * (0.7 - 0.2)) / 2 - 9.81
+    assert exported.rhs(0.4, [0.3], [0.7], [0.1, 0.2, 0.9], p) == pytest.approx([wanted])
+    assert scene.functions()["rhs"](0.4, 0.3, 0.7, [0.1, 0.2, 0.9], p).full().ravel() == pytest.approx([wanted])
+    assert scene.derivatives()["jacobian_u"](0.4, 0.3, 0.7, [0.1, 0.2, 0.9], p).full()[0] == pytest.approx([50, 1.5, 0])
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_fmus(version: str, kind: str, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Told the input with its rates a hundred times: of a parabola that is all."""
+    folder = tmp_path_factory.mktemp("fmu")
+    model(folder, ROAD)
+    t = np.linspace(0, STOP, 101)
+    table = [("time", t), *((name, road(t, k, PARABOLA)) for k, name in enumerate(("y", "der(y)", "der(y,2)")))]
+    signals = np.array([*zip(*(x for _, x in table), strict=True)], dtype=[(name, float) for name, _ in table])
+    path = str(unpacked(folder / "scene.lag", version))
+    run = fmpy.simulate_fmu(path, fmi_type=kind, stop_time=STOP, step_size=0.02, output_interval=0.02, input=signals,
+                            relative_tolerance=1e-10, output=["guide.s"])
+    miss = 1e-10 if kind == "CoSimulation" else 1e-6
+    assert run["guide.s"][-1] == pytest.approx(exact(STOP, PARABOLA)[0], abs=miss)
+    told: list[str] = []
+    with pytest.raises(Exception, match="failed with status 3"):
+        fmpy.simulate_fmu(path, fmi_type=kind, stop_time=STOP, step_size=0.02, input=signals[["time", "y"]],
+                          logger=lambda *given: told.append(str(given[-1])))
+    assert version == "3" or any("an input that moves a support jumps" in line for line in told)
+
+
+def test_at_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    model(tmp_path, ROAD.replace("input Length y;", "input Length y; input Force F;").replace(
+        "end Road", "AppliedForce f(at = guide.b, force = {0, F}); end Road"))
+    t = np.array([0, 0.3, 0.5, 1.1, 1.2, 1.9, 2.0])
+    rows = [f"{a!r},{b!r}\n" for a, b in zip((1000 * t).tolist(), (1000 * road(t)).tolist(), strict=True)]
+    (tmp_path / "road.csv").write_text("t [ms],y [mm]\n" + "".join(rows))
+    (tmp_path / "F.csv").write_text("0,0\n0.7,0\n3,0\n")
+    assert main("simulate scene.lag --stop 2 --tolerance 1e-12 -u y=road.csv:cubic -u F=F.csv -o out.csv".split()) == 0
+    names, *_, last = (tmp_path / "out.csv").read_text().splitlines()
+    assert float(dict(zip(names.split(","), last.split(","), strict=True))["guide.s"]) == pytest.approx(exact(STOP)[0], abs=1e-10)
+    capsys.readouterr()
+    for given, code, what in (("-u y=road.csv:steps", 2, "'y' moves places, and jumps at t = 0.3"),
+                              ("-u F=F.csv:cubic", 2, "the input 'F', which moves no places, as a smooth table"),
+                              ("-u y=road.csv:cubic -o road.csv", 2, "a result does not take its place")):
+        assert main(f"simulate scene.lag {given}".split()) == code
+        assert what in capsys.readouterr().err
+
+
+def test_what_is_refused(tmp_path: Path) -> None:
+    scene = model(tmp_path, ROAD)
+    with pytest.raises(lag.LagError, match=r"'y' moves places, and jumps at t = 1:"):
+        scene.simulate(inputs=([0, 1, 1, 2], {"y": [0, 0, 1, 1]}))
+    with pytest.raises(lag.LagError, match=r"a table of 'y' tells its rate, der\(y\), and nothing of der\(der\(y\)\)"):
+        scene.simulate(inputs=([0, 1], {"y": [0, 0], "der(der(y))": [1, 1]}))
+    with pytest.raises(lag.LagError, match="not supported yet: written equations of places that inputs move"):
+        scene.equations()
+    with pytest.raises(lag.LagError, match="'cubic' or 'monotone'"):
+        lag.slopes([0, 1], [0, 1], "rough")
