@@ -33,7 +33,7 @@ Inputs
     Frame road = shift(world, {0, y});
 
 An input may stand wherever a function of time may: in forces, limits of friction, stiffnesses and potentials; in places, the `to`
-of a Motion, equations and kinetic energies, where its rates matter. There it is a polynomial of time between the rows it is given by:
+of a Motion, equations and kinetic energies, where its rates matter. Between the rows it is given by it is a polynomial of time:
 
     lag simulate car.lag -u y=road.csv            straight lines; where its rate jumps, impulses act on what it moves
                          -u y=road.csv:cubic      the spline with two continuous derivatives; :monotone does not overshoot
