@@ -125,8 +125,10 @@ void lag_batch_free(LagBatch *batch)
 {
     if (!batch)
         return;
-    for (int i = 0; batch->reduced && i < batch->sweep.n_reductions; ++i)
+    for (int i = 0; batch->reduced && i < batch->sweep.n_reductions; ++i) {
         lag_rainflow_free(&batch->reduced[i].flow);
+        lag_spectrum_free(&batch->reduced[i].spectrum);
+    }
     free(batch->memory);
     free(batch->reductions);
     free(batch->taken);

@@ -1,11 +1,12 @@
 #include "run/reduce.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double FINEST = 1e-14; /* in s */
 enum { HALVINGS = 60 };
 
-typedef enum { AT, EXTREME, INTEGRAL, CROSSING, DWELL, ENDS, FLOW } Family;
+typedef enum { AT, EXTREME, INTEGRAL, CROSSING, DWELL, ENDS, FLOW, WAVES } Family;
 
 static Family family(const LagReduction *what)
 {
@@ -18,6 +19,7 @@ static Family family(const LagReduction *what)
         return CROSSING;
     case LAG_REDUCE_SETTLING: return ENDS;
     case LAG_REDUCE_DAMAGE: return FLOW;
+    case LAG_REDUCE_PEAK_FREQUENCY: case LAG_REDUCE_PEAK_AMPLITUDE: return WAVES;
     default: return DWELL;
     }
 }
@@ -246,16 +248,35 @@ static LagStatus flow_on(const LagReduction *what, LagReduced *reduced, LagWindo
     return reduced->flow.has_failed ? LAG_OUT_OF_MEMORY : status;
 }
 
+/* ---------------------------------------------------------------- vibrations */
+
+static LagStatus wave_on(LagReduced *reduced, const LagWindow *window, const LagCourse *course)
+{
+    LagPiece piece = {.start = window->time[0], .half = lag_window_half(window)};
+    memcpy(piece.k, course->k, sizeof piece.k);
+    lag_spectrum_add(&reduced->spectrum, &piece);
+    return reduced->spectrum.has_failed ? LAG_OUT_OF_MEMORY : LAG_OK;
+}
+
+static double peak(const LagReduction *what, const LagReduced *reduced)
+{
+    double frequency, amplitude;
+    lag_spectrum_peak(&reduced->spectrum, &frequency, &amplitude);
+    return what->kind == LAG_REDUCE_PEAK_FREQUENCY ? frequency : amplitude;
+}
+
 /* ---------------------------------------------------------------- reductions */
 
 void lag_reduce_start(const LagReduction *what, LagReduced *reduced)
 {
     const LagRainflow flow = reduced->flow;
+    const LagSpectrum spectrum = reduced->spectrum;
     const LagReduced nothing = {.low = INFINITY, .high = -INFINITY, .time_low = NAN, .time_high = NAN, .found = NAN,
                                 .before = NAN, .latest = NAN, .rate = NAN, .first = NAN, .last = NAN, .entered_first = NAN,
-                                .entered_last = NAN, .holds = -1, .flow = flow};
+                                .entered_last = NAN, .holds = -1, .flow = flow, .spectrum = spectrum};
     *reduced = nothing;
     lag_rainflow_start(&reduced->flow, what->value, what->size, what->keeps_cycles);
+    lag_spectrum_start(&reduced->spectrum);
 }
 
 void lag_reduce_row(const LagReduction *what, LagReduced *reduced, const double *row)
@@ -283,7 +304,7 @@ static int is_open(const LagReduction *what, const LagReduced *reduced, double y
     const int is_monotonic = !crosses_zero && reduced->rate * rate > 0;
     const double reach = is_monotonic ? 0 : change + fabs(reduced->latest - reduced->before);
     switch (family(what)) {
-    case INTEGRAL: return 1;
+    case INTEGRAL: case WAVES: return 1;
     case ENDS: return 0;
     case FLOW: return !is_monotonic;
     case EXTREME: return !is_monotonic && (isnan(reach) || matters(what, reduced, fmin(a, b) - reach, fmax(a, b) + reach));
@@ -348,6 +369,7 @@ LagStatus lag_reduce_window(const LagReduction *what, LagReduced *reduced, LagWi
     case CROSSING: return cross(what, reduced, window, &course);
     case DWELL: return dwell(what, reduced, window, &course);
     case FLOW: return flow_on(what, reduced, window, &course);
+    case WAVES: return wave_on(reduced, window, &course);
     default: return LAG_OK;
     }
 }
@@ -377,6 +399,7 @@ double lag_reduce_result(const LagReduction *what, const LagReduction *taken, La
     case LAG_REDUCE_PERIOD_ABOVE: case LAG_REDUCE_PERIOD_BELOW:
         return reduced->entered > 1 ? (reduced->entered_last - reduced->entered_first) / (reduced->entered - 1) : NAN;
     case LAG_REDUCE_DAMAGE: lag_rainflow_end(&reduced->flow); return reduced->flow.damage;
+    case LAG_REDUCE_PEAK_FREQUENCY: case LAG_REDUCE_PEAK_AMPLITUDE: return peak(taken, reduced);
     default: return reduced->found;
     }
 }

@@ -13,6 +13,7 @@
 
 #include "run/course.h"
 #include "run/rainflow.h"
+#include "run/spectrum.h"
 
 enum {
     LAG_REDUCE_AT, /* at the time `value` */
@@ -37,7 +38,9 @@ enum {
     LAG_REDUCE_PERIOD_BELOW,
     LAG_REDUCE_PERIOD,   /* the same, of its mean; takes two runs */
     LAG_REDUCE_SETTLING, /* the time after which it stays within `value` x |end - start| of its end; takes two runs */
-    LAG_REDUCE_DAMAGE    /* the sum of (range / size)^value over its rainflow cycles */
+    LAG_REDUCE_DAMAGE,   /* the sum of (range / size)^value over its rainflow cycles */
+    LAG_REDUCE_PEAK_FREQUENCY, /* of its strongest vibration, Hz */
+    LAG_REDUCE_PEAK_AMPLITUDE
 };
 
 typedef struct {
@@ -65,6 +68,7 @@ typedef struct {
     int holds;    /* whether the condition did at the latest; -1: unknown */
     int is_known; /* nothing that comes can change it */
     LagRainflow flow;
+    LagSpectrum spectrum;
 } LagReduced;
 
 /* What is looked at in the first run, and what in the second, for those that take one. */

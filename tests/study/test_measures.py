@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 import lagrangia as lag
 from lagrangia.base.diagnostics import LagError
@@ -130,6 +130,38 @@ def test_the_cycles_of_the_standard(scene: Scene) -> None:
     assert found["damage(y, 5, 2)"] == pytest.approx(expected / 32, rel=1e-6)
 
 
+def line(f: float, a: float, b: float) -> float:
+    """The amplitude of cos(2 t) at f by Hann's window from a to b, in closed form."""
+    length, f0, middle = b - a, 1 / math.pi, np.exp(2j * (a + b) / 2)
+
+    def hann(nu: float) -> float:  # its transform about the middle, over its integral
+        x = nu * length
+        return float(np.sinc(x) / (1 - x * x))
+
+    mean = (middle * hann(f0)).real
+    return float(abs(middle * hann(f - f0) + np.conj(middle) * hann(f + f0) - 2 * mean * hann(f)))
+
+
+@pytest.mark.parametrize(("a", "b"), [(0.0, END), (1.0, 7.3), (0.37, 19.1)])
+def test_the_peak_of_a_spectrum(scene: Scene, a: float, b: float) -> None:
+    """Between the lines of a transform, of many periods and of two; of a rest there is none."""
+    window = f"from={a}, to={b}"
+    model = scene(BLOCK.replace("output", "output Real still = 3; output", 1))
+    asked = [f"{kind}({name}, {window})" for name in ("block.s", "still") for kind in ("peak_frequency", "peak_amplitude")]
+    found = model.measure(asked)
+    frequency, amplitude, none, nothing = (found[text] for text in asked)
+    best = minimize_scalar(lambda f: -line(f, a, b), bounds=(0.9 / math.pi, 1.1 / math.pi), method="bounded",
+                           options={"xatol": 1e-12})
+    assert frequency == pytest.approx(best.x, abs=3e-8), "as well as values tell a maximum"
+    assert amplitude == pytest.approx(line(frequency, a, b), abs=1e-9)
+    assert amplitude == pytest.approx(-best.fun, abs=1e-9)
+    assert math.isnan(none) and nothing == 0
+    sweep = model.simulate_many(parameters={"spring.k": [4, 16]}, outputs=asked[:2])
+    assert (sweep[asked[0]][0], sweep[asked[1]][0]) == (frequency, amplitude)
+    assert sweep[asked[0]][1] == pytest.approx(2 * frequency, rel=0.02)
+    assert list(sweep.units()) == ["N/m", "Hz", "m"]
+
+
 def test_many_runs_are_measured_as_one_is(scene: Scene) -> None:
     """Reductions that take a second run leave the others, and the run after, as they were."""
     model = scene(STEP)
@@ -149,7 +181,8 @@ def test_many_runs_are_measured_as_one_is(scene: Scene) -> None:
     ("count(block.s)", "needs a condition"),
     ("settling_time(block.s, -1)", "a positive number is needed"), ("damage(block.s)", "slope"),
     ("rainflow(block.s)", "is a table"),
-    ("settling_time(abs(block.s))", "not supported yet"), ("maximum(block.s)", "there is no measure 'maximum'"),
+    ("settling_time(abs(block.s))", "not supported yet"),
+    ("peak_frequency(abs(block.s))", "not supported yet"), ("peak_amplitude(block.s, 3)", "'3' has no meaning there"), ("maximum(block.s)", "there is no measure 'maximum'"),
     ("", "no measure is asked"), ("max()", "not the name of a quantity"), ("max(block.s, from=1[m])", "but s is wanted"),
 ])
 def test_what_is_no_measure_is_told(scene: Scene, measure: str, said: str) -> None:

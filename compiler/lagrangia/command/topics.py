@@ -271,6 +271,7 @@ first_time(y > 3) last_time(abs(y) <= 0.01)   empty when there is no such time; 
 count(y > 1) duration(y > 1)                  how often, and for how long, it is so
 period(y) period(y > 1)                       the mean time from one rise through its mean, or the level, to the next
 settling_time(y, 0.02) overshoot(y)           of the way from its start to its end: within 2 % (the default), and beyond it
+peak_frequency(y) peak_amplitude(y)           of the strongest vibration, Hz and as y: by Hann's window, between its lines, too
 damage(y, 5) damage(y, 5, 100[N])             the sum of (range/size)^slope over rainflow cycles (ASTM E1049), open ones half
 Each but the first row over a window of time: max(y, from=2, to=5[s]). Of one run: lag simulate --outputs "x, max(y, from=2)",
 and in Python model.measure("max(y)", tolerance=1e-9) and model.rainflow("y, from=2"), all cycles with range, mean and count.

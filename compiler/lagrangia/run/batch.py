@@ -48,6 +48,8 @@ class Kind(IntEnum):
     PERIOD = 20
     SETTLING = 21
     DAMAGE = 22
+    PEAK_FREQUENCY = 23
+    PEAK_AMPLITUDE = 24
 
 
 class Ending(IntEnum):

@@ -17,7 +17,8 @@ from lagrangia.run.scene import Scene
 
 _PLAIN = {
     "min": Kind.MIN, "max": Kind.MAX, "range": Kind.RANGE, "mean": Kind.MEAN, "rms": Kind.RMS, "integral": Kind.INTEGRAL,
-    "time_of_min": Kind.TIME_OF_MIN, "time_of_max": Kind.TIME_OF_MAX, "overshoot": Kind.OVERSHOOT,
+    "time_of_min": Kind.TIME_OF_MIN, "time_of_max": Kind.TIME_OF_MAX, "overshoot": Kind.OVERSHOOT, "peak_frequency": Kind.PEAK_FREQUENCY,
+    "peak_amplitude": Kind.PEAK_AMPLITUDE,
 }  # fmt: skip
 _CONDITIONS = {
     "first_time": (Kind.FIRST_ABOVE, Kind.FIRST_BELOW), "last_time": (Kind.LAST_ABOVE, Kind.LAST_BELOW),
@@ -26,6 +27,7 @@ _CONDITIONS = {
 }  # fmt: skip
 _ENDS = ("final", "initial", "at")  # of one time: nothing to be taken over a window
 MEASURES = (*_ENDS, *_PLAIN, *_CONDITIONS, "settling_time", "damage")
+_NOT_OF_ABSOLUTE = {"settling_time", "peak_frequency", "peak_amplitude"}
 _BAND = "0.02"  # of settling_time, where none is given
 _TIMES = {"time_of_min", "time_of_max", "first_time", "last_time", "duration", "period", "settling_time"}
 _BARE = {"count", "overshoot", "damage"}  # numbers without a unit
@@ -135,7 +137,7 @@ def _of_quantity(measure: Measure) -> Measure:
     if not name or (call is not None and call[1] != "der") or re.search(r"[<>=+*/ ]|,(?![^\[]*\])", name):
         fail("L0711", f"'{text}': '{name}' is not the name of a quantity", None,
              "a quantity is a coordinate, der(coordinate), an output, or a place such as bar.b.y; a formula needs an output")
-    if absolute and measure.kind == "settling_time":
+    if absolute and measure.kind in _NOT_OF_ABSOLUTE:
         fail("L0711", f"not supported yet: '{text}', of an absolute value", None, "declare the value as an output")
     return replace(measure, quantity=name, absolute=absolute)
 
@@ -152,6 +154,8 @@ def quantities(measures: Sequence[Measure]) -> tuple[str, ...]:
 
 def unit_of(scene: Scene, measure: Measure) -> str:
     """The unit of the measure's result."""
+    if measure.kind == "peak_frequency":
+        return "Hz"
     if measure.kind in _TIMES or measure.kind in _BARE:
         return "s" if measure.kind in _TIMES else ""
     unit = _unit(scene, measure.quantity)
