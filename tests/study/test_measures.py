@@ -182,7 +182,8 @@ def test_many_runs_are_measured_as_one_is(scene: Scene) -> None:
     ("settling_time(block.s, -1)", "a positive number is needed"), ("damage(block.s)", "slope"),
     ("rainflow(block.s)", "is a table"),
     ("settling_time(abs(block.s))", "not supported yet"),
-    ("peak_frequency(abs(block.s))", "not supported yet"), ("peak_amplitude(block.s, 3)", "'3' has no meaning there"), ("maximum(block.s)", "there is no measure 'maximum'"),
+    ("peak_frequency(abs(block.s))", "not supported yet"), ("peak_amplitude(block.s, 3)", "'3' has no meaning there"),
+    ("maximum(block.s)", "there is no measure 'maximum'"),
     ("", "no measure is asked"), ("max()", "not the name of a quantity"), ("max(block.s, from=1[m])", "but s is wanted"),
 ])
 def test_what_is_no_measure_is_told(scene: Scene, measure: str, said: str) -> None:

@@ -51,5 +51,11 @@ class Equilibria(Sequence[Equilibrium]):
     def __len__(self) -> int:
         return len(self.found)
 
+    def _repr_html_(self) -> str:
+        """In a notebook: a table of them, and their reactions."""
+        from lagrangia.study.notebook import equilibria_html
+
+        return equilibria_html(self)
+
     def __iter__(self) -> Iterator[Equilibrium]:
         return iter(self.found)

@@ -106,6 +106,12 @@ class Modes:
     def __getitem__(self, k: int) -> Mode:
         return self.modes[k]
 
+    def _repr_html_(self) -> str:
+        """In a notebook: tables of frequencies, damping and shapes."""
+        from lagrangia.study.notebook import modes_html
+
+        return modes_html(self)
+
     @property
     def frequencies(self) -> Matrix:
         """Hz, undamped."""

@@ -17,8 +17,8 @@ from lagrangia.run.scene import Scene
 
 _PLAIN = {
     "min": Kind.MIN, "max": Kind.MAX, "range": Kind.RANGE, "mean": Kind.MEAN, "rms": Kind.RMS, "integral": Kind.INTEGRAL,
-    "time_of_min": Kind.TIME_OF_MIN, "time_of_max": Kind.TIME_OF_MAX, "overshoot": Kind.OVERSHOOT, "peak_frequency": Kind.PEAK_FREQUENCY,
-    "peak_amplitude": Kind.PEAK_AMPLITUDE,
+    "time_of_min": Kind.TIME_OF_MIN, "time_of_max": Kind.TIME_OF_MAX, "overshoot": Kind.OVERSHOOT,
+    "peak_frequency": Kind.PEAK_FREQUENCY, "peak_amplitude": Kind.PEAK_AMPLITUDE,
 }  # fmt: skip
 _CONDITIONS = {
     "first_time": (Kind.FIRST_ABOVE, Kind.FIRST_BELOW), "last_time": (Kind.LAST_ABOVE, Kind.LAST_BELOW),

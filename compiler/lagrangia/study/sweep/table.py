@@ -1,6 +1,5 @@
 """The results of a sweep as a table: a row for each run; columns are what was varied, the measures, and why a run failed."""
 
-import html
 import math
 import os
 from collections import Counter
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangia.base.diagnostics import fail, suggest
+from lagrangia.base.html_table import headed, html_notes, html_table
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import Target, cells, quoted, require_parquet
 from lagrangia.run.batch import Ending
@@ -174,18 +174,12 @@ class Sweep:
 
     def _repr_html_(self) -> str:
         """In a notebook: its first runs."""
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in ("run", *self.names, "failure"))
         rows = next(self._rows(), [])[:_SHOWN]
-        body = "".join("<tr>" + "".join(f"<td>{_cell(x)}</td>" for x in row) + "</tr>" for row in rows)
-        more = f"<p>{len(rows)} of {self.runs} runs</p>" if len(rows) < self.runs else ""
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}"
+        heads = ["run", *map(headed, self.names, self.units()), "failure"]
+        return html_table(heads, rows) + html_notes([f"{len(rows)} of {self.runs} runs"] * (len(rows) < self.runs))
 
     def __repr__(self) -> str:
         return f"<{self.runs} runs of {self.job.scene.name}: {', '.join(self.names[:8])}{', ...' if len(self.names) > 8 else ''}>"
-
-
-def _cell(value: Any) -> str:
-    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else html.escape(str(value))
 
 
 def is_parquet(path: str | os.PathLike[str]) -> bool:

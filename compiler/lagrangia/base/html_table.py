@@ -1,0 +1,27 @@
+"""Tables that notebooks show."""
+
+import html
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+
+def html_table(heads: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "") -> str:
+    """A table of plain HTML: numbers by six digits, None as an empty cell, all other as text, whatever it holds."""
+    told = f"<caption>{html.escape(caption)}</caption>" if caption else ""
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in heads)
+    body = "".join("<tr>" + "".join(f"<td>{_cell(x)}</td>" for x in row) + "</tr>" for row in rows)
+    return f"<table>{told}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def headed(name: str, unit: str) -> str:
+    """A name with its unit."""
+    return f"{name} [{unit}]" if unit and unit != "1" else name
+
+
+def html_notes(notes: Iterable[str]) -> str:
+    """A paragraph each."""
+    return "".join(f"<p>{html.escape(note)}</p>" for note in notes)
+
+
+def _cell(value: Any) -> str:
+    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else html.escape(str(value))
