@@ -92,7 +92,7 @@ static void transform(double *z, size_t n)
         for (; j & bit; bit >>= 1)
             j ^= bit;
         j ^= bit;
-        for (int part = 0; i < j && part < 2; ++part) {
+        for (size_t part = 0; i < j && part < 2; ++part) {
             const double kept = z[2 * i + part];
             z[2 * i + part] = z[2 * j + part];
             z[2 * j + part] = kept;
