@@ -13,6 +13,20 @@ def html_table(heads: Sequence[str], rows: Iterable[Sequence[Any]], caption: str
     return f"<table>{told}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
+_LEAST = 1e-12
+MOST_COLUMNS, MOST_ROWS = 20, 60
+
+
+def unrounded(x: float) -> float:
+    """0 for what rounding leaves of it."""
+    return 0.0 if abs(x) < _LEAST else x
+
+
+def missing(count: int, what: str) -> list[str]:
+    """What to note of a table with so many columns."""
+    return [f"{MOST_COLUMNS} of {count} {what} are shown"] if count > MOST_COLUMNS else []
+
+
 def headed(name: str, unit: str) -> str:
     """A name with its unit."""
     return f"{name} [{unit}]" if unit and unit != "1" else name

@@ -4,7 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 from typing import Any
 
+from lagrangia.base.html_table import MOST_COLUMNS, headed, html_notes, html_table, missing, unrounded
 from lagrangia.base.records import dataclass
+from lagrangia.language.frame_attributes import WRENCH_HEADINGS
 
 
 @dataclass(frozen=True)
@@ -51,11 +53,30 @@ class Equilibria(Sequence[Equilibrium]):
     def __len__(self) -> int:
         return len(self.found)
 
-    def _repr_html_(self) -> str:
-        """In a notebook: a table of them, and their reactions."""
-        from lagrangia.study.notebook import equilibria_html
+    def reactions_on(self, item: Equilibrium) -> dict[str, list[float]]:
+        """The components by joints, with the port that the reaction acts on; 0 for what is rounding."""
+        joints: dict[str, list[float]] = {}
+        rounding = max(1e-12 * max(map(abs, item.reactions.values()), default=0.0), 10 * item.residual)
+        for name, value in item.reactions.items():
+            path = name.rpartition(".")[0]
+            joints.setdefault(f"{path}.{self.ports.get(path, 'b')}", []).append(0.0 if abs(value) <= rounding else value)
+        return joints
 
-        return equilibria_html(self)
+    def _repr_html_(self) -> str:
+        """In a notebook: a row for each, and its reactions."""
+        if not self.found:
+            return html_notes([f"{self.name}: no equilibrium was found", *self.notes])
+        names = [*self.found[0].position]
+        shown = names[:MOST_COLUMNS]
+        heads = ["", "stability", *(headed(name, self.units.get(name, "")) for name in shown), "V [J]"]
+        rows = [(k, item.stability, *(unrounded(item.position[name]) for name in shown), unrounded(item.potential))
+                for k, item in enumerate(self.found, 1)]
+        parts = [html_table(heads, rows, f"{self.name}: {len(rows)} at rest, t = {self.time:g} s")]
+        for k, item in enumerate(self.found, 1):
+            if held := self.reactions_on(item):
+                told = [(joint, *values) for joint, values in held.items()]
+                parts.append(html_table(["", *WRENCH_HEADINGS], told, f"reactions of {k} on"))
+        return "".join([*parts, html_notes([*missing(len(names), "coordinates"), *self.notes])])
 
     def __iter__(self) -> Iterator[Equilibrium]:
         return iter(self.found)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.html_table import MOST_COLUMNS, MOST_ROWS, html_notes, html_table, missing
 from lagrangia.base.records import dataclass
 from lagrangia.study.linearization import Linearization, no_mass
 from lagrangia.view.mechanism import Mechanism
@@ -74,6 +75,13 @@ class DampedMode:
         return self.eigenvalue.imag / (2 * np.pi)
 
     @property
+    def motion(self) -> str:
+        """In words."""
+        if self.eigenvalue == 0:
+            return "rigid body"
+        return "oscillation" if self.eigenvalue.imag > 0 else "dies out" if self.eigenvalue.real < 0 else "runs away"
+
+    @property
     def damping_ratio(self) -> float:
         """zeta = -Re(s)/|s|; NaN for s = 0."""
         return 0.0 - self.eigenvalue.real / self.omega if self.omega else float("nan")
@@ -108,9 +116,24 @@ class Modes:
 
     def _repr_html_(self) -> str:
         """In a notebook: tables of frequencies, damping and shapes."""
-        from lagrangia.study.notebook import modes_html
-
-        return modes_html(self)
+        if not len(self):
+            return html_notes([f"{self.name}: no modes, nothing can move", *self.notes])
+        ways = ["way of moving"] * (len(self.ways) > 1)
+        rows = [(k, *([mode.way] if ways else []), mode.kind, mode.frequency, mode.omega,
+                 1 / mode.frequency if mode.frequency else None, mode.growth or None)
+                for k, mode in enumerate(self.modes[:MOST_ROWS], 1)]
+        heads = ["mode", *ways, "kind", "f [Hz]", "omega [rad/s]", "period [s]", "growth [1/s]"]
+        parts = [html_table(heads, rows, f"{self.name}: modes")]
+        if self.has_damping or self.is_gyroscopic:
+            damped = [(*([item.way] if ways else []), item.motion, item.frequency, item.damped_omega, item.omega,
+                       item.damping_ratio, item.eigenvalue.real) for item in self.damped[:MOST_ROWS]]
+            heads = [*ways, "motion", "f [Hz]", "omega [rad/s]", "|s| [rad/s]", "zeta", "rate [1/s]"]
+            parts.append(html_table(heads, damped, "with damping" if self.has_damping else "gyroscopic"))
+        shown = range(min(len(self), MOST_COLUMNS))
+        shapes = [(name, *(self[k].shape[name] for k in shown)) for name in self.coordinates[:MOST_ROWS]]
+        scaled = "mass-normalised" if self.scaling == "mass" else "the largest entry of each is 1"
+        parts.append(html_table(["", *(f"mode {k + 1}" for k in shown)], shapes, f"shapes ({scaled})"))
+        return "".join([*parts, html_notes([*missing(len(self), "modes"), *self.notes])])
 
     @property
     def frequencies(self) -> Matrix:

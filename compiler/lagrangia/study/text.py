@@ -6,19 +6,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangia.base.html_table import unrounded
 from lagrangia.language.frame_attributes import WRENCH_HEADINGS
 
 if TYPE_CHECKING:
     from lagrangia.study.equilibria import Equilibria, Equilibrium
     from lagrangia.study.linearization import Linearization
-    from lagrangia.study.modes import DampedMode, Mode, Modes
+    from lagrangia.study.modes import Mode, Modes
     from lagrangia.study.response import Response
 
 Matrix = NDArray[np.float64]
 _WIDEST = 130
 _MOST_ROWS = 40  # of a table on the screen; files have all
 _NEGLIGIBLE = 1e-13
-_LEAST = 1e-12
 _UNDAMPED = 1e-9  # damping ratios that rounding leaves
 _DEGREE = 180 / np.pi
 
@@ -39,7 +39,7 @@ def equilibria_text(found: "Equilibria") -> str:
         lines.append(f"  V = {_shown(item.potential)} J; the largest force left over is {item.residual:.1e}")
         lines += [f"  {text}" for text in item.holding]
         if item.reactions:
-            lines += [f"  {text}" for text in _reactions(reactions_of(item.reactions, found.ports, item.residual))]
+            lines += [f"  {text}" for text in _reactions(found.reactions_on(item))]
     return "\n".join([*lines, *found.notes])
 
 
@@ -69,21 +69,12 @@ def _positions(position: Mapping[str, float], units: Mapping[str, str]) -> Itera
         yield f"{name:{width}} = {_shown(value)} {unit}{angle}".rstrip()
 
 
-def reactions_of(values: Mapping[str, float], ports: Mapping[str, str], residual: float) -> list[tuple[str, list[float]]]:
-    """Of each joint, by the port that the reaction acts on, its components; 0 for what is rounding."""
-    joints: dict[str, list[float]] = {}
-    rounding = max(1e-12 * max(map(abs, values.values())), 10 * residual)
-    for name, value in values.items():
-        path = name.rpartition(".")[0]
-        joints.setdefault(f"{path}.{ports.get(path, 'b')}", []).append(0.0 if abs(value) <= rounding else value)
-    return [*joints.items()]
-
-
-def _reactions(joints: Sequence[tuple[str, list[float]]]) -> Iterator[str]:
+def _reactions(joints: Mapping[str, list[float]]) -> Iterator[str]:
+    """A line for each joint."""
     head = "reactions on"
-    width = max(*(len(joint) for joint, _ in joints), len(head))
+    width = max(*map(len, joints), len(head))
     yield f"{head:{width}}" + "".join(f"{heading:>14}" for heading in WRENCH_HEADINGS)
-    for joint, numbers in joints:
+    for joint, numbers in joints.items():
         yield f"{joint:{width}}" + "".join(f"{x:>14.6g}" for x in numbers)
 
 
@@ -180,14 +171,7 @@ def _damped(modes: "Modes", way: str) -> Iterator[str]:
         elif item.eigenvalue == 0:
             yield f"{'':12}{0:>14g}{0:>15g}{0:>13g}"
         else:
-            yield f"{'':12}   no oscillation: {way_of(item)} as exp({item.eigenvalue.real:.7g} t)"
-
-
-def way_of(item: "DampedMode") -> str:
-    """What one eigenvalue does, in words."""
-    if item.eigenvalue == 0:
-        return "rigid body"
-    return "oscillation" if item.eigenvalue.imag > 0 else "dies out" if item.eigenvalue.real < 0 else "runs away"
+            yield f"{'':12}   no oscillation: {item.motion} as exp({item.eigenvalue.real:.7g} t)"
 
 
 def response_text(response: "Response") -> str:
@@ -221,8 +205,3 @@ def _complex(x: complex) -> str:
 
 def _shown(x: float) -> str:
     return f"{unrounded(x):.7g}"
-
-
-def unrounded(x: float) -> float:
-    """0 for what rounding leaves of it."""
-    return 0.0 if abs(x) < _LEAST else x
