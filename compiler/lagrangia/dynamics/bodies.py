@@ -4,13 +4,14 @@ A kinetic term that reads only the velocities of frames of one rigid body, is qu
 the body is moved and turned, is that body's inertia: mass, first moment and second moment about one of its frames.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.base.records import dataclass
 from lagrangia.dynamics.energies import Energies, Term
+from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Evaluator, Value
 from lagrangia.frames.graph import ComponentGraph
 from lagrangia.frames.kinematics import Kinematics
@@ -47,8 +48,7 @@ def find_bodies(kinematics: Kinematics, energies: Energies) -> Bodies:
     home, local = _rigid_clusters(kinematics)
     body = FreeBody()
     kinetic = [term for term in energies.kinetic if not term.statement.is_signal]
-    found = [_candidate(kinematics, term, home, local, body) for term in kinetic]
-    candidates = [candidate for candidate in found if candidate is not None]
+    candidates = _candidates(kinematics, kinetic, home, local, body)
     turned = body.hessians([candidate.energy for candidate in candidates])
     straight = body.straight(turned)
     rigid = _are_rigid(straight, turned, body, kinematics)
@@ -70,15 +70,15 @@ def _rigid_clusters(kinematics: Kinematics) -> tuple[dict[str, str], dict[str, P
     return home, local
 
 
-def _candidate(
-    kinematics: Kinematics, term: Term, home: Mapping[str, str], local: Mapping[str, Pose], body: FreeBody
-) -> _Candidate | None:
-    frames = _velocities_read(kinematics.graph.model, term)
-    if not frames or len({home[name] for name in frames}) != 1:
-        return None
-    frame = min(frames)
-    probe = _Probe(kinematics, local, frame, body)
-    return _Candidate(term, frame, Evaluator(kinematics.graph.model, kinematics.algebra, probe).value(term.statement.value))
+def _candidates(
+    kinematics: Kinematics, terms: Sequence[Term], home: Mapping[str, str], local: Mapping[str, Pose], body: FreeBody
+) -> list[_Candidate]:
+    model, read = kinematics.graph.model, [_velocities_read(kinematics.graph.model, term) for term in terms]
+    found = [(term, min(frames)) for term, frames in zip(terms, read, strict=True)
+             if frames and len({home[name] for name in frames}) == 1]
+    evaluators = [Evaluator(model, kinematics.algebra, _Probe(kinematics, local, frame, body)) for _, frame in found]
+    energies = evaluate_all([term.statement.value for term, _ in found], evaluators)
+    return [_Candidate(term, frame, energy) for (term, frame), energy in zip(found, energies, strict=True)]
 
 
 def _velocities_read(model: FlatModel, term: Term) -> set[str] | None:

@@ -9,6 +9,7 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression
 from lagrangia.base.diagnostics import Report, Span
 from lagrangia.base.records import dataclass
+from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Value
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import Energy, Work
@@ -69,8 +70,8 @@ def evaluate_energies(kinematics: Kinematics) -> Energies:
     report = Report()
     model = kinematics.graph.model
     terms: dict[str, list[Term]] = {"kinetic": [], "potential": [], "dissipation": []}
-    for energy in model.energies:
-        value = kinematics.evaluator.value(energy.value)
+    values = evaluate_all([energy.value for energy in model.energies], [kinematics.evaluator] * len(model.energies))
+    for energy, value in zip(model.energies, values, strict=True):
         _check_scalar(value, energy.kind, energy.span, report)
         terms[energy.kind].append(Term(value, energy))
     loads = [_load(work, kinematics.evaluator.value, report) for work in model.works]

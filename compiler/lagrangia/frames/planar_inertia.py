@@ -5,6 +5,7 @@ L = J w + b x v. Of symmetric matrices the upper triangle is kept.
 """
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import casadi as ca
 
@@ -44,9 +45,16 @@ class FreeBody:
         vx, vy, w = self.twist
         if attribute == "w":
             return w
-        if ahead is not None:
-            vx, vy = vx - w * ahead[1], vy + w * ahead[0]
-        return self.cos * vx - self.sin * vy, self.sin * vx + self.cos * vy
+        if ahead is None:
+            return self._own
+        return self._turned(vx - w * ahead[1], vy + w * ahead[0])
+
+    @cached_property
+    def _own(self) -> Value:
+        return self._turned(*self.twist[:2])
+
+    def _turned(self, x: Scalar, y: Scalar) -> Value:
+        return self.cos * x - self.sin * y, self.sin * x + self.cos * y
 
     def hessians(self, energies: Sequence[Scalar]) -> ca.SX:
         """d2T/d(twist)2 of each energy: a row of the entries of the upper triangle. NaN where T is not quadratic."""

@@ -1,0 +1,68 @@
+"""Expressions that are evaluated together, by columns, are those that come out one by one."""
+
+from pathlib import Path
+
+import casadi as ca
+import pytest
+
+from lagrangia.algebra.scalars import as_expression
+from lagrangia.compile.pipeline import flatten_file
+from lagrangia.frames import alike
+from lagrangia.frames.evaluation import scalars_of
+from lagrangia.frames.graph import build_graph
+from lagrangia.frames.kinematics import Kinematics, build_kinematics
+
+MANY = """model Own "energies of its own"
+  parameter Mass m = 2; parameter Length L = 1; parameter Real many = 3;
+  Frame a; coordinate Length s; Length twice = 2*s; parameter Boolean plain = false;
+  Real other = if time > 1 then 1 else s/L;
+energy
+  kinetic m*dot(a.v, a.v)/2 + m*der(s)^2/2;
+  potential -m*dot(world.gravity, a.r) - m*world.gravity[2]*{2, 3}*a.r;
+  potential m*s^2 + m*twice^2/many;
+  potential if plain then m*a.y else m*a.y*L*other;
+end Own;
+model Many
+  Planar place[12](each a = world); Own own[12](m = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
+  Bar bar[3](each m = 1, each L = 2); Spring tie[12](each a = world, each k = 3);
+equation
+  for i in 1:12 loop connect(place[i].b, own[i].a); connect(tie[i].b, own[i].a); end for;
+  for i in 1:3 loop connect(place[i].b, bar[i].a); end for;
+end Many;"""
+
+
+def kinematics_of(text: str, folder: Path) -> Kinematics:
+    file = folder / "many.lag"
+    file.write_text(text)
+    return build_kinematics(build_graph(flatten_file(file)[1]))
+
+
+def test_columns_are_what_comes_out_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kinematics = kinematics_of(MANY, tmp_path)
+    expressions = [energy.value for energy in kinematics.graph.model.energies]
+    one_by_one = [kinematics.evaluator.value(node) for node in expressions]
+    taken = []
+    together = alike._together
+    monkeypatch.setattr(alike, "_together", lambda group, evaluators: taken.append(found := together(group, evaluators)) or found)
+    found = alike.evaluate_all(expressions, [kinematics.evaluator] * len(expressions))
+    assert [len(rows) for rows in taken if rows] == [12], "potentials of weights"
+    assert len(taken) == 4, "those that read a variable with a binding are tried, and taken one by one"
+    for a, b in zip(one_by_one, found, strict=True):
+        for x, y in zip(scalars_of(a), scalars_of(b), strict=True):
+            assert ca.is_equal(as_expression(x), as_expression(y), 20)
+
+
+def test_a_name_that_only_some_read_twice_keeps_expressions_apart(tmp_path: Path) -> None:
+    joined = "".join(f"  potential 3*h[{k}].phi*h[{max(k, 2)}].phi;\n" for k in range(1, 13))
+    loop = "  for i in 1:12 loop potential 2*h[i].phi*h[if i < 2 then 1 else i - 1].phi; end for;\n"
+    text = f"""model Twice
+  Revolute h[12](each a = world); Bar bar[12](each m = 1, each L = 1);
+equation
+  for i in 1:12 loop connect(h[i].b, bar[i].a); end for;
+energy
+{loop}{joined}end Twice;"""
+    kinematics = kinematics_of(text, tmp_path)
+    expressions = [energy.value for energy in kinematics.graph.model.energies]
+    found = alike.evaluate_all(expressions, [kinematics.evaluator] * len(expressions))
+    for node, value in zip(expressions, found, strict=True):
+        assert ca.is_equal(as_expression(kinematics.evaluator.value(node)), as_expression(value), 20)
