@@ -1,8 +1,6 @@
 """Hostile importers: random calls with random arguments, under the sanitizers. An error is an answer; a crash is none."""
 
 import os
-import shutil
-import subprocess
 import zipfile
 from pathlib import Path
 
@@ -11,7 +9,9 @@ import pytest
 pytest.importorskip("fmpy")
 
 from helpers.fmus import EXAMPLES, fmu_of
+from helpers.sanitizers import needs_sanitizers, sanitized
 from lagrangia.fmu.build import standard_headers
+from lagrangia.native.build import find_compiler
 
 SEQUENCES, CALLS = int(os.environ.get("LAGRANGIA_FUZZ", "1500")), 12  # LAGRANGIA_FUZZ=100000 takes two minutes
 COMMON = """
@@ -216,21 +216,20 @@ int main(void)
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc with its sanitizers")
-@pytest.mark.parametrize(("example", "version"), [("quarter_car", "3"), ("four_bar", "2")])  # half a minute of gcc each
+@needs_sanitizers
+@pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+@pytest.mark.parametrize(("example", "version"), [("quarter_car", "3"), ("four_bar", "2")])
 def test_no_sequence_of_calls_crashes(example: str, version: str, tmp_path: Path) -> None:
     with zipfile.ZipFile(fmu_of(EXAMPLES / f"{example}.lag", version)) as archive:
         archive.extractall(tmp_path)
     text = COMMON.replace("HEADER", f"fmi{version}Functions.h") + (FMI2 if version == "2" else FMI3) + MAIN
     (tmp_path / "driver.c").write_text(text)
-    sources = [str(file) for file in (tmp_path / "sources").glob("*.c")]
-    flags = ["-std=c99", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-DLAG_STATIC=1",
-             "-DFMI3_OVERRIDE_FUNCTION_PREFIX=1", f"-DSEQUENCES={SEQUENCES}", f"-DCALLS={CALLS}", "-ffp-contract=off"]
-    program = str(tmp_path / "fuzz")
-    folders = [f"-I{tmp_path / 'sources'}", f"-I{standard_headers()}"]
-    subprocess.run(["gcc", *flags, *folders, "-o", program, str(tmp_path / "driver.c"), *sources, "-lm"], check=True,
-                   capture_output=True)
-    done = subprocess.run([program], capture_output=True, text=True, check=False, timeout=3600)
-    assert done.returncode == 0, done.stderr[-3000:]
-    worked, refused = map(int, done.stdout.split())
+    files = sorted((tmp_path / "sources").iterdir())
+    own = [file for file in files if file.name.startswith(("scene", f"fmi{version}"))]
+    shared = [file for file in files if file not in own]
+    flags = ["-DLAG_STATIC=1", "-DFMI3_OVERRIDE_FUNCTION_PREFIX=1", f"-DSEQUENCES={SEQUENCES}", f"-DCALLS={CALLS}",
+             "-ffp-contract=off", f"-I{tmp_path / 'sources'}", f"-I{standard_headers()}"]
+    printed = sanitized(tmp_path, ["driver.c", *(str(file) for file in own if file.suffix == ".c")],
+                        [file for file in shared if file.suffix == ".c"], [file for file in shared if file.suffix == ".h"], flags)
+    worked, refused = map(int, printed.split())
     assert worked > SEQUENCES and refused > SEQUENCES, "both happened often"

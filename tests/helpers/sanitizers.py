@@ -20,24 +20,33 @@ _OPTIONS = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-rec
 
 def run_sanitized(folder: Path, files: Mapping[str, str]) -> None:
     """Builds the files, by their names, with all of the run time, and runs them: exit code 0, and nothing found."""
-    compiler, program = find_compiler(), folder / "driver"
-    assert compiler is not None
     for name, text in files.items():
         (folder / name).write_text(text)
-    objects = map(str, _runtime_objects(compiler.command))
-    _compile(compiler.command, folder, ["-o", str(program), *files, *objects, "-lm"])
-    done = subprocess.run([program], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    runtime = data_folder("runtime")
+    sanitized(folder, [*files], sources(runtime), sorted(runtime.rglob("*.h")), [f"-I{runtime}"])
 
 
-def _runtime_objects(command: Sequence[str]) -> list[Path]:
-    """Those of the run time; the first to ask builds them, for all tests and processes of this run."""
+def sanitized(folder: Path, own: Sequence[str], shared: Sequence[Path], headers: Sequence[Path], flags: Sequence[str]) -> str:
+    """What a program of a folder's own files and of shared ones prints: exit code 0, and nothing found.
+
+    The first to ask compiles the shared ones, which these headers belong to, for all tests and processes of this run.
+    """
+    compiler, program = find_compiler(), folder / "driver"
+    assert compiler is not None
+    objects = map(str, _objects([*compiler.command, *_OPTIONS, *flags], shared, headers))
+    _compile([*compiler.command, *_OPTIONS, *flags], folder, ["-o", str(program), *own, *objects, "-lm"])
+    done = subprocess.run([program], capture_output=True, text=True, check=False, timeout=3600)
+    assert done.returncode == 0, done.stderr[-3000:]
+    return done.stdout
+
+
+def _objects(command: Sequence[str], shared: Sequence[Path], headers: Sequence[Path]) -> list[Path]:
     base = Path(os.environ["LAGRANGIA_CACHE"]).parent  # a folder of this run's own: conftest.own_cache
-    files = sorted(data_folder("runtime").rglob("*.[ch]"))
-    kept = base / f"sanitized-{hashlib.sha256(b''.join(file.read_bytes() for file in files)).hexdigest()[:16]}"
+    content = b"".join(file.name.encode() + file.read_bytes() for file in (*shared, *headers))
+    kept = base / f"sanitized-{hashlib.sha256(content).hexdigest()[:16]}"
     if not kept.exists():
         made = Path(tempfile.mkdtemp(dir=base))
-        _compile(command, made, ["-c", *map(str, sources(data_folder("runtime")))])
+        _compile(command, made, ["-c", *map(str, shared)])
         try:
             made.rename(kept)
         except OSError:  # another process was faster
@@ -46,6 +55,10 @@ def _runtime_objects(command: Sequence[str]) -> list[Path]:
 
 
 def _compile(command: Sequence[str], folder: Path, arguments: Sequence[str]) -> None:
-    options = [*_OPTIONS, f"-I{data_folder('runtime')}"]
-    if subprocess.run([*command, *options, *arguments], cwd=folder, capture_output=True, check=False).returncode != 0:
-        pytest.skip("this compiler has no sanitizers")
+    done = subprocess.run([*command, *arguments], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        probe = [*command, "-x", "c", "-", "-o", str(folder / "probe")]
+        empty = "int main(void) { return 0; }"
+        if subprocess.run(probe, input=empty, text=True, capture_output=True, check=False).returncode != 0:
+            pytest.skip("this compiler has no sanitizers")
+        raise AssertionError(done.stderr[-3000:])
