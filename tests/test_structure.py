@@ -76,9 +76,20 @@ MODULES = {path.relative_to(PACKAGE).with_suffix("").as_posix(): path for path i
 
 
 @cache
+def parsed(path: Path) -> ast.Module:
+    """What a file says."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def tree_of(module: str) -> ast.Module:
     """What a module says, parsed."""
-    return ast.parse(MODULES[module].read_text(encoding="utf-8"))
+    return parsed(MODULES[module])
+
+
+@cache
+def nodes_of(path: Path) -> tuple[ast.AST, ...]:
+    """All of what a file says."""
+    return tuple(ast.walk(parsed(path)))
 
 
 def room_of(module: str) -> str:
@@ -89,7 +100,7 @@ def room_of(module: str) -> str:
 @cache
 def imported(module: str) -> frozenset[str]:
     """What a module imports, wherever in it the import stands: "room/name" of the package, names of other libraries."""
-    return frozenset(name for _, name in named(module, ast.walk(tree_of(module))))
+    return frozenset(name for _, name in named(module, nodes_of(MODULES[module])))
 
 
 def named(module: str, nodes: Iterable[ast.AST]) -> Iterator[tuple[int, str]]:
@@ -147,12 +158,12 @@ def test_no_circle_in_a_room(room: str) -> None:
 @cache
 def parts(module: str) -> tuple[list[ast.AST], list[ast.AST]]:
     """What runs where a module is imported, and what runs where its functions are called."""
-    tree = tree_of(module)
-    late = [node for function in ast.walk(tree) if isinstance(function, ast.FunctionDef) for node in ast.walk(function)]
-    never = [node for test in ast.walk(tree) if isinstance(test, ast.If) and ast.unparse(test.test) == "TYPE_CHECKING"
+    nodes = nodes_of(MODULES[module])
+    late = [node for function in nodes if isinstance(function, ast.FunctionDef) for node in ast.walk(function)]
+    never = [node for test in nodes if isinstance(test, ast.If) and ast.unparse(test.test) == "TYPE_CHECKING"
              for node in ast.walk(test)]
     others = {*late, *never}
-    return [node for node in ast.walk(tree) if node not in others], late
+    return [node for node in nodes if node not in others], late
 
 
 @cache
@@ -180,7 +191,7 @@ def test_heavy_libraries_stay_in_their_rooms(library: str) -> None:
 
 def test_no_private_name_crosses_modules() -> None:
     for module, path in MODULES.items():
-        froms = (node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom))
+        froms = (node for node in nodes_of(path) if isinstance(node, ast.ImportFrom))
         private = [name.name for node in froms for name in node.names if re.match(r"_[a-z]", name.name)]
         assert not private, module
 
@@ -196,7 +207,7 @@ def public(tree: ast.AST, where: str = "") -> Iterator[tuple[str, ast.ClassDef |
 
 def test_everything_public_says_what_it_is() -> None:
     silent = [f"{module}: {name}" for module, path in MODULES.items()
-              for name, node in public(ast.parse(path.read_text(encoding="utf-8"))) if not ast.get_docstring(node)]
+              for name, node in public(parsed(path)) if not ast.get_docstring(node)]
     assert silent == []
 
 
@@ -253,7 +264,7 @@ def test_frames_are_asked_for_what_the_plane_has() -> None:
     """An angle, its sine and components are not read off a pose anywhere else."""
     wrong = []
     for module in sorted(MODULES.keys() - NAME_THEM):
-        for node in ast.walk(tree_of(module)):
+        for node in nodes_of(MODULES[module]):
             is_named = isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value in OF_THE_PLANE
             is_read = isinstance(node, ast.Attribute) and node.attr in ("phi", "sin", "cos") \
                 and ast.unparse(node.value).rpartition(".")[2] not in (RESIDUALS if node.attr == "phi" else FUNCTIONS)
@@ -286,23 +297,23 @@ def test_no_file_is_long() -> None:
     assert not {path: length for path, length in lengths.items() if length >= LONGEST_FILE}
 
 
-def python_functions(text: str) -> Iterator[tuple[str, int]]:
-    for node in ast.walk(ast.parse(text)):
+def python_functions(path: Path) -> Iterator[tuple[str, int]]:
+    for node in nodes_of(path):
         if isinstance(node, ast.FunctionDef):
             assert node.end_lineno is not None
             yield node.name, node.end_lineno - node.lineno + 1
 
 
-def c_functions(text: str) -> Iterator[tuple[str, int]]:
+def c_functions(path: Path) -> Iterator[tuple[str, int]]:
     """A function's braces stand in the first column."""
-    for body in re.finditer(r"^(\w[^\n;]*)\n\{\n(.*?)^\}$", text, re.DOTALL | re.MULTILINE):
+    for body in re.finditer(r"^(\w[^\n;]*)\n\{\n(.*?)^\}$", path.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE):
         yield body[1], body[0].count("\n") + 1
 
 
 def test_no_function_is_long() -> None:
     readers = {".py": python_functions, ".c": c_functions}
     lengths = {(path, name): length for path in tracked() if path.suffix in readers
-               for name, length in readers[path.suffix]((ROOT / path).read_text(encoding="utf-8"))}
+               for name, length in readers[path.suffix](ROOT / path)}
     assert any(path.suffix == ".c" for path, _ in lengths)
     assert not {where: length for where, length in lengths.items() if length > LONGEST_FUNCTION}
 
