@@ -242,10 +242,10 @@ def test_the_two_derivations_agree(path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(0, 30, 10))
+@pytest.mark.parametrize("first", range(0, 18, 6))
 def test_they_agree_on_random_trees(first: int, tmp_path: Path) -> None:
     """Bars and discs on hinges, sliders and moving bases, with springs, dampers and loads anywhere."""
-    for seed in range(first, first + 10):
+    for seed in range(first, first + 6):
         path = tmp_path / "tree.lag"
         path.write_text(random_tree(1000 + seed, 1 + (seed % 4 == 2)).text, encoding="utf-8")
         the_two_derivations_agree(path, derived(path, has_named_supports=True))
