@@ -7,6 +7,7 @@ then products of rates, rates, positions, weights, multipliers, given functions.
 from collections.abc import Mapping
 from dataclasses import field
 from fractions import Fraction
+from functools import lru_cache
 from typing import TypeAlias
 
 import sympy as sp
@@ -19,6 +20,19 @@ from lagrangia.paper.shapes import Polynomial, Powers, factored_out
 
 Waves: TypeAlias = tuple[tuple[Expr, int], ...]
 Rank: TypeAlias = tuple[int, int]
+_MOST_SPELLED = 10_000  # expressions; a page sorts the same few hundred again and again
+
+
+@lru_cache(_MOST_SPELLED)
+def spelled(x: Expr) -> str:
+    """How SymPy writes an expression, as the last word where an order is wanted."""
+    return str(x)
+
+
+def _listed(powers: Powers | Waves) -> str:
+    """As Python writes the tuple."""
+    inside = ", ".join(f"({spelled(x)}, {k!r})" for x, k in powers)
+    return f"({inside},)" if len(powers) == 1 else f"({inside})"
 
 
 @dataclass(frozen=True)
@@ -94,7 +108,7 @@ class Grouping:
         return tuple((x, k) for x, k in powers.items() if not x.free_symbols & self._moving), dynamic
 
     def _sorted_waves(self, waves: Waves) -> Waves:
-        return tuple(sorted(waves, key=lambda item: (isinstance(item[0], sp.cos), self._places_of(item[0]), str(item[0]))))
+        return tuple(sorted(waves, key=lambda item: (isinstance(item[0], sp.cos), self._places_of(item[0]), spelled(item[0]))))
 
     def _places_of(self, x: Expr) -> list[tuple[int, int]]:
         return sorted(self._places.get(s, (9, 0)) for s in x.free_symbols)
@@ -139,7 +153,7 @@ class Grouping:
                       if x in symbols | waves]
         degree = len([1 for x, k in g.dynamic for _ in range(int(abs(k)))])
         is_quotient = any(k < 0 for _, k in g.dynamic)
-        last = str(g.dynamic), str(g.waves)
+        last = _listed(g.dynamic), _listed(g.waves)
         return order, order == 1 and len(g.dynamic) > 1, is_quotient, sorted(everything), not symbols, -degree, *last
 
     def _rate_degree(self, g: Group) -> Fraction:
@@ -150,7 +164,7 @@ class Grouping:
         x = item[0]
         if x in self._places:
             return *self._places[x], ""
-        return 1 if x in self.symbols.given else 3 if isinstance(x, sp.Abs) else 6, 0, str(x)
+        return 1 if x in self.symbols.given else 3 if isinstance(x, sp.Abs) else 6, 0, spelled(x)
 
     def rank(self, x: Expr) -> Rank:
         """Where an atom stands in a product: numbers, loads, masses and stiffnesses, g, lengths, all else."""
@@ -159,8 +173,8 @@ class Grouping:
 
     def term_key(self, item: tuple[Fraction, Powers]) -> tuple[object, ...]:
         """The order of the terms of a sum of parameters: positive ones first, then those with the fewest factors."""
-        ranks = sorted((*self.rank(x), str(x)) for x, _ in item[1])
-        return item[0] < 0, len(item[1]), ranks, str(item[1])
+        ranks = sorted((*self.rank(x), spelled(x)) for x, _ in item[1])
+        return item[0] < 0, len(item[1]), ranks, _listed(item[1])
 
 
 def _cubes(powers: dict[Expr, Fraction]) -> dict[Expr, Fraction]:

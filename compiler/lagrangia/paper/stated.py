@@ -8,7 +8,7 @@ import sympy as sp
 
 from lagrangia.algebra.with_sympy import Expr, slope
 from lagrangia.base.records import dataclass
-from lagrangia.paper.grouping import Group
+from lagrangia.paper.grouping import Group, spelled
 from lagrangia.paper.layout import Bracket, Node, Numeral, Power, Total, total
 from lagrangia.paper.shapes import Powers, merged, usual_number
 from lagrangia.paper.terms import Signed, Terms, positive_first
@@ -35,7 +35,7 @@ class StatedTerms(Terms):
         """Loads last, before them weights; else by the parameters, in the order of the model."""
         symbols, s = addend.free_symbols, self.symbols
         places = sorted(self.grouping.rank(x)[1] for x in symbols if x in s.ranks and s.ranks[x][0] == 0)
-        return bool(symbols & s.loads), bool(symbols & s.weights), places, str(addend)
+        return bool(symbols & s.loads), bool(symbols & s.weights), places, spelled(addend)
 
     def stated_slope(self, expression: Expr, x: Expr, sign: int = 1) -> Node:
         """d/dx of what is stated, as the chain rule gives it: no bracket is multiplied out."""

@@ -14,7 +14,7 @@ import sympy as sp
 from lagrangia.algebra.normal_form import Ring
 from lagrangia.algebra.with_sympy import Expr
 from lagrangia.base.records import dataclass
-from lagrangia.paper.grouping import Group, Grouping, Symbols
+from lagrangia.paper.grouping import Group, Grouping, Symbols, spelled
 from lagrangia.paper.layout import (
     Apply,
     Bracket,
@@ -143,7 +143,7 @@ class Terms:
             ranks = [self._factor_key(f)[0] for f in simplest.factors]
             return min(ranks, default=5), True, 0, ""  # type: ignore[type-var]
         rank, place = self.grouping.rank(x)
-        return rank, False, place, str(x)
+        return rank, False, place, spelled(x)
 
     def _key(self, x: Shaped) -> tuple[object, ...]:
         ranks = sorted(self._factor_key(f) for f in x.factors)
