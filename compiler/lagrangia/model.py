@@ -258,27 +258,29 @@ class Model(Analysed):
 
     def simulate_many(
         self, *, parameters: Mapping[str, Any] | None = None, initial: Mapping[str, Any] | None = None,
-        outputs: str | Sequence[str] = (), runs: str | os.PathLike[str] | None = None, samples: int | None = None, seed: int = 0,
+        outputs: str | Sequence[str] = (), runs: Any = None, samples: int | None = None, seed: int = 0,
         sampling: str = "random", together: bool = False, stop: float | None = None, start: float | None = None,
         tolerance: float | None = None, interval: float | None = None, inputs: Any = None, solver: str = "auto",
         max_step: float = 0.0, max_steps: int = 0, seconds_per_run: float = 0.0, jobs: int | None = None, dask: str | None = None,
-        path: str | os.PathLike[str] | None = None, restart: bool = False, keep: bool = False,
+        path: str | os.PathLike[str] | None = None, restart: bool = False, keep: bool = False, progress: bool | None = None,
     ) -> "Sweep":
         """Many runs on all cores, or on a Dask cluster: all combinations of the values given, nothing compiled again.
 
-        Values are numbers, sequences, or text: "100:2000:50" (from:to:step), "linspace(0, 1, 11)", "normal(100, 5)", which takes
-        `samples`. `runs` is a CSV file with a line for each run; `together` takes sequences side by side. `outputs` are
-        measures: "max(y)", "at(0.5, y)", "first_time(abs(y) > 3)", ...; final values by default (`lag help sweep`). The motion
-        is looked at every `interval` (s) at least. A run that fails is told in `.failures`, and no error. `keep` keeps whole
-        trajectories, rows an `interval` apart: `.trajectories`, `.to_xarray()`. With a `path` (.csv,
-        .parquet) the table is written there, and a sweep that was killed goes on from `path`.part. Raises LagError, Interrupted.
+        Values are numbers, sequences, or text: "100:2000:50" (from:to:step), "linspace(0, 1, 11)", "normal(100, 5)", of which
+        `samples` are taken; a list of `inputs` has some for each run. `runs` has a row for each run: a CSV file, a DataFrame, or
+        columns by name. `together` takes sequences side by side. `outputs` are measures: "max(y)", "at(0.5, y)",
+        "first_time(abs(y) > 3)", ...; final values by default (`lag help sweep`). The motion is looked at every `interval` (s) at
+        least. A run that fails is told in `.failures`, and no error. `keep` keeps whole trajectories, rows an `interval` apart:
+        `.trajectories`, `.to_xarray()`. With a `path` (.csv, .parquet) the table is written there, and a sweep that was killed
+        goes on from `path`.part. `progress`: a bar, by default where somebody looks. Raises LagError, Interrupted.
         """
         from lagrangia.study.sweep.plan import Design
         from lagrangia.study.sweep.run import run_many
 
         request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
-        design = Design(None if runs is None else Path(runs), samples, seed, sampling, together, seconds_per_run, keep)
-        return run_many(self, outputs, request, design, path, restart=restart, jobs=jobs, dask=dask)
+        table = Path(runs) if isinstance(runs, str | os.PathLike) else runs
+        design = Design(table, samples, seed, sampling, together, seconds_per_run, keep)
+        return run_many(self, outputs, request, design, path, restart=restart, jobs=jobs, dask=dask, progress=progress)
 
     def measure(self, measures: str | Sequence[str], **asked: Any) -> dict[str, float]:
         """Numbers of one run that is `asked` for as of `simulate`, exact between its rows: measure("max(y, from=2), rms(y)"). NaN

@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import lagrangia as lag
@@ -136,3 +137,21 @@ def test_without_dask_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(lag.LagError, match="pip install dask"):
         lag.load(EXAMPLES / "pendulum.lag").simulate_many(stop=1.0, dask="tcp://127.0.0.1:1")
+
+
+@pytest.mark.slow
+def test_trajectories_come_from_a_cluster(cluster: Cluster) -> None:
+    """The same as here, with inputs from run to run; in memory and in files."""
+    model = lag.load(EXAMPLES / "suspended_bar.lag")
+    asked = {"parameters": {"k1": [900, 1000, 1100]}, "outputs": "max(y)", "stop": 2, "interval": 0.1, "keep": True}
+    there, here = model.simulate_many(**asked, dask=cluster.address), model.simulate_many(**asked)
+    assert there["max(y)"].tolist() == here["max(y)"].tolist()
+    np.testing.assert_array_equal(there.trajectories, here.trajectories)
+    command = ["sweep", str(EXAMPLES / "pendulum.lag"), "-p", "L=1,2", "--stop", "1", "--interval", "0.25", "--keep", "--quiet"]
+    assert main([*command, "--dask", cluster.address, "-o", "x.csv"]) == 0
+    table = pytest.importorskip("pandas").read_parquet("x_runs")
+    assert sorted(table["run"].unique()) == [0, 1] and len(table) == 10
+    pushed = lag.loads("model M input Force F; Block b(m = 2, base = world); AppliedForce p(at = b.center, force = {F, 0});\n"
+                       "annotation(experiment(StopTime = 1)); end M;")
+    found = pushed.simulate_many(inputs=[{"F": 1.0}, ([0.0, 1.0], {"F": [0.0, 3.0]})], outputs="b.s", dask=cluster.address)
+    assert found["b.s"] == pytest.approx([0.25, 0.25], abs=1e-9)

@@ -1,10 +1,8 @@
 """`lag sweep`: many runs of one scene."""
 
 import sys
-import time
 from argparse import Namespace
 from pathlib import Path
-from typing import Any
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.interruptions import INTERRUPTED
@@ -27,10 +25,10 @@ from lagrangia.study.sweep.journal import Journal, Ledger
 from lagrangia.study.sweep.keeping import Dataset, Keeper
 from lagrangia.study.sweep.measures import Measure, quantities, read_measures
 from lagrangia.study.sweep.plan import Design, Job
+from lagrangia.study.sweep.progress import Bar
 from lagrangia.study.sweep.run import require_place, run_job
 from lagrangia.study.sweep.table import Sweep
 
-_BAR_AFTER = 2.0  # seconds
 _MOST_SHOWN = 12  # measures in the summary
 _DRY_ROWS = 10
 
@@ -79,7 +77,7 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
 
 
 def _run(options: Namespace, model: Model, job: Job, ledger: Ledger, keeper: Keeper | None = None) -> Sweep:
-    bar = _Bar(ledger, job.runs, sys.stderr)
+    bar = Bar(ledger, job.runs, sys.stderr)
     try:
         return run_job(job, model, ledger, jobs=options.jobs, dask=options.dask, watch=bar, keeper=keeper)
     finally:
@@ -173,29 +171,3 @@ def _spread(sweep: Sweep, measure: Measure) -> str:
         varied = [f"{name} = {x:.6g}" for name, x in zip(sweep.job.variations.names[:3], row, strict=False)]
         ends.append(f"{values[k]:.6g}{f' {unit}' if unit else ''} (run {k}{': ' if varied else ''}{', '.join(varied)})")
     return f"{ends[0]} to {ends[1]}"
-
-
-class _Bar:
-    """A progress bar with the time left, on sweeps over two seconds, where somebody watches."""
-
-    def __init__(self, ledger: Ledger, runs: int, stream: Any) -> None:
-        self.runs, self.stream = runs, stream
-        self.before, self.begin = ledger.entered, time.perf_counter()
-        self.is_shown = False
-
-    def __call__(self, ledger: Ledger) -> None:
-        elapsed, now = time.perf_counter() - self.begin, ledger.entered - self.before
-        if elapsed < _BAR_AFTER or not self.stream.isatty() or not now:
-            return
-        done = ledger.entered / self.runs
-        filled, left = int(30 * done), elapsed * (self.runs - ledger.entered) / now
-        self.stream.write(f"\r[{'#' * filled}{'.' * (30 - filled)}] {100 * done:5.1f} %  {ledger.entered} of {self.runs} runs  "
-                          f"{left:.0f} s left   ")
-        self.stream.flush()
-        self.is_shown = True
-
-    def close(self) -> None:
-        if self.is_shown:
-            self.stream.write("\r" + " " * 90 + "\r")
-
-

@@ -259,7 +259,8 @@ runs all combinations of the values, the last one changing fastest, on all cores
 normal(mean, deviation)    random, with --samples N and --seed; also uniform(low, high), triangular(low, mode, high),
                            lognormal(median, deviation of the logarithm), loguniform(low, high)
 --sampling lhs             a Latin hypercube
---runs FILE.csv            a line of names and a line for each run; --together takes lists side by side
+--runs FILE.csv            a line of names (parameters, starts, inputs that are held) and one for each run; --together takes lists
+                           side by side
 Several of these together: all combinations, the samples last. Each number may carry a unit, or none of a list.
 
 Measures of a quantity y (a coordinate, der(coordinate), an output, a place such as bar.b.y, energy.kinetic, energy.potential,

@@ -91,7 +91,7 @@ class Sweep:
     window: float  # s
     seconds: float  # s of wall time a run may take, 0: no limit
     reductions: Sequence[Reduction]
-    varied: Sequence[int]  # parameter k, or n_parameters + k for (q, v)[k]
+    varied: Sequence[int]  # parameter k, n_parameters + k for (q, v)[k]; behind them input k, held, and the number of a case
     given: Sequence[float]
     mask: Sequence[float]
     start: Sequence[float]
@@ -99,6 +99,7 @@ class Sweep:
     most: Sequence[float]
     input_times: Sequence[float] = ()
     input_values: Sequence[float] = ()
+    input_cases: Sequence[tuple[Sequence[float], Sequence[float]]] = ()  # times and values, of which a run has one
     is_driven: bool = False  # something is moved in time, and may bring energy whatever the steps
     row_times: Sequence[float] = ()  # s: whole rows that are kept of each run
 
@@ -141,6 +142,8 @@ class Batch:
         self._library = runtime.library
         self._declare()
         self.n_reductions, self.n_varied = len(sweep.reductions), len(sweep.varied)
+        self._sweep, self._states = sweep, len(sweep.given) + len(sweep.start)
+        varied = [place for place in sweep.varied if place < self._states]
         self._run = Run(self._library, model, sweep.settings)
         if sweep.input_values:
             self._run.set_inputs(sweep.input_times, sweep.input_values)
@@ -149,7 +152,7 @@ class Batch:
                          int(r.keeps_cycles)) for r in sweep.reductions))
         vectors = ((c.c_double * len(v))(*v) for v in (sweep.given, sweep.mask, sweep.start, sweep.least, sweep.most))
         struct = _Sweep(sweep.settings.t_start, sweep.settings.t_stop, sweep.window or math.inf, sweep.seconds,
-                        self.n_reductions, reductions, self.n_varied, (c.c_int * self.n_varied)(*sweep.varied), *vectors,
+                        self.n_reductions, reductions, len(varied), (c.c_int * len(varied))(*varied), *vectors,
                         int(sweep.is_driven), len(sweep.row_times), (c.c_double * len(sweep.row_times))(*sweep.row_times))
         self.n_rows = len(sweep.row_times)
         self._batch: int | None = self._library.lag_batch_new(c.byref(model.struct), self._run.handle, c.byref(struct))
@@ -193,9 +196,43 @@ class Batch:
             raise ValueError(f"values of the shape {(runs, self.n_varied)} are needed, not {values.shape}")
         results, outcomes = np.empty((runs, self.n_reductions)), np.zeros(runs, dtype=OUTCOME)
         rows = np.empty((runs, self.n_rows, self._run.width))
-        done = self._library.lag_batch_advance(self._batch, runs, values.ctypes.data, results.ctypes.data, outcomes.ctypes.data,
-                                               rows.ctypes.data, c.byref(stop if stop is not None else c.c_int32(0)))
-        return results[:done], outcomes[:done], rows[:done]
+        stopped = stop if stop is not None else c.c_int32(0)
+        is_input = np.array(self._sweep.varied, dtype=int) >= self._states
+        own = np.ascontiguousarray(values[:, ~is_input])
+        first = 0
+        for last in self._changes(values[:, is_input]):
+            if is_input.any():
+                self._set_inputs(values[first, is_input].tolist())
+            places = (array[first:].ctypes.data for array in (own, results, outcomes, rows))
+            done = self._library.lag_batch_advance(self._batch, last - first, *places, c.byref(stopped))
+            if done < last - first:
+                return results[: first + done], outcomes[: first + done], rows[: first + done]
+            first = last
+        return results, outcomes, rows
+
+    @staticmethod
+    def _changes(inputs: "np.ndarray") -> list[int]:
+        """The ends of runs one after another that have the same inputs."""
+        import numpy as np
+
+        if not len(inputs):
+            return []
+        return [*(np.flatnonzero((inputs[1:] != inputs[:-1]).any(axis=1)) + 1).tolist(), len(inputs)]
+
+    def _set_inputs(self, values: Sequence[float]) -> None:
+        """Those of the next runs: a case, and single ones that are held."""
+        import numpy as np
+
+        sweep = self._sweep
+        places = [place - self._states for place in sweep.varied if place >= self._states]
+        chosen = dict(zip(places, values, strict=True))
+        count = len(sweep.input_values) // len(sweep.input_times)
+        times, table = (sweep.input_times, sweep.input_values) if count not in chosen else sweep.input_cases[int(chosen[count])]
+        rows = np.array(table, dtype=float).reshape(len(times), count)
+        for place, value in chosen.items():
+            if place < count:
+                rows[:, place] = value
+        self._run.set_inputs(times, rows.ravel().tolist())
 
     def cycles(self, reduction: int) -> "np.ndarray":
         """Of the latest run, by a reduction that keeps them: (cycles, 3), range, mean and count (1 or 1/2) of each."""

@@ -21,6 +21,7 @@ from lagrangia.run.engines import Engine, load_engine
 from lagrangia.run.runtime import Settings, Solver
 from lagrangia.run.scene import from_json, to_json
 from lagrangia.study.sweep.journal import Ledger
+from lagrangia.study.sweep.keeping import Keeper
 from lagrangia.study.sweep.pieces import Pace, Pieces, Watch
 from lagrangia.study.sweep.plan import Job
 
@@ -36,17 +37,17 @@ _loading = threading.Lock()
 # -------------------------------------------------------------------- in the worker
 
 
-def run_there(text: str, runs: int, values: bytes) -> tuple[bytes, bytes, float]:
-    """Results and outcomes of the runs with these values, and the seconds they took."""
+def run_there(text: str, runs: int, values: bytes) -> tuple[bytes, bytes, bytes, float]:
+    """Results, outcomes and kept rows of the runs with these values, and the seconds they took."""
     import numpy as np
 
     engine, sweep = _loaded(text)
     begin = time.perf_counter()
     with Batch(engine.runtime, engine.model, sweep) as batch:
-        results, outcomes, _ = batch.advance(np.frombuffer(values, dtype="<f8").reshape(runs, len(sweep.varied)))
+        results, outcomes, rows = batch.advance(np.frombuffer(values, dtype="<f8").reshape(runs, len(sweep.varied)))
     seconds = time.perf_counter() - begin
     engine.look(seconds, 0.0)  # nobody knows here how many are left
-    return results.astype("<f8").tobytes(), outcomes.tobytes(), seconds
+    return results.astype("<f8").tobytes(), outcomes.tobytes(), rows.astype("<f8").tobytes(), seconds
 
 
 def _loaded(text: str) -> tuple[Engine, Sweep]:
@@ -76,14 +77,15 @@ def pack(job: Job) -> str:
     return json.dumps({"runtime": digest(data_folder("runtime")), "scene": to_json(job.scene), "sweep": asdict(job.sweep)})
 
 
-def run_on_dask(job: Job, address: str, ledger: Ledger, watch: Watch | None = None) -> bool:
-    """Runs what the ledger misses on the cluster of the scheduler at this address. False when the keyboard interrupted it.
+def run_on_dask(job: Job, address: str, ledger: Ledger, watch: Watch | None = None, keeper: Keeper | None = None) -> bool:
+    """Runs what the ledger misses on the cluster of the scheduler at this address; the keeper has a run's rows before the ledger.
+    False when the keyboard interrupted it.
 
     Raises LagError L0716 when there is no such cluster, RunError when the workers cannot do it or the cluster goes away; the
     ledger keeps what was done.
     """
     with _connected(address) as client, _there(client, address, ledger):
-        tasks = _Tasks(job, client, ledger)
+        tasks = _Tasks(job, client, ledger, keeper)
         try:
             while tasks.submit():
                 tasks.collect()
@@ -149,8 +151,8 @@ def _silence() -> "Iterator[None]":
 class _Tasks:
     """The pieces that are on their way."""
 
-    def __init__(self, job: Job, client: Any, ledger: Ledger) -> None:
-        self.job, self.client, self.ledger = job, client, ledger
+    def __init__(self, job: Job, client: Any, ledger: Ledger, keeper: Keeper | None) -> None:
+        self.job, self.client, self.ledger, self.keeper = job, client, ledger, keeper
         self.text = client.submit(str, pack(job), pure=False)
         self.pace = Pace(_PIECE)
         self.pieces = Pieces(ledger.missing(), self._threads())
@@ -182,18 +184,21 @@ class _Tasks:
             return
         for future in [future for future in self.flying if future.done()]:
             first, last = self.flying.pop(future)
-            results, outcomes, seconds = self._result(future)
+            results, outcomes, rows, seconds = self._result(future)
+            if self.keeper is not None and rows:
+                kept = np.frombuffer(rows, dtype="<f8")
+                self.keeper.keep(first, kept.reshape(last - first, len(self.job.sweep.row_times), -1))
             self.ledger.enter(first, np.frombuffer(results, dtype="<f8").reshape(last - first, len(self.job.measures)),
                               np.frombuffer(outcomes, dtype=OUTCOME))
             self.pace.learn(last - first, seconds)
 
-    def _result(self, future: Any) -> tuple[bytes, bytes, float]:
+    def _result(self, future: Any) -> tuple[bytes, bytes, bytes, float]:
         if future.status == "error":
             error = future.exception()
             raise RunError(f"the workers cannot run it: {type(error).__name__}: {error}") from None
         if future.status != "finished":
             raise RunError("the Dask cluster has gone away; the same command continues the sweep")
-        found: tuple[bytes, bytes, float] = future.result()
+        found: tuple[bytes, bytes, bytes, float] = future.result()
         return found
 
     def cancel(self) -> None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangia.base.checked_values import a_count, a_number, by_name
 from lagrangia.base.diagnostics import LagError, Report, fail, suggest
 from lagrangia.base.records import dataclass
+from lagrangia.language.values import read_value
 from lagrangia.run.batch import Kind, Reduction, Sweep
 from lagrangia.run.interpret import evaluate
 from lagrangia.run.request import Request, check_values, plan
@@ -25,6 +26,7 @@ from lagrangia.study.sweep.values import (
     Distribution,
     Factor,
     Variations,
+    columns_of_runs,
     is_single,
     read_cell,
     read_runs,
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 WAYS = ("random", "lhs")
+INPUTS = "inputs"  # the column of their number, where each run has its own
 _PORTION = 1024  # sets of parameters
 _LOOKS = 50  # windows at least in a run, when no interval says how closely to look
 
@@ -44,7 +47,7 @@ _LOOKS = 50  # windows at least in a run, when no interval says how closely to l
 class Design:
     """How the runs are chosen from the values of a request: numbers, sequences, arrays, or text as on the command line."""
 
-    runs: Path | None = None  # a table with a line for each run
+    runs: Any = None  # a table with a row for each run: a path, a DataFrame, or columns by name
     samples: int | None = None
     seed: int = 0
     sampling: str = "random"
@@ -113,7 +116,8 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
     variations = Variations(tuple(factors))
     if variations.runs > MOST_RUNS:
         fail("L0712", f"the sweep has {variations.runs} runs; at most {MOST_RUNS} are possible", None, "take fewer values")
-    values = check_values(scene, *fixed, request.inputs)
+    cases = [check_values(scene, *fixed, case) for case in _cases(request)]
+    values = cases[0]
     reduced = reductions(scene, measures, experiment)
     settings = Settings(experiment.start, experiment.stop, experiment.tolerance, experiment.max_step, 0.0, experiment.max_steps,
                         _solver(scene, experiment.solver, reduced, request))
@@ -122,10 +126,11 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
     window = float(request.interval or (experiment.stop - experiment.start) / _LOOKS)
     least = [-math.inf if p.minimum is None else p.minimum for p in scene.parameters]
     most = [math.inf if p.maximum is None else p.maximum for p in scene.parameters]
-    moments, u = (values.input_times_from(experiment.start), values.input_values) if scene.inputs else ((), ())
+    told = tuple((tuple(case.input_times_from(experiment.start)), tuple(case.input_values)) for case in cases)
+    moments, u = told[0] if scene.inputs else ((), ())
     sweep = Sweep(settings, window, seconds, reduced, variations.places,
                   values.parameters, values.mask, (*values.q, *values.v), least, most,
-                  tuple(moments), tuple(u), bool(scene.notes["is_driven"]),
+                  tuple(moments), tuple(u), told if len(told) > 1 else (), bool(scene.notes["is_driven"]),
                   tuple(t for times in experiment.times() for t in times) if design.keeps else ())
     return Job(scene, tuple(measures), variations, sweep)
 
@@ -166,6 +171,31 @@ class _Name:
     unit: str
 
 
+def _inputs_from(scene: Scene) -> int:
+    """The place of the first input; behind the last one is that of the number of a case."""
+    return len(scene.parameters) + 2 * scene.n
+
+
+def _cases(request: Request) -> list[Any]:
+    """What inputs there are: a list has some for each run. Raises LagError L0712."""
+    if not isinstance(request.inputs, list):
+        return [request.inputs]
+    if not request.inputs:
+        fail("L0712", "the list of inputs is empty", None, "inputs=[{'F': 1}, {'F': 2}] has some for each run")
+    return request.inputs
+
+
+def _inputs_factor(scene: Scene, request: Request) -> list[Factor]:
+    import numpy as np
+
+    if not isinstance(request.inputs, list):
+        return []
+    if any(p.name == INPUTS for p in scene.parameters):
+        fail("L0901", f"not supported yet: inputs for each run of a scene with a parameter '{INPUTS}'")
+    place = _inputs_from(scene) + len(scene.inputs)
+    return [Factor((INPUTS,), (place,), np.arange(len(_cases(request)), dtype=float)[:, np.newaxis])]
+
+
 def _resolve(scene: Scene, kind: str, name: str) -> _Name:
     """Raises LagError L0701, or L0901 for a structural parameter."""
     place = {p.name: k for k, p in enumerate(scene.parameters)}
@@ -181,6 +211,9 @@ def _resolve(scene: Scene, kind: str, name: str) -> _Name:
                  "sweep once for each of its values")
         fail("L0701", f"the scene has no parameter '{name}'", None, *filter(None, [suggest(name, [*place, *scene.structural])]))
     slot = scene.slot(name)
+    if slot is None and kind == "input":
+        k = [p.name for p in scene.inputs].index(name)
+        return _Name(name, kind, (name,), (_inputs_from(scene) + k,), scene.inputs[k].unit)
     if slot is None and name in scene.lost:
         fail("L0901", f"not supported yet: a sweep over the start of '{name}', which other coordinates give", None,
              f"make it a parameter of the model, {name.rpartition('.')[2]}(start = begin), and sweep over that")
@@ -207,7 +240,13 @@ def _factors(scene: Scene, request: Request, design: Design
             fixed[name.kind == "initial"].update(zip(name.elements, found[0].tolist(), strict=True))
         else:
             lists.append(Factor(name.elements, name.places, found))
+    lists += _inputs_factor(scene, request)
     table = [_table(scene, design.runs)] if design.runs is not None else []
+    held = {name for factor in table for name in factor.names}
+    for case in _cases(request):
+        for name in (case[1] if isinstance(case, tuple) and len(case) == 2 else case or {}):
+            if name in held:
+                fail("L0712", f"'{name}' is given twice")
     _check_once([*(name.places for name, _ in names), *(factor.places for factor in table)], scene)
     if design.together and len(lists) < 2:
         fail("L0712", "there are no lists to be taken side by side", None, "-p m=1,2 -p k=3,4 are two")
@@ -218,7 +257,8 @@ def _factors(scene: Scene, request: Request, design: Design
 
 
 def _check_once(claims: Sequence[tuple[int, ...]], scene: Scene) -> None:
-    names = [*(p.name for p in scene.parameters), *(c.name for c in (*scene.coordinates, *scene.rates))]
+    names = [*(p.name for p in scene.parameters), *(c.name for c in (*scene.coordinates, *scene.rates)),
+             *(p.name for p in scene.inputs)]
     places = [place for claim in claims for place in claim]
     for place in places:
         if places.count(place) > 1:
@@ -292,22 +332,46 @@ def _samples(random: Sequence[tuple[_Name, Distribution]], design: Design) -> li
     return [Factor(tuple(name.name for name, _ in random), tuple(name.places[0] for name, _ in random), values)]
 
 
-def _table(scene: Scene, path: Path) -> Factor:
-    """Columns are parameters, or else coordinates and rates. Raises LagError L0713."""
+def _table(scene: Scene, runs: Any) -> Factor:
+    """Columns are parameters, inputs that are held, or else coordinates and rates. Raises LagError L0713."""
     import numpy as np
 
-    headings, rows = read_runs(path)
+    if isinstance(runs, Path):
+        headings, rows = read_runs(runs)
+        names = _columns(scene, str(runs), headings)
+        values = np.array([[read_cell(runs, line, name.name, cell, name.unit) for name, cell in zip(names, cells, strict=True)]
+                           for line, cells in rows])
+    else:
+        columns = columns_of_runs(runs)
+        names = _columns(scene, "the table of runs", [*columns])
+        units = getattr(runs, "attrs", {}).get("units", {})
+        values = np.stack([column * _factor_to_si(name, units.get(name.name, name.unit))
+                           for name, column in zip(names, columns.values(), strict=True)], axis=1)
+    return Factor(tuple(name.name for name in names), tuple(p for name in names for p in name.places), values)
+
+
+def _columns(scene: Scene, table: str, headings: Sequence[str]) -> list[_Name]:
     report = Report()
     names: list[_Name] = []
-    known = {p.name for p in scene.parameters}
+    known = {**{c.name: "input" for c in scene.inputs}, **{p.name: "parameter" for p in scene.parameters}}
     for heading in headings:
         try:
-            names.append(_resolve(scene, "parameter" if heading in known or scene.slot(heading) is None else "initial", heading))
+            kind = known.get(heading) or ("initial" if scene.slot(heading) is not None else "parameter")
+            names.append(_resolve(scene, kind, heading))
             if len(names[-1].elements) > 1:
-                fail("L0713", f"{path}: '{heading}' is a vector", None, "give its elements columns of their own")
+                fail("L0713", f"{table}: '{heading}' is a vector", None, "give its elements columns of their own")
         except LagError as error:
             report.add(error.diagnostics)
     report.raise_errors()
-    values = [[read_cell(path, line, name.name, cell, name.unit) for name, cell in zip(names, cells, strict=True)]
-              for line, cells in rows]
-    return Factor(tuple(name.name for name in names), tuple(p for name in names for p in name.places), np.array(values))
+    return names
+
+
+def _factor_to_si(name: _Name, unit: str) -> float:
+    """Raises LagError L0713 for a unit that does not fit."""
+    import numpy as np
+
+    try:
+        one = read_value(f"1[{unit}]", name.unit) if unit != name.unit else 1.0
+    except ValueError as error:
+        fail("L0713", f"the table of runs: the unit of '{name.name}': {error}")
+    return float(np.asarray(one, dtype=float))

@@ -20,6 +20,7 @@ from lagrangia.study.sweep.keeping import InMemory, Keeper
 from lagrangia.study.sweep.measures import Measure, quantities, read_measures
 from lagrangia.study.sweep.pieces import Watch
 from lagrangia.study.sweep.plan import Design, Job
+from lagrangia.study.sweep.progress import bar_in_python
 from lagrangia.study.sweep.table import Sweep, is_parquet
 from lagrangia.study.sweep.threads import cores, run_on_threads
 
@@ -54,11 +55,9 @@ def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None,
     """
     if jobs is not None and a_count("number of jobs", jobs) < 1:
         fail("L0712", f"the number of jobs must be positive, not {jobs}")
-    if dask is not None and keeper is not None:
-        fail("L0901", "not supported yet: whole trajectories from a cluster", None, "it gives measures; or leave --dask out")
     if dask is not None:
         begin = time.perf_counter()
-        is_whole = run_on_dask(job, dask, ledger, watch)
+        is_whole = run_on_dask(job, dask, ledger, watch, keeper)
     else:
         engine = model.engine_for(name_of(job.sweep.settings.solver))
         if engine is None:
@@ -78,27 +77,33 @@ def require_place(path: str | os.PathLike[str], read: Iterable[str | os.PathLike
 
 
 def run_many(model: Asked, outputs: str | Sequence[str], request: Request, design: Design, path: str | os.PathLike[str] | None,
-             *, restart: bool, jobs: int | None, dask: str | None) -> Sweep:
+             *, restart: bool, jobs: int | None, dask: str | None, progress: bool | None) -> Sweep:
     """What Model.simulate_many does. Raises LagError, Interrupted with what was computed."""
     if path is not None:
-        require_place(path, [model.path, *model.scene.notes["files"], *([] if design.runs is None else [design.runs])])
+        require_place(path, [model.path, *model.scene.notes["files"], *([design.runs] if isinstance(design.runs, Path) else [])])
     if path is not None and design.keeps:
         fail("L0901", "not supported yet: trajectories in memory beside a table in a file", None,
              "leave path out, or use the command lag sweep --keep, which writes both to files")
     measures = read_measures(outputs)
     suited, job = model.reporting(quantities(measures)).prepared_for(measures, request, design)
-    sweep = run_into(job, suited, path, restart=restart, jobs=jobs, dask=dask)
+    sweep = run_into(job, suited, path, restart=restart, jobs=jobs, dask=dask, progress=progress)
     if sweep.interrupted:
         raise Interrupted.with_result(sweep, f"after {sweep.ledger.entered} of {sweep.runs} runs")
     return sweep
 
 
 def run_into(job: Job, model: Loaded, path: str | os.PathLike[str] | None, *, restart: bool = False, jobs: int | None = None,
-             dask: str | None = None) -> Sweep:
-    """Like `run_job`, and writes the table to the path, if there is one; `path`.part is the journal meanwhile."""
+             dask: str | None = None, progress: bool | None = False) -> Sweep:
+    """Like `run_job`, and writes the table to the path, if there is one; `path`.part is the journal meanwhile. `progress`:
+    whether a bar shows how far it is; None: where somebody looks."""
     with Journal(job, Path(f"{os.fspath(path)}.part"), restart) if path is not None else nullcontext(Ledger(job)) as ledger:
         keeper = InMemory(job.scene, job.runs, len(job.sweep.row_times)) if job.sweep.row_times else None
-        sweep = run_job(job, model, ledger, jobs=jobs, dask=dask, keeper=keeper)
+        bar = bar_in_python(ledger, job.runs, progress)
+        try:
+            sweep = run_job(job, model, ledger, jobs=jobs, dask=dask, watch=bar, keeper=keeper)
+        finally:
+            if bar is not None:
+                bar.close()
         if path is not None and not sweep.interrupted and isinstance(ledger, Journal):
             sweep.write(path)
             ledger.remove()

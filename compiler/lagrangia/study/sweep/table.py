@@ -158,7 +158,8 @@ class Sweep:
     def units(self) -> list[str]:
         """Of the columns in `names`."""
         scene = self.job.scene
-        all_units = [p.unit for p in scene.parameters] + [c.unit for c in (*scene.coordinates, *scene.rates)]
+        all_units = [item.unit for items in (scene.parameters, scene.coordinates, scene.rates, scene.inputs) for item in items]
+        all_units.append("")  # of the number of a case of inputs
         return [*(all_units[place] for place in self.job.variations.places), *(unit_of(scene, m) for m in self.job.measures)]
 
     def to_pandas(self) -> "pandas.DataFrame":

@@ -269,6 +269,28 @@ def read_runs(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     return names, rows[1:]
 
 
+def columns_of_runs(given: Any) -> "dict[str, np.ndarray]":
+    """A pandas DataFrame, or columns by name, in SI units but where the frame's attrs["units"] say others: {name: (runs,)}, with
+    their units beside. Raises LagError L0713."""
+    import numpy as np
+
+    is_table = isinstance(given, Mapping) or (hasattr(given, "columns") and hasattr(given, "__getitem__"))
+    names = [*(given if isinstance(given, Mapping) else given.columns)] if is_table else []
+    if not names or not all(isinstance(name, str) for name in names):
+        fail("L0713", "runs are a CSV file, a DataFrame or columns by name: a row for each run", None, "runs={'k': [100, 200]}")
+    if len({*names}) < len(names):
+        fail("L0713", "the table of runs has two columns of one name")
+    found = {}
+    for name in names:
+        try:
+            found[name] = np.asarray(given[name], dtype=np.float64)
+        except (TypeError, ValueError):
+            fail("L0713", f"the table of runs: the column '{name}' holds something else than numbers")
+        if found[name].ndim != 1 or len(found[name]) != len(found[names[0]]) or not len(found[name]):
+            fail("L0713", f"the table of runs: the column '{name}' needs a number for each run")
+    return found
+
+
 def read_cell(path: Path, line: int, name: str, cell: str, unit: str) -> float:
     """Raises LagError L0713 for a cell that is no number."""
     try:
