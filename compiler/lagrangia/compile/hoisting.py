@@ -27,18 +27,21 @@ def hoist(groups: Sequence[Sequence[ca.SX]], p: ca.SX) -> tuple[list[ca.SX], ca.
     found = [e for group in groups for e in _gathered([ca.densify(e) for e in group], constants, p)]
     if not constants.values:
         return found, ca.SX(0, 1), ca.SX(0, 1)
-    return _merged(found, ca.vertcat(*constants.symbols), ca.vertcat(*constants.values))
+    return _merged(found, constants)
 
 
-def _merged(expressions: list[ca.SX], symbols: ca.SX, values: ca.SX) -> tuple[list[ca.SX], ca.SX, ca.SX]:
+def _merged(expressions: list[ca.SX], constants: "_Constants") -> tuple[list[ca.SX], ca.SX, ca.SX]:
     """With one symbol for equal values, and none for what is not used."""
-    own, made = symbols.elements(), ca.cse(values).elements()
-    first: dict[int, ca.SX] = {}
-    chosen = [first.setdefault(value.__hash__(), symbol) for value, symbol in zip(made, own, strict=True)]
-    expressions = ca.substitute(expressions, [symbols], [ca.vertcat(*chosen)])
-    used = symbols_in(ca.veccat(*expressions))
-    kept = [k for k, symbol in enumerate(own) if symbol.__hash__() in used]
-    return expressions, ca.vertcat(ca.SX(0, 1), *[own[k] for k in kept]), ca.vertcat(ca.SX(0, 1), *[made[k] for k in kept])
+    symbols, values = ca.vertcat(*constants.symbols), ca.cse(ca.vertcat(*constants.values))
+    first: dict[int, int] = {}
+    chosen = [first.setdefault(value.__hash__(), k) for k, value in enumerate(values.elements())]
+    if len(first) < len(chosen):
+        expressions = ca.substitute(expressions, [symbols], [symbols[chosen]])
+    kept = [*first.values()]
+    if constants.known:  # what was extracted is used
+        used = symbols_in(ca.veccat(*expressions))
+        kept = [k for k in kept if constants.symbols[k].__hash__() in used]
+    return expressions, symbols[kept], values[kept]
 
 
 @dataclass
@@ -46,8 +49,8 @@ class _Constants:
     """What is hoisted, each with its symbol."""
 
     parameters: set[int]
-    symbols: list[Expression] = field(default_factory=list)
-    values: list[Expression] = field(default_factory=list)
+    symbols: list[ca.SX] = field(default_factory=list)
+    values: list[ca.SX] = field(default_factory=list)
     known: dict[int, Expression] = field(default_factory=dict)
 
     def named(self, value: Expression) -> Expression:
@@ -75,8 +78,8 @@ def _gathered(expressions: list[ca.SX], constants: _Constants, p: ca.SX) -> list
     column = ca.vertcat(ca.SX(0, 1), *expressions)
     if ca.n_nodes(column) > _MOST_OPERATIONS:
         reduced, names, values = ca.extract_parametric(column, p, {"extract_trivial": True})
-        constants.symbols += map(as_expression, names)
-        constants.values += map(as_expression, values)
+        constants.symbols += names
+        constants.values += values
     elif not (symbols := ca.symvar(column)):
         return expressions
     else:
