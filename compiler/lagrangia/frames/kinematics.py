@@ -4,6 +4,7 @@ The poses (planar.py) are evaluated with Duals, so the velocities come with the 
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import field, replace
 from functools import cached_property, partial
 from typing import Any
@@ -13,9 +14,10 @@ import casadi as ca
 from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, plus, polynomial, times, value_of
 from lagrangia.algebra.scalars import symbol
 from lagrangia.algebra.with_casadi import CasadiAlgebra
-from lagrangia.base.diagnostics import fail
+from lagrangia.base.diagnostics import LagError, fail
 from lagrangia.base.records import dataclass
 from lagrangia.frames import planar
+from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.closures import cut_coordinate
 from lagrangia.frames.edges import Edge
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
@@ -82,6 +84,7 @@ class Kinematics:
     evaluator: Evaluator = field(init=False)
     _poses: list[dict[str, Pose]] = field(default_factory=lambda: [{}, {}, {}])
     _still: "Kinematics | None" = None
+    _amounts: dict[int, Value] = field(default_factory=dict)  # of steps that never change, by the ids of their expressions
 
     def __post_init__(self) -> None:
         displacements = [x for pair in (*self.released.values(), *self.moved.values()) for x in pair]
@@ -168,7 +171,7 @@ class Kinematics:
         if self._still is None:
             at_rest = dict.fromkeys(self.symbols.accelerations, 0.0)
             self._still = Kinematics(self.graph, replace(self.symbols, accelerations=at_rest), self.algebra, self.dependents)
-            self._still._still = self._still
+            self._still._still, self._still._amounts = self._still, self._amounts
         return self._still
 
     def gliding(self, pace: ca.SX, given: Sequence[ca.SX]) -> "Kinematics":
@@ -239,12 +242,22 @@ class Kinematics:
             # the inertial forces need the second level in any case, and it has the first one in it
             poses |= {name: pose.map(value_of) for name, pose in self.without_accelerations().poses(2).items()}
             return
+        self._measure_rigid()
         for root in self.graph.roots:
             poses[root.frame] = self._root_pose(root.frame, root.attributes, level)
         for edge in self.graph.edges:
             poses[edge.child] = self.follow(edge, poses[edge.parent], level)
             if edge.child in self.released:
                 poses[edge.child] = self._displaced(poses[edge.child], self.released[edge.child], level)
+
+    def _measure_rigid(self) -> None:
+        """The amounts of all steps within rigid bodies, together; what is wrong with one of them is told when it is its turn."""
+        if self._amounts:
+            return
+        fixed = [step.amount for edge in self.graph.edges if edge.is_rigid for step in edge.steps]
+        with suppress(LagError):
+            found = evaluate_all(fixed, [self.evaluator] * len(fixed))
+            self._amounts.update(zip(map(id, fixed), found, strict=True))
 
     def _displaced(self, pose: Pose, moved: Displacement, level: int) -> Pose:
         parts = [displacement([part[k] for part in moved], level) for k in range(planar.SIZE)]
@@ -262,7 +275,8 @@ class Kinematics:
 
     def step(self, step: Step, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
         """The pose behind a step that begins at another one."""
-        return self.along(step, (evaluator or self.evaluator).value(step.amount, level), pose, level)
+        amount = self._amounts.get(id(step.amount)) if evaluator is None else None
+        return self.along(step, (evaluator or self.evaluator).value(step.amount, level) if amount is None else amount, pose, level)
 
     def along(self, step: Step, amount: Value, pose: Pose, level: int) -> Pose:
         """The pose after a step of this amount."""
