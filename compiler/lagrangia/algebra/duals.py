@@ -177,6 +177,13 @@ def value_of(x: Scalar) -> Scalar:
     return x.value if isinstance(x, Dual) else x
 
 
+def base_of(x: Scalar) -> Scalar:
+    """The plain scalar under Duals of any level."""
+    while isinstance(x, Dual):
+        x = x.value
+    return x
+
+
 def rate_of(x: Scalar) -> Scalar:
     """A dual's rate; 0 for other scalars, which do not move."""
     return x.rate if isinstance(x, Dual) else 0.0

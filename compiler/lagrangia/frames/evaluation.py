@@ -15,6 +15,7 @@ from lagrangia.algebra.duals import (
     Dual,
     DualAlgebra,
     Scalar,
+    base_of,
     minus,
     plus,
     rate_of,
@@ -279,7 +280,7 @@ class Evaluator:
         """Of what stays on a line |s|, whose corner is a condition on s."""
         along = self._along(scalars_of(vector), level)
         if along is not None:
-            self.algebras[0].note_length(_base(along))
+            self.algebras[0].note_length(base_of(along))
             return self.algebras[level].call("abs", along)
         squares = _sum(_map(lambda x: x * x, vector))
         if isinstance(squares, float | int):
@@ -293,7 +294,7 @@ class Evaluator:
     def _along(self, vector: list[Scalar], level: int) -> Scalar | None:
         if self.signed_length is None:
             return None
-        plain = [_base(x) for x in vector]
+        plain = [base_of(x) for x in vector]
         moving = [x for x, value in zip(vector, plain, strict=True) if not _is_nothing(value)]
         if len(moving) == 1:
             return moving[0]
@@ -321,12 +322,6 @@ class Evaluator:
 def _identity(x: Scalar) -> Any:
     """Equal for numbers that are equal, and for the same expression."""
     return (x, copysign(1.0, x)) if isinstance(x, float | int) else (id(x),)
-
-
-def _base(x: Scalar) -> Scalar:
-    while isinstance(x, Dual):
-        x = x.value
-    return x
 
 
 def _is_nothing(x: Scalar) -> bool:

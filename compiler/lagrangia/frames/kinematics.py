@@ -11,7 +11,7 @@ from typing import Any
 
 import casadi as ca
 
-from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, plus, polynomial, times, value_of
+from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, base_of, plus, polynomial, times, value_of
 from lagrangia.algebra.scalars import symbol
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import LagError, fail
@@ -291,8 +291,7 @@ def displacement(moved: Sequence[Scalar], level: int) -> Scalar:
 
 def _change(displacements: list[ca.SX], value: Scalar) -> Scalar:
     """What virtual displacements and their rates add to a value."""
-    while isinstance(value, Dual):
-        value = value.value
+    value = base_of(value)
     if not isinstance(value, ca.SX):
         return 0.0
     return value - ca.substitute([value], displacements, [ca.SX.zeros(x.numel()) for x in displacements])[0]

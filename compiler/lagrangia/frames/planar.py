@@ -6,7 +6,7 @@ velocity along x and y of the world, m/s, and an angular velocity, rad/s; a wren
 
 from collections.abc import Callable, Mapping, Sequence
 
-from lagrangia.algebra.duals import Algebra, Dual, Scalar, minus, plus, rate_of, times, value_of
+from lagrangia.algebra.duals import Algebra, Dual, Scalar, base_of, minus, plus, rate_of, times, value_of
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.records import dataclass
 from lagrangia.frames.steps import Step
@@ -20,7 +20,8 @@ Value = Scalar | tuple[Scalar, ...]
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Place of a frame: origin (m), angle (rad), and the cosine and sine of the angle."""
+    """Place of a frame: origin (m), angle (rad), and the cosine and sine of the angle, which are plain where the others are Duals:
+    what turns with the frame has the angle's rate."""
 
     x: Scalar
     y: Scalar
@@ -49,7 +50,12 @@ class Pose:
 
     def to_world(self, vector: Sequence[Scalar]) -> tuple[Scalar, ...]:
         """Components along the world's axes of a vector in the frame's."""
-        return rotated(self.cos, self.sin, rate_of(self.phi), *vector)
+        return _rotated(self, self.phi, rate_of(self.phi), *vector)
+
+    @property
+    def axis(self) -> tuple[Scalar, Scalar]:
+        """The cosine and sine of the angle, with their rates where it is a Dual."""
+        return _axis(self.cos, self.sin, self.phi)
 
     def moved(self, ahead: Sequence[Scalar]) -> "Pose":
         """With its origin further by a vector in the world's axes."""
@@ -63,7 +69,8 @@ class Pose:
     def turned(self, angle: Scalar, algebra: Algebra) -> "Pose":
         """After a turn about its origin."""
         phi = self.phi + angle
-        return Pose(self.x, self.y, phi, algebra.call("cos", phi), algebra.call("sin", phi))
+        plain = base_of(phi)
+        return Pose(self.x, self.y, phi, algebra.call("cos", plain), algebra.call("sin", plain))
 
     def displaced(self, displacement: Sequence[Scalar], algebra: Algebra) -> "Pose":
         """After a displacement, (SIZE,), along the world's axes and about its origin."""
@@ -116,16 +123,25 @@ def turning(turn: Step, angle: Scalar) -> list[Scalar]:
     return [0.0, 0.0, rate_of(-angle if turn.is_inverse else angle)]
 
 
-def rotated(cos: Scalar, sin: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
-    """R d with d = (x, y). Its rate is R d' + w x (R d), which reuses R d instead of differentiating the cosine and sine."""
-    if not (isinstance(cos, Dual) or isinstance(sin, Dual) or isinstance(x, Dual) or isinstance(y, Dual)):
-        return minus(times(cos, x), times(sin, y)), plus(times(sin, x), times(cos, y))
-    c, s, dx, dy = value_of(cos), value_of(sin), value_of(x), value_of(y)
-    ahead_x, ahead_y = rotated(c, s, value_of(w), dx, dy)
-    if not (isinstance(x, Dual) or isinstance(y, Dual)):  # as most are: it only turns
+def _rotated(pose: Pose, phi: Scalar, w: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+    """R d with d = (x, y), at the level of the angle phi, which has the rate w, and of d. Its rate is R d' + w x (R d), which
+    reuses R d instead of differentiating the cosine and sine."""
+    is_turned = not (isinstance(x, Dual) or isinstance(y, Dual))  # as most are: it only turns
+    if is_turned and not isinstance(phi, Dual):
+        return minus(times(pose.cos, x), times(pose.sin, y)), plus(times(pose.sin, x), times(pose.cos, y))
+    below = value_of(phi), value_of(w)
+    ahead_x, ahead_y = _rotated(pose, *below, value_of(x), value_of(y))
+    if is_turned:
         return Dual(ahead_x, minus(0.0, times(w, ahead_y))), Dual(ahead_y, times(w, ahead_x))
-    stretch_x, stretch_y = rotated(c, s, value_of(w), rate_of(x), rate_of(y))
+    stretch_x, stretch_y = _rotated(pose, *below, rate_of(x), rate_of(y))
     return Dual(ahead_x, minus(stretch_x, times(w, ahead_y))), Dual(ahead_y, plus(stretch_y, times(w, ahead_x)))
+
+
+def _axis(cos: Scalar, sin: Scalar, phi: Scalar) -> tuple[Scalar, Scalar]:
+    if not isinstance(phi, Dual):
+        return cos, sin
+    c, s = _axis(cos, sin, phi.value)
+    return Dual(c, times(-s, phi.rate)), Dual(s, times(c, phi.rate))
 
 
 def cross(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:

@@ -36,8 +36,8 @@ class Slide:
 
     def seen(self, a: Pose, b: Pose) -> tuple[Scalar, Scalar]:
         """b's origin from the offset, in a's axes."""
-        x, y = b.x - a.x, b.y - a.y
-        return a.cos * x + a.sin * y - self.offset[0], a.cos * y - a.sin * x - self.offset[1]
+        (x, y), (cos, sin) = (b.x - a.x, b.y - a.y), a.axis
+        return cos * x + sin * y - self.offset[0], cos * y - sin * x - self.offset[1]
 
 
 def gaps(kind: str, a: Pose, b: Pose, slide: Slide | None) -> list[Scalar]:
