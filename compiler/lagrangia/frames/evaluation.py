@@ -12,7 +12,6 @@ from typing import Any, Protocol, TypeAlias
 
 from lagrangia.algebra.duals import (
     Algebra,
-    Dual,
     DualAlgebra,
     Scalar,
     base_of,

@@ -276,7 +276,9 @@ class Kinematics:
     def step(self, step: Step, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
         """The pose behind a step that begins at another one."""
         amount = self._amounts.get(id(step.amount)) if evaluator is None else None
-        return self.along(step, (evaluator or self.evaluator).value(step.amount, level) if amount is None else amount, pose, level)
+        if amount is None:
+            amount = (evaluator or self.evaluator).value(step.amount, level)
+        return self.along(step, amount, pose, level)
 
     def along(self, step: Step, amount: Value, pose: Pose, level: int) -> Pose:
         """The pose after a step of this amount."""

@@ -20,8 +20,8 @@ Value = Scalar | tuple[Scalar, ...]
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Place of a frame: origin (m), angle (rad), and the cosine and sine of the angle, which are plain where the others are Duals:
-    what turns with the frame has the angle's rate."""
+    """Place of a frame: origin (m), angle (rad), and the cosine and sine of the angle, which are plain where the others are
+    Duals: what turns with the frame has the angle's rate."""
 
     x: Scalar
     y: Scalar
