@@ -51,7 +51,7 @@ HEAVY_HOMES = {
     "casadi": {"algebra", "frames", "constraints", "dynamics", "needs", "compile", "study", "fmu", "model", "bench",
                "command/scene_export", "draw"},
     "sympy": {"algebra/with_sympy", "algebra/normal_form", "paper"},
-    "matplotlib": {"view/curves", "study/pictures", "bench/plot", "draw/paint"},
+    "matplotlib": {"view/curves", "study/pictures", "study/sweep/pictures", "bench/plot", "draw/paint"},
 }
 LONGEST_WELCOME = 8  # lines of what a room says about itself
 TOP_LEVEL = {"pyproject.toml", "grammar", "compiler", "runtime", "models", "tests", "README.md", "LICENSE", "CHANGELOG.md"}

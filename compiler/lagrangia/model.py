@@ -263,6 +263,7 @@ class Model(Analysed):
         tolerance: float | None = None, interval: float | None = None, inputs: Any = None, solver: str = "auto",
         max_step: float = 0.0, max_steps: int = 0, seconds_per_run: float = 0.0, jobs: int | None = None, dask: str | None = None,
         path: str | os.PathLike[str] | None = None, restart: bool = False, keep: bool = False, progress: bool | None = None,
+        until: str | None = None,
     ) -> "Sweep":
         """Many runs on all cores, or on a Dask cluster: all combinations of the values given, nothing compiled again.
 
@@ -272,14 +273,15 @@ class Model(Analysed):
         "first_time(abs(y) > 3)", ...; final values by default (`lag help sweep`). The motion is looked at every `interval` (s) at
         least. A run that fails is told in `.failures`, and no error. `keep` keeps whole trajectories, rows an `interval` apart:
         `.trajectories`, `.to_xarray()`. With a `path` (.csv, .parquet) the table is written there, and a sweep that was killed
-        goes on from `path`.part. `progress`: a bar, by default where somebody looks. Raises LagError, Interrupted.
+        goes on from `path`.part. `progress`: a bar, by default where somebody looks. `until` ends random runs early, once
+        "se(mean(max(y))) < 1e-3". Raises LagError, Interrupted.
         """
         from lagrangia.study.sweep.plan import Design
         from lagrangia.study.sweep.run import run_many
 
         request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
         table = Path(runs) if isinstance(runs, str | os.PathLike) else runs
-        design = Design(table, samples, seed, sampling, together, seconds_per_run, keep)
+        design = Design(table, samples, seed, sampling, together, seconds_per_run, keep, until)
         return run_many(self, outputs, request, design, path, restart=restart, jobs=jobs, dask=dask, progress=progress)
 
     def measure(self, measures: str | Sequence[str], **asked: Any) -> dict[str, float]:

@@ -404,13 +404,13 @@ static int rhs(const double *const *in, double *const *out, double *work)
 static const int kind[] = {1}, fixed[] = {0, 0};
 static const LagModel model = {.n = 1, .n_parameters = 1, .n_hoisted = 1, .coordinate_kind = kind, .fixed = fixed,
     .parameters = {.code = parameters}, .hoist = {.code = hoist}, .start = {.code = start}, .rhs = {.code = rhs}};
-#define TAKEN(what, of, its_rate, size_alone, number, begin, end) {.kind = LAG_REDUCE_##what, .column = of, .rate = its_rate, \\
+#define WITHIN(what, of, its_rate, size_alone, number, begin, end) {.kind = LAG_REDUCE_##what, .column = of, .rate = its_rate, \\
     .absolute = size_alone, .value = number, .size = 1, .from = begin, .to = end, .keeps_cycles = 1}
-#define WHOLE -INFINITY, INFINITY
-static const LagReduction reductions[] = {TAKEN(AT, 1, 2, 0, 3, WHOLE), TAKEN(MAX, 1, 2, 1, 0, WHOLE),
-    TAKEN(MEAN, 1, 2, 1, 0, WHOLE), TAKEN(FIRST_BELOW, 1, -1, 0, 0, WHOLE), TAKEN(LAST_ABOVE, 2, -1, 1, 0.5, WHOLE),
-    TAKEN(AT, 2, -1, 0, 1, WHOLE), TAKEN(DAMAGE, 1, 2, 0, 3, WHOLE), TAKEN(SETTLING, 1, 2, 0, 0.5, 1, 2),
-    TAKEN(PERIOD, 1, 2, 0, 0, 0.1, INFINITY), TAKEN(DURATION_BELOW, 1, -1, 1, 0.5, -INFINITY, 2.3)};
+#define WHOLE(what, of, its_rate, size_alone, number) WITHIN(what, of, its_rate, size_alone, number, -INFINITY, INFINITY)
+static const LagReduction reductions[] = {WHOLE(AT, 1, 2, 0, 3), WHOLE(MAX, 1, 2, 1, 0), WHOLE(MEAN, 1, 2, 1, 0),
+    WHOLE(FIRST_BELOW, 1, -1, 0, 0), WHOLE(LAST_ABOVE, 2, -1, 1, 0.5), WHOLE(AT, 2, -1, 0, 1), WHOLE(DAMAGE, 1, 2, 0, 3),
+    WITHIN(SETTLING, 1, 2, 0, 0.5, 1, 2), WITHIN(PERIOD, 1, 2, 0, 0, 0.1, INFINITY),
+    WITHIN(DURATION_BELOW, 1, -1, 1, 0.5, -INFINITY, 2.3), WHOLE(PEAK_FREQUENCY, 1, 2, 0, 0)};
 enum { KEPT = sizeof reductions / sizeof *reductions };
 static LagBatch *batch_of(LagRun *run, int n_varied)
 {

@@ -71,7 +71,8 @@ def add_sweep(parser: ArgumentParser) -> None:
     add("--runs", type=Path, metavar="FILE.csv", help="a table of parameters and start values, with a line for each run")
     add("--together", action="store_true", help="lists side by side instead of all their combinations")
     add("--samples", type=int, metavar="N", help="how many samples of the random values are taken")
-    add("--sampling", default="random", metavar="WAY", help="random, or lhs: a Latin hypercube")
+    add("--sampling", default="random", metavar="WAY",
+        help="random; lhs: a Latin hypercube; saltelli: N (values + 2) runs, for Sobol' indices")
     add("--seed", type=int, default=0, metavar="N", help="of the random values; the same seed gives the same values")
     add("--outputs", metavar="MEASURE,...",
         help="what is kept of each run: max(y), at(0.5, y), 'first_time(y > 3)', ... (lag help sweep); by default final values")
@@ -91,6 +92,8 @@ def add_sweep(parser: ArgumentParser) -> None:
     add("-o", "--output", metavar="FILE", help="the table (.csv, .parquet; - for standard output); by default NAME_sweep.csv")
     add("--keep", action="store_true",
         help="whole trajectories too, rows an interval apart: Parquet files in a folder beside the table, NAME_sweep_runs")
+    add("--until", metavar="CONDITION", help="random runs end when a standard error is small enough: 'se(mean(max(y))) < 1e-3'")
+    add("--plot", metavar="FILE", type=Path, help="a picture of measures over what is varied (.png, .svg, .pdf)")
     add("--restart", action="store_true", help="begin anew, whatever an interrupted sweep has left in FILE.part")
     add("--dry-run", action="store_true", help="only say which runs there would be")
     add("--quiet", action="store_true", help="say nothing but errors")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.base.interruptions import INTERRUPTED
-from lagrangia.base.result_files import Target, cells, is_device
+from lagrangia.base.result_files import Target, cells, is_device, keep_apart
 from lagrangia.command.arguments import (
     asked,
     assignments,
@@ -17,6 +17,7 @@ from lagrangia.command.arguments import (
     tell_inputs,
     tell_warnings,
 )
+from lagrangia.command.chance import ended, told_of_chance
 from lagrangia.model import Model
 from lagrangia.run.batch import Ending
 from lagrangia.run.request import plan
@@ -28,6 +29,7 @@ from lagrangia.study.sweep.plan import Design, Job
 from lagrangia.study.sweep.progress import Bar
 from lagrangia.study.sweep.run import require_place, run_job
 from lagrangia.study.sweep.table import Sweep
+from lagrangia.view.curves import require_format
 
 _MOST_SHOWN = 12  # measures in the summary
 _DRY_ROWS = 10
@@ -40,6 +42,9 @@ def sweep_command(options: Namespace) -> int:
         require_place(target, [options.file, *filter(None, [options.runs]), *input_tables(options.input)])
     model, job = _prepare(options)
     keep_foreign(options, target, ["run", *(measure.text for measure in job.measures)])
+    if options.plot is not None:
+        require_format(options.plot)
+        keep_apart([options.plot, target], [options.file])
     if options.dry_run:
         return _show(job)
     if options.keep and (target == "-" or is_device(target)):
@@ -72,7 +77,7 @@ def _prepare(options: Namespace) -> tuple[Model, Job]:
     request = asked(options, varied, dict(assignments(options.initial, "--initial")), read_inputs(options.input, scene))
     tell_inputs(options, model, plan(scene, request), request.inputs)
     design = Design(options.runs, options.samples, options.seed, options.sampling, options.together, options.seconds_per_run,
-                    options.keep)
+                    options.keep, options.until)
     return model.prepared_for(measures, request, design)
 
 
@@ -97,6 +102,8 @@ def _finish(options: Namespace, sweep: Sweep, target: str, journal: Journal | No
         sweep.write(target)
     if journal is not None:
         journal.remove()
+    if options.plot is not None:
+        sweep.plot(options.plot)
     if not options.quiet:
         _summarise(sweep, target, entered - (journal.found if journal is not None else 0))
     if not sweep.ok.any():
@@ -147,6 +154,10 @@ def _summarise(sweep: Sweep, target: str, now: int) -> None:
         say(f"  {count} failed: {what}")
     for measure in sweep.job.measures[:_MOST_SHOWN]:
         say(f"  {measure.text}: {_spread(sweep, measure)}")
+        for line in told_of_chance(sweep, measure):
+            say(f"    {line}")
+    if sweep.job.until is not None:
+        say(f"  {ended(sweep, sweep.job.until)}")
     steps = sweep.ledger.outcomes["steps"].sum()
     energy = float(sweep.ledger.outcomes["energy"][sweep.ok].max(initial=0.0))
     say(f"  {steps} steps; the energy accounts close to {energy:.1e} of the largest energy")

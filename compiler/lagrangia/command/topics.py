@@ -258,7 +258,10 @@ runs all combinations of the values, the last one changing fastest, on all cores
 100:2000:50                from:to:step;  linspace(0, 1, 11) and geomspace(1, 1e6, 7) give a number of values
 normal(mean, deviation)    random, with --samples N and --seed; also uniform(low, high), triangular(low, mode, high),
                            lognormal(median, deviation of the logarithm), loguniform(low, high)
---sampling lhs             a Latin hypercube
+--sampling lhs             a Latin hypercube; saltelli: N (values + 2) runs, from which Sobol' indices say what matters (SciPy)
+--until CONDITION          ends random runs once a standard error is small enough: se(mean(max(y))) < 1[mm], se(deviation(y))
+                           < 0.1, se(quantile(max(y), 0.95)) < 0.01; looked at after 100, 150, 225, ... runs, the same each time
+--plot FILE                measures over what is varied, histograms, parallel coordinates (.png, .svg, .pdf)
 --runs FILE.csv            a line of names (parameters, starts, inputs that are held) and one for each run; --together takes lists
                            side by side
 Several of these together: all combinations, the samples last. Each number may carry a unit, or none of a list.

@@ -35,6 +35,13 @@ class Ledger:
         self.outcomes = np.zeros(job.runs, dtype=OUTCOME)
         self.outcomes["kind"] = Ending.NOT_RUN
         self.entered = 0
+        self.wanted = job.runs  # the first so many
+
+    def first(self, job: Job) -> "Ledger":
+        """Of a job that has the first of these runs."""
+        found = Ledger(job)
+        found.enter(0, self.results[: job.runs], self.outcomes[: job.runs])
+        return found
 
     def enter(self, first: int, results: "np.ndarray", outcomes: "np.ndarray") -> None:
         """Results and outcomes of the runs from `first` on."""
@@ -44,10 +51,10 @@ class Ledger:
         self.outcomes[first:last] = outcomes
 
     def missing(self) -> list[tuple[int, int]]:
-        """What is still to be run: first <= k < last."""
+        """What is still to be run of those that are wanted: first <= k < last."""
         import numpy as np
 
-        is_open = np.concatenate([[False], self.outcomes["kind"] == Ending.NOT_RUN, [False]])
+        is_open = np.concatenate([[False], self.outcomes["kind"][: self.wanted] == Ending.NOT_RUN, [False]])
         edges = np.flatnonzero(is_open[1:] != is_open[:-1])
         return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 

@@ -5,7 +5,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +21,7 @@ from lagrangia.run.runtime import Settings, Solver
 from lagrangia.run.scene import Scene, to_json
 from lagrangia.run.solvers import AUTO, applicable, is_casadi, number_of
 from lagrangia.study.sweep.measures import Measure, reductions
+from lagrangia.study.sweep.until import Until, read_until
 from lagrangia.study.sweep.values import (
     MOST_RUNS,
     Distribution,
@@ -37,7 +38,7 @@ from lagrangia.study.sweep.values import (
 if TYPE_CHECKING:
     import numpy as np
 
-WAYS = ("random", "lhs")
+WAYS = ("random", "lhs", "saltelli")
 INPUTS = "inputs"  # the column of their number, where each run has its own
 _PORTION = 1024  # sets of parameters
 _LOOKS = 50  # windows at least in a run, when no interval says how closely to look
@@ -54,6 +55,7 @@ class Design:
     together: bool = False  # lists side by side instead of all their combinations
     seconds: float = 0.0  # of wall time a run may take
     keeps: bool = False  # rows of each run, an interval apart
+    until: str | None = None  # what ends it early: se(mean(max(y))) < 1e-3
 
 
 @dataclass(frozen=True)
@@ -64,11 +66,19 @@ class Job:
     measures: tuple[Measure, ...]
     variations: Variations
     sweep: Sweep
+    sampling: str = ""  # random, lhs, saltelli, where all that differs from run to run is random
+    seed: int = 0
+    until: Until | None = None
 
     @property
     def runs(self) -> int:
         """How many there are."""
         return self.variations.runs
+
+    def first(self, runs: int) -> "Job":
+        """So many of its runs, of one factor."""
+        (factor,) = self.variations.factors
+        return replace(self, variations=Variations((replace(factor, values=factor.values[:runs]),)))
 
     def parameter_sets(self) -> "Iterator[tuple[list[np.ndarray | float], list[float]]]":
         """The parameters of all runs, each combination once, in portions: arrays (sets,) of what varies, and which are given."""
@@ -132,7 +142,19 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
                   values.parameters, values.mask, (*values.q, *values.v), least, most,
                   tuple(moments), tuple(u), told if len(told) > 1 else (), bool(scene.notes["is_driven"]),
                   tuple(t for times in experiment.times() for t in times) if design.keeps else ())
-    return Job(scene, tuple(measures), variations, sweep)
+    sampling = design.sampling if design.samples is not None and len(factors) == 1 else ""
+    return Job(scene, tuple(measures), variations, sweep, sampling, design.seed, _until(scene, measures, design, sampling))
+
+
+def _until(scene: Scene, measures: Sequence[Measure], design: Design, sampling: str) -> Until | None:
+    if design.until is None:
+        return None
+    if sampling != WAYS[0]:
+        fail("L0712", f"'{design.until}': standard errors are those of random runs that do not depend on each other", None,
+             "-p k=normal(100,5) --samples 100000, no other lists, and --sampling random")
+    if design.keeps:
+        fail("L0901", "not supported yet: trajectories of a sweep that ends early", None, "leave one of them out")
+    return read_until(design.until, scene, measures)
 
 
 def _solver(scene: Scene, name: str, reduced: Sequence[Reduction], request: Request) -> Solver:

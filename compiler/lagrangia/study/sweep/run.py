@@ -23,6 +23,7 @@ from lagrangia.study.sweep.plan import Design, Job
 from lagrangia.study.sweep.progress import bar_in_python
 from lagrangia.study.sweep.table import Sweep, is_parquet
 from lagrangia.study.sweep.threads import cores, run_on_threads
+from lagrangia.study.sweep.until import looks
 
 _TABLES = (".csv", ".txt", ".dat", ".parquet", ".pq")
 
@@ -49,21 +50,26 @@ class Asked(Loaded, Protocol):
 
 def run_job(job: Job, model: Loaded, ledger: Ledger, *, jobs: int | None = None, dask: str | None = None,
             watch: Watch | None = None, keeper: Keeper | None = None) -> Sweep:
-    """What the ledger misses, on so many threads (all cores), or on the cluster of a Dask scheduler.
+    """What the ledger misses, on so many threads (all cores), or on the cluster of a Dask scheduler; of a job that ends early the
+    first runs alone.
 
     KeyboardInterrupt ends it, and marks the table as interrupted. Raises LagError L0712, L0716, L0901.
     """
     if jobs is not None and a_count("number of jobs", jobs) < 1:
         fail("L0712", f"the number of jobs must be positive, not {jobs}")
-    if dask is not None:
-        begin = time.perf_counter()
-        is_whole = run_on_dask(job, dask, ledger, watch, keeper)
-    else:
-        engine = model.engine_for(name_of(job.sweep.settings.solver))
-        if engine is None:
-            fail("L0901", "not supported yet: many runs without a C compiler", None, "pip install ziglang brings one")
-        begin = time.perf_counter()
-        is_whole = run_on_threads(job, engine, ledger, jobs or cores(), watch, keeper)
+    engine = model.engine_for(name_of(job.sweep.settings.solver)) if dask is None else None
+    if dask is None and engine is None:
+        fail("L0901", "not supported yet: many runs without a C compiler", None, "pip install ziglang brings one")
+    begin = time.perf_counter()
+    for last in looks(job.runs) if job.until is not None else (job.runs,):
+        ledger.wanted = last
+        is_whole = (run_on_threads(job, engine, ledger, jobs or cores(), watch, keeper) if engine is not None
+                    else run_on_dask(job, str(dask), ledger, watch, keeper))
+        if not is_whole or (job.until is not None and job.until.holds(ledger.results[:last])):
+            break
+    if is_whole and last < job.runs:
+        job = job.first(last)
+        ledger = ledger.first(job)
     kept = keeper if isinstance(keeper, InMemory) else None
     return Sweep(job, ledger, time.perf_counter() - begin, not is_whole, kept)
 

@@ -3,7 +3,7 @@
 import math
 import os
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,10 @@ from lagrangia.run.simulate import explain
 from lagrangia.study.sweep.journal import Ledger
 from lagrangia.study.sweep.keeping import InMemory
 from lagrangia.study.sweep.measures import unit_of
+from lagrangia.study.sweep.pictures import draw_sweep
 from lagrangia.study.sweep.plan import Job
+from lagrangia.study.sweep.sensitivity import Index, sobol_indices
+from lagrangia.study.sweep.statistics import SHARES, Statistics, statistics_of
 from lagrangia.view.rows import columns
 
 if TYPE_CHECKING:
@@ -154,6 +157,26 @@ class Sweep:
         times = ("time", list(self.job.sweep.row_times), told["time"])
         coordinates = {"run": range(self.runs), "time": times, **varied}
         return xarray.Dataset(found, coords=coordinates, attrs={"model": self.job.scene.name})
+
+    def statistics(self, shares: Sequence[float] = SHARES) -> dict[str, Statistics]:
+        """Of each measure over the runs that went well: mean, deviation and the quantiles of these shares, with standard
+        errors, which hold for random runs. Raises LagError L0712."""
+        return {m.text: statistics_of(self.ledger.results[self.ok, k], shares) for k, m in enumerate(self.job.measures)}
+
+    def sensitivity(self) -> dict[str, dict[str, Index]]:
+        """Of each measure the Sobol' indices of what is random, by name, where sampling="saltelli". Raises LagError L0712,
+        L0901."""
+        names = self.job.variations.names
+        if self.job.sampling != "saltelli":
+            fail("L0712", "Sobol' indices need runs of their own", None,
+                 'sampling="saltelli", samples=1024, and random values alone')
+        return {m.text: dict(zip(names, sobol_indices(self[m.text], len(names), self.job.seed), strict=True))
+                for m in self.job.measures}
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Any:
+        """Measures over what is varied, their histograms where that is random, parallel coordinates of three values or more: a
+        matplotlib Figure. Raises LagError L0004."""
+        return draw_sweep(self, path)
 
     def units(self) -> list[str]:
         """Of the columns in `names`."""

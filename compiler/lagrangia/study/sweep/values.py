@@ -17,6 +17,7 @@ from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.base.result_files import open_with_care
 from lagrangia.language.values import read_value
+from lagrangia.study.sweep.sensitivity import saltelli_points
 
 if TYPE_CHECKING:
     import numpy as np
@@ -121,20 +122,23 @@ _SPACES = {"linspace": "from, to, number of values", "geomspace": "from, to, num
 
 
 def sample(distributions: Sequence[Distribution], samples: int, seed: int, way: str) -> "np.ndarray":
-    """(samples, len(distributions)): independent ("random"), or one in each of so many equal slices of probability ("lhs").
+    """(samples, len(distributions)): independent ("random"), or one in each of so many equal slices of probability ("lhs"); of
+    "saltelli" (samples (len(distributions) + 2), len(distributions)), for Sobol' indices: see sensitivity.py.
 
     Latin hypercube: M. McKay, R. Beckman, W. Conover, Technometrics 21 (1979) 239.
     """
     import numpy as np
 
-    generator = np.random.Generator(np.random.PCG64(seed))
-    columns = []
-    for distribution in distributions:
-        x = generator.random(samples)
-        if way == "lhs":
-            x = (np.argsort(generator.random(samples), kind="stable") + x) / samples
-        columns.append(distribution.quantile(np.minimum(x, 1 - 2.0**-53)))
-    return np.stack(columns, axis=1)
+    if way == "saltelli":
+        points = saltelli_points(samples, len(distributions), seed)
+    else:
+        generator = np.random.Generator(np.random.PCG64(seed))
+        points = np.empty((samples, len(distributions)))
+        for k in range(len(distributions)):
+            x = generator.random(samples)
+            points[:, k] = (np.argsort(generator.random(samples), kind="stable") + x) / samples if way == "lhs" else x
+    points = np.minimum(points, 1 - 2.0**-53)
+    return np.stack([distribution.quantile(x) for distribution, x in zip(distributions, points.T, strict=True)], axis=1)
 
 
 # -------------------------------------------------------------------- from text

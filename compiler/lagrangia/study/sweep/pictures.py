@@ -1,0 +1,136 @@
+"""A sweep as a picture: each measure over what is varied, as a histogram where that is random, and as parallel coordinates."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from lagrangia.study.sweep.plan import Job
+from lagrangia.view.curves import new_figure, require_format, save
+
+if TYPE_CHECKING:
+    import numpy as np
+
+_MOST_MEASURES, _MOST_VARIED = 4, 5
+_MOST_LINES = 500  # runs in parallel coordinates
+_PARALLEL = 3  # values that differ from run to run, from which on these are drawn
+_FINEST = 60  # bars
+_SIZES = ((200, 14.0), (2000, 5.0), (10**9, 1.5))  # runs up to which dots are so large
+
+
+class Table(Protocol):
+    """Columns of what is varied and of measures, by name, (runs,)."""
+
+    @property
+    def job(self) -> Job:
+        """What was computed."""
+
+    @property
+    def runs(self) -> int:
+        """How many."""
+
+    @property
+    def names(self) -> list[str]:
+        """Of the columns."""
+
+    def units(self) -> list[str]:
+        """Of the columns."""
+
+    def __getitem__(self, name: str) -> "np.ndarray":
+        """One of them."""
+
+
+def draw_sweep(sweep: Table, path: str | os.PathLike[str] | None = None) -> Any:
+    """A row of panels a measure; below them, over all its width, parallel coordinates coloured by the first measure.
+
+    Raises LagError L0004 when the picture cannot be written.
+    """
+    if path is not None:
+        require_format(path)
+    job = sweep.job
+    names, measures = job.variations.names[:_MOST_VARIED], [m.text for m in job.measures[:_MOST_MEASURES]]
+    units = dict(zip(sweep.names, sweep.units(), strict=True))
+    columns, has_lines = len(names) + bool(job.sampling), len(names) >= _PARALLEL
+    if not columns:
+        columns, names = 1, ("run",)
+    figure = new_figure(1.2 + 3.0 * columns, 0.6 + 2.5 * (len(measures) + has_lines))
+    grid = figure.add_gridspec(len(measures) + has_lines, columns)
+    for row, measure in enumerate(measures):
+        for column, name in enumerate(names):
+            panel = figure.add_subplot(grid[row, column])
+            _scatter(panel, sweep, name, measure)
+            panel.set_xlabel(_literal(name, units.get(name, "")) if row == len(measures) - 1 else "", fontsize=9)
+            panel.set_ylabel(_literal(measure, units[measure]) if column == 0 else "", fontsize=9)
+        if job.sampling:
+            _histogram(figure.add_subplot(grid[row, columns - 1]), sweep[measure])
+    if has_lines:
+        _parallel(figure, figure.add_subplot(grid[len(measures), :]), sweep, [*names], measures[0], units)
+    left = len(job.measures) - len(measures), len(job.variations.names) - len(names)
+    more = [f"{count} {what} more" for count, what in zip(left, ("measures", "values"), strict=True) if count > 0]
+    said = f" ({', '.join(more)})" if more else ""
+    figure.suptitle(f"{_literal(job.scene.name)}: {sweep.runs} runs{said}", fontsize=11)
+    if path is not None:
+        save(figure, Path(path))
+    return figure
+
+
+def _literal(name: str, unit: str = "") -> str:
+    return (f"{name} [{unit}]" if unit else name).replace("$", r"\$")
+
+
+def _values(sweep: Table, name: str) -> "np.ndarray":
+    import numpy as np
+
+    return np.arange(sweep.runs) if name == "run" else sweep[name]
+
+
+def _scatter(panel: Any, sweep: Table, name: str, measure: str) -> None:
+    """Dots; a line through them where nothing else is varied, in an order."""
+    x, y = _values(sweep, name), sweep[measure]
+    size = next(size for runs, size in _SIZES if sweep.runs <= runs)
+    is_line = len(sweep.job.variations.names) == 1 and not sweep.job.sampling
+    if is_line:
+        order = x.argsort(kind="stable")
+        panel.plot(x[order], y[order], linewidth=1.0, color="C0")
+    panel.scatter(x, y, s=size, color="C0", alpha=1.0 if is_line or sweep.runs < _SIZES[0][0] else 0.5, linewidths=0)
+    panel.tick_params(labelsize=8)
+    panel.grid(alpha=0.3)
+
+
+def _histogram(panel: Any, values: "np.ndarray") -> None:
+    """With the mean as a line; as many bars as the square root of the runs."""
+    import numpy as np
+
+    found = values[np.isfinite(values)]
+    if len(found):
+        panel.hist(found, bins=min(_FINEST, max(5, round(len(found) ** 0.5))), orientation="horizontal", color="C0", alpha=0.7)
+        panel.axhline(found.mean(), color="black", linewidth=1.0)
+    panel.set_xlabel("runs", fontsize=9)
+    panel.tick_params(labelsize=8)
+    panel.grid(alpha=0.3)
+
+
+def _parallel(figure: Any, panel: Any, sweep: Table, names: list[str], measure: str, units: dict[str, str]) -> None:
+    """Each run a line across axes of what is varied, scaled from least to most; evenly chosen runs where there are many."""
+    import numpy as np
+    from matplotlib.collections import LineCollection
+
+    runs = np.unique(np.linspace(0, sweep.runs - 1, min(sweep.runs, _MOST_LINES)).astype(int))
+    axes = [*names, measure]
+    table = np.stack([_values(sweep, name)[runs] for name in axes], axis=1)
+    table = table[np.isfinite(table).all(axis=1)]
+    if not len(table):
+        return
+    least, most = table.min(axis=0), table.max(axis=0)
+    scaled = (table - least) / np.where(most > least, most - least, 1.0)
+    places = np.arange(len(axes))
+    lines = LineCollection([np.stack([places, row], axis=1) for row in scaled], array=table[:, -1], cmap="viridis",
+                           linewidths=0.7, alpha=0.6)
+    panel.add_collection(lines)
+    figure.colorbar(lines, ax=panel, label=_literal(measure, units[measure]), pad=0.01)
+    panel.set_xlim(-0.1, len(axes) - 0.9)
+    panel.set_ylim(-0.05, 1.05)
+    panel.set_xticks(places, [f"{_literal(name, units.get(name, ''))}\n{a:.4g} ... {b:.4g}"
+                              for name, a, b in zip(axes, least, most, strict=True)], fontsize=8)
+    panel.set_yticks([])
+    for k in places:
+        panel.axvline(k, color="black", linewidth=0.8)

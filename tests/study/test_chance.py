@@ -1,0 +1,149 @@
+"""Random runs: statistics with standard errors, an end once these are small, Sobol' indices, pictures."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.stats
+
+import lagrangia as lag
+from lagrangia.base.diagnostics import LagError
+from lagrangia.command.cli import main
+from lagrangia.native.build import find_compiler
+from lagrangia.study.sweep.statistics import mean, quantile, statistics_of
+from lagrangia.study.sweep.until import looks
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+# T. Ishigami, T. Homma (1990): sin x + 7 sin^2 y + 0.1 z^4 sin x, of three angles that are uniform.
+ISHIGAMI = """model Ishigami
+  parameter Real x = 0, y = 0, z = 0;
+  Block block(m = 1, base = world, s(start = 1)); Spring spring(k = 1, stretch = block.s);
+  output Real f = sin(x) + 7*sin(y)^2 + 0.1*z^4*sin(x);
+  annotation(experiment(StopTime = 0.1));
+end Ishigami;
+"""
+OSCILLATOR = """model Oscillator
+  parameter Stiffness k = 8;
+  Block block(m = 2, base = world, s(start = 0.5)); Spring spring(k = k, stretch = block.s);
+  annotation(experiment(StopTime = 1));
+end Oscillator;
+"""
+Scene = Callable[[str], lag.Model]
+UNIFORM = dict.fromkeys("xyz", f"uniform({-math.pi!r}, {math.pi!r})")
+
+
+def test_indices_of_a_function_whose_indices_are_known(scene: Scene) -> None:
+    found = scene(ISHIGAMI).simulate_many(parameters=UNIFORM, outputs="f", samples=1024, sampling="saltelli", seed=3)
+    assert found.runs == 5 * 1024
+    a, b = 7.0, 0.1
+    parts = [0.5 * (1 + b * math.pi**4 / 5) ** 2, a**2 / 8, 0.0]
+    together = b**2 * math.pi**8 * 8 / 225
+    whole = sum(parts) + together
+    indices = found.sensitivity()["final(f)"]
+    for index, part, more in zip(indices.values(), parts, (together, 0.0, together), strict=True):
+        for estimate, value in ((index.first, part / whole), (index.total, (part + more) / whole)):
+            assert abs(estimate.value - value) < max(0.005, 4 * estimate.error)
+            assert estimate.error < 0.06
+
+
+def test_statistics_have_the_errors_that_repetitions_show() -> None:
+    """2 000 repetitions of 400 exponential numbers; SciPy's estimates, and its quantile errors by Maritz and Jarrett."""
+    drawn = np.random.Generator(np.random.PCG64(1)).exponential(size=(2000, 400))
+    found = [statistics_of(x, (0.1, 0.9)) for x in drawn]
+    one = found[0]
+    assert one.mean.value == pytest.approx(drawn[0].mean(), rel=1e-14)
+    assert one.mean.error == pytest.approx(scipy.stats.sem(drawn[0]), rel=1e-12)
+    assert one.deviation.value == pytest.approx(drawn[0].std(ddof=1), rel=1e-14)
+    for what in (lambda s: s.mean, lambda s: s.deviation, lambda s: s.quantiles[0.1], lambda s: s.quantiles[0.9]):
+        scatter = np.std([what(s).value for s in found])
+        assert np.mean([what(s).error for s in found]) == pytest.approx(scatter, rel=0.08)
+    assert one.quantiles[0.9].error == pytest.approx(float(scipy.stats.mstats.mjci(drawn[0], [0.9])[0]), rel=0.3)
+
+
+def test_too_few_numbers_have_no_error() -> None:
+    few = statistics_of(np.array([1.0, math.nan, 3.0]))
+    assert (few.count, few.missing, few.mean.value, few.least, few.most) == (2, 1, 2.0, 1.0, 3.0)
+    assert quantile(np.arange(5.0), 0.95).error == mean(np.array([1.0])).error == math.inf
+    assert math.isnan(statistics_of(np.array([math.nan])).mean.value)
+    with pytest.raises(LagError, match="between 0 and 1"):
+        statistics_of(np.arange(3.0), (95,))
+
+
+def test_it_ends_after_the_same_runs_however_it_is_computed(scene: Scene, tmp_path: Path) -> None:
+    asked = {"parameters": {"k": "normal(8, 0.5)"}, "samples": 100_000, "outputs": "max(block.s, from=0.5), block.s"}
+    model = scene(OSCILLATOR)
+    whole = model.simulate_many(**(asked | {"samples": 3000}))
+    one, two = (model.simulate_many(**asked, until="se(mean(block.s)) < 1[mm]", jobs=jobs) for jobs in (1, 2))
+    kept = model.simulate_many(**asked, until="se(mean(final(block.s))) < 1e-3", path=tmp_path / "x.csv")
+    assert one.runs == two.runs == kept.runs < 3000
+    assert one.ok.all() and not (tmp_path / "x.csv.part").exists()
+    for found in (two, kept):
+        assert np.array_equal(found["block.s"], one["block.s"])
+    assert np.array_equal(whole["block.s"][: one.runs], one["block.s"])
+    assert len((tmp_path / "x.csv").read_text().splitlines()) == 1 + one.runs
+    before = max(n for n in looks(100_000) if n < one.runs)
+    assert scipy.stats.sem(one["block.s"]) < 1e-3 < scipy.stats.sem(one["block.s"][:before])
+
+
+@pytest.mark.parametrize("until", ["se(quantile(max(block.s, from=0.5), 0.9)) < 2[mm]", "se(deviation(block.s)) < 0.001"])
+def test_other_ends(until: str, scene: Scene) -> None:
+    found = scene(OSCILLATOR).simulate_many(parameters={"k": "normal(8, 0.5)"}, samples=100_000, until=until,
+                                            outputs="max(block.s, from=0.5), block.s")
+    assert 100 < found.runs < 10_000
+
+
+@pytest.mark.parametrize(("until", "more", "told"), [
+    ("mean(block.s) < 1", {}, "no condition on a standard error"),
+    ("se(mean(block.v)) < 1", {}, "is not measured"),
+    ("se(mean(block.s)) < 0", {}, "must be positive"),
+    ("se(mean(block.s)) < 1[kg]", {}, "kg"),
+    ("se(quantile(block.s)) < 1", {}, "the share of runs"),
+    ("se(quantile(block.s, 90)) < 1", {}, "between 0 and 1"),
+    ("se(mean(block.s)) < 1", {"sampling": "lhs"}, "random runs"),
+    ("se(mean(block.s)) < 1", {"initial": {"block.s": [1, 2]}}, "random runs"),
+    ("se(mean(block.s)) < 1", {"keep": True}, "not supported yet"),
+    (None, {"sampling": "saltelli"}, "power of 2"),
+    (None, {"sampling": "saltelli", "samples": 8}, "all of the variance"),
+])
+def test_wrong_conditions_are_told(until: str | None, more: dict[str, object], told: str, scene: Scene) -> None:
+    with pytest.raises(LagError, match=told):
+        scene(OSCILLATOR).simulate_many(**({"parameters": {"k": "normal(8, 0.5)"}, "samples": 1000, "outputs": "block.s",
+                                            "until": until} | more))
+
+
+def test_indices_need_their_own_runs_and_a_variance(scene: Scene) -> None:
+    model = scene(OSCILLATOR)
+    with pytest.raises(LagError, match="runs of their own"):
+        model.simulate_many(parameters={"k": "normal(8, 0.5)"}, samples=8).sensitivity()
+    same = model.simulate_many(parameters={"k": "normal(8, 0.5)"}, initial={"der(block.s)": "uniform(0, 1)"}, samples=8,
+                               sampling="saltelli", outputs="initial(block.s)")
+    with pytest.raises(LagError, match="no variance"):
+        same.sensitivity()
+
+
+@pytest.mark.parametrize(("given", "panels"), [
+    ({"parameters": UNIFORM, "samples": 50}, 4 + 2),  # a column a value, the histogram; parallel coordinates and their bar
+    ({"parameters": {"x": "linspace(0, 1, 5)"}}, 1), ({}, 1)])
+def test_pictures_have_a_panel_for_each_pair(given: dict[str, object], panels: int, scene: Scene, tmp_path: Path) -> None:
+    figure = scene(ISHIGAMI).simulate_many(**given, outputs="f").plot(tmp_path / "x.svg")
+    assert len(figure.axes) == panels
+    assert (tmp_path / "x.svg").read_text().count("<svg") == 1
+
+
+def test_the_command_tells_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("scene.lag").write_text(OSCILLATOR)
+    command = ["sweep", "scene.lag", "-p", "k=normal(8,0.5)", "--outputs", "block.s"]
+    assert main([*command, "--samples", "9999", "--until", "se(mean(block.s)) < 1[cm]", "--plot", "x.png"]) == 0
+    told = capsys.readouterr().out
+    assert "ended after 100 runs" in told and "mean -0" in told.replace("mean 0", "mean -0") and "95 % below" in told
+    assert Path("x.png").stat().st_size > 1000
+    assert main([*command, "--samples", "101", "--until", "se(mean(block.s)) < 1e-9", "-o", "y.csv"]) == 0
+    assert "not reached in 101 runs" in capsys.readouterr().out
+    shared = [*command, "--initial", "der(block.s)=normal(0,1e-9)", "--samples", "64", "--sampling", "saltelli", "-o", "z.csv"]
+    assert main(shared) == 0
+    assert "Sobol' indices: k 1.0" in capsys.readouterr().out
+    assert main([*command, "--plot", "x.doc"]) == 2
+    assert main([*command, "--samples", "9", "--plot", "scene.lag"]) == 2
