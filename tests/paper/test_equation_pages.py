@@ -16,7 +16,7 @@ import sympy as sp
 
 import lagrangia as lag
 from helpers.printed_numbers import everything_laid_out
-from helpers.symbolic_scenes import CLASSROOM, EXAMPLES
+from helpers.symbolic_scenes import CLASSROOM, EXAMPLES, UNWRITTEN, WRITTEN
 from lagrangia.command.cli import WRONG, main
 from lagrangia.paper.layout import Bracket, Name, Numeral, Product, Relation, Total, broken
 from lagrangia.paper.notation import Wanted, name_all
@@ -24,7 +24,7 @@ from lagrangia.paper.sheet import ALL_FORMATS, ALL_FORMS
 from lagrangia.paper.typeset import line
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "equations"
-ALL = sorted(EXAMPLES.glob("*.lag"))
+ALL = WRITTEN
 LARGE = ("chain", "scissor_lift")
 SLOW = ("scissor_lift", "andrews_squeezer", "pantograph", "n_four_bars")
 LOSING = ("cart_pole", "disc_and_block_damped", "gear_train", "quarter_car", "stick_slip", "suspended_bar", "torsion_rotor",
@@ -48,6 +48,11 @@ def refused(capsys, *arguments: str) -> str:
 
 
 # ---------------------------------------------------------------- texts kept, to be read
+
+
+@pytest.mark.parametrize(("name", "code"), UNWRITTEN.items())
+def test_what_has_no_written_equations_is_told(name: str, code: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert f"error[{code}]" in refused(capsys, str(EXAMPLES / f"{name}.lag"))
 
 
 @pytest.mark.parametrize("name", ["suspended_bar", "disc_and_block_damped", "double_pendulum", "slider_crank", "crank_press",

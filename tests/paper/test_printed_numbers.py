@@ -10,7 +10,7 @@ import sympy as sp
 
 from helpers.casadi_numbers import POINTS, Reference, reference
 from helpers.reading import Motion, NotRead, read
-from helpers.symbolic_scenes import EXAMPLES
+from helpers.symbolic_scenes import WRITTEN
 from lagrangia.algebra.normal_form import TooLarge
 from lagrangia.base.diagnostics import LagError
 from lagrangia.paper.document import Display, Document, Heading
@@ -25,7 +25,7 @@ BESIDE, ROUNDED = 1e-12, 1e-5  # of formulas with a decimal that is printed to s
 
 
 @pytest.mark.parametrize("path", [pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.slow)
-                                  for path in sorted(EXAMPLES.glob("*.lag"))])
+                                  for path in WRITTEN])
 def test_every_printed_formula_has_its_value(path: Path) -> None:
     structural = (("n", 3),) if path.stem == "chain" else ()
     for form in ("worked", "lagrange", "energies", *NUMBERED):
@@ -215,7 +215,7 @@ class Pages:
 
 
 @pytest.mark.parametrize("path", [pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.slow)
-                                  for path in sorted(EXAMPLES.glob("*.lag"))])
+                                  for path in WRITTEN])
 def test_every_printed_matrix_has_its_numbers(path: Path) -> None:
     """M q'' + h + J^T lambda - f of the matrices as printed is what CasADi has; v' of the first-order form is its solution."""
     try:

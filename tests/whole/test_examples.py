@@ -2,11 +2,14 @@
 
 import re
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy import cos, sin
+from scipy.interpolate import CubicSpline
+from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk
 
@@ -247,6 +250,65 @@ def bouncing_ball(t: Array) -> Columns:
     return {"x.s": u * t, "y.s": place}
 
 
+def road_at_knots() -> CubicSpline:
+    """The height of the road over the time of the car, m by s: the spline through the file's rows, at 10 m/s."""
+    x, z = np.loadtxt(FOLDER / "road_profile.csv", delimiter=",", skiprows=1).T
+    return CubicSpline(x / 10, z / 1000)
+
+
+def rough_road(t: Array) -> Columns:
+    """As quarter_car, on the spline of the road's rows, at whose knots its third derivative jumps."""
+    m1, m2, k1, k2, c1 = 300, 40, 20e3, 180e3, 1.5e3
+    road = road_at_knots()
+
+    def acceleration(t: float, q: Array, v: Array) -> Array:
+        suspension = k1 * (q[0] - q[1]) + c1 * (v[0] - v[1])
+        return np.array([-suspension / m1, (suspension - k2 * (q[1] - road(t))) / m2])
+
+    q, v = integrate(acceleration, [0, 0], [0, 0], t, breaks=[x for x in road.x if 0 < x < t[-1]])
+    felt = -(k1 * (q[0] - q[1]) + c1 * (v[0] - v[1])) / m1
+    return {"car.s": q[0], "wheel.s": q[1], "felt": felt, "load": k1 * (q[0] - q[1])}
+
+
+def dc_motor_stick_slip(t: Array) -> Columns:
+    """The load rests while the shaft's torque is below what tears it off, and then slips with its speed above 0. Between such
+    moments z = (phi1, w1, phi2, w2, i, I, 1) obeys z' = A z with constant A:
+
+    J1 w1' = k_m i - k (phi1 - phi2) - c (w1 - w2),      J2 w2' = k (phi1 - phi2) + c (w1 - w2) - tau,
+    L i' = K (e + I) - R i - k_m w1,      I' = e/Ti,      e = w - w1
+    """
+    J1, J2, k, c, tau, holds = 0.5 * 0.06**2 / 2, 4 * 0.15**2 / 2, 2, 0.02, 0.3, 0.5
+    R, L, k_m, K, Ti, w = 1.2, 6e-3, 0.15, 2, 0.1, 0.5
+    torque = np.array([k, c, -k, -c, 0, 0, 0])
+    A = np.zeros((7, 7))
+    A[0, 1] = A[2, 3] = 1
+    A[1] = -torque / J1
+    A[1, 4] += k_m / J1
+    A[3] = torque / J2
+    A[3, 6] = -tau / J2
+    A[4] = np.array([0, -K - k_m, 0, 0, -R, K, K * w]) / L
+    A[5] = np.array([0, -1, 0, 0, 0, 0, w]) / Ti
+    rest = A.copy()
+    rest[2:4] = 0
+    z, begin, is_at_rest, found = np.array([0, 0, 0, 0, 0, 0, 1.0]), 0.0, True, np.empty((len(t), 7))
+    while begin <= t[-1]:
+        matrix, left = (rest, torque) if is_at_rest else (A, np.eye(7)[3])
+        level = holds if is_at_rest else 0.0
+
+        def beyond(x: float, z: Array = z, matrix: Array = matrix, left: Array = left, level: float = level) -> float:
+            return float(left @ expm(matrix * x) @ z) - level
+
+        steps = np.arange(1, 200) * 0.02
+        last = next(x for x in steps if (beyond(x) > 0) == is_at_rest)
+        end = float(brentq(beyond, max(last - 0.02, 1e-6), last, xtol=1e-15))
+        now = (t >= begin) & (t < begin + end)
+        found[now] = (expm(np.multiply.outer(t[now] - begin, matrix)) @ z)[:, :7]
+        z, begin, is_at_rest = expm(matrix * end) @ z, begin + end, not is_at_rest
+        z[3] = 0.0
+    phi1, w1, phi2, w2, i, _, _ = found.T
+    return {"axle.phi": phi1, "axle.w": w1, "bearing.phi": phi2, "load_speed": w2, "motor.i": i, "shaft.twist": phi2 - phi1}
+
+
 # The motion magnifies all errors, those of SciPy too: compared until here only.
 CHAOTIC_AFTER = {"chain": 2.0, "double_pendulum": 6.0}
 
@@ -254,12 +316,14 @@ REFERENCES: dict[str, Callable[[Array], Columns]] = {
     "bouncing_ball": bouncing_ball,
     "cart_pole": cart_pole,
     "chain": chain,
+    "dc_motor_stick_slip": dc_motor_stick_slip,
     "disc_and_block": disc_and_block,
     "disc_and_block_damped": disc_and_block_damped,
     "double_pendulum": double_pendulum,
     "free_bar": free_bar,
     "pendulum": pendulum,
     "quarter_car": quarter_car,
+    "rough_road": rough_road,
     "spring_pendulum": spring_pendulum,
     "stick_slip": stick_slip,
     "suspended_bar": suspended_bar,
@@ -297,6 +361,29 @@ def test_follows_the_equations_on_paper(example: Path) -> None:
     model = lag.load(example)
     t = np.linspace(0, CHAOTIC_AFTER.get(example.stem, model.scene.stop), 61)
     assert_follows(model.simulate(at=t, tolerance=1e-13), REFERENCES[example.stem](t))
+
+
+def test_the_damage_of_the_rough_road() -> None:
+    """Cycles of the motion on paper by four points, halves of what is left (Amzallag et al., Int. J. Fatigue 16, 1994)."""
+    t = np.linspace(0, 6, 6001)
+    load = rough_road(t)["load"]
+    turns: list[float] = [load[0]]
+    for k in range(1, len(t) - 1):
+        if (load[k] - load[k - 1]) * (load[k + 1] - load[k]) < 0:
+            a, b, c = load[k - 1 : k + 2]
+            turns.append(b - (c - a) ** 2 / (8 * (a - 2 * b + c)))  # of the parabola through three
+    turns.append(load[-1])
+    ranges: list[tuple[float, float]] = []
+    kept: list[float] = []
+    for y in turns:
+        kept.append(y)
+        while len(kept) >= 4 and abs(kept[-2] - kept[-3]) <= min(abs(kept[-1] - kept[-2]), abs(kept[-3] - kept[-4])):
+            ranges.append((abs(kept[-2] - kept[-3]), 1.0))
+            del kept[-3:-1]
+    ranges += [(abs(b - a), 0.5) for a, b in pairwise(kept)]
+    expected = sum(count * (size / 1e4) ** 5 for size, count in ranges)
+    found = lag.load(FOLDER / "rough_road.lag").measure("damage(load, 5, 10[kN])", tolerance=1e-11)
+    assert found["damage(load, 5, 10[kN])"] == pytest.approx(expected, rel=1e-6)
 
 
 def test_small_motion_of_the_suspended_bar_is_linear() -> None:

@@ -79,6 +79,9 @@ class _Placing:
             if self._side(joint.child, -way) in self.taken and self._side(joint.child, way) not in self.taken:
                 way = -way  # a spring is the same on either side, but the wall would stand in another part
             self.layout.ends[k] = self._wall(joint.child, way), End(joint.child, np.zeros(2))
+        for k, item in enumerate(items):
+            if item.word in _SPRINGS and len(item.frames) == 2 and k not in self.layout.ends:
+                self._stand_on_ground(k, *item.frames)
         self._choose_lanes()
         return self.layout
 
@@ -168,6 +171,16 @@ class _Placing:
                                       True, way=along), End(b, shifts[1])
             return
         self._tie(k, End(a, shifts[0]), End(b, shifts[1]), along)
+
+    def _stand_on_ground(self, k: int, a: str, b: str) -> None:
+        """What joins a part to the ground in its own place, as a brake does, goes with it where it is set apart."""
+        grounds = [frame in self.tree.grounded for frame in (a, b)]
+        part = b if grounds == [True, False] else a if grounds == [False, True] else ""
+        gap = self.numbers.place(a)[:2, self.moment] - self.numbers.place(b)[:2, self.moment] if part else np.ones(2)
+        if self.layout.offset(part).any() and float(np.linalg.norm(gap)) < 1e-9 * max(self.symbol, 1e-300):
+            shift = self.layout.offset(part)
+            first, second = (End(frame, np.zeros(2) if frame == part else shift) for frame in (a, b))
+            self.layout.ends[k] = first, second
 
     # ------------------------------------------------------------ what lies in one place
 

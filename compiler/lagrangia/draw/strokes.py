@@ -161,7 +161,7 @@ def _spiral(g: Given) -> Shape:
     angles = np.arange(0.0, 5.2 * np.pi, _ARC)
     radii = g.symbol * (0.25 + 0.65 * angles / angles[-1])
     points = g.places[0, :2] + np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
-    return Shape([Stroke(points, SPRINGS, "thin")], Spot(points[-1], np.array([1.0, 0.5])))
+    return Shape([Stroke(points, HINGES, "thin")], Spot(points[-1], np.array([1.0, 0.5])))
 
 
 def _dashpot(g: Given) -> Shape:
@@ -186,7 +186,7 @@ def _dashpot(g: Given) -> Shape:
 def _brake(g: Given) -> Shape:
     """A damper between two that turn about one place."""
     at, radius = g.places[0, :2], 0.8 * g.symbol
-    strokes = [Stroke(_arc_points(at, radius * scale, begin, begin + np.deg2rad(span)), SPRINGS, g.line)
+    strokes = [Stroke(_arc_points(at, radius * scale, begin, begin + np.deg2rad(span)), HINGES, g.line)
                for scale, begin, span in ((1.0, np.deg2rad(200.0), 110.0), (0.75, np.deg2rad(225.0), 60.0))]
     return Shape(strokes, Spot(at + radius * np.array([-0.6, -0.8]), np.array([-0.6, -0.8])))
 

@@ -35,7 +35,7 @@ function laned(g, strokes, e, width) {
 function spiral(g) {
   const [x, y] = g.at[0], p = [], whole = 5.2 * Math.PI, count = Math.ceil(whole / ARC), last = (count - 1) * ARC;
   for (let i = 0; i < count; i++) { const a = i * ARC, r = g.S * (0.25 + 0.65 * a / last); p.push(x + r * Math.cos(a), y + r * Math.sin(a)); }
-  return { strokes: [stroke(p, SPRINGS, "thin")], spot: [p[p.length - 2], p[p.length - 1], 1, 0.5] };
+  return { strokes: [stroke(p, HINGES, "thin")], spot: [p[p.length - 2], p[p.length - 1], 1, 0.5] };
 }
 function zigzag(g) {
   const e = ends_of(g), n = e.n;
@@ -49,7 +49,7 @@ function dashpot(g) {
   const e = ends_of(g), n = e.n;
   if (n < 0.3 * g.S) {
     const [x, y] = g.at[0], r = 0.8 * g.S, deg = Math.PI / 180;
-    return { strokes: [[1, 200, 110], [0.75, 225, 60]].map(([k, a, d]) => stroke(arc_points(x, y, r * k, a * deg, (a + d) * deg), SPRINGS, g.line)), spot: [x - 0.6 * r, y - 0.8 * r, -0.6, -0.8] };
+    return { strokes: [[1, 200, 110], [0.75, 225, 60]].map(([k, a, d]) => stroke(arc_points(x, y, r * k, a * deg, (a + d) * deg), HINGES, g.line)), spot: [x - 0.6 * r, y - 0.8 * r, -0.6, -0.8] };
   }
   const whole = Math.max(g.ref, n), begin = 0.25 * n, end = n > 0.4 * whole ? Math.min(begin + 0.4 * whole, 0.8 * n) : 0.8 * n;
   const room = 0.15 * (end - begin), piston = clip(n - 0.45 * whole, begin + room, end - room), h = 0.26 * g.S;

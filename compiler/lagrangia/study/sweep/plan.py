@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -266,9 +266,9 @@ def _factors(scene: Scene, request: Request, design: Design
     table = [_table(scene, design.runs)] if design.runs is not None else []
     held = {name for factor in table for name in factor.names}
     for case in _cases(request):
-        for name in (case[1] if isinstance(case, tuple) and len(case) == 2 else case or {}):
-            if name in held:
-                fail("L0712", f"'{name}' is given twice")
+        given = case[-1] if isinstance(case, tuple) and case else case
+        if isinstance(given, Mapping) and (twice := held & {*given}):
+            fail("L0712", f"'{min(twice)}' is given twice")
     _check_once([*(name.places for name, _ in names), *(factor.places for factor in table)], scene)
     if design.together and len(lists) < 2:
         fail("L0712", "there are no lists to be taken side by side", None, "-p m=1,2 -p k=3,4 are two")
