@@ -154,7 +154,7 @@ static double attempt(LagRadau *s, LagRun *run, double t_new, LagConvergence *co
         return INFINITY;
     const double error = lag_radau_error(s, run, h, again, worst);
     run->statistics.worst = *worst;
-    return error;
+    return error < INFINITY && !lag_radau_is_solution(s, run, h) ? INFINITY : error;
 }
 
 static LagStatus go_on(LagRun *run)

@@ -59,4 +59,8 @@ int lag_radau_finish(LagRadau *s, struct LagRun *run, double h);
 /* The error of the embedded method in units; with `again` filtered once more, for first and rejected steps. */
 double lag_radau_error(LagRadau *s, struct LagRun *run, double h, int again, int *worst);
 
+/* Whether the stages are those of a motion. Where forces come again with each turn the equations of a long step have many solutions,
+ * with all stages at like angles, whose accelerations do not change and whose error is none: a pendulum that whirls ever faster. */
+int lag_radau_is_solution(LagRadau *s, struct LagRun *run, double h);
+
 #endif

@@ -3,9 +3,15 @@
  * once more, by an evaluation, in first steps and after rejections.
  */
 #include <math.h>
+#include <string.h>
 
 #include "methods/radau.h"
 #include "steps/step.h"
+
+/* Of an angle that turns more than this in a step, rad, and of what goes so many times as far as any of its kind has been, accelerations
+ * are looked at between the stages; where, and how far aside for the slope there; by how many units of error of its rate they may be off
+ * over the step. */
+static const double TURN = 5, FAR = 5, EARLY = 0.41, LATE = 0.83, ASIDE = 0.01, MOST_APART = 100;
 
 /* error = (mu - J)^-1 (slope of rates + sum e_i Z_i/h; position part), for rates `force` and positions `place` of the
  * residual: (mu - J_v - J_q/mu) e_v = force + J_q place/mu, e_q = (place + e_v)/mu. */
@@ -68,4 +74,40 @@ double lag_radau_error(LagRadau *s, LagRun *run, double h, int again, int *worst
     filter(s, n, mu, place, force);
     error = norm(s, m, &run->scale, worst);
     return error >= 0 ? error : INFINITY;
+}
+
+static int goes_far(const LagMotion *m, const LagScale *scale, int i)
+{
+    const double known = fmax(fabs(m->y[i]), scale->group[scale->kind[i]]);
+    return fabs(m->other[i] - m->y[i]) > (isfinite(scale->cap[i]) ? TURN : FAR * known);
+}
+
+/* Whether accelerations at the share x of the step are those of its polynomial, of what goes far. */
+static int fits_at(LagRadau *s, LagRun *run, double h, double x)
+{
+    LagMotion *m = &run->motion;
+    const int n = m->n;
+    double *change = s->error; /* of rates, if accelerations were over the step what they are there */
+    lag_collocation_at(&s->trial, m, m->y, x + ASIDE, m->point);
+    memcpy(change, m->point + n, (size_t)n * sizeof *change);
+    lag_collocation_at(&s->trial, m, m->y, x - ASIDE, m->point);
+    for (int i = 0; i < n; ++i)
+        change[i] = (change[i] - m->point[n + i]) / (2 * ASIDE);
+    lag_collocation_at(&s->trial, m, m->y, x, m->point);
+    if (!lag_motion_slope(m, m->t + x * h, m->point, m->point + n, m->sum))
+        return 0;
+    for (int i = 0; i < n; ++i) {
+        const double most = MOST_APART * lag_radau_unit(s, m, &run->scale, n + i, m->other);
+        if (goes_far(m, &run->scale, i) && !(fabs(h * m->sum[n + i] - change[i]) <= most))
+            return 0;
+    }
+    return 1;
+}
+
+int lag_radau_is_solution(LagRadau *s, LagRun *run, double h)
+{
+    for (int i = 0; i < run->motion.n; ++i)
+        if (goes_far(&run->motion, &run->scale, i))
+            return fits_at(s, run, h, EARLY) && fits_at(s, run, h, LATE);
+    return 1;
 }

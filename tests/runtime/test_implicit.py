@@ -475,3 +475,19 @@ def test_what_hardly_moves_at_first_does_not_hold_up_the_rest(tolerance: float) 
     assert runs[0].statistics.smallest_step > 1e-5
     for k in (1, 30, 60):
         assert runs[0][f"hinge[{k}].phi"] == pytest.approx(runs[1][f"hinge[{k}].phi"], abs=30 * tolerance)
+
+
+@pytest.mark.parametrize("what", ["Revolute h(a = world, phi(start = -0.5)); PointMass p(m = 1, center = shift(h.b, {0, -1})); "
+                                  "DryFriction f(F = 0, rate = h.w*1[m]);",
+                                  "Block b(m = 1, base = turn(world, 0), s(start = 0.3)); "
+                                  "AppliedForce f(at = b.center, force = {-9.81*sin(1[rad/m]*b.s), 0});"])
+@pytest.mark.parametrize("stop", [1e4, 10820.0582, 5.24e5, 1e6])
+def test_motion_is_the_same_however_far_it_goes_on(scene: Write, what: str, stop: float) -> None:
+    """First steps are the longer the later a run ends, and stages a whole number of turns apart see one and the same force."""
+    model = scene(f"model Far {what} end Far;")
+    right = model.simulate(at=[0.5, 2.0], tolerance=1e-10)
+    with pytest.raises(lag.RunError, match="limit of steps") as stopped:
+        model.simulate(at=[0.5, 2.0, stop], tolerance=1e-3, solver="implicit", max_steps=60)
+    run = stopped.value.trajectory
+    name = model.coordinate_names[0]
+    assert run[name] == pytest.approx(right[name], abs=1e-2)
