@@ -23,7 +23,8 @@ typedef enum {
     LAG_NO_PROGRESS,      /* steps are so short that the rest would take so many */
     LAG_WANTS_JACOBIAN,   /* implicit steps are to go on, and model.jacobian_waits: run it again where it is there */
     LAG_TABLE_ENDED,      /* a table is asked for what lies beyond its ends: which one */
-    LAG_INPUT_JUMPS       /* the input of this index moves places, and jumps by so much */
+    LAG_INPUT_JUMPS,      /* the input of this index moves places, and jumps by so much */
+    LAG_TURNED_OFF        /* at a singular position rates became others, as of another way of moving that meets there */
 } LagStatus;
 
 typedef struct {

@@ -105,6 +105,7 @@ LagAnswer lag_instance_failed(LagInstance *s, LagStatus status)
     case LAG_NO_PROGRESS: text = "steps are too short to get on"; break;
     case LAG_TABLE_ENDED: text = "a table ends here, and says nothing beyond its ends"; break;
     case LAG_INPUT_JUMPS: text = "an input that moves a support jumps: set the inputs that are its rates, too"; break;
+    case LAG_TURNED_OFF: text = "at a singular position the motion went over to another way of moving"; break;
     case LAG_OUT_OF_MEMORY: text = "no memory is left"; break;
     default: break;
     }

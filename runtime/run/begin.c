@@ -9,6 +9,7 @@
 #include "choice/parts.h"
 #include "run/run.h"
 #include "steps/segment.h"
+#include "steps/branch.h"
 #include "state/stepper.h"
 
 static int settings_valid(const LagSettings *s)
@@ -58,6 +59,7 @@ static void clear(LagRun *run)
     run->rests = run->troubled = run->careful = run->doubtful = run->plunged = run->plunges = 0;
     run->calm_step = 0;
     lag_unsure_reset(run);
+    lag_branch_forget(run);
     run->motion.energy = run->motion.doubt = 0;
     run->wanted = run->paced = run->settings.t_start;
     run->row_spacing = 0;

@@ -60,6 +60,7 @@ static void layout(LagRun *run, LagArena *arena)
     lag_methods_layout(&run->methods, &run->settings, model, &run->motion, arena);
     lag_roots_layout(&run->roots, model, run->motion.size, arena);
     lag_unsure_layout(&run->unsure, model, arena);
+    lag_branch_layout(&run->branch, model, arena);
     lag_orbit_layout(&run->orbit, model, &run->settings, arena);
 }
 

@@ -22,15 +22,16 @@ static const double FAINT = 1e-12; /* of the largest multiplier, or coordinate, 
 static const double ORTHOGONAL = 1e-15;
 enum { MOST_ROWS = 40, SWEEPS = 12, PLACES = 3, STEERS = 2 };
 
-static int asks(const LagModel *model)
+static int is_small(const LagModel *model)
 {
-    const int m = model->n_multipliers;
-    return m > 0 && m <= MOST_ROWS && model->n <= 2 * MOST_ROWS && model->outputs_need_acceleration;
+    return model->n_multipliers > 0 && model->n_multipliers <= MOST_ROWS && model->n <= 2 * MOST_ROWS;
 }
+
+static int asks(const LagModel *model) { return is_small(model) && model->outputs_need_acceleration; }
 
 void lag_unsure_layout(LagUnsure *s, const LagModel *model, LagArena *arena)
 {
-    const size_t m = asks(model) ? (size_t)model->n_multipliers : 0, n = m > 0 ? (size_t)model->n : 0;
+    const size_t m = is_small(model) ? (size_t)model->n_multipliers : 0, n = m > 0 ? (size_t)model->n : 0;
     double **const of_rows[] = {&s->reach, &s->rate, &s->still}, **const of_outputs[] = {&s->one, &s->other, &s->largest, &s->spread};
     s->J = lag_take(arena, m * n);
     s->state = lag_take(arena, 2 * n);
@@ -45,7 +46,7 @@ void lag_unsure_reset(LagRun *run)
 {
     LagUnsure *s = &run->unsure;
     s->multipliers = 0;
-    if (!asks(run->model))
+    if (!is_small(run->model))
         return;
     memset(s->largest, 0, (size_t)run->model->n_outputs * sizeof *s->largest);
     memset(s->reach, 0, (size_t)run->model->n_multipliers * sizeof *s->reach);
@@ -99,15 +100,20 @@ static void find_slopes(LagRun *run, double t, const double *q)
         s->reach[j] = lag_max(lag_largest(s->J + j * n, (size_t)n), s->reach[j]);
 }
 
+/* J at one of some places beside this one. */
+static void look_beside(LagRun *run, double t, const double *q, int k)
+{
+    LagUnsure *s = &run->unsure;
+    for (int i = 0; i < run->model->n; ++i)
+        s->place[i] = q[i] + ((i >> k) & 1 ? -1 : 1) * size_of(run, i);
+    find_slopes(run, t, s->place);
+}
+
 /* The usual sizes of rows, at places beside the first one. */
 static void see_other_places(LagRun *run, double t, const double *q)
 {
-    LagUnsure *s = &run->unsure;
-    for (int k = 0; k < PLACES && s->repeated == run->model->n_multipliers; ++k) {
-        for (int i = 0; i < run->model->n; ++i)
-            s->place[i] = q[i] + ((i >> k) & 1 ? -1 : 1) * size_of(run, i);
-        find_slopes(run, t, s->place);
-    }
+    for (int k = 0; k < PLACES && run->unsure.repeated == run->model->n_multipliers; ++k)
+        look_beside(run, t, q, k);
 }
 
 static double product(const double *a, const double *b, int n)
@@ -145,21 +151,27 @@ static void decompose(double *J, int m, int n)
     }
 }
 
-/* Of J at q, with rows by their usual size. Returns how many singular values vanish. */
-static int find_values(LagRun *run, double t, const double *q)
+/* Of J as it was found, with rows by their usual size. Returns how many singular values are no more than `most`. */
+static int take_values(LagRun *run, double most)
 {
     LagUnsure *s = &run->unsure;
     const int n = run->model->n, m = run->model->n_multipliers;
     int none = 0;
-    see_other_places(run, t, q);
-    find_slopes(run, t, q);
     for (int j = 0; j < m; ++j)
         for (int i = 0; i < n && s->reach[j] > 0; ++i)
             s->J[j * n + i] /= s->reach[j];
     decompose(s->J, m, n);
     for (int j = 0; j < m; ++j)
-        none += !(sqrt(product(s->J + j * n, s->J + j * n, n)) > NOTHING);
+        none += !(sqrt(product(s->J + j * n, s->J + j * n, n)) > most);
     return none;
+}
+
+/* Of J at q. */
+static int find_values(LagRun *run, double t, const double *q)
+{
+    see_other_places(run, t, q);
+    find_slopes(run, t, q);
+    return take_values(run, NOTHING);
 }
 
 /* How many rows repeat others here, that did not in a row before. */
@@ -249,4 +261,21 @@ void lag_unsure_row(LagRun *run, double t, const double *y, double *outputs)
         forget(run, t, outputs);
     for (int i = 0; i < run->model->n_outputs && !is_near; ++i)
         s->largest[i] = lag_max(fabs(outputs[i]), s->largest[i]);
+}
+
+int lag_unsure_is_singular(LagRun *run, double most)
+{
+    const LagMotion *m = &run->motion;
+    int beside = run->model->n_multipliers;
+    if (!is_small(run->model))
+        return 0;
+    for (int k = 0; k < PLACES; ++k) /* the first time for the sizes of rows */
+        look_beside(run, m->t, m->y, k);
+    for (int k = 0; k < PLACES; ++k) {
+        look_beside(run, m->t, m->y, k);
+        const int none = take_values(run, most);
+        beside = none < beside ? none : beside;
+    }
+    find_slopes(run, m->t, m->y);
+    return take_values(run, most) > beside;
 }

@@ -21,6 +21,10 @@ void lag_unsure_layout(LagUnsure *s, const LagModel *model, LagArena *arena);
 
 void lag_unsure_reset(LagRun *run);
 
+/* Whether constraints repeat each other at the present state that do not beside it: a singular value of their slopes, by their usual size,
+ * is no more than `most`. Of scenes up to 40 rows of constraints; else 0. */
+int lag_unsure_is_singular(LagRun *run, double most);
+
 /* Of the outputs of a row, whose state y (q, v) is projected, what is not known becomes NaN, and is counted. */
 void lag_unsure_row(LagRun *run, double t, const double *y, double *outputs);
 

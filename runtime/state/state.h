@@ -6,6 +6,7 @@
 #include "events/impacts.h"
 #include "model/inputs.h"
 #include "choice/methods.h"
+#include "steps/branch.h"
 #include "steps/orbit.h"
 #include "state/project.h"
 #include "steps/roots.h"
@@ -60,6 +61,7 @@ struct LagRun {
     LagOrbit orbit;
     LagRoots roots;
     LagUnsure unsure;
+    LagBranch branch;
 
     int started;
     int is_starting;      /* no step since the segment began was as long as it could be */

@@ -11,6 +11,7 @@
 #include "events/rest.h"
 #include "model/schedule.h"
 #include "model/table.h"
+#include "steps/branch.h"
 #include "steps/step.h"
 #include "state/stepper.h"
 #include "steps/turns.h"
@@ -117,6 +118,7 @@ LagStatus lag_segment_evaluate(LagRun *run)
     run->methods.table->restart(run->methods.self, motion);
     lag_step_set_units(run, run->step);
     lag_orbit_restart(run);
+    lag_branch_forget(run);
     return LAG_OK;
 }
 

@@ -5,6 +5,7 @@
 #include "state/account.h"
 #include "numbers/extremes.h"
 #include "events/rest.h"
+#include "steps/branch.h"
 #include "steps/segment.h"
 #include "steps/turns.h"
 
@@ -62,6 +63,8 @@ LagStatus lag_step(LagRun *run)
     LagStatus status = run->methods.table->step(run);
     if (status == LAG_OK)
         status = lag_roots_watch(run);
+    if (status == LAG_OK && run->model->n_multipliers > 0)
+        status = lag_branch_watch(run);
     if (status == LAG_OK) {
         if (run->orbit.is_open)
             lag_orbit_follow(run);

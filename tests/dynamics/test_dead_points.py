@@ -54,3 +54,21 @@ def test_what_repeats_others_everywhere_is_no_dead_point(scene: Write) -> None:
       output Force G[2] = A.reaction; end Three;""")
     run = model.simulate(stop=0.2, interval=0.05)
     assert np.isfinite(run["G[1]"]).all() and not run.warnings
+
+
+@pytest.mark.parametrize(("solver", "tolerance"),
+                         [("erk", 1e-9), ("pirk", 1e-3), ("adams", 1e-9), ("implicit", 1e-6), ("auto", 1e-9)])
+def test_no_way_of_moving_becomes_another_one(solver: str, tolerance: float, scene: Write) -> None:
+    """A turning crank as long as its rod: the slide goes through the axle, s = 2 r cos(phi). Steps that turned round there within
+    1e-8 s left it in there, without a word."""
+    model = scene("""model Equal World world(gravity = {0, 0});
+      Revolute O(a = world); Motion m(of = O.phi, to = 0.5 + 5[rad/s]*time);
+      Frame pin = shift(O.b, {0.4, 0}); Block s(m = 2, base = world, s(start = 0.8*cos(0.5)));
+      Link rod(L = 0.4, a = pin, b = s.center);
+      end Equal;""")
+    try:
+        run = model.simulate(at=[0.3, 0.8, 1.3, 2.0], tolerance=tolerance, solver=solver)
+    except lag.RunError as ended:
+        assert "no step is small enough" in str(ended) or "two ways of moving meet" in str(ended)
+    else:
+        assert run.warnings or run["s.s"] == pytest.approx(0.8 * np.cos(0.5 + 5 * run.time), abs=1e-6)

@@ -44,6 +44,7 @@ class Status(IntEnum):
     WANTS_JACOBIAN = 16
     TABLE_ENDED = 17
     INPUT_JUMPS = 18
+    TURNED_OFF = 19
 
 
 _STATUS = tuple(Status)

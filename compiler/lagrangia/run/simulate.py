@@ -209,6 +209,10 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
         return (f"there is no progress at t = {failure.time:.9g}{where}: the rest would take {failure.value:.1e} steps as short "
                 "as are needed there, where something jumps, bends or vibrates; try another solver or a larger tolerance, or let "
                 "it go on with --max-steps")
+    if failure.status is Status.TURNED_OFF:
+        return (f"the motion cannot be continued beyond t = {failure.time:.9g}{where}: two ways of moving meet there, in a "
+                "singular position (a dead point, a linkage folded flat), and rounding led from one to the other; try another "
+                "tolerance or solver, or a start beside it")
     if failure.status is Status.TABLE_ENDED:
         return (f"the table '{scene.tables[int(failure.value)].name}' ends, and the run goes on: it says nothing after "
                 f"t = {failure.time:.9g}; stop earlier, or say what holds beyond its ends, as with beyond = \"hold\"")
