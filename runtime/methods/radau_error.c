@@ -76,10 +76,13 @@ double lag_radau_error(LagRadau *s, LagRun *run, double h, int again, int *worst
     return error >= 0 ? error : INFINITY;
 }
 
-static int goes_far(const LagMotion *m, const LagScale *scale, int i)
+/* What is held moves by rounding, which has no size. */
+static int goes_far(const LagRun *run, int i)
 {
-    const double known = fmax(fabs(m->y[i]), scale->group[scale->kind[i]]);
-    return fabs(m->other[i] - m->y[i]) > (isfinite(scale->cap[i]) ? TURN : FAR * known);
+    const LagMotion *m = &run->motion;
+    const LagScale *scale = &run->scale;
+    const double known = fmax(fabs(m->y[i]), scale->group[scale->kind[i]]), way = fabs(m->other[i] - m->y[i]);
+    return isfinite(scale->cap[i]) ? way > TURN : run->sliding.count == 0 && way > FAR * known;
 }
 
 /* Whether accelerations at the share x of the step are those of its polynomial, of what goes far. */
@@ -98,7 +101,7 @@ static int fits_at(LagRadau *s, LagRun *run, double h, double x)
         return 0;
     for (int i = 0; i < n; ++i) {
         const double most = MOST_APART * lag_radau_unit(s, m, &run->scale, n + i, m->other);
-        if (goes_far(m, &run->scale, i) && !(fabs(h * m->sum[n + i] - change[i]) <= most))
+        if (goes_far(run, i) && !(fabs(h * m->sum[n + i] - change[i]) <= most))
             return 0;
     }
     return 1;
@@ -107,7 +110,7 @@ static int fits_at(LagRadau *s, LagRun *run, double h, double x)
 int lag_radau_is_solution(LagRadau *s, LagRun *run, double h)
 {
     for (int i = 0; i < run->motion.n; ++i)
-        if (goes_far(&run->motion, &run->scale, i))
+        if (goes_far(run, i))
             return fits_at(s, run, h, EARLY) && fits_at(s, run, h, LATE);
     return 1;
 }
