@@ -118,7 +118,7 @@ static LagAnswer advance_to_event(LagInstance *s, double target, LagStepResult *
     run->wanted = target;
     run->row_spacing = target - run->motion.t;
     while (run->motion.t < target && !(is_event && s->may_return_early)) {
-        const LagStatus status = lag_step(run);
+        const LagStatus status = lag_advance_step(run);
         if (status != LAG_OK)
             return lag_instance_failed(s, status);
         result->is_event |= is_event;

@@ -13,6 +13,7 @@
 #include "steps/step.h"
 
 enum { TICKS_PER_LOOK = 64 };
+static const double SINGULAR = 1e-4; /* of singular values: where ways of moving meet */
 static const double CLOSED = 1e-9; /* residuals of rows, relative to the motion: near singular positions rounding leaves as much */
 
 int lag_run_row_width(const LagModel *model) { return 1 + 2 * model->n + model->n_outputs + LAG_ACCOUNT_SIZE; }
@@ -45,6 +46,14 @@ static int time_is_over(LagRun *run) { return ++run->ticks % TICKS_PER_LOOK == 0
 
 static void set_deadline(LagRun *run, double seconds) { run->deadline = seconds > 0 ? lag_clock() + seconds : INFINITY; }
 
+LagStatus lag_advance_step(LagRun *run)
+{
+    const LagStatus status = lag_step(run);
+    const int turned = run->branch.turned;
+    const int is_lost = status == LAG_OK && turned >= 0 && lag_unsure_is_singular(run, SINGULAR);
+    return is_lost ? lag_fail(run, LAG_TURNED_OFF, turned, 1, 0) : status;
+}
+
 /* Steps until t is not after the present time. */
 static LagStatus reach(LagRun *run, double t)
 {
@@ -55,7 +64,7 @@ static LagStatus reach(LagRun *run, double t)
     LagStatus status = time_is_over(run) ? LAG_PAUSED : LAG_OK;
     run->wanted = t;
     while (status == LAG_OK && run->motion.t < t)
-        status = time_is_over(run) ? LAG_PAUSED : lag_step(run);
+        status = time_is_over(run) ? LAG_PAUSED : lag_advance_step(run);
     return status;
 }
 
@@ -98,7 +107,7 @@ LagStatus lag_run_advance_steps(LagRun *run, int rows, double *results, int *don
     if (!run->started)
         return lag_fail(run, LAG_NOT_STARTED, -1, 0, 0);
     while (*done < rows && run->motion.t < run->settings.t_stop) {
-        LagStatus status = time_is_over(run) ? LAG_PAUSED : lag_step(run);
+        LagStatus status = time_is_over(run) ? LAG_PAUSED : lag_advance_step(run);
         if (status == LAG_OK)
             status = row_at(run, run->motion.t, results + (size_t)*done * width);
         if (status != LAG_OK)

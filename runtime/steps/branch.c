@@ -11,15 +11,19 @@
 #include "state/state.h"
 
 /* Shares of a usual step: what is usual still, and the time within which nothing makes other rates. Its multiple after which a usual step
- * is forgotten. Of the largest rate of its kind: another one. Of singular values: near a singular position. */
-static const double USUAL = 0.1, MOMENT = 1e-5, FADES = 10, OTHER = 0.1, SINGULAR = 1e-4;
+ * is forgotten. Of the largest rate of its kind: another one. */
+static const double USUAL = 0.1, MOMENT = 1e-5, FADES = 10, OTHER = 0.1;
 
 void lag_branch_layout(LagBranch *branch, const LagModel *model, LagArena *arena)
 {
     branch->rate = lag_take(arena, model->n_multipliers > 0 ? (size_t)model->n : 0);
 }
 
-void lag_branch_forget(LagRun *run) { run->branch.step = 0; }
+void lag_branch_forget(LagRun *run)
+{
+    run->branch.step = 0;
+    run->branch.turned = -1;
+}
 
 /* The coordinate whose rate has become another one; -1: none. */
 static int turned(const LagRun *run)
@@ -32,7 +36,7 @@ static int turned(const LagRun *run)
     return -1;
 }
 
-LagStatus lag_branch_watch(LagRun *run)
+void lag_branch_watch(LagRun *run)
 {
     LagBranch *s = &run->branch;
     const LagMotion *m = &run->motion;
@@ -42,8 +46,6 @@ LagStatus lag_branch_watch(LagRun *run)
         s->step = lag_max(h, s->step - past / FADES);
         s->time = m->t;
         memcpy(s->rate, m->y + m->n, (size_t)m->n * sizeof *s->rate);
-        return LAG_OK;
     }
-    const int i = turned(run);
-    return i >= 0 && lag_unsure_is_singular(run, SINGULAR) ? lag_fail(run, LAG_TURNED_OFF, i, 1, 0) : LAG_OK;
+    s->turned = turned(run);
 }

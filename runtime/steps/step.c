@@ -64,7 +64,7 @@ LagStatus lag_step(LagRun *run)
     if (status == LAG_OK)
         status = lag_roots_watch(run);
     if (status == LAG_OK && run->model->n_multipliers > 0)
-        status = lag_branch_watch(run);
+        lag_branch_watch(run);
     if (status == LAG_OK) {
         if (run->orbit.is_open)
             lag_orbit_follow(run);
