@@ -8,6 +8,7 @@
 #include "fmi/instance.h"
 
 #include "model/schedule.h"
+#include "run/advance.h"
 #include "state/state.h"
 #include "steps/step.h"
 

@@ -206,7 +206,7 @@ def test_exports(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("kind", KINDS)
-def test_fmus(version: str, kind: str, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_fmus(version: str, kind: str, tmp_path_factory: pytest.TempPathFactory, capfd: pytest.CaptureFixture[str]) -> None:
     """Told the input with its rates a hundred times: of a parabola that is all."""
     folder = tmp_path_factory.mktemp("fmu")
     model(folder, ROAD)
@@ -218,11 +218,10 @@ def test_fmus(version: str, kind: str, tmp_path_factory: pytest.TempPathFactory)
                             relative_tolerance=1e-10, output=["guide.s"])
     miss = 1e-10 if kind == "CoSimulation" else 1e-6
     assert run["guide.s"][-1] == pytest.approx(exact(STOP, PARABOLA)[0], abs=miss)
-    told: list[str] = []
-    with pytest.raises(Exception, match="failed with status 3"):
-        fmpy.simulate_fmu(path, fmi_type=kind, stop_time=STOP, step_size=0.02, input=signals[["time", "y"]],
-                          logger=lambda *given: told.append(str(given[-1])))
-    assert version == "3" or any("an input that moves a support jumps" in line for line in told)
+    capfd.readouterr()
+    with pytest.raises(Exception, match="failed with status 3"):  # a logger of ours would stay behind in FMPy, when we are gone
+        fmpy.simulate_fmu(path, fmi_type=kind, stop_time=STOP, step_size=0.02, input=signals[["time", "y"]])
+    assert version == "3" or "an input that moves a support jumps" in capfd.readouterr().out
 
 
 def test_at_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
