@@ -25,7 +25,7 @@ from lagrangia.run.request import Request, check_values
 EXAMPLES = data_folder("models") / "examples"
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
 NODE = shutil.which("node")
-SCENES = ["double_pendulum", "bouncing_ball", "four_bar", "suspended_bar", "stick_slip"]
+SCENES = ["double_pendulum", "bouncing_ball", "four_bar", "suspended_bar", "stick_slip", "rough_road", "dc_motor_stick_slip"]
 needs_node = pytest.mark.skipif(wasm.zig() is None or NODE is None, reason="needs zig and Node.js")
 needs_browser = pytest.mark.skipif(wasm.zig() is None or BROWSER is None, reason="needs zig and Chromium")
 HEADLESS = """
@@ -126,6 +126,29 @@ def test_values_change_the_motion_and_what_stops_it_is_told(tmp_path: Path) -> N
     assert not ran and why
     assert again and silence == ""
     assert whole == pytest.approx(model.simulate(at=[0.0, 1.0], stop=model.scene.stop)["hinge.phi"][-1], abs=1e-12)
+
+
+def test_a_table_may_be_too_long_for_a_page(scene: Callable[[str], lag.Model], tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr("lagrangia.play.player.build_wasm", lambda: b"")
+    rows = ", ".join(str(k) for k in range(2001))
+    model = scene(f"model A Frame road = shift(world, {{0, table(time/1[s], {{{rows}}}, {{{rows}}})*1e-3}});\n"
+                  "PointMass m(m = 1); Spring s(a = road, b = m.center, k = 1, s_rel0 = 1); end A;")
+    with pytest.raises(lag.Error, match="not supported yet: a page that computes and draws a table of 2001 rows"):
+        written(model, tmp_path / "x.html", stop=0.01)
+
+
+@needs_node
+def test_states_are_told_by_their_names(tmp_path: Path) -> None:
+    """Not by the coordinates whose rates they are: as curves and values, and with a slider for where they start."""
+    model = written_for("dc_motor_stick_slip", tmp_path / "x.html")
+    data = computed(tmp_path / "x.html", "return D")
+    assert [c["name"] for c in data["curves"]] == ["axle.phi", "bearing.phi", "motor.i", "control.I", "load_speed"]
+    names = [v["name"] for v in (*data["shown"], *data["controls"])]
+    assert names.count("motor.i") == 2 and not any("integral" in name for name in names)
+    told = computed(tmp_path / "x.html", """m.begin(D.given, D.tolerance, D.stop); m.step(1);
+        return D.curves.map(c => m.values()[c.ref] * c.scale);""")
+    run = model.simulate(at=[0.0, 1.0], stop=model.scene.stop)
+    assert told[2:] == pytest.approx([run[name][-1] for name in ("motor.i", "control.I", "load_speed")], abs=1e-9)
 
 
 @needs_node

@@ -31,11 +31,16 @@ class TableUse:
         """Place and coefficients at the argument."""
         return pieces_at(self.table, self.argument)
 
+    @cached_property
+    def written_pieces(self) -> list[ca.SX]:
+        """The same without a call, for tapes."""
+        return pieces_at(self.table, self.argument, self.table.n)
 
-def pieces_at(table: TableData, x: ca.SX) -> list[ca.SX]:
-    """Place and coefficients, as expressions of x."""
+
+def pieces_at(table: TableData, x: ca.SX, most_written: int = MOST_WRITTEN) -> list[ca.SX]:
+    """Place and coefficients, as expressions of x; of a table with more knots they are looked up by a call."""
     moved = ca.floor((x - table.knot(0)) / table.period) * table.period if table.beyond is Beyond.PERIODIC else ca.SX(0)
-    if table.n <= MOST_WRITTEN:
+    if table.n <= most_written:
         found = written(table, [apply(ca.OP_LT, x - moved, at) for at in table.knots()])
     else:
         found = ca.vertsplit(_function(table)(x - moved))

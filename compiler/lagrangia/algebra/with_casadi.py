@@ -58,6 +58,11 @@ class Mode:
         assert self.formula is not None
         return self.formula
 
+    @property
+    def written(self) -> ca.SX:
+        """The same without calls, which tapes cannot have."""
+        return self.value if self.use is None else as_expression(self.use.written_pieces[self.column])
+
 
 @dataclass
 class ModeIndex:

@@ -283,12 +283,14 @@ def elements_of(kinematics: Kinematics, name: str) -> tuple[str, ...]:
     return _outputs(kinematics, (name,))[0]
 
 
-def observer_of(kinematics: Kinematics, motion: Motion, constraints: Constraints, y: ca.SX) -> ca.Function:
-    """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p."""
+def observer_of(kinematics: Kinematics, motion: Motion, constraints: Constraints, y: ca.SX,
+                for_tape: bool = False) -> ca.Function:
+    """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p; without calls for a tape."""
     y = _solved(with_reactions(ca.substitute(y, kinematics.symbols.tau, ca.SX(1)), kinematics, motion, constraints), motion)
     modes = kinematics.algebra.modes
     if modes and y.numel():
-        y = ca.substitute(y, ca.vertcat(*[m.symbol for m in modes]), ca.vertcat(*[m.value for m in modes]))
+        y = ca.substitute(y, ca.vertcat(*[m.symbol for m in modes]),
+                          ca.vertcat(*[m.written if for_tape else m.value for m in modes]))
     return ca.Function("observe", [motion.t, motion.q, motion.v, motion.u, motion.p], [y])
 
 

@@ -153,7 +153,8 @@ def curves_of(run: Trajectory, names: Sequence[str]) -> list[Curve]:
 
 
 def _usual(run: Trajectory) -> list[str]:
-    return [column.name for column in (*run.scene.coordinates, *run.scene.outputs)]
+    scene = run.scene
+    return [*(column.name for column in scene.moving), *scene.signals.values(), *(column.name for column in scene.outputs)]
 
 
 def energies_of(run: Trajectory) -> list[Curve]:

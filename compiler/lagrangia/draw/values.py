@@ -113,13 +113,14 @@ class Drawn:
     function: ca.Function
 
 
-def build_drawn(c: Compilation, figures: Sequence[Figure]) -> Drawn:
+def build_drawn(c: Compilation, figures: Sequence[Figure], for_tape: bool = False) -> Drawn:
     """Figures whose places are all there. Raises LagError."""
     rows = _Rows(c.kinematics)
     lost = set(c.graph.unused_frames)
     items = tuple(_item(c.flat, rows, figure, lost) for figure in figures)
     frames = {name: rows.add(c.kinematics.pose(name, 0).place) for name in c.flat.frames if name not in lost}
-    return Drawn(items, frames, observer_of(c.kinematics, c.motion, c.constraints, ca.densify(ca.vertcat(*rows.scalars))))
+    return Drawn(items, frames, observer_of(c.kinematics, c.motion, c.constraints,
+                                            ca.densify(ca.vertcat(*rows.scalars)), for_tape))
 
 
 def evaluate_drawn(drawn: Drawn, states: States) -> Numbers:

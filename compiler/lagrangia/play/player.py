@@ -104,12 +104,15 @@ def _shown(described: FmuModel) -> dict[str, Any]:
         unit, scale = _unit(variable)
         return {"name": name or variable.name, "ref": variable.reference, "unit": unit, "scale": scale}
 
-    n = described.scene.n
+    n, signals = described.scene.n, described.scene.signals
     states, outputs, energies = described.of("state"), described.of("output"), described.of("energy")
-    rates = [told(v, f"{states[k].name}'") for k, v in enumerate(states[n:])]
-    return {"curves": [told(v) for v in (*states[:n], *outputs)][:MOST_CURVES],
+    moving = [k for k in range(n) if states[k].name not in signals]
+    rates = [told(states[n + k], f"{states[k].name}'") for k in moving]
+    held = [told(states[n + k], signals[states[k].name]) for k in range(n) if k not in moving]
+    places, others = [told(states[k]) for k in moving], [told(v) for v in outputs]
+    return {"curves": [*places, *held, *others][:MOST_CURVES],
             "energies": [told(energies[k], name) for k, name in ((0, "T"), (1, "V"), (3, "dissipated"))],
-            "shown": [*map(told, states[:n]), *rates, *map(told, outputs)][:_MOST_SHOWN] + [told(v) for v in energies]}
+            "shown": [*places, *rates, *held, *others][:_MOST_SHOWN] + [told(v) for v in energies]}
 
 
 def _controls(described: FmuModel, size: float) -> Iterator[dict[str, Any]]:
@@ -120,7 +123,7 @@ def _controls(described: FmuModel, size: float) -> Iterator[dict[str, Any]]:
         if v.causality == "parameter":
             yield _control("parameter", v, given[v.reference], 1.0)
     for k, v in enumerate(described.of("state")):
-        if v.initial != "calculated":
+        if v.initial != "calculated" and v.name not in described.scene.signals:
             reach = _RATE if k >= n else _TURN if _unit(v)[1] != 1.0 else size
             yield _control("start", v, described.state_start[k], reach)
 
@@ -172,7 +175,8 @@ def _movable(described: FmuModel, size: float) -> Iterator[dict[str, float]]:
     """Coordinates that follow a part that is dragged, and by how much they move it about as far as the scene is large. Of loops
     those with fixed starts, or as many as are free: the others follow from them."""
     scene = described.scene
-    given = [k for k, v in enumerate(described.of("state")[: scene.n]) if v.initial != "calculated"]
+    given = [k for k, v in enumerate(described.of("state")[: scene.n])
+             if v.initial != "calculated" and v.name not in scene.signals]
     if _is_looped(described):
         given = [k for k in given if scene.fixed[k] == _FIXED] or given[: max(0, scene.n - scene.sizes["n_holonomic"])]
     for k in given:

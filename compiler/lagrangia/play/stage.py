@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from lagrangia.base.diagnostics import fail
 from lagrangia.compile.instructions import tape_of
 from lagrangia.compile.pipeline import Compilation
 from lagrangia.draw.picture import SHORTEST_ARM, arms_between, is_load, words_of
@@ -16,6 +17,7 @@ from lagrangia.language.flat import Figure
 from lagrangia.native.tapes import Tape
 
 _MOST_HANDLES = 500  # frames that can be dragged
+_MOST_KNOTS = 2000  # of a table that the tape of a drawing has written out
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,10 @@ class Stage:
 def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names: Mapping[str, str],
                 traces: Sequence[str]) -> Stage:
     """The sizes of symbols, and where loose parts stand, are those that suit the motion of `states`. Raises LagError."""
+    for table in c.kinematics.algebra.index.tables:
+        if table.n > _MOST_KNOTS:
+            fail("L0901", f"not supported yet: a page that computes and draws a table of {table.n} rows", None,
+                 f"at most {_MOST_KNOTS}; lag animate shows one run")
     reel = build_reel(c, figures, states, names, traces)
     scenery = reel.scenery
     words = words_of(c, scenery, names)
@@ -45,7 +51,7 @@ def build_stage(c: Compilation, figures: Sequence[Figure], states: States, names
     data = {"figures": found, "arms": [[_frame(scenery, frame) for frame in pair] for pair in arms_between(scenery)],
             "traces": ways, "frames": [_frame(scenery, frame) for frame in moving[:_MOST_HANDLES]], "symbol": scenery.symbol,
             "shortest": SHORTEST_ARM, "low": reel.low.tolist(), "high": reel.high.tolist()}
-    return Stage(tape_of(build_drawn(c, figures).function), data)
+    return Stage(tape_of(build_drawn(c, figures, for_tape=True).function), data)
 
 
 def _figure(scenery: Scenery, k: int) -> dict[str, Any]:
