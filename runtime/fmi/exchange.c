@@ -21,6 +21,7 @@
 #include "events/contacts.h"
 #include "model/function.h"
 #include "model/schedule.h"
+#include "steps/sampling.h"
 #include "steps/segment.h"
 #include "state/state.h"
 
@@ -328,6 +329,7 @@ static int begin_segment(LagInstance *s)
         lag_project_present(run);
         memcpy(s->x, run->motion.y, size);
     }
+    lag_sampling_take(run, s->vital.t, s->x);
     const int is_moved = switch_over(s);
     give_slack(s);
     lag_energies(run, s->vital.t, s->x, after);

@@ -76,6 +76,8 @@ struct LagModel {
     int n_cones;    /* slips in the plane, of which a force holds both components */
     int n_lookups;  /* tables in time, whose pieces are modes */
     int n_pieces;   /* inputs that stand where functions of time do: polynomials between rows, whose coefficients are modes */
+    int n_samplers; /* at whose instants held values change */
+    int n_held;     /* values that are held between instants: modes */
     const int *coordinate_kind; /* n + n_lost: group of like coordinates */
     const int *fixed;           /* 2 (n + n_lost): LAG_START_..., of positions then rates */
     const int *event_kind;      /* n_events */
@@ -85,6 +87,8 @@ struct LagModel {
     const int *cones;           /* 2 n_cones: the switches of both components */
     const int *lookups;         /* 2 n_lookups: the event whose argument a table is asked for, and the first of its modes */
     const int *pieces;          /* 4 n_pieces: the input, those that are its first two rates (-1: none), the first of its modes */
+    const int *samplers;        /* n_samplers: the event whose argument is a whole number at its instants, from 0 on */
+    const int *held;            /* n_held: the mode of each */
     const LagTable *tables;
     int outputs_need_acceleration; /* a or lambda */
     int switches_need_acceleration;
@@ -140,6 +144,8 @@ struct LagModel {
     LagFunction switches;   /* t, q, v, a, u, du/dt, modes, c -> g, dg/dt   n_switches each */
     LagFunction resets;     /* t, q, v, u, modes, c -> rates, and what they become at their events   n_resets each */
     LagFunction roots;      /* t, q, v, u, d, c -> g, dg/dt   n_roots each */
+    LagFunction held_first; /* p                -> held values before any instant */
+    LagFunction samples;    /* t, q, v, u, d, p, fires -> held values, where samplers fire (1) or not (0) */
 
     int n_jets;            /* 0: there are no series */
     int jet_pitch;         /* distance between the coefficients of a jet: 1, or n_jets and more where they lie order by order */

@@ -8,6 +8,7 @@
 #include "model/function.h"
 #include "choice/parts.h"
 #include "run/run.h"
+#include "steps/sampling.h"
 #include "steps/segment.h"
 #include "steps/branch.h"
 #include "state/stepper.h"
@@ -92,8 +93,12 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     memcpy(run->motion.y, run->start, n * sizeof *run->start);
     memcpy(run->motion.y + n, run->start + lag_start_size(run->model), n * sizeof *run->start);
     lag_scale_note(&run->scale, run->motion.y);
+    const LagStatus begun = lag_sampling_begin(run);
+    if (begun != LAG_OK)
+        return begun;
     lag_segment_enter(run);
     lag_project_present(run);
+    lag_sampling_take(run, run->motion.t, run->motion.y);
     double energies[3];
     lag_energies(run, run->motion.t, run->motion.y, energies);
     run->start_energy = energies[2];

@@ -17,7 +17,8 @@ static size_t work_size(const LagModel *model)
                                       &model->events, &model->modes, &model->rhs, &model->outputs, &model->energies,
                                       &model->place, &model->steer, &model->jacobian, &model->tangent, &model->velocity,
                                       &model->force, &model->regular, &model->residual, &model->nearest,
-                                      &model->kick, &model->switches, &model->resets, &model->roots};
+                                      &model->kick, &model->switches, &model->resets, &model->roots,
+                                      &model->held_first, &model->samples};
     size_t largest = 0;
     for (size_t i = 0; i < sizeof functions / sizeof *functions; ++i)
         largest = functions[i]->n_work > largest ? functions[i]->n_work : largest;
@@ -36,6 +37,9 @@ static void layout(LagRun *run, LagArena *arena)
     run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches + model->n_resets + model->n_rests));
     run->d_before = lag_take(arena, (size_t)model->n_modes);
     run->event_a = lag_take(arena, events);
+    run->fires = lag_take(arena, (size_t)model->n_samplers);
+    run->sampled = lag_take(arena, (size_t)model->n_samplers);
+    run->held = lag_take(arena, (size_t)model->n_held);
     run->event_b = lag_take(arena, events);
     run->acceleration = lag_take(arena, n);
     run->power = lag_take(arena, (size_t)model->n_power);

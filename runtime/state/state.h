@@ -37,6 +37,7 @@ struct LagRun {
     double *p, *c, *u, *u_slope, *d, *d_before;
     double *nothing_given;        /* n_parameters zeros */
     double *event_a, *event_b;
+    double *fires, *sampled, *held; /* n_samplers: whether it is an instant; the last one, counted from 0. n_held: their values */
     double *acceleration, *power; /* for outputs */
     double *multipliers;          /* of the latest accelerations */
     double *start;                /* (q, lost ones, v, their rates) */

@@ -12,6 +12,7 @@
 #include "model/schedule.h"
 #include "model/table.h"
 #include "steps/branch.h"
+#include "steps/sampling.h"
 #include "steps/step.h"
 #include "state/stepper.h"
 #include "steps/turns.h"
@@ -42,6 +43,7 @@ void lag_segment_enter(LagRun *run)
     for (int i = 0; i < model->n_modes; ++i)
         run->d_before[i] = run->d[i];
     lag_call(&model->modes, in, &run->d, run->work);
+    lag_sampling_keep(run);
     run->silent_table = lag_tables_read(model, run->event_a, run->event_b, inside, run->d);
     lag_inputs_read(&run->inputs, run->d);
 }
@@ -140,6 +142,7 @@ LagStatus lag_segment_next(LagRun *run)
     if (status != LAG_OK)
         return status;
     lag_project_present(run);
+    lag_sampling_take(run, t, run->motion.y);
     lag_account_close(run);
     if (run->logged < run->most_logged)
         run->event_log[run->logged++] = t;

@@ -39,10 +39,12 @@ class Mode:
     column: int = 0
     of_input: tuple[int, int, int] | None = None  # the places of one and of its first two rates among the inputs, or -1
 
+    of_sampler: int | None = None  # whose instants change it; its formula is then its first value
+
     @property
     def is_filled_in(self) -> bool:
-        """By the run time, from tables or from inputs."""
-        return self.use is not None or self.of_input is not None
+        """By the run time, from tables, inputs or at instants."""
+        return self.use is not None or self.of_input is not None or self.of_sampler is not None
 
     @property
     def jumps(self) -> bool:
@@ -246,6 +248,10 @@ class CasadiAlgebra:
         return [self._mode(("input", column, places[0]), as_expression(value), arguments, 0, column=column, of_input=places)
                 for column, value in enumerate(values)]
 
+    def held(self, name: str, sampler: int, first: ca.SX, arguments: Sequence[ca.SX]) -> ca.SX:
+        """A value that only changes where one of the arguments is a whole number, by what the run time asks for there."""
+        return self._mode(("held", name), first, arguments, 1, of_sampler=sampler)
+
     def _literal(self, xs: Sequence[float], ys: Sequence[float]) -> TableData:
         """Straight lines between points, held beyond their ends."""
         key = "points", tuple(xs), tuple(ys)
@@ -304,11 +310,12 @@ class CasadiAlgebra:
         return frozenset(x.__hash__() for x in self.state.elements())
 
     def _mode(self, key: Hashable, value: ca.SX | None, arguments: Sequence[ca.SX], kind: int, use: TableUse | None = None,
-              column: int = 0, of_input: tuple[int, int, int] | None = None) -> ca.SX:
+              column: int = 0, of_input: tuple[int, int, int] | None = None,
+              of_sampler: int | None = None) -> ca.SX:
         if key not in self.index.symbols:
             made = self.index.symbols[key] = make_symbol(f"d_{len(self.modes)}")
             self.index.hashes.add(made.__hash__())
-            mode = Mode(made, value, arguments, kind, use, column, of_input)
+            mode = Mode(made, value, arguments, kind, use, column, of_input, of_sampler)
             self.modes.append(mode)
             self.index.modes.append(mode)
         return self.index.symbols[key]

@@ -24,6 +24,7 @@ from lagrangia.dynamics.jacobians import Jacobian, build_jacobian
 from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.dynamics.negative_inertia import without_negative_inertia
 from lagrangia.dynamics.reactions import build_reactions
+from lagrangia.dynamics.sampling import Sampling, find_sampling
 from lagrangia.dynamics.switches import Switches, find_roots, find_switches, find_thresholds
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
@@ -66,7 +67,7 @@ def build_functions(
     power, energy = _power(motion, motion.source_power), ca.vertcat(motion.T, motion.V, motion.H)
     jacobian = build_jacobian(kinematics, motion, is_implicit)
     flow = [hamilton.velocity, hamilton.force] if hamilton else []
-    kick, switches = find_kick(kinematics, motion), find_switches(motion)
+    kick, switches, sampling = find_kick(kinematics, motion), find_switches(motion), find_sampling(kinematics)
     found, c, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": switches.hold([y]), "energies": [energy],
         **_constrained(motion, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
@@ -86,10 +87,11 @@ def build_functions(
     }
     table |= _functions_of_constraints(motion, found, d, c) | _flow_functions(motion, hamilton, found["flow"], c)
     table |= _mode_functions(motion, modes) | _kick_function(state, found["kick"], kick.before)
-    table |= _start_functions(kinematics, motion, initial)
+    table |= _start_functions(kinematics, motion, initial) | _sampling_functions(kinematics, motion, sampling)
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes)}
+    patterns |= {"held": sampling.places, "samplers": find_samplers(modes)} if sampling.places else {}
     refused |= _refusals(bool(jacobian.values) or "jacobian_waits" in jacobian.sizes, bool(len(patterns.get("cones", ()))))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, "n_lengths": switches.lengths}, pays, find_thresholds(motion, switches))
@@ -410,6 +412,27 @@ def _patterns(jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict
     pieces = find_pieces(modes)
     return {"jacobian_pattern": jacobian.pattern, **switches.patterns, "lookups": find_lookups(modes),
             **({"pieces": pieces} if pieces else {})}
+
+
+def _sampling_functions(kinematics: Kinematics, motion: Motion, sampling: Sampling) -> dict[str, ca.Function]:
+    """Held values at first, and from an instant on."""
+    if not sampling.places:
+        return {}
+    state = [motion.t, motion.q, motion.v, motion.u, kinematics.algebra.mode_symbols, motion.p, sampling.fires]
+    labels = ["t", "q", "v", "u", "d", "p", "fires"]
+    return {"held_first": ca.Function("held_first", [motion.p], [ca.densify(sampling.first)], ["p"], ["held"]),
+            "samples": ca.Function("samples", state, [ca.densify(sampling.values)], labels, ["held"])}
+
+
+def find_samplers(modes: list[Mode]) -> tuple[int, ...]:
+    """LagModel.samplers: of each the event of its instants."""
+    places: dict[int, int] = {}
+    event = 0
+    for mode in {id(mode.arguments): mode for mode in modes}.values():
+        if mode.of_sampler is not None:
+            places[mode.of_sampler] = event
+        event += len(mode.arguments)
+    return tuple(places[k] for k in sorted(places))
 
 
 def find_pieces(modes: list[Mode]) -> tuple[int, ...]:

@@ -91,7 +91,7 @@ def _is_of_one_freedom(motion: Motion) -> bool:
 
 def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: InitialConditions) -> Scene:
     """The scene with its islands, each as a scene of its own, where there are some."""
-    reason, groups = _whole(motion)
+    reason, groups = _whole(motion, bool(kinematics.graph.model.samplers))
     if reason:
         return replace(scene, refused={**scene.refused, "islands": reason})
     motions = [island_motion(kinematics, motion, groups, k) for k in range(len(groups))]
@@ -103,12 +103,14 @@ def divide(scene: Scene, kinematics: Kinematics, motion: Motion, initial: Initia
                    notes={**scene.notes, "form": form.why})
 
 
-def _whole(motion: Motion) -> tuple[str, list[tuple[int, ...]]]:
+def _whole(motion: Motion, is_sampled: bool) -> tuple[str, list[tuple[int, ...]]]:
     """Why a scene is not divided; its islands."""
     if motion.q.numel() > MOST_COORDINATES:
         return f"not supported yet: islands of more than {MOST_COORDINATES} coordinates", []
     if motion.impacts.places:
         return "not supported yet: islands of scenes with events that reset rates", []
+    if is_sampled:
+        return "not supported yet: islands of scenes with values that are held between instants", []
     groups = find_islands(motion)
     if len(groups) > MOST_ISLANDS:
         return f"not supported yet: more than {MOST_ISLANDS} islands", []
@@ -155,6 +157,8 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
         "conditions_know_time": int(ca.depends_on(motion.impacts.conditions, motion.t)),
         "is_steady": int(_is_steady(functions)),
     }
+    if "held" in functions.patterns:
+        found |= {"n_held": len(functions.patterns["held"]), "n_samplers": len(functions.patterns["samplers"])}
     if "pieces" in functions.patterns:
         found["n_pieces"] = len(functions.patterns["pieces"]) // 4
     found["jacobian_cost"] = _jacobian_cost(tapes, found["n_colours"])
@@ -239,6 +243,7 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     files = sorted({lookup.path for lookup in model.lookups})
     kinetic = [str(span) for span in written_inertias(kinematics)]
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
+            **({"samplers": [str(sampler.span) for sampler in model.samplers]} if model.samplers else {}),
             "signals": {state.coordinate: name for name, state in model.states.items()}}
 
 

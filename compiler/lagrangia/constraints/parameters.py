@@ -128,8 +128,8 @@ class _ParameterLeaves:
                 count += len(variable.elements())
 
     def symbol(self, name: str, level: int) -> Value | None:
-        variable = self.model.variables[name]
-        if variable.kind in ("coordinate", "input"):
+        variable = self.model.variables[name.removeprefix("pre(").removesuffix(")")]
+        if variable.kind in ("coordinate", "input", "held"):
             self._refuse(f"the {variable.kind} '{name}'")
         return self.parameter(name, variable.span) if variable.kind == "parameter" else None
 

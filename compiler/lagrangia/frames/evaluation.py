@@ -22,11 +22,12 @@ from lagrangia.algebra.duals import (
 )
 from lagrangia.base.diagnostics import Span, fail
 from lagrangia.base.table_data import TableData
+from lagrangia.frames.expression_forms import sum_of_squares
 from lagrangia.frames.planar import cross, turned_vector
 from lagrangia.frames.table_values import lines_value, table_of_points, table_value
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.consequences import name_of_constraint, side_of
-from lagrangia.language.events import are_alike, contact_of, kept_by, name_of_contact
+from lagrangia.language.events import contact_of, kept_by, name_of_contact
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.lookups import lookup_of
 from lagrangia.language.tree import (
@@ -55,7 +56,7 @@ class Leaves(Protocol):
     """Where the values of symbols and frames come from (kinematics.py)."""
 
     def symbol(self, name: str, level: int) -> Value | None:
-        """A coordinate, parameter or input; None for a variable with a binding."""
+        """A coordinate, parameter, input or held value (pre(x): before an instant); None for a variable with a binding."""
 
     def time(self, level: int) -> Scalar:
         """The time, s."""
@@ -143,7 +144,7 @@ class Evaluator:
     def _binary(self, node: Binary[Flat], level: int, local: Mapping[str, Value] | None) -> Value:
         algebra = self.algebras[level]
         is_odd = node.operator == "^" and isinstance(node.right, Number) and node.right.value % 1 == 0.5
-        if is_odd and isinstance(node.right, Number) and (parts := _squared(node.left)) is not None:  # |x|^(2 b)
+        if is_odd and isinstance(node.right, Number) and (parts := sum_of_squares(node.left)) is not None:  # |x|^(2 b)
             return self._power(self._root_of_squares(parts, level, local), 2 * node.right.value, level)
         a, b = self.value(node.left, level, local), self.value(node.right, level, local)
         match node.operator:
@@ -203,13 +204,15 @@ class Evaluator:
             return self._rate(node, level, local)
         if node.function == "distance":
             return self._distance(node, level)
+        if node.function == "pre" and isinstance(held := node.arguments[0], Ref) and self._is_held(held.name):
+            return self.leaves.symbol(f"pre({held.name})", level)
         if node.function == "contact_force":
             return self._contact_force(node, level)
         if node.function == "constraint_force":
             return self._constraint_force(node, level)
         if node.function == "table" and (node.named or len(node.arguments) == 2):
             return self._look_up(node, level, local)
-        if node.function == "sqrt" and (parts := _squared(node.arguments[0])) is not None:
+        if node.function == "sqrt" and (parts := sum_of_squares(node.arguments[0])) is not None:
             return self._root_of_squares(parts, level, local)
         arguments = [self.value(argument, level, local) for argument in node.arguments]
         if node.function in self.model.functions:
@@ -222,6 +225,9 @@ class Evaluator:
         numbers = [_number(value, argument.span) for value, argument in zip(arguments, node.arguments, strict=True)]
         with _computable(node.span):
             return self.algebras[level].call(node.function, *numbers)
+
+    def _is_held(self, name: str) -> bool:
+        return self.model.variables[name].kind == "held"
 
     def _look_up(self, node: Call[Flat], level: int, local: Mapping[str, Value] | None) -> Scalar:
         """table(x, "file", ...), and tables of points with options."""
@@ -325,19 +331,6 @@ def _identity(x: Scalar) -> Any:
 
 def _is_nothing(x: Scalar) -> bool:
     return bool(x == 0) if isinstance(x, float | int) else bool(x.is_zero())
-
-
-def _squared(node: Flat) -> list[Flat] | None:
-    """Those whose squares a sum is made of; None for other sums."""
-    match node:
-        case Binary("+", left, right, _):
-            first, second = _squared(left), _squared(right)
-            return None if first is None or second is None else first + second
-        case Binary("^", base, Number(2.0), _):
-            return [base]
-        case Binary("*", left, right, _) if are_alike(left, right):
-            return [left]
-    return None
 
 
 def origin_of(node: Flat) -> Flat:

@@ -12,7 +12,7 @@ from typing import Any
 import casadi as ca
 
 from lagrangia.algebra.duals import Dual, GlidingAlgebra, Scalar, base_of, plus, polynomial, times, value_of
-from lagrangia.algebra.scalars import symbol
+from lagrangia.algebra.scalars import as_expression, symbol, symbols_in
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.diagnostics import LagError, fail
 from lagrangia.base.records import dataclass
@@ -27,7 +27,7 @@ from lagrangia.frames.steps import Step
 from lagrangia.frames.vectors_on_a_line import line_of
 from lagrangia.language.compiled_numbers import compiled_numbers
 from lagrangia.language.consequences import CONSTRAINT_FORCE
-from lagrangia.language.flat import FlatModel
+from lagrangia.language.flat import FlatModel, Sampler
 from lagrangia.language.frame_attributes import ATTRIBUTES
 from lagrangia.language.moving_inputs import rate_names
 
@@ -58,6 +58,7 @@ class Symbols:
     values: dict[str, Any]  # parameters and inputs; tuples for arrays
     compiled: Mapping[str, Any] = field(default_factory=dict)  # the same, with numbers where these are compiled in
     pieces: Mapping[str, Any] = field(default_factory=dict)  # of moving inputs, as polynomials of time: Piece; tuples for arrays
+    held: dict[str, Scalar] = field(default_factory=dict)  # values that are held between instants
     asked: set[str] = field(default_factory=set)  # "time" as soon as an expression speaks of it
 
 
@@ -105,6 +106,10 @@ class Kinematics:
             return self._moved_input(self.symbols.pieces[name], level)
         if name.startswith(CONSTRAINT_FORCE):
             return self.forces.setdefault(name, symbol(name))
+        if name.startswith("pre("):
+            return self.symbols.held[name[4:-1]]
+        if name in self.symbols.held:
+            return self.symbols.values.get(name, self.symbols.held[name])
         return self.symbols.compiled.get(name, self.symbols.values.get(name))
 
     def _moved_input(self, piece: Value, level: int) -> Value:
@@ -316,7 +321,25 @@ def build_kinematics(graph: ComponentGraph, is_general: bool = True, massless: t
     compiled = {name: _compiled(values[name], known) for name, known in numbers.items()}
     algebra = CasadiAlgebra(time, moving)
     pieces = {name: _pieces(algebra, graph.model, name, values, [x for x, _ in inputs]) for name in graph.model.moving_inputs}
-    return Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values, compiled, pieces), algebra)
+    found = Kinematics(graph, Symbols(time, tau, positions, rates, accelerations, values, compiled, pieces), algebra)
+    for k, sampler in enumerate(graph.model.samplers):
+        _hold(found, k, sampler)
+    return found
+
+
+def _hold(kinematics: Kinematics, number: int, sampler: Sampler) -> None:
+    """The values of a sampler are modes, which change where a + b t is a whole number."""
+    algebra, value = kinematics.algebra, kinematics.evaluator.value
+    start, interval = (as_expression(value(x)) for x in (sampler.start, sampler.interval))
+    starts = [as_expression(value(v.start) if (v := kinematics.graph.model.variables[x.name]).start is not None else 0.0)
+              for x in sampler.held]
+    spans = (sampler.start.span, sampler.interval.span, *(held.span for held in sampler.held))
+    for x, span in zip((start, interval, *starts), spans, strict=True):
+        if not algebra.changing.isdisjoint(symbols_in(x)):
+            fail("L0232", "instants and first values depend on parameters only", span)
+    arguments = [(kinematics.symbols.time - start) / interval]
+    for held, first in zip(sampler.held, starts, strict=True):
+        kinematics.symbols.held[held.name] = algebra.held(held.name, number, first, arguments)
 
 
 def _pieces(algebra: CasadiAlgebra, model: FlatModel, name: str, values: Mapping[str, Any], inputs: list[str]) -> Value:

@@ -14,7 +14,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.elements import length
 from lagrangia.language.figures import CHOICES, OPTIONS, WORDS
-from lagrangia.language.flat import Equation, Figure, FlatModel, Variable, When, is_frame, places_of
+from lagrangia.language.flat import Equation, Figure, FlatModel, Sampler, Variable, When, is_frame, places_of
 from lagrangia.language.folding import fold
 from lagrangia.language.frame_attributes import ATTRIBUTES, dimension_of
 from lagrangia.language.lookups import lookup_of
@@ -76,6 +76,8 @@ def check_dimensions(model: FlatModel) -> FlatModel:
         checker.guard(checker.check_equation, Equation(rate, state.rate, state.span))
     for when in model.whens:
         checker.guard(checker.check_when, when)
+    for sampler in model.samplers:
+        checker.guard(checker.check_sampler, sampler)
     for energy in (energy for energy in model.energies if not energy.is_signal):
         wanted = _WATT if energy.kind == "dissipation" else _JOULE
         what = "a dissipation function" if energy.kind == "dissipation" else f"a {energy.kind} energy"
@@ -157,6 +159,13 @@ class _Checker:
         self._require_condition(when.condition, None)
         for reset in when.resets:
             self.same(self.quantity(reset.rate), self.quantity(reset.value), reset.span, "be equal")
+
+    def check_sampler(self, sampler: Sampler) -> None:
+        """Times of the instants, and values in the units of what holds them."""
+        for node, what in ((sampler.start, "the first instant"), (sampler.interval, "the interval")):
+            self.expect(node, _SECOND, what)
+        for held in sampler.held:
+            self.same(self.declared(self.model.variables[held.name]), self.quantity(held.value), held.span, "be equal")
 
     def declared(self, variable: Variable) -> Quantity:
         return _in_unit(variable.unit) if variable.unit else ANY

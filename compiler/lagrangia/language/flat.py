@@ -11,7 +11,7 @@ from lagrangia.language.lookups import Lookup, ReadTable
 from lagrangia.language.names import FRAME_FUNCTIONS
 from lagrangia.language.tree import Array, Call, EnergyKind, Flat, FrameRef
 
-Kind = Literal["parameter", "input", "coordinate", "variable"]
+Kind = Literal["parameter", "input", "coordinate", "variable", "held"]
 
 
 @dataclass(frozen=True)
@@ -133,6 +133,30 @@ class When:
 
 
 @dataclass(frozen=True)
+class Held:
+    """The value that a variable has from an instant on."""
+
+    name: str
+    value: Flat
+    span: Span
+
+
+@dataclass(frozen=True)
+class Sampler:
+    """`when sample(start, interval) then ... end when`: what is held from each of these instants to the next, times in s."""
+
+    start: Flat
+    interval: Flat
+    held: tuple[Held, ...]
+    component: str
+    span: Span
+
+    def expressions(self) -> tuple[Flat, ...]:
+        """All that it reads."""
+        return (self.start, self.interval, *(held.value for held in self.held))
+
+
+@dataclass(frozen=True)
 class Figure:
     """A statement of a drawing section: a word of figures.py with its arguments and options."""
 
@@ -180,6 +204,7 @@ class FlatModel:
     states: Mapping[str, State] = field(default_factory=dict)  # by their names
     lookups: Mapping[Lookup, Span] = field(default_factory=dict)  # tables of files that are asked for
     tables: Mapping[Lookup, ReadTable] = field(default_factory=dict)  # as they were read
+    samplers: tuple[Sampler, ...] = ()
     moving_inputs: Mapping[str, bool] = field(default_factory=dict)  # in places or energies; whether their rates matter
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
     components: Mapping[str, str] = field(default_factory=dict)  # descriptions of those that have one, by their names

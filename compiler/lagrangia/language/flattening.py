@@ -1,11 +1,10 @@
 """Classes -> FlatModel: instances are made, names resolved, loops and ifs unrolled."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from lagrangia.base.checked_values import a_number
-from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Source, Span, TooMuchError, fail, nearest, suggest
+from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.language.algorithms import FlatFunction, flatten_function
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.experiments import allowed_of, experiment_of
@@ -17,8 +16,10 @@ from lagrangia.language.flat import (
     FlatModel,
     Frame,
     FrameEquation,
+    Held,
     Kind,
     Reset,
+    Sampler,
     State,
     Variable,
     When,
@@ -27,13 +28,14 @@ from lagrangia.language.flat import (
 )
 from lagrangia.language.folding import fold
 from lagrangia.language.idle import find_idle
-from lagrangia.language.instances import Bound, FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot, outside
+from lagrangia.language.instances import FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot, outside
 from lagrangia.language.mentions import leaves
 from lagrangia.language.moving_inputs import with_moving_inputs
 from lagrangia.language.names import Names, read_unit
+from lagrangia.language.overrides import override_tree
+from lagrangia.language.samplers import check_held, declare_held
 from lagrangia.language.states import find_states, refuse_states_elsewhere
 from lagrangia.language.tree import (
-    Array,
     Boolean,
     Call,
     CallEquation,
@@ -83,6 +85,8 @@ class _Flattening:
         self.whens: list[When] = []
         self.figures: list[Figure] = []
         self.resets: list[Reset] = []  # of the `when` that is being read
+        self.samplers: list[Sampler] = []
+        self.held: list[Held] = []  # likewise
         self.structural: dict[str, float | bool | str] = {}
         self.components: dict[str, str] = {}
         self.states: Mapping[str, State] = {}
@@ -92,7 +96,7 @@ class _Flattening:
         self._require_model()
         root = Instance("", definition, definition.name_span)
         instantiation = Instantiation(self.table, self.names, self.report)
-        root = instantiation.instantiate(definition, "", _override_tree(overrides, root), definition.name_span, None)
+        root = instantiation.instantiate(definition, "", override_tree(overrides, root), definition.name_span, None)
         self.report.raise_errors()
         self.names.root = root
         self._add_world(root, instantiation)
@@ -104,9 +108,10 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.states, self.names.lookups, {}, {}, allowed_of(self.table, definition), self.components,
+            self.states, self.names.lookups, {}, tuple(self.samplers), {}, allowed_of(self.table, definition), self.components,
         )
         refuse_states_elsewhere(model, self.report)
+        check_held(model, self.report)
         self.report.raise_errors()
         looks = (find_unread, find_idle, find_without_effect)
         warnings = tuple(d for look in looks for d in look(model, root, self.table).diagnostics)
@@ -311,8 +316,13 @@ class _Flattening:
                 chosen = then if self.names.boolean(condition, scope, "the condition of an if block") else otherwise
                 for part in chosen:
                     self._clause(kind, part, scope)
+            case Equality(left, right, _, _) if kind == "sample":
+                self._add_held(self.names.flatten(left, scope), self.names.flatten(right, scope), clause.span, place)
             case Equality() if kind == "when":
-                fail("L0222", "what happens at an event is said by reinit", clause.span, "write: reinit(der(x), value);")
+                fail("L0222", "what happens at an event is said by reinit", clause.span, "write: reinit(der(x), value);",
+                     "values that are held between instants: when sample(0, 0.01) then u = ...; end when;")
+            case CallEquation() | WhenBlock() if kind == "sample":
+                fail("L0222", "what is held from an instant on is said by u = ...", clause.span)
             case Equality(left, right, _, _) if kind == "initial":
                 self.initial.append(Equation(self.names.flatten(left, scope), self.names.flatten(right, scope), place))
             case Equality(left, right, _, _):
@@ -380,6 +390,9 @@ class _Flattening:
         self.figures.append(Figure(call.function, arguments, options, scope.instance.path, place))
 
     def _add_when(self, block: WhenBlock, scope: Scope, place: Span) -> None:
+        if isinstance(block.condition, Call) and block.condition.function == "sample":
+            self._add_sampler(block, block.condition, scope, place)
+            return
         condition = self.names.flatten(block.condition, scope)
         self.resets = []
         for part in block.body:
@@ -387,6 +400,24 @@ class _Flattening:
         if not self.resets and not self.report.errors:
             fail("L0222", "nothing happens here", block.span, "write: reinit(der(x), value);")
         self.whens.append(When(condition, tuple(self.resets), scope.instance.path, place))
+
+    def _add_sampler(self, block: WhenBlock, call: Call[Expression], scope: Scope, place: Span) -> None:
+        if len(call.arguments) != 2 or call.named:
+            fail("L0215", f"sample takes a start and an interval, not {len(call.arguments)} arguments", call.span,
+                 "write: when sample(0, 0.01) then u = ...; end when;")
+        start, interval = (self.names.flatten(argument, scope) for argument in call.arguments)
+        self.held = []
+        for part in block.body:
+            self._clause("sample", part, scope)
+        if not self.held and not self.report.errors:
+            fail("L0222", "nothing is held here", block.span, "write: when sample(0, 0.01) then u = ...; end when;")
+        self.samplers.append(Sampler(start, interval, tuple(self.held), scope.instance.path, place))
+
+    def _add_held(self, left: Flat, right: Flat, span: Span, place: Span) -> None:
+        if not isinstance(left, Ref) or left.index:
+            fail("L0232", "a variable is given the value that it holds, this is none", left.span,
+                 "write: when sample(0, 0.01) then u = ...; end when;")
+        self.held.append(Held(left.name, right, place))
 
     def _add_reset(self, call: Expression, scope: Scope, span: Span) -> None:
         if not isinstance(call, Call) or call.function != "reinit":
@@ -400,6 +431,7 @@ class _Flattening:
     def _bind_variables(self) -> tuple[Equation, ...]:
         """Equations `y = expression` of variables without a binding become their bindings; the others are constraints."""
         constraints = []
+        self.variables.update(declare_held(self.samplers, self.variables, self.report))
         found = find_states(self.variables, [*self.equations, *self.joined], self.report)
         self.states = found.states
         self.variables.update(found.variables)
@@ -421,7 +453,7 @@ class _Flattening:
     def _let_vary(self) -> None:
         """What may vary and is bound to what does so, is a variable."""
         bindings = {name: variable.binding for name, variable in self.variables.items()}
-        moving = {name for name, variable in self.variables.items() if variable.kind in ("coordinate", "input")}
+        moving = {name for name, variable in self.variables.items() if variable.kind in ("coordinate", "input", "held")}
         for name, variable in self.variables.items():
             if variable.may_vary and variable.binding is not None and any(
                     not isinstance(leaf, Ref) or leaf.name in moving for leaf in leaves([variable.binding], bindings)):
@@ -435,33 +467,3 @@ class _Flattening:
                 self.report.error("L0211", f"the variable '{variable.name}' has no value", variable.span, hint,
                                   "what the motion decides is a coordinate: declare it with `coordinate`; a first-order state "
                                   f"has an equation for its rate, der({name}) = ...")
-
-
-def _override_tree(overrides: Mapping[str, Any], root: Instance) -> Modification:
-    """{"n": 20, "sub.k": 3} as a tree of modifications."""
-    tree: dict[str, Any] = {}
-    for name, value in overrides.items():
-        *path, last = name.split(".")
-        node = tree
-        for step in path:
-            node = node.setdefault(step, {})
-        given = Source(f"the value given for {name}", str(value))
-        node[last] = _literal(value, Span(given, 0, len(given.text)))
-
-    def build(node: Any) -> Modification:
-        if isinstance(node, dict):
-            return Modification(None, {name: build(inner) for name, inner in node.items()}, is_each=True)
-        return Modification(Bound(node, Scope(root)), {}, is_each=True, span=root.span)
-
-    return build(tree)
-
-
-def _literal(value: Any, span: Span) -> Expression:
-    if isinstance(value, bool):
-        return Boolean(value, span)
-    if isinstance(value, str):
-        return String(value, span)
-    if isinstance(value, Sequence):
-        return Array(tuple(_literal(item, span) for item in value), span)
-    number = a_number(span.source.name.removeprefix("the "), value)
-    return Number(number, None, span, number.is_integer())

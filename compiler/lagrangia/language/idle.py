@@ -58,8 +58,8 @@ def _expressions(model: FlatModel) -> Iterator[Flat]:
     yield from (energy.value for energy in model.energies)
     for work in model.works:
         yield from (work.force, work.position)
-    for when in model.whens:
-        yield from when.expressions()
+    yield from (x for when in model.whens for x in when.expressions())
+    yield from (x for sampler in model.samplers for x in sampler.expressions())
     for figure in model.figures:
         yield from figure.expressions()
     for frame in model.frames.values():

@@ -49,9 +49,6 @@ FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
 _ALIASES = {"arcsin": "asin", "arccos": "acos", "arctan": "atan", "ln": "log", "ceiling": "ceil", "pow": "^", "hypot": "norm"}
 _NOT_YET = {
-    "sample": "a value that is held between instants cannot be written yet: write the continuous law, or let it be an input and "
-              "export the scene as an FMU, whose importer samples; what kicks at instants is: when mod(time, 0.1) < 0.05 then "
-              "reinit(der(x), ...)",
     "delay": "what acts late cannot be written yet: a lag comes near, FirstOrder late(T = 0.2, u = h.phi), or let it be an input "
              "of an FMU",
 }
@@ -229,6 +226,9 @@ class Names:
     def _call(self, node: Call[Expression], scope: Scope) -> Flat:
         if node.function in ("connect", "assert", "reinit"):
             fail("L0215", f"{node.function}(...) is an equation, not a value", node.span)
+        if node.function == "sample":
+            fail("L0215", "sample(...) is a condition of its own", node.span,
+                 "write: when sample(0, 0.01) then u = ...; end when;")
         arguments = tuple(self.flatten(a, scope) for a in node.arguments)
         named = tuple((name, self.flatten(a, scope)) for name, a in node.named)
         if node.function in scope.instance.members and self.table.function(node.function, node.span) is None:

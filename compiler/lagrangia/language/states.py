@@ -86,7 +86,7 @@ def refuse_states_elsewhere(model: FlatModel, report: Report) -> None:
     if not model.states:
         return
     bindings = {name: variable.binding for name, variable in model.variables.items()}
-    for value, span, what in _statements(model):
+    for value, span, what in statements_of_motion(model):
         read = (node.name for node in reached([value], bindings) if isinstance(node, Ref))
         name = next((name for name in read if name in model.states), None)
         if name is not None:
@@ -98,7 +98,8 @@ def refuse_states_elsewhere(model: FlatModel, report: Report) -> None:
                          f"solve it for der({state.name})")
 
 
-def _statements(model: FlatModel) -> Iterable[tuple[Flat, Span, str]]:
+def statements_of_motion(model: FlatModel) -> Iterable[tuple[Flat, Span, str]]:
+    """What mechanics is made of, but for forces, with what it is."""
     for energy in model.energies:
         if not energy.is_signal:
             what = "a dissipation function" if energy.kind == "dissipation" else f"a {energy.kind} energy"

@@ -34,7 +34,7 @@ _FOR_PEOPLE = frozenset({"Documentation", "Icon", "Diagram", "Placement", "Line"
                          "uses", "defaultComponentName", "HideResult"})
 # Attributes that change nothing where a kind of variable has them; "" stands for every kind.
 _IDLE = {"": ("nominal", "stateSelect", "quantity"), "parameter": ("start", "fixed"), "coordinate": ("min", "max"),
-         "variable": ("min", "max"), "input": ("fixed",)}
+         "variable": ("min", "max"), "input": ("fixed",), "held": ("min", "max", "fixed")}
 _WHY = {"min": "limits are those of parameters and inputs", "max": "limits are those of parameters and inputs",
         "start": "a parameter has its value alone", "fixed": "it is for coordinates and their rates"}
 

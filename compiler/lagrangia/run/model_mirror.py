@@ -64,12 +64,12 @@ def _shared(values: Any) -> Any:
 _SIZES = (
     "n", "n_parameters", "n_hoisted", "n_inputs", "n_modes", "n_events", "n_outputs", "n_initial", "n_power",
     "n_holonomic", "n_multipliers", "n_initial_positions", "n_lost", "n_switches", "n_lengths", "n_whens", "n_rubs", "n_resets",
-    "n_rests", "n_roots", "n_cones", "n_lookups", "n_pieces",
+    "n_rests", "n_roots", "n_cones", "n_lookups", "n_pieces", "n_samplers", "n_held",
 )
 FUNCTIONS = (
     "parameters", "hoist", "start", "initial", "momentum", "events", "modes", "rhs", "outputs", "energies", "place", "steer",
     "linear", "waves", "jacobian", "tangent", "velocity", "force", "residual", "regular", "nearest", "kick",
-    "switches", "resets", "roots",
+    "switches", "resets", "roots", "held_first", "samples",
 )
 
 
@@ -87,6 +87,8 @@ class ModelMirror(c.Structure):
         ("cones", Ints),
         ("lookups", Ints),
         ("pieces", Ints),
+        ("samplers", Ints),
+        ("held", Ints),
         ("tables", c.POINTER(TableMirror)),
         ("outputs_need_acceleration", c.c_int),
         ("switches_need_acceleration", c.c_int),

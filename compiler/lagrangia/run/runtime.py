@@ -45,6 +45,7 @@ class Status(IntEnum):
     TABLE_ENDED = 17
     INPUT_JUMPS = 18
     TURNED_OFF = 19
+    BAD_INTERVAL = 20
 
 
 _STATUS = tuple(Status)

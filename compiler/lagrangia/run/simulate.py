@@ -220,6 +220,9 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
         name = scene.inputs[failure.index].name
         return (f"the input '{name}' moves places, and jumps by {failure.value:.3g} at t = {failure.time:.9g}: what it moves "
                 f"would have no speed; give der({name}) and der(der({name})) with it, or all of it as a table before the run")
+    if failure.status is Status.BAD_INTERVAL:
+        return (f"the interval of the sampled values at {scene.notes['samplers'][failure.index]} must be positive, and is "
+                f"{failure.value:g} s")
     if failure.status is Status.TOO_MANY_STEPS:
         return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
     return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
