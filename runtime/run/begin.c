@@ -19,6 +19,16 @@ static int settings_valid(const LagSettings *s)
         && s->first_step >= 0;
 }
 
+/* Inputs at the start, for the equations of start values. */
+static void look_at_inputs(LagRun *run)
+{
+    if (run->model->n_pieces == 0)
+        return;
+    lag_inputs_enter(&run->inputs, run->motion.t);
+    lag_inputs_at(&run->inputs, run->motion.t, run->u);
+    run->assembly.newton.u = run->u;
+}
+
 /* Guesses, and over them what was given. */
 static void guess(LagRun *run, const double *q_given, const double *v_given)
 {
@@ -33,14 +43,7 @@ static void guess(LagRun *run, const double *q_given, const double *v_given)
         if (!isnan(value))
             run->start[i] = value;
     }
-}
-
-/* Inputs at the start, for the equations of start values. */
-static void look_at_inputs(LagRun *run)
-{
-    lag_inputs_enter(&run->inputs, run->motion.t);
-    lag_inputs_at(&run->inputs, run->motion.t, run->u);
-    run->assembly.newton.u = run->u;
+    look_at_inputs(run);
 }
 
 static void clear(LagRun *run)
@@ -80,8 +83,6 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     if (!settings_valid(&run->settings) || !lag_methods_permit(run->model, run->methods.solver))
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     guess(run, q_given, v_given);
-    if (run->model->n_pieces > 0)
-        look_at_inputs(run);
     if (run->model->n_initial > 0 && !lag_parts.assemble)
         return lag_fail(run, LAG_BAD_SETTINGS, -1, 0, 0);
     const int worst = run->model->n_initial > 0 ? lag_parts.assemble(&run->assembly, run->p, run->fixed, run->start, run->work) : -1;
@@ -93,9 +94,8 @@ LagStatus lag_run_start(LagRun *run, const double *q_given, const double *v_give
     memcpy(run->motion.y, run->start, n * sizeof *run->start);
     memcpy(run->motion.y + n, run->start + lag_start_size(run->model), n * sizeof *run->start);
     lag_scale_note(&run->scale, run->motion.y);
-    const LagStatus begun = lag_sampling_begin(run);
-    if (begun != LAG_OK)
-        return begun;
+    if (lag_sampling_begin(run) != LAG_OK)
+        return run->failure.status;
     lag_segment_enter(run);
     lag_project_present(run);
     lag_sampling_take(run, run->motion.t, run->motion.y);

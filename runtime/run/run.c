@@ -9,6 +9,7 @@
 #include "state/evaluate.h"
 #include "model/function.h"
 #include "choice/parts.h"
+#include "steps/sampling.h"
 #include "steps/singular.h"
 
 static size_t work_size(const LagModel *model)
@@ -37,9 +38,7 @@ static void layout(LagRun *run, LagArena *arena)
     run->d = lag_take(arena, (size_t)(model->n_modes + model->n_switches + model->n_resets + model->n_rests));
     run->d_before = lag_take(arena, (size_t)model->n_modes);
     run->event_a = lag_take(arena, events);
-    run->fires = lag_take(arena, (size_t)model->n_samplers);
-    run->sampled = lag_take(arena, (size_t)model->n_samplers);
-    run->held = lag_take(arena, (size_t)model->n_held);
+    lag_sampling_layout(run, arena);
     run->event_b = lag_take(arena, events);
     run->acceleration = lag_take(arena, n);
     run->power = lag_take(arena, (size_t)model->n_power);

@@ -6,6 +6,13 @@
 #include "model/function.h"
 #include "model/schedule.h"
 
+void lag_sampling_layout(LagRun *run, LagArena *arena)
+{
+    run->fires = lag_take(arena, (size_t)run->model->n_samplers);
+    run->sampled = lag_take(arena, (size_t)run->model->n_samplers);
+    run->held = lag_take(arena, (size_t)run->model->n_held);
+}
+
 LagStatus lag_sampling_begin(LagRun *run)
 {
     const LagModel *model = run->model;

@@ -2,7 +2,10 @@
 #ifndef LAG_SAMPLING_H
 #define LAG_SAMPLING_H
 
+#include "base/arena.h"
 #include "state/state.h"
+
+void lag_sampling_layout(LagRun *run, LagArena *arena);
 
 /* Values before any instant, into the modes. LAG_BAD_INTERVAL where instants do not follow each other. */
 LagStatus lag_sampling_begin(LagRun *run);

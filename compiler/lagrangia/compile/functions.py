@@ -29,6 +29,7 @@ from lagrangia.dynamics.switches import Switches, find_roots, find_switches, fin
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import speaks_of_contact_forces
 from lagrangia.language.observables import observe
+from lagrangia.language.samplers import refuse_held
 from lagrangia.needs.linear_cost import weigh_linear
 from lagrangia.needs.linear_form import LinearForm, find_linear_form
 from lagrangia.run.rules import Moment, Taken, decide
@@ -91,7 +92,6 @@ def build_functions(
     needs = bool(y.numel()) and ca.depends_on(y, ca.vertcat(a, symbols))
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes)}
-    patterns |= {"held": sampling.places, "samplers": find_samplers(modes)} if sampling.places else {}
     refused |= _refusals(bool(jacobian.values) or "jacobian_waits" in jacobian.sizes, bool(len(patterns.get("cones", ()))))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
                      {**jacobian.sizes, "n_lengths": switches.lengths}, pays, find_thresholds(motion, switches))
@@ -235,6 +235,7 @@ def people_functions(
     Phi(t, q) = 0, the holonomic ones (m or fewer rows);  J (m, n);  bias (m,): the rates of the constraints at dv/dt = 0,
     differentiated once more;  lambda (m,): the multipliers. At states off the constraints rhs and lambda keep d2 Phi/dt2 = 0.
     """
+    refuse_held(kinematics.graph.model, "M, h and accelerations as functions")
     _names, y = _outputs(kinematics, outputs)
     y = _solved(with_reactions(y, kinematics, motion, constraints), motion)
     expressions = {
@@ -250,6 +251,7 @@ def people_functions(
 def people_derivatives(kinematics: Kinematics, motion: Motion, given: Collection[str] = ()) -> dict[str, ca.Function]:
     """jacobian_u: d(dv/dt)/du (n, n_u) and jacobian_p: d(dv/dt)/dp (n, n_p), as functions of t, q, v, u, p;
     parameters: p -> all values with which these and `people_functions` reckon, (n_p,)."""
+    refuse_held(kinematics.graph.model, "derivatives of accelerations")
     (a,), p = kinematics.algebra.by_inputs([motion.acceleration]), motion.p
     parameters = parameters_of(kinematics, p, given)
     slopes = {"jacobian_u": [ca.jacobian(a, motion.u)], "jacobian_p": [ca.jacobian(a, p) @ ca.jacobian(parameters, p)]}
@@ -287,13 +289,15 @@ def elements_of(kinematics: Kinematics, name: str) -> tuple[str, ...]:
 
 def observer_of(kinematics: Kinematics, motion: Motion, constraints: Constraints, y: ca.SX,
                 for_tape: bool = False) -> ca.Function:
-    """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p; without calls for a tape."""
+    """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p; held values stand behind u. Without
+    calls for a tape."""
     y = _solved(with_reactions(ca.substitute(y, kinematics.symbols.tau, ca.SX(1)), kinematics, motion, constraints), motion)
-    modes = kinematics.algebra.modes
+    modes = [mode for mode in kinematics.algebra.modes if mode.of_sampler is None]
+    held = [mode.symbol for mode in kinematics.algebra.modes if mode.of_sampler is not None]
     if modes and y.numel():
         y = ca.substitute(y, ca.vertcat(*[m.symbol for m in modes]),
                           ca.vertcat(*[m.written if for_tape else m.value for m in modes]))
-    return ca.Function("observe", [motion.t, motion.q, motion.v, motion.u, motion.p], [y])
+    return ca.Function("observe", [motion.t, motion.q, motion.v, ca.vertcat(motion.u, *held), motion.p], [y])
 
 
 def depends_on_forces(kinematics: Kinematics, motion: Motion, name: str) -> bool:
@@ -411,7 +415,7 @@ def _patterns(jacobian: Jacobian, switches: Switches, modes: list[Mode]) -> dict
     """Lists of places that a whole scene and an island have alike."""
     pieces = find_pieces(modes)
     return {"jacobian_pattern": jacobian.pattern, **switches.patterns, "lookups": find_lookups(modes),
-            **({"pieces": pieces} if pieces else {})}
+            **({"pieces": pieces} if pieces else {}), **find_samplers(modes)}
 
 
 def _sampling_functions(kinematics: Kinematics, motion: Motion, sampling: Sampling) -> dict[str, ca.Function]:
@@ -424,15 +428,17 @@ def _sampling_functions(kinematics: Kinematics, motion: Motion, sampling: Sampli
             "samples": ca.Function("samples", state, [ca.densify(sampling.values)], labels, ["held"])}
 
 
-def find_samplers(modes: list[Mode]) -> tuple[int, ...]:
-    """LagModel.samplers: of each the event of its instants."""
+def find_samplers(modes: list[Mode]) -> dict[str, tuple[int, ...]]:
+    """LagModel.samplers: of each the event of its instants; LagModel.held: the modes that they change. Nothing where there are
+    none."""
     places: dict[int, int] = {}
     event = 0
     for mode in {id(mode.arguments): mode for mode in modes}.values():
         if mode.of_sampler is not None:
             places[mode.of_sampler] = event
         event += len(mode.arguments)
-    return tuple(places[k] for k in sorted(places))
+    held = tuple(k for k, mode in enumerate(modes) if mode.of_sampler is not None)
+    return {"samplers": tuple(places[k] for k in sorted(places)), "held": held} if held else {}
 
 
 def find_pieces(modes: list[Mode]) -> tuple[int, ...]:

@@ -22,6 +22,7 @@ from lagrangia.language.dimensions import check_dimensions
 from lagrangia.language.flattening import flatten
 from lagrangia.language.given_values import Given, redeclared
 from lagrangia.language.lookups import read_tables
+from lagrangia.language.samplers import refuse_held
 from lagrangia.language.syntax import parse
 from lagrangia.language.without_effect import find_unused_imports
 from lagrangia.run.formulas import AS_DECLARED, Formulas
@@ -178,7 +179,7 @@ def _reported(graph: "ComponentGraph", outputs: tuple[str, ...]) -> tuple[str, .
     """Declared outputs, those asked for, and coordinates that are no longer among the coordinates, with their rates."""
     from lagrangia.frames.joints import all_reactions
 
-    declared = (v.name for v in graph.model.variables.values() if v.is_output)
+    declared = (v.name for v in graph.model.variables.values() if v.is_output or v.kind == "held")
     lost = (*(c.name for c in graph.dependent_coordinates), *graph.cut_coordinates)
     reactions = all_reactions(graph) if ALL_REACTIONS in outputs else []
     names = dict.fromkeys((*declared, *outputs, *reactions, *lost, *(f"der({name})" for name in lost)))
@@ -204,6 +205,7 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
             fail("L0901", f"not supported yet: written equations of scenes with first-order states ('{name}')", state.span,
                  "lag simulate, FMUs, --to python and --to casadi have them")
         _refuse_moving_inputs(flat)
+        refuse_held(flat, "written equations")
         kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat)))
         if not kinematics.symbols.positions:
             fail("L0505", "nothing can move: the scene has no coordinate", flat.span,

@@ -243,7 +243,8 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     files = sorted({lookup.path for lookup in model.lookups})
     kinetic = [str(span) for span in written_inertias(kinematics)]
     return {"warnings": told, "allowed": list(model.allowed), "contacts": contacts, "files": files, "kinetic": kinetic,
-            **({"samplers": [str(sampler.span) for sampler in model.samplers]} if model.samplers else {}),
+            **({"samplers": [str(sampler.span) for sampler in model.samplers],
+                "held": [held.name for sampler in model.samplers for held in sampler.held]} if model.samplers else {}),
             "signals": {state.coordinate: name for name, state in model.states.items()}}
 
 

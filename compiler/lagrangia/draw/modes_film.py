@@ -11,6 +11,7 @@ from lagrangia.draw.drawing import Drawable, figures_of
 from lagrangia.draw.film import require_film, save_reel
 from lagrangia.draw.reel import build_reel
 from lagrangia.draw.values import States
+from lagrangia.run.input_pieces import held_at_first
 from lagrangia.study.analysis import Study
 from lagrangia.study.modes import Modes
 from lagrangia.study.pictures import factor_of
@@ -33,7 +34,8 @@ def animate_mode(model: Drawable, study: Study, modes: Modes, k: int, path: str 
     positions = np.array([study.closing(q + factor * shape * side) for side in np.sin(omega * t)]).T
     rates = factor * omega * np.outer(shape, np.cos(omega * t))
     still = np.full((1, t.size), study.time)
-    states = States(still, positions, rates, np.repeat(study.u.reshape(-1, 1), t.size, axis=1), study.p.reshape(-1, 1))
+    given = np.array([*study.u, *held_at_first(study.scene, study.p.tolist())])
+    states = States(still, positions, rates, np.repeat(given.reshape(-1, 1), t.size, axis=1), study.p.reshape(-1, 1))
     reel = replace(build_reel(model.compilation, figures_of(model), states, {}, ()), t=t)
     text = write_animation(reel, f"{modes.name}, mode {k + 1}: {mode.title}", (), ())
     if path is not None:

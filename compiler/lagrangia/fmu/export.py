@@ -194,10 +194,11 @@ def build_extras(model: Exportable, described: FmuModel) -> Extras:
     """Pictures, equations when the scene is small, the .lag files, the CasADi functions."""
     import casadi as ca
 
-    functions = ca.StringSerializer()
-    functions.pack(list(model.functions().values()))
-    files = {"functions.casadi": functions.encode().encode()} | model_files(model)
-    equations = ""
+    files, equations = model_files(model), ""
+    if not model.compilation.flat.samplers:  # whose accelerations the state alone does not tell
+        functions = ca.StringSerializer()
+        functions.pack(list(model.functions().values()))
+        files = {"functions.casadi": functions.encode().encode()} | files
     if described.scene.n <= _MOST_READABLE:
         with contextlib.suppress(LagError):
             equations = model.equations()

@@ -18,6 +18,7 @@ from lagrangia.draw.svg import write_svg
 from lagrangia.draw.values import States
 from lagrangia.fmu.variables import Exportable
 from lagrangia.language.flat import Figure
+from lagrangia.run.input_pieces import held_at_first
 
 _PIXELS, _MARGIN, _LINE = 128, 2, 1.5  # of the icon, at its borders, and of a line
 _MOST_FRAMES, _MOST_FIGURES = 400, 400  # shown in a picture
@@ -36,8 +37,9 @@ class Icon:
 def draw_icon(model: Exportable, start: tuple[float, ...]) -> Icon:
     """The schematic, without names, for which an icon has no room: 128 x 128 pixels, and as lines."""
     scene = model.scene
-    n, inputs = scene.n, [known.value or 0.0 for known in scene.inputs]
-    columns = ([scene.start], start[:n], start[n:], inputs, model.parameter_values())
+    n, parameters = scene.n, model.parameter_values()
+    given = [*(known.value or 0.0 for known in scene.inputs), *held_at_first(scene, list(map(float, parameters)))]
+    columns = ([scene.start], start[:n], start[n:], given, parameters)
     states = States(*(np.array(column, dtype=float).reshape(-1, 1) for column in columns))
     page = draw_page(model.compilation, _told_apart(figures_of(model)), states, {}, is_named=False)
     if not page.paths:  # a scene of energies alone, whose components have no drawing: a box, as of any block

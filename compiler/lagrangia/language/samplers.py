@@ -50,6 +50,13 @@ def check_held(model: FlatModel, report: Report) -> None:
         in_order(model)
 
 
+def refuse_held(model: FlatModel, what: str) -> None:
+    """Raises LagError L0901 for scenes with values that are held between instants."""
+    if model.samplers:
+        fail("L0901", f"not supported yet: {what} of a scene with values that are held between instants", model.samplers[0].span,
+             "lag simulate, sweeps and FMUs have them; lag linearize gives the sampled system")
+
+
 def in_order(model: FlatModel) -> list[tuple[int, Held]]:
     """All held values with the numbers of their samplers, so that each reads those before it alone. Raises LagError L0212."""
     of = {held.name: (k, held) for k, sampler in enumerate(model.samplers) for held in sampler.held}

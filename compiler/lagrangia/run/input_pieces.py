@@ -4,13 +4,22 @@ Linear between the rows of their table and held outside; those that stand where 
 cubic where their first rates are in the table, of one row alone a parabola.
 """
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
+
+from lagrangia.run.interpret import evaluate
 
 if TYPE_CHECKING:
     import numpy as np
 
     from lagrangia.run.request import Values
     from lagrangia.run.scene import Scene
+
+
+def held_at_first(scene: "Scene", parameters: Sequence[float]) -> list[float]:
+    """What is held before any instant."""
+    tape = scene.tapes.get("held_first")
+    return evaluate(tape, parameters)[0] if tape is not None else []
 
 
 class InputTable:

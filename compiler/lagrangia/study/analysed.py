@@ -41,8 +41,13 @@ class Analysed(ABC):
         `excitations` and `outputs` are names; by default the inputs with all loads that depend on time, and the coordinates with
         the declared outputs. See `lag help analysis`. Raises LagError, RunError.
         """
-        return self.study(parameters, initial, inputs, time).linearize(about, any_names("excitations", excitations),
-                                                                      any_names("outputs", outputs))
+        study = self.study(parameters, initial, inputs, time)
+        found = study.linearize(about, any_names("excitations", excitations), any_names("outputs", outputs))
+        if not study.c.flat.samplers:
+            return found
+        from lagrangia.study.sampled import with_sampled_system
+
+        return with_sampled_system(study, found, about)
 
     def modes(self, *, about: str = "equilibrium", mass_normalised: bool = False, parameters: Given = None, initial: Given = None,
               inputs: Given = None, time: float | None = None) -> "Modes":

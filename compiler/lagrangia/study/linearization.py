@@ -109,6 +109,23 @@ def _null_space(A: Matrix) -> Matrix:
 
 
 @dataclass(frozen=True)
+class Sampled:
+    """From instant to instant of a sampled controller: z_{k+1} = A z_k + B w_k, with z just before an instant, w held."""
+
+    interval: float  # s
+    states: tuple[str, ...]  # of the mechanism, then what is held
+    inputs: tuple[str, ...]
+    A: Matrix
+    B: Matrix
+
+    @property
+    def eigenvalues(self) -> NDArray[np.complex128]:
+        """Of A: within the unit circle where motion dies out."""
+        found = np.linalg.eigvals(self.A).astype(complex)
+        return np.asarray(found[np.lexsort((found.imag, -np.round(np.abs(found), 12)))])
+
+
+@dataclass(frozen=True)
 class Linearization:
     """M x'' + C x' + K x = F0 u + F1 u' + F2 u'' + load, and z' = A z + B w + drift, y = D w + G z + y0 about the point.
 
@@ -138,6 +155,7 @@ class Linearization:
     drift: Matrix
     tangent: Tangent
     notes: tuple[str, ...] = ()  # what holds at the point beside constraints, and what it is only for
+    sampled: Sampled | None = None  # where values are held between instants
 
     @property
     def has_signals(self) -> bool:
@@ -154,13 +172,17 @@ class Linearization:
         """All matrices by the names that files give them."""
         found = {"M": self.M, "C": self.C, "K": self.K, "F": self.F[0], "load": self.load,
                  "A": self.A, "B": self.B, "C_output": self.output, "D": self.D, "drift": self.drift}
-        return found | {f"F_{k}": x for k, x in enumerate(self.F) if k and x.any()}
+        found |= {f"F_{k}": x for k, x in enumerate(self.F) if k and x.any()}
+        return found | ({"A_sampled": self.sampled.A, "B_sampled": self.sampled.B} if self.sampled is not None else {})
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists and names, as the JSON file has them."""
         names = {"name": self.name, "is_equilibrium": self.is_equilibrium, "point": dict(self.point),
                  "coordinates": self.coordinates, "states": self.states, "excitations": self.excitations, "inputs": self.inputs,
                  "outputs": self.outputs, "outputs_at_point": self.outputs_at_point, "notes": self.notes}
+        if self.sampled is not None:
+            s = self.sampled
+            names |= {"interval": s.interval, "states_sampled": s.states, "inputs_sampled": s.inputs}
         return names | {name: table.tolist() for name, table in self.tables().items()}
 
     def save(self, path: "str | Path") -> Path:

@@ -103,7 +103,7 @@ def usual_probes(kinematics: Kinematics) -> tuple[Probe, ...]:
     for variable in model.variables.values():
         driven = variable.kind not in ("parameter", "coordinate", "input") and variable.binding is not None \
             and not variable.is_output and any(isinstance(node, Time) for node in nodes(variable.binding))
-        if variable.kind == "input":
+        if variable.kind in ("input", "held"):
             found += [] if variable.name in rates else _elements(kinematics, variable.name)
         elif driven:
             probes = _elements(kinematics, variable.name)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from lagrangia.base.diagnostics import fail
 from lagrangia.compile.functions import observer
+from lagrangia.language.samplers import refuse_held
 from lagrangia.run.request import Values
 from lagrangia.study.analysis import Study
 from lagrangia.study.linearization import Linearization
@@ -36,6 +37,7 @@ def small_run(compilation: "Compilation", values: Values, rows: Matrix, names: S
 
     Raises LagError L0918 for rolling and for inputs whose rates matter; RunError where there is no equilibrium.
     """
+    refuse_held(compilation.flat, "small motion over time")
     study = Study(compilation, values, float(rows[0, 0]))
     linear = study.linearize("equilibrium", None, names)
     scene = compilation.scene
@@ -94,13 +96,13 @@ def _held(A: Matrix, B: Matrix, h: float) -> tuple[Matrix, Matrix, Matrix]:
     whole = np.zeros((n + 2 * k, n + 2 * k))
     whole[:n, :n], whole[:n, n : n + k] = A * h, B * h
     whole[n : n + k, n + k :] = np.eye(k)
-    E = _exponential(whole)
+    E = exponential(whole)
     G1, G2 = E[:n, n : n + k], E[:n, n + k :]
     return E[:n, :n], G1 - G2, G2
 
 
-def _exponential(X: Matrix) -> Matrix:
-    """By Taylor's series of X/2^s, squared s times."""
+def exponential(X: Matrix) -> Matrix:
+    """Of a matrix, by Taylor's series of X/2^s, squared s times."""
     size = float(np.abs(X).sum(axis=0).max(initial=0.0))
     halvings = max(0, int(np.ceil(np.log2(size / _SMALL)))) if size > 0 else 0
     X = X / 2.0**halvings

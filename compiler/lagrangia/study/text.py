@@ -11,7 +11,7 @@ from lagrangia.language.frame_attributes import WRENCH_HEADINGS
 
 if TYPE_CHECKING:
     from lagrangia.study.equilibria import Equilibria, Equilibrium
-    from lagrangia.study.linearization import Linearization
+    from lagrangia.study.linearization import Linearization, Sampled
     from lagrangia.study.modes import Mode, Modes
     from lagrangia.study.response import Response
 
@@ -102,8 +102,22 @@ def linearization_text(linear: "Linearization") -> str:
             lines += ["", name, *_matrix(table, rows, columns)]
     s = linear.eigenvalues
     lines += ["", "eigenvalues of A: " + ", ".join(_complex(x) for x in s[:12] if x.imag >= 0) + (", ..." if s.size > 12 else "")]
+    lines += _sampled(linear.sampled) if linear.sampled is not None else []
     lines += map(_note, linear.notes)
     return "\n".join(lines)
+
+
+def _sampled(found: "Sampled") -> list[str]:
+    lines = ["", f"from instant to instant, {found.interval:g} s apart: z = A z + B w, held values among the states"]
+    for name, table, columns in (("A", found.A, found.states), ("B", found.B, found.inputs)):
+        if table.size:
+            lines += ["", f"{name} of the sampled system", *_matrix(table, found.states, columns)]
+    s = found.eigenvalues
+    largest = float(np.abs(s).max(initial=0.0))
+    dies = "motion dies out" if largest < 1 else "it does not die out" if largest > 1 else ""
+    told = ", ".join(_complex(x) for x in s[:12] if x.imag >= 0) + (", ..." if s.size > 12 else "")
+    ending = f": {dies}" if dies else ""
+    return [*lines, "", f"eigenvalues of the sampled system: {told}; the largest is {largest:.6g} long{ending}"]
 
 
 def _matrix(table: Matrix, rows: Sequence[str], columns: Sequence[str]) -> list[str]:

@@ -33,10 +33,15 @@ def shown(scene: Scene) -> tuple[Scene, Callable[[Sequence[float]], Sequence[flo
 
 
 def moments(scene: Scene, parameters: "np.ndarray", values: Values, rows: "np.ndarray") -> "tuple[np.ndarray, ...]":
-    """t, q, v and u, (., T) each, and p, (n_p, 1), of rows of results."""
+    """t, q, v and u, (., T) each, and p, (n_p, 1), of rows of results; behind u what is held between instants."""
+    import numpy as np
+
     n = scene.n
     t, q, v = rows[:, :1].T, rows[:, 1 : 1 + n].T, rows[:, 1 + n : 1 + 2 * n].T
     u = InputTable(scene, values, float(t[0, 0]) if t.size else scene.start).at(t[0])
+    if held := scene.notes.get("held"):
+        places = [1 + 2 * n + [column.name for column in scene.outputs].index(name) for name in held]
+        u = np.vstack([u, rows[:, places].T])
     return t, q, v, u, parameters.reshape(-1, 1)
 
 
