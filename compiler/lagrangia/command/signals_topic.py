@@ -26,7 +26,29 @@ connect          connect(sensor.y, control.u) gives the one that has no value th
 States count in no energy; what their forces do to the mechanism is work. In M, C and K of lag linearize, in FMUs and the exports
 to python and casadi each is the rate of a coordinate z.integral of inertia 1, on which nothing depends; A and B have the state.
 Not supported yet: states in energies and in the places of frames (let them act as forces), arrays of them (an array of components
-does), natural modes and written equations of scenes that have them, delay(x, T), values that are held between samples.
+does), natural modes and written equations of scenes that have them, delay(x, T).
+
+Sampled values
+    Real e(start = 0); Real i(start = 0); Force F(start = 0);
+    AppliedForce push(at = cart.center, force = {F, 0});
+  equation
+    when sample(0, Ts) then
+      e = 1 - cart.s/1[m];
+      i = pre(i) + Ts/1[s]*e;
+      F = 40[N]*e + 30[N]*i + 8[N.s]*(e - pre(e))/Ts;
+    end when;
+
+A variable that a `when sample(first, interval)` gives a value holds it until the next instant: controllers of computers,
+difference equations. pre(x) is the value before the instant; x, of another held variable, the new one. Instants are first +
+k interval, k = 0, 1, ..., exact in time; both may be parameters. What takes time to compute acts late, as by a second one,
+when sample(late, Ts) then applied = F; end when;
+In the library: Hold(Ts = 0.01, u = ...), SampledPID(Ts = 0.01, late = 0.002, ...). Held values are columns of results and outputs
+of FMUs (both kinds); they are in all solvers but CasADi's, in sweeps and runs in steps.
+lag linearize has them among the inputs of A and B, and gives the sampled system beside these: from instant to instant, with the
+held values among its states and its eigenvalues (A_sampled, B_sampled in files; linear.sampled in Python).
+lag equilibrium, modes and response take held values as they are at first, and linearize says where the controller is not at rest.
+Not supported yet: held values in places and energies (let them act as forces), exports to python, casadi and equations, several
+intervals in the sampled system, acceleration and joint forces as what is sampled.
 
 Inputs
     input Length y;
