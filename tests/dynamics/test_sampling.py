@@ -244,3 +244,25 @@ def test_what_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
           when sample(0, 1) then u = 1; end when;
         end M;""")
         lag.load(tmp_path / "place.lag")
+
+
+def test_the_library(tmp_path: Path) -> None:
+    """SampledPID is what is written by hand, within its limits; Hold takes u at its instants."""
+    (tmp_path / "scene.lag").write_text("""model M
+      Block cart(m = 2, base = world);
+      SampledPID c(k = 40, Ts = 0.05, Ti = 4/3, Td = 0.2, set = 1, u = cart.s/1[m], low = -30, high = 30, late = 0.01);
+      Hold h(Ts = 0.3, first = 0.1, u = cart.s/1[m]);
+      AppliedForce f(at = cart.center, force = {c.y*1[N], 0});
+    end M;""")
+    run = lag.load(tmp_path / "scene.lag").simulate(stop=4, at=[0.1, 0.39, 0.4, 0.45, 4], tolerance=1e-12)
+    s, v, y, sum_, error = 0.0, 0.0, 0.0, 0.0, 0.0
+    for _ in range(80):
+        before, error = error, 1 - s
+        wanted = 40 * (error + sum_ + 0.0375 * error + 4 * (error - before))
+        computed = max(-30.0, min(30.0, wanted))
+        sum_ += 0.0375 * error if computed == wanted else 0.0
+        for h, force in ((0.01, y), (0.04, computed)):
+            s, v = s + h * v + h * h / 4 * force, v + h / 2 * force
+        y = computed
+    assert [run["cart.s"][-1], run["cart.v"][-1], run["c.I"][-1]] == pytest.approx([s, v, sum_], abs=1e-11)
+    assert run["h.y"][:4] == pytest.approx([0, *run["cart.s"][[0, 0, 2]]], abs=1e-12)  # a row at an instant is before it

@@ -312,10 +312,45 @@ def dc_motor_stick_slip(t: Array) -> Columns:
 # The motion magnifies all errors, those of SciPy too: compared until here only.
 CHAOTIC_AFTER = {"chain": 2.0, "double_pendulum": 6.0}
 
+def crane(t: Array) -> Columns:
+    """Trolley at x, load at x + L sin phi; F is held from late after an instant on:
+
+    (M + m) x'' + m L (cos phi phi'' - sin phi phi'^2) = F - c x',    L phi'' + cos phi x'' + g sin phi = 0
+    """
+    M, m, L, way, Ts, late, most, c = 800, 2000, 8, 12, 0.1, 0.02, 4000, 150
+    state, F, before = np.zeros(4), 0.0, np.zeros(2)
+    rows: list[Array] = []
+    forces: list[float] = []
+
+    def acceleration(_t: float, q: Array, v: Array) -> Array:
+        (_, phi), (dx, w) = q, v
+        A = [[M + m, m * L * cos(phi)], [cos(phi), L]]
+        return np.linalg.solve(A, [F - c * dx + m * L * sin(phi) * w**2, -g * sin(phi)])
+
+    for k in range(round(t[-1] / Ts)):
+        here = state[:2]
+        rates = (here - before) / Ts
+        wanted = np.clip(1550 * (way - here[0]) - 3200 * rates[0] + 400 * here[1] - 7500 * rates[1], -most, most)
+        before = here
+        for begin, end, force in ((k * Ts, k * Ts + late, F), (k * Ts + late, (k + 1) * Ts, wanted)):
+            F = force
+            inside = t[(begin < t) & (t <= end + 1e-9)] if rows else t[t <= end + 1e-9]
+            times = np.unique(np.concatenate([[begin], np.minimum(inside, end), [end]]))
+            q, v = integrate(acceleration, state[:2], state[2:], times)
+            found = np.vstack([q, v])
+            rows += [found[:, np.argmin(np.abs(times - x))] for x in inside]
+            forces += [F] * len(inside)
+            state = found[:, -1]
+    x, phi, dx, w = np.array(rows).T
+    found = {"trolley.s": x, "hook.phi": phi, "der(trolley.s)": dx, "hook.w": w}
+    return {**found, "F": np.array(forces), "reached": x + L * sin(phi)}
+
+
 REFERENCES: dict[str, Callable[[Array], Columns]] = {
     "bouncing_ball": bouncing_ball,
     "cart_pole": cart_pole,
     "chain": chain,
+    "crane": crane,
     "dc_motor_stick_slip": dc_motor_stick_slip,
     "disc_and_block": disc_and_block,
     "disc_and_block_damped": disc_and_block_damped,

@@ -18,6 +18,7 @@ from lagrangia.study.small_run import exponential
 
 _SAME = 1e-9  # of an interval: instants that are one
 _AT_REST = 1e-9
+_MOST_INSTANTS = 50  # in which a controller comes to rest
 
 
 def with_sampled_system(study: Study, linear: Linearization, about: str) -> Linearization:
@@ -32,6 +33,7 @@ def with_sampled_system(study: Study, linear: Linearization, about: str) -> Line
                 for names in (inputs, held))
     interval, phases = _phases(study)
     at = _Sampler(study, flow, inputs)
+    at.settle(B_h)
     n, h, w = nothing.size, len(held), len(inputs)
     whole, now = np.eye(n + h + w), 0.0
     for phase, fires in phases:
@@ -94,25 +96,40 @@ class _Sampler:
         self.of_v = np.hstack([np.zeros((N.shape[0], f)), N @ pace])[:, kept]
         names = [item.name for item in study.scene.inputs]
         self.of_u = np.array([[float(name == own) for own in inputs] for name in names]).reshape(len(names), len(inputs))
-        self.first = np.array(self.function(*self._here(np.zeros(self.held.numel()), np.ones(sampling.fires.numel())))[5]).ravel()
+        nothing = np.zeros(self.held.numel()), np.ones(sampling.fires.numel())
+        self.held_there = np.array(self.function(*self._here(*nothing))[5]).ravel()
 
     def _here(self, held: Matrix, fires: Matrix) -> tuple[object, ...]:
         return self.study.time, self.q, self.v, self.study.u, self.study.p, held, fires
 
     def instant(self, fires: Matrix) -> Matrix:
         """z, h and w just after an instant in terms of those before."""
-        _, q, v, u, h, _ = (x.full() for x in self.function(*self._here(self.first, fires)))
+        _, q, v, u, h, _ = (x.full() for x in self.function(*self._here(self.held_there, fires)))
         n, size, w = self.of_q.shape[1], h.shape[0], self.of_u.shape[1]
         found = np.eye(n + size + w)
         found[n : n + size] = np.hstack([q @ self.of_q + v @ self.of_v, h, u @ self.of_u])
         return found
 
+    def _next(self, held: Matrix) -> Matrix:
+        fires = np.ones(len(self.study.c.flat.samplers))
+        return np.asarray(self.function(*self._here(held, fires))[0].full().ravel())
+
+    def settle(self, B_h: Matrix) -> None:
+        """Held values come to rest where the mechanism does, if it stays there."""
+        held = self.held_there
+        for _ in range(_MOST_INSTANTS):
+            held, before = self._next(held), held
+            if np.abs(held - before).max(initial=0.0) <= _AT_REST * (1 + np.abs(held).max(initial=0.0)):
+                stays = np.abs(B_h @ (held - self.held_there)).max(initial=0.0) <= _AT_REST
+                self.held_there = held if stays else self.held_there
+                return
+
     def told(self, names: list[str]) -> list[str]:
         """Whether the controller rests there as well."""
-        wanted = self.function(*self._here(self.first, np.ones(len(self.study.c.flat.samplers))))[0].full().ravel()
-        off = [k for k in range(len(names)) if abs(wanted[k] - self.first[k]) > _AT_REST * (1 + abs(self.first[k]))]
+        here, wanted = self.held_there, self._next(self.held_there)
+        off = [k for k in range(len(names)) if abs(wanted[k] - here[k]) > _AT_REST * (1 + abs(here[k]))]
         if not off:
             return []
-        what = ", ".join(f"{names[k]} = {self.first[k]:.6g}, not {wanted[k]:.6g}" for k in off[:4])
+        what = ", ".join(f"{names[k]} = {here[k]:.6g}, not {wanted[k]:.6g}" for k in off[:4])
         return [f"held values are taken as they are at first ({what}, which they would be from the next instant on): the sampled "
                 "system tells of deviations alone"]
