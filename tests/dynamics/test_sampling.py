@@ -266,3 +266,34 @@ def test_the_library(tmp_path: Path) -> None:
         y = computed
     assert [run["cart.s"][-1], run["cart.v"][-1], run["c.I"][-1]] == pytest.approx([s, v, sum_], abs=1e-11)
     assert run["h.y"][:4] == pytest.approx([0, *run["cart.s"][[0, 0, 2]]], abs=1e-12)  # a row at an instant is before it
+
+
+def drawn(seed: int, count: int, S: float, Ts: float) -> np.ndarray:
+    """Whole numbers as L'Ecuyer (1988) has them, and Box and Muller's cosine."""
+    m1, m2, found = 2147483563, 2147483399, []
+    b, d = 1000003 + 1619 * seed, 2000029 + 4871 * seed
+    for _ in range(4):
+        b, d = 40014 * b % m1, 40692 * d % m2
+    for _ in range(count):
+        a, c = 40014 * b % m1, 40692 * d % m2
+        b, d = 40014 * a % m1, 40692 * c % m2
+        u, v = ((1 + x % (m1 - 1)) / m1 for x in (a - c, b - d))
+        found.append(math.sqrt(S / (2 * Ts) * -2 * math.log(u)) * math.cos(2 * math.pi * v))
+    return np.array(found)
+
+
+def test_white_noise(tmp_path: Path) -> None:
+    """Number by number; its variance is S/(2 Ts), it repeats itself in sweeps, and another seed is another noise."""
+    (tmp_path / "scene.lag").write_text("""model M
+      Block cart(m = 2, base = world);
+      WhiteNoise n(S = 4, Ts = 0.01);
+      AppliedForce f(at = cart.center, force = {n.y*1[N], 0});
+    end M;""")
+    scene, count = lag.load(tmp_path / "scene.lag"), 20_000
+    y = scene.simulate(stop=count * 0.01, at=[0.01 * k + 0.005 for k in range(count)])["n.y"]
+    assert y == pytest.approx(drawn(1, count, 4, 0.01), abs=1e-11)
+    assert y.var() == pytest.approx(4 / 0.02, rel=0.02)
+    assert abs(np.corrcoef(y[1:], y[:-1])[0, 1]) < 0.02
+    found = scene.simulate_many(parameters={"n.seed": [1.0, 2.0]}, outputs=["final(cart.v)"], stop=2)["final(cart.v)"]
+    for seed, v in zip((1, 2), found, strict=True):
+        assert v == pytest.approx(0.005 * drawn(seed, 200, 4, 0.01).sum(), abs=1e-9)

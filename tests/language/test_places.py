@@ -24,9 +24,8 @@ def test_errors_stand_where_people_wrote(text: str, code: str, said: str, scene:
     assert said in str(found.value) and "--> library" not in str(found.value)
 
 
-@pytest.mark.parametrize(("torque", "name"), [("-delay(h.phi, 0.2)", "delay"), ("sample(0, 0.1)", "sample")])
-def test_what_is_not_there_yet_is_not_taken_for_something_else(torque: str, name: str, scene: Write) -> None:
-    with pytest.raises(lag.LagError, match=rf"L0901.*not supported yet: {name}") as found:
-        scene(f"model A Revolute h(a = world); Bar b(m = 1, L = 1, a = h.b); AppliedTorque t(on = h.b, torque = {torque}); end A;"
-              ).simulate(at=[1.0])
+def test_what_is_not_there_yet_is_not_taken_for_something_else(scene: Write) -> None:
+    with pytest.raises(lag.LagError, match=r"L0901.*not supported yet: delay") as found:
+        scene("model A Revolute h(a = world); Bar b(m = 1, L = 1, a = h.b);\n"
+              "  AppliedTorque t(on = h.b, torque = -delay(h.phi, 0.2)); end A;").simulate(at=[1.0])
     assert "did you mean" not in str(found.value) and " FMU" in str(found.value)

@@ -288,7 +288,7 @@ class CasadiAlgebra:
             is_timed = self.time.__hash__() in hashes and self._is_straight(value)
             return _Crossing(self._number(value), value, value) if is_timed else None
         floor, *others = [mode for mode in self.index.modes if mode.symbol.__hash__() in hashes]
-        if floor.use is not None:
+        if floor.is_filled_in:
             return None
         straight, step = ca.substitute(value, floor.symbol, ca.SX(0)), ca.jacobian(value, floor.symbol)
         if others or floor.value.op() != ca.OP_FLOOR or ca.depends_on(step, ca.vertcat(self.time, floor.symbol)):

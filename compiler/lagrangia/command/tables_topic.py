@@ -8,6 +8,9 @@ TABLES = """\
 The first argument is looked up in the first column of the file, which rises; the file stands where the .lag file that names it
 does. A column is named, or numbered from 1, and may be left out where there are two. Literal points take the same options.
 
+table2(x, y, {x1, x2}, {y1, y2, y3}, {{z11, z12, z13}, {z21, z22, z23}})   in two variables: a row for each x, straight along both
+in each cell, held beyond the ends, up to 1000 points; its kinks are events. Not supported yet: of files, or smooth.
+
 smoothness   "linear"    straight lines, the default; their corners are met exactly, as events
              "cubic"     the spline with two continuous derivatives ("not a knot" at its ends): what moves a support, whose
                          velocity and acceleration are those of the spline

@@ -24,7 +24,7 @@ from lagrangia.base.diagnostics import Span, fail
 from lagrangia.base.table_data import TableData
 from lagrangia.frames.expression_forms import sum_of_squares
 from lagrangia.frames.planar import cross, turned_vector
-from lagrangia.frames.table_values import lines_value, table_of_points, table_value
+from lagrangia.frames.table_values import lines_value, plane_value, table_of_points, table_value
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.consequences import name_of_constraint, side_of
 from lagrangia.language.events import contact_of, kept_by, name_of_contact
@@ -460,6 +460,11 @@ def _table(evaluator: Evaluator, arguments: list[Value], level: int, span: Span)
     return lines_value(evaluator.algebras[level], _number(x, span), xs, ys, span)
 
 
+def _table2(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
+    x, y, xs, ys, zs = arguments
+    return plane_value(evaluator.algebras[level], _number(x, span), _number(y, span), xs, ys, zs, span)
+
+
 def _item(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:
     """element(vector, k), made by the compiler."""
     vector, k = arguments
@@ -480,6 +485,6 @@ def _virtual(evaluator: Evaluator, arguments: list[Value], level: int, span: Spa
 
 _VECTOR_FUNCTIONS: Mapping[str, Callable[[Evaluator, list[Value], int, Span], Value]] = {
     "dot": _dot, "cross": _cross, "norm": _norm, "rotate": _rotate, "min": _extreme("fmin"), "max": _extreme("fmax"),
-    "sum": _total, "product": _product_of, "table": _table, "element": _item,
+    "sum": _total, "product": _product_of, "table": _table, "table2": _table2, "element": _item,
     "virtual": _virtual, "pre": _before,
 }

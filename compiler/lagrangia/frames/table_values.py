@@ -11,6 +11,7 @@ from lagrangia.language.lookups import options_of
 from lagrangia.language.tree import Call, Flat
 from lagrangia.run.lookup import made_table
 
+_MOST_CELLS = 1000  # of a table in two variables, whose cells are written out
 _OTHERWISE = "model.functions() of the Python interface has M, h and the accelerations of any scene"
 
 
@@ -47,6 +48,18 @@ def lines_value(algebra: Algebra, x: Scalar, xs: Any, ys: Any, span: Span) -> Sc
     _require_short(algebra, len(xs), span)
     moves = any(isinstance(v, Dual) for v in (*xs, *ys))
     return (nested_lines(algebra, x, xs, ys) if moves else algebra.lines(x, xs, ys))[0]
+
+
+def plane_value(algebra: Algebra, x: Scalar, y: Scalar, xs: Any, ys: Any, zs: Any, span: Span) -> Scalar:
+    """table2(x, y, xs, ys, zs), zs[i][j] at xs[i] and ys[j]: straight along both in each cell, held beyond the ends. Raises
+    LagError L0303, L0712, L0901."""
+    is_plane = isinstance(zs, tuple) and all(isinstance(row, tuple) for row in zs)
+    if not is_plane or not isinstance(xs, tuple) or len(zs) != len(xs):
+        fail("L0303", "table2(x, y, {x1, x2, ...}, {y1, y2, ...}, {{z11, z12, ...}, {z21, ...}, ...}) has a row for each x, and "
+             "in it a number for each y", span)
+    if len(xs) * len(ys if isinstance(ys, tuple) else ()) > _MOST_CELLS:
+        fail("L0901", f"not supported yet: a table in two variables of more than {_MOST_CELLS} points", span, "take fewer")
+    return lines_value(algebra, x, xs, tuple(lines_value(algebra, y, ys, row, span) for row in zs), span)
 
 
 def _require_points(xs: Any, ys: Any, span: Span) -> None:

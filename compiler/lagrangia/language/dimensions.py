@@ -411,6 +411,10 @@ class _Checker:
                 return self._common(found, node.span, "go together")
             case "table":
                 return self._table(node, found)
+            case "table2":
+                self.same(found[0], found[2], node.span, "be compared")
+                self.same(found[1], found[3], node.span, "be compared")
+                return found[4]
             case "product":
                 return ANY
         for quantity, argument in zip(found, node.arguments, strict=True):

@@ -43,7 +43,7 @@ FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
                      "log", "log10", "sqrt", "abs", "sign", "floor", "ceil", "norm", "der", "pre", "virtual",
                      "contact_force", "constraint_force"), (1,)),
     **dict.fromkeys(("atan2", "mod", "dot", "cross", "distance", "rotate", "shift", "turn"), (2,)),
-    "table": (2, 3), "min": None, "max": None, "sum": None, "product": None,
+    "table": (2, 3), "table2": (5,), "min": None, "max": None, "sum": None, "product": None,
 }
 FRAME_FUNCTIONS = frozenset({"shift", "turn"})
 CONSTANTS = {"pi": math.pi}
