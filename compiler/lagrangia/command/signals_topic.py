@@ -44,7 +44,8 @@ k interval, k = 0, 1, ..., exact in time; both may be parameters. What takes tim
 when sample(late, Ts) then applied = F; end when;
 In the library: Hold(Ts = 0.01, u = ...), SampledPID(Ts = 0.01, late = 0.002, ...), WhiteNoise(S = 4, Ts = 0.01, seed = 1), whose
 density S (squares by Hz) is flat up to some 0.4/Ts, and whose numbers are the same in any run; what it goes through shapes it.
-Held values are columns of results and outputs of FMUs (both kinds); they are in all solvers but CasADi's, in sweeps and runs in steps.
+Held values are columns of results and outputs of FMUs (both kinds); they are in all solvers but CasADi's, in sweeps and
+runs in steps.
 lag linearize has them among the inputs of A and B, and gives the sampled system beside these: from instant to instant, with the
 held values among its states and its eigenvalues (A_sampled, B_sampled in files; linear.sampled in Python).
 lag equilibrium, modes and response take held values as they are at first, and linearize says where the controller is not at rest.

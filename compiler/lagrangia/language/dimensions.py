@@ -412,15 +412,18 @@ class _Checker:
             case "table":
                 return self._table(node, found)
             case "table2":
-                self.same(found[0], found[2], node.span, "be compared")
-                self.same(found[1], found[3], node.span, "be compared")
-                return found[4]
+                return self._table2(node, found)
             case "product":
                 return ANY
         for quantity, argument in zip(found, node.arguments, strict=True):
             hints = [f"write: {node.function}(1[rad/s]*{argument.span.text})"] if isinstance(argument, Time) else []
             self._pure(quantity, argument, f"the argument of {node.function}", *hints)
         return PURE
+
+    def _table2(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
+        for k in (0, 1):
+            self.same(found[k], found[k + 2], node.span, "be compared")
+        return found[4]
 
     def _table(self, node: Call[Flat], found: list[Quantity]) -> Quantity:
         """Of points, or of a file, whose columns may say their units."""
