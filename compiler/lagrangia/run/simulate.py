@@ -213,6 +213,15 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
         return (f"the motion cannot be continued beyond t = {failure.time:.9g}{where}: two ways of moving meet there, in a "
                 "singular position (a dead point, a linkage folded flat), and rounding led from one to the other; try another "
                 "tolerance or solver, or a start beside it")
+    if failure.status in (Status.TABLE_ENDED, Status.INPUT_JUMPS, Status.BAD_INTERVAL):
+        return _of_given(scene, failure)
+    if failure.status is Status.TOO_MANY_STEPS:
+        return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
+    return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
+
+
+def _of_given(scene: Scene, failure: Failure) -> str:
+    """What is given over time, and does not go on: tables, inputs, instants."""
     if failure.status is Status.TABLE_ENDED:
         return (f"the table '{scene.tables[int(failure.value)].name}' ends, and the run goes on: it says nothing after "
                 f"t = {failure.time:.9g}; stop earlier, or say what holds beyond its ends, as with beyond = \"hold\"")
@@ -220,12 +229,8 @@ def explain(scene: Scene, failure: Failure, parameters: Sequence[float] = ()) ->
         name = scene.inputs[failure.index].name
         return (f"the input '{name}' moves places, and jumps by {failure.value:.3g} at t = {failure.time:.9g}: what it moves "
                 f"would have no speed; give der({name}) and der(der({name})) with it, or all of it as a table before the run")
-    if failure.status is Status.BAD_INTERVAL:
-        return (f"the interval of the sampled values at {scene.notes['samplers'][failure.index]} must be positive, and is "
-                f"{failure.value:g} s")
-    if failure.status is Status.TOO_MANY_STEPS:
-        return (f"the limit of steps is reached at t = {failure.time:.6g}{where}; raise --max-steps, or loosen the tolerance")
-    return f"the run stopped at t = {failure.time:.6g}: {failure.status.name.lower().replace('_', ' ')}"
+    return (f"the interval of the sampled values at {scene.notes['samplers'][failure.index]} must be positive, and is "
+            f"{failure.value:g} s")
 
 
 def _of_events(scene: Scene, failure: Failure) -> str:
