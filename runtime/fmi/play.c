@@ -15,13 +15,14 @@
 #include "fmi/opening.h"
 
 #include "model/function.h"
+#include "state/state.h"
 
 enum { LONGEST_MESSAGE = 1000, MOST_EVENTS = 1000 };
 
 /* The scene of a page: stored.py's `Played`. */
 typedef struct {
     LagFmu fmu;
-    LagFunction drawing; /* t, q, v, u, p -> numbers of which the page draws its strokes */
+    LagFunction drawing; /* t, q, v, u and held values, p -> numbers of which the page draws its strokes */
 } LagPlayed;
 
 struct LagPlayer {
@@ -29,6 +30,7 @@ struct LagPlayer {
     char message[LONGEST_MESSAGE];
     double *values;  /* of all variables with numbers, by reference */
     double *drawing; /* of the drawing, then its work */
+    double *given;   /* inputs, then held values */
     unsigned int *references;
     size_t n_values;
     double *inputs; /* times[rows], then rows of all inputs; NULL: they are held */
@@ -86,10 +88,11 @@ LagPlayer *lag_play_new(unsigned char *image)
         player->n_values += (size_t)lag_fmu_count(fmu, group);
     player->values = calloc(player->n_values + 1, sizeof *player->values);
     player->references = calloc(player->n_values + 1, sizeof *player->references);
+    player->given = calloc((size_t)(fmu->model->n_inputs + fmu->model->n_held) + 1, sizeof *player->given);
     player->drawing = calloc(drawing_size(player) + played(player)->drawing.n_work + 1, sizeof *player->drawing);
     for (size_t i = 0; player->references && i < player->n_values; ++i)
         player->references[i] = (unsigned int)i;
-    if (!player->values || !player->references || !player->drawing)
+    if (!player->values || !player->references || !player->drawing || !player->given)
         lag_instance_log(player->instance, LAG_ANSWER_ERROR, LAG_ERROR_CATEGORY, "no memory is left");
     return player;
 }
@@ -192,13 +195,26 @@ const double *lag_play_events(LagPlayer *player)
     return player->events;
 }
 
+static void give(LagPlayer *player)
+{
+    const LagInstance *s = player->instance;
+    const LagModel *m = s->model;
+    for (int i = 0; i < m->n_inputs; ++i)
+        player->given[i] = s->u[i];
+    for (int i = 0; i < m->n_held; ++i)
+        player->given[m->n_inputs + i] = s->run->d[m->held[i]];
+}
+
 const double *lag_play_drawing(LagPlayer *player, const double *q)
 {
     const LagInstance *s = player->instance;
     const double *x = s->x;
-    const double *in[] = {&s->vital.t, q ? q : x, x + s->model->n, s->u, lag_run_parameters(s->run)};
+    if (!s->run)
+        return NULL;
+    const double *in[] = {&s->vital.t, q ? q : x, x + s->model->n, player->given, lag_run_parameters(s->run)};
     double *out[] = {player->drawing};
-    if (!s->run || lag_call(&played(player)->drawing, in, out, player->drawing + drawing_size(player)) != 0)
+    give(player);
+    if (lag_call(&played(player)->drawing, in, out, player->drawing + drawing_size(player)) != 0)
         return NULL;
     return player->drawing;
 }

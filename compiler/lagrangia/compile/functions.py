@@ -289,8 +289,8 @@ def elements_of(kinematics: Kinematics, name: str) -> tuple[str, ...]:
 
 def observer_of(kinematics: Kinematics, motion: Motion, constraints: Constraints, y: ca.SX,
                 for_tape: bool = False) -> ca.Function:
-    """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p; held values stand behind u. Without
-    calls for a tape."""
+    """Scalars that the kinematics' evaluator has made, (k, 1), as a function of t, q, v, u, p; held values stand behind u.
+    Without calls for a tape."""
     y = _solved(with_reactions(ca.substitute(y, kinematics.symbols.tau, ca.SX(1)), kinematics, motion, constraints), motion)
     modes = [mode for mode in kinematics.algebra.modes if mode.of_sampler is None]
     held = [mode.symbol for mode in kinematics.algebra.modes if mode.of_sampler is not None]
