@@ -48,7 +48,7 @@ class Pen {
 // Places about a spot, the best first: how far from it, and how far turned from the side where a name belongs.
 const PLACES = [3, 7, 12, 19, 28, 40, 56, 80].flatMap((reach, i) => [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6, 7, -7, 8].map(k => {
   const angle = k * Math.PI / 8; return { reach, c: Math.cos(angle), s: Math.sin(angle), cost: 1.2 * i + 0.5 * Math.abs(angle) };
-})).sort((a, b) => a.cost - b.cost), NEAR = 12, INK = 6;  // what a cell of a line costs
+})).sort((a, b) => a.cost - b.cost), NEAR = 12, FAR = 56, FEW = 20, INK = 6;  // what a cell of a line costs
 const HELD = 800, LATER = 1500, ROW = 32, GAP = 5, chosen = [];  // ms: as long as a name stays on a line that passes, and stays far from its spot
 class Crowd {  // boxes that are taken, by rows
   constructor() { this.rows = new Map(); }
@@ -79,6 +79,7 @@ function captions(pen, all, is_moving) {
     let best = null, least = Infinity, found = null;
     for (const place of c.u || c.v ? PLACES : [about, ...PLACES]) {
       if (place.cost >= least) break;
+      if (place.reach > FAR && (c.u || c.v) && all.length > FEW) continue;  // among many, a name far away seems to be another's
       const box = box_of(c, place, w, width, height), room = [box[0] - 8, box[1] - 8, box[2] + 8, box[3] + 8];  // where it stays free longer
       const cost = place.cost + INK * pen.under(box) + 0.1 * Math.min(10, pen.under(room)) + (crowd.is_free(room) ? 0 : 1) - (place === own ? 0.5 : 0);
       if (cost < least && crowd.is_free(box)) { best = place; least = cost; found = box; }
