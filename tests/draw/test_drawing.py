@@ -239,3 +239,18 @@ def test_a_scene_without_drawings_says_so(tmp_path: Path, monkeypatch, capsys) -
     monkeypatch.chdir(tmp_path)
     assert main(["draw", str(CASES / "classroom" / "bead_on_hoop.lag"), "-o", "x.svg"]) == 0
     assert "nothing in this scene has a drawing" in capsys.readouterr().err
+
+
+def test_letters_of_formulas_are_letters_in_pictures() -> None:
+    """As wide with dollars as the same letters without a meaning, whether one or two of them stand there."""
+    from lagrangia.draw.page import Label, Page, Words
+    from lagrangia.draw.paint import paint_page
+
+    def width(text: str) -> float:
+        page = Page(80.0, 20.0, (), (Label(Words(((text, False, False),)), (40.0, 10.0)),))
+        (patch,) = paint_page(page).axes[0].patches
+        box = patch.get_path().get_extents()
+        return float(box.x1 - box.x0)
+
+    assert width("$x^2$") == pytest.approx(width("$x^2") + width("$|") - width("|"), rel=0.1)
+    assert width(r"a\b") > width("ab")

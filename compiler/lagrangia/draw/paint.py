@@ -46,8 +46,9 @@ def _write(axes: Any, label: Label, order: int) -> None:
     for text, is_italic, is_lowered in label.words.pieces:
         size = FONT * (0.7 if is_lowered else 1.0)
         font = FontProperties(family=["STIXGeneral", "DejaVu Serif"], style="italic" if is_italic else "normal")
-        outline = TextPath((0, 0), text, size=size, prop=font)
-        width = TextPath((0, 0), text + "|", size=size, prop=font).get_extents().x1 - TextPath(
+        literal = text.replace("$", r"\$")  # or else two of them would begin and end a formula
+        outline = TextPath((0, 0), literal, size=size, prop=font)
+        width = TextPath((0, 0), literal + "|", size=size, prop=font).get_extents().x1 - TextPath(
             (0, 0), "|", size=size, prop=font).get_extents().x1
         outlines.append(outline.transformed(Affine2D().translate(x, -LOWERED * FONT if is_lowered else 0.0)))
         x += width
