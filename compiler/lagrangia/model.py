@@ -22,6 +22,7 @@ from lagrangia.run.simulate import simulate
 from lagrangia.run.solvers import AUTO, WAYS, is_casadi
 from lagrangia.run.stepped import SteppedRun
 from lagrangia.study.analysed import Analysed
+from lagrangia.study.swept import Swept
 from lagrangia.view.rows import collect
 from lagrangia.view.sight import Shown, Sight, known_column
 from lagrangia.view.trajectory import Trajectory
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from lagrangia.study.controlled import Controller
     from lagrangia.study.sweep.measures import Measure
     from lagrangia.study.sweep.plan import Design, Job
-    from lagrangia.study.sweep.table import Sweep
 
 Given = Mapping[str, float] | None
 NO_COMPILER = ("no C compiler was found: CasADi's cvodes is used, which is slower and less accurate "
@@ -65,7 +65,7 @@ def _animate(run: Trajectory, path: str | os.PathLike[str] | None, **asked: Any)
     return animate_run(run, path, **asked)
 
 
-class Model(Analysed):
+class Model(Analysed, Swept):
     """A compiled scene. Parameters are numbers of each run: changing one compiles nothing."""
 
     def __init__(self, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
@@ -255,48 +255,6 @@ class Model(Analysed):
             self._others[formulas] = Model(self.path, self.model, self.structural, self.outputs, formulas)
             self._others[formulas].native = self.native
         return self._others[formulas]
-
-    def simulate_many(
-        self, *, parameters: Mapping[str, Any] | None = None, initial: Mapping[str, Any] | None = None,
-        outputs: str | Sequence[str] = (), runs: Any = None, samples: int | None = None, seed: int = 0,
-        sampling: str = "random", together: bool = False, stop: float | None = None, start: float | None = None,
-        tolerance: float | None = None, interval: float | None = None, inputs: Any = None, solver: str = "auto",
-        max_step: float = 0.0, max_steps: int = 0, seconds_per_run: float = 0.0, jobs: int | None = None, dask: str | None = None,
-        path: str | os.PathLike[str] | None = None, restart: bool = False, keep: bool = False, progress: bool | None = None,
-        until: str | None = None,
-    ) -> "Sweep":
-        """Many runs on all cores, or on a Dask cluster: all combinations of the values given, nothing compiled again.
-
-        Values are numbers, sequences, or text: "100:2000:50" (from:to:step), "linspace(0, 1, 11)", "normal(100, 5)", of which
-        `samples` are taken; a list of `inputs` has some for each run. `runs` has a row for each run: a CSV file, a DataFrame, or
-        columns by name. `together` takes sequences side by side. `outputs` are measures: "max(y)", "at(0.5, y)",
-        "first_time(abs(y) > 3)", ...; final values by default (`lag help sweep`). The motion is looked at every `interval` (s) at
-        least. A run that fails is told in `.failures`, and no error. `keep` keeps whole trajectories, rows an `interval` apart:
-        `.trajectories`, `.to_xarray()`. With a `path` (.csv, .parquet) the table is written there, and a sweep that was killed
-        goes on from `path`.part. `progress`: a bar, by default where somebody looks. `until` ends random runs early, once
-        "se(mean(max(y))) < 1e-3". Raises LagError, Interrupted.
-        """
-        from lagrangia.study.sweep.plan import Design
-        from lagrangia.study.sweep.run import run_many
-
-        request = Request(start, stop, tolerance, interval, None, solver, max_step, max_steps, parameters, initial, inputs)
-        table = Path(runs) if isinstance(runs, str | os.PathLike) else runs
-        design = Design(table, samples, seed, sampling, together, seconds_per_run, keep, until)
-        return run_many(self, outputs, request, design, path, restart=restart, jobs=jobs, dask=dask, progress=progress)
-
-    def measure(self, measures: str | Sequence[str], **asked: Any) -> dict[str, float]:
-        """Numbers of one run that is `asked` for as of `simulate`, exact between its rows: measure("max(y, from=2), rms(y)"). NaN
-        where there is none. Raises LagError, RunError, Interrupted. See `lag help sweep`."""
-        from lagrangia.study.measuring import prepare_measures
-
-        sweep = prepare_measures(self, measures, Request(**asked))()
-        return {measure.text: float(sweep[measure.text][0]) for measure in sweep.job.measures}
-
-    def rainflow(self, quantity: str, **asked: Any) -> "np.ndarray":
-        """Cycles of a quantity, "y" or "y, from=2", by ASTM E1049: (cycles, 3) of range, mean (SI units) and count, 1 or 1/2."""
-        from lagrangia.study.measuring import take_cycles
-
-        return take_cycles(self, quantity, Request(**asked))
 
     def prepared_for(self, measures: "Sequence[Measure]", request: Request, design: "Design") -> "tuple[Model, Job]":
         """All runs of a sweep, and the model whose formulas hold for the parameters of each; see `suited`."""

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "run/stepping.h"
 #include "state/state.h"
 
 static const double PAUSE = 0.05; /* s between two looks at the caller's wish to stop */
@@ -23,6 +24,7 @@ struct LagBatch {
     int *varied, *at; /* at: the reductions of kind LAG_REDUCE_AT in the order of their times */
     int n_at, next_at;
     double *row_times, *rows; /* of the present run */
+    const double *held; /* inputs of the present run from each row to the next; NULL: as they are */
     int next_row;
     int n_pending; /* reductions over windows that are not known yet */
     int *is_open;  /* those that the windows of the present step are looked at for */
@@ -159,6 +161,16 @@ static double next_row(const LagBatch *batch)
     return batch->next_row < batch->sweep.n_rows ? batch->row_times[batch->next_row] : INFINITY;
 }
 
+/* The inputs until the next row, if there is one. */
+static LagStatus hold(LagBatch *batch)
+{
+    const int k = batch->next_row > 0 ? batch->next_row - 1 : 0;
+    if (!batch->held || k >= batch->sweep.n_rows - 1)
+        return LAG_OK;
+    lag_run_set_stop(batch->run, batch->row_times[k + 1]);
+    return lag_run_hold(batch->run, batch->held + (size_t)k * (size_t)batch->model->n_inputs);
+}
+
 /* Reductions at times up to t, and rows that are kept, which are asked for one by one. */
 static LagStatus visit(LagBatch *batch, double t)
 {
@@ -176,6 +188,8 @@ static LagStatus visit(LagBatch *batch, double t)
             keep_at(batch, batch->row);
         for (; next_row(batch) == when; ++batch->next_row)
             memcpy(batch->rows + (size_t)batch->next_row * width, batch->row, width * sizeof *batch->row);
+        if ((status = hold(batch)) != LAG_OK)
+            return status;
     }
     return LAG_OK;
 }
@@ -269,7 +283,8 @@ static LagStatus follow(LagBatch *batch)
         if (status == LAG_OK)
             status = watch(batch, a);
     }
-    lag_run_set_stop(run, batch->sweep.t_stop);
+    if (!batch->held)
+        lag_run_set_stop(run, batch->sweep.t_stop);
     return status == LAG_OK ? visit(batch, INFINITY) : status;
 }
 
@@ -340,7 +355,8 @@ static LagStatus begin(LagBatch *batch, const double *values, LagOutcome *outcom
         outcome->failure.value = lag_run_parameters(batch->run)[wrong];
         return LAG_NOT_STARTED;
     }
-    return lag_run_start(batch->run, batch->state, batch->state + batch->model->n);
+    const LagStatus status = hold(batch);
+    return status == LAG_OK ? lag_run_start(batch->run, batch->state, batch->state + batch->model->n) : status;
 }
 
 /* Each row judges the energy account: there is one at the end, whatever was asked for. */
@@ -407,11 +423,12 @@ static LagStatus drive(LagBatch *batch, const double *values, LagOutcome *outcom
     return status == LAG_OK ? close_account(batch) : status;
 }
 
-int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, double *results, LagOutcome *outcomes,
-                          double *rows, const volatile int32_t *stop)
+int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, const double *held, double *results,
+                          LagOutcome *outcomes, double *rows, const volatile int32_t *stop)
 {
     const LagOutcome fresh = {0};
     const size_t kept = (size_t)batch->sweep.n_rows * (size_t)lag_run_row_width(batch->model);
+    const size_t between = batch->sweep.n_rows > 0 ? (size_t)(batch->sweep.n_rows - 1) * (size_t)batch->model->n_inputs : 0;
     batch->stop = stop;
     for (int64_t i = 0; i < runs; ++i) {
         if (*stop)
@@ -420,6 +437,7 @@ int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, d
         *outcome = fresh;
         outcome->failure.index = -1;
         batch->rows = rows + (size_t)i * kept;
+        batch->held = held ? held + (size_t)i * between : NULL;
         for (size_t k = 0; k < kept; ++k)
             batch->rows[k] = NAN;
         batch->deadline = batch->sweep.seconds > 0 ? lag_clock() + batch->sweep.seconds : INFINITY;

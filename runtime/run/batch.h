@@ -42,10 +42,11 @@ LAG_API LagBatch *lag_batch_new(const LagModel *model, LagRun *run, const LagSwe
 LAG_API void lag_batch_free(LagBatch *batch);
 
 /* values[runs * n_varied] -> results[runs * n_reductions], outcomes[runs], and rows[runs * n_rows * width] where there are any.
+ * held[runs * (n_rows - 1) * n_inputs]: inputs from each row to the next, which no step goes across; NULL: they are as they are.
  * Results that a motion does not have are NaN, and rows that it does not reach.
  * Answers how many runs were done: fewer only when *stop was set to something else than 0 meanwhile. */
-LAG_API int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, double *results, LagOutcome *outcomes,
-                                  double *rows, const volatile int32_t *stop);
+LAG_API int64_t lag_batch_advance(LagBatch *batch, int64_t runs, const double *values, const double *held, double *results,
+                                  LagOutcome *outcomes, double *rows, const volatile int32_t *stop);
 
 /* The rainflow cycles of the latest run for a reduction that keeps them; they last until the next run. */
 LAG_API const LagCycle *lag_batch_cycles(const LagBatch *batch, int reduction, int64_t *count);

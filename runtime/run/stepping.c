@@ -13,9 +13,9 @@ static int is_held(const LagInputs *inputs, const double *u)
     return inputs->rows == 1 && memcmp(inputs->values, u, (size_t)inputs->n * sizeof *u) == 0;
 }
 
-static LagStatus hold(LagRun *run, const double *u)
+LagStatus lag_run_hold(LagRun *run, const double *u)
 {
-    const double t = run->motion.t;
+    const double t = run->started ? run->motion.t : run->settings.t_start;
     return run->model->n_inputs == 0 || is_held(&run->inputs, u) ? LAG_OK : lag_run_set_inputs(run, &t, u, 1);
 }
 
@@ -30,7 +30,7 @@ LagStatus lag_run_steps(LagRun *run, double begin, double dt, int64_t first, int
     for (int k = 0; k < steps && status == LAG_OK; ++k) {
         const double end = begin + (double)(first + k + 1) * dt;
         lag_run_set_stop(run, end);
-        status = u ? hold(run, u + (size_t)k * n) : LAG_OK;
+        status = u ? lag_run_hold(run, u + (size_t)k * n) : LAG_OK;
         if (status == LAG_OK)
             status = lag_advance_to(run, end, rows + (size_t)k * width);
         *done += status == LAG_OK;

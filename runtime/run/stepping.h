@@ -4,6 +4,9 @@
 
 #include "run/run.h"
 
+/* From the present on the inputs are these. */
+LagStatus lag_run_hold(LagRun *run, const double *u);
+
 /* The `steps` steps of length dt (s) that follow `first` ones since the time `begin`, up to the present: over each the inputs are
  * those of its row of u[steps * n_inputs] (NULL: as they are), and at its end a row of results is written. *done rows are valid whatever is returned. seconds: wall time, 0: no limit. No step of the
  * method goes past the end of one of these. */

@@ -431,11 +431,11 @@ int main(void)
     const volatile int32_t go = 0, stop = 1;
     LagRun *run = lag_run_new(&model, &settings), *other = lag_run_new(&model, &settings);
     LagBatch *two = batch_of(run, 2), *none = batch_of(other, 0);
-    if (lag_batch_advance(two, 5, values, results, outcomes, kept, &go) != 5)
+    if (lag_batch_advance(two, 5, values, NULL, results, outcomes, kept, &go) != 5)
         return 1;
-    if (outcomes[3].kind != LAG_RUN_FAILED || lag_batch_advance(none, 2, values, again, outcomes + 3, kept, &go) != 2)
+    if (outcomes[3].kind != LAG_RUN_FAILED || lag_batch_advance(none, 2, values, NULL, again, outcomes + 3, kept, &go) != 2)
         return 1;
-    if (lag_batch_advance(two, 5, values, results, outcomes, kept, &stop) != 0)
+    if (lag_batch_advance(two, 5, values, NULL, results, outcomes, kept, &stop) != 0)
         return 2;
     const int kinds[] = {LAG_RUN_DONE, LAG_RUN_DONE, LAG_RUN_PARAMETER};
     for (int i = 0; i < 3; ++i)

@@ -168,8 +168,7 @@ class Batch:
         library.lag_batch_cycles.restype = c.POINTER(_Cycle)
         library.lag_batch_cycles.argtypes = (c.c_void_p, c.c_int, c.POINTER(c.c_int64))
         library.lag_batch_advance.restype = c.c_int64
-        library.lag_batch_advance.argtypes = (c.c_void_p, c.c_int64, c.c_void_p, c.c_void_p, c.c_void_p, c.c_void_p,
-                                              c.POINTER(c.c_int32))
+        library.lag_batch_advance.argtypes = (c.c_void_p, c.c_int64, *(c.c_void_p,) * 5, c.POINTER(c.c_int32))
 
     def __enter__(self) -> Self:
         return self
@@ -183,8 +182,10 @@ class Batch:
         self._batch = None
         self._run.close()
 
-    def advance(self, values: "np.ndarray", stop: Any = None) -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
-        """values (runs, n_varied) -> results (done, n_reductions), outcomes (done,) and rows (done, row_times, width).
+    def advance(self, values: "np.ndarray", stop: Any = None, held: "np.ndarray | None" = None,
+                rows: "np.ndarray | None" = None) -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
+        """values (runs, n_varied) -> results (done, n_reductions), outcomes (done,) and rows (done, row_times, width), which are
+        put into `rows` where that is given. `held`: (runs, row_times - 1, inputs) from each row to the next.
 
         All are done unless `stop` (a ctypes c_int32) is set to 1 by another thread meanwhile.
         """
@@ -195,7 +196,7 @@ class Batch:
         if values.shape != (runs, self.n_varied):
             raise ValueError(f"values of the shape {(runs, self.n_varied)} are needed, not {values.shape}")
         results, outcomes = np.empty((runs, self.n_reductions)), np.zeros(runs, dtype=OUTCOME)
-        rows = np.empty((runs, self.n_rows, self._run.width))
+        rows = np.empty((runs, self.n_rows, self._run.width)) if rows is None else rows
         stopped = stop if stop is not None else c.c_int32(0)
         is_input = np.array(self._sweep.varied, dtype=int) >= self._states
         own = np.ascontiguousarray(values[:, ~is_input])
@@ -203,8 +204,10 @@ class Batch:
         for last in self._changes(values[:, is_input]):
             if is_input.any():
                 self._set_inputs(values[first, is_input].tolist())
-            places = (array[first:].ctypes.data for array in (own, results, outcomes, rows))
-            done = self._library.lag_batch_advance(self._batch, last - first, *places, c.byref(stopped))
+            u = None if held is None else held[first:].ctypes.data
+            told = (array[first:].ctypes.data for array in (results, outcomes, rows))
+            values_from = own[first:].ctypes.data
+            done = self._library.lag_batch_advance(self._batch, last - first, values_from, u, *told, c.byref(stopped))
             if done < last - first:
                 return results[: first + done], outcomes[: first + done], rows[: first + done]
             first = last

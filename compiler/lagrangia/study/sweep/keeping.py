@@ -11,7 +11,7 @@ from lagrangia.run.batch import Ending
 from lagrangia.run.scene import Scene
 from lagrangia.study.sweep.journal import Ledger
 from lagrangia.view.result_writers import parquet_fields
-from lagrangia.view.rows import columns
+from lagrangia.view.rows import ENERGIES, columns
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,21 +28,27 @@ class Keeper(Protocol):
 
 
 class InMemory:
-    """`rows` are all of them, (runs, times, columns)."""
+    """`rows` are all of them, (runs, times, columns), which runs write themselves where they are computed here."""
 
     def __init__(self, scene: Scene, runs: int, times: int) -> None:
         """Raises LagError L0712 for what would not fit."""
         import numpy as np
 
         self.width = len(columns(scene))
-        if 8 * runs * times * self.width > _MOST:
-            fail("L0712", f"{runs} trajectories of {times} rows take {8e-9 * runs * times * self.width:.3g} GB of memory", None,
+        whole = self.width + ENERGIES
+        if 8 * runs * times * whole > _MOST:
+            fail("L0712", f"{runs} trajectories of {times} rows take {8e-9 * runs * times * whole:.3g} GB of memory", None,
                  "a longer interval, or fewer runs; lag sweep --keep writes them to files")
-        self.rows = np.full((runs, times, self.width), np.nan)
+        self.all = np.full((runs, times, whole), np.nan)
+        self.rows = self.all[:, :, : self.width]
 
     def keep(self, first: int, rows: "np.ndarray") -> None:
-        """Those of the runs from `first` on."""
-        self.rows[first : first + len(rows)] = rows[:, :, : self.width]
+        """Those of the runs from `first` on, unless they are in their place."""
+        import numpy as np
+
+        place = self.all[first : first + len(rows)]
+        if not np.shares_memory(place, rows):
+            place[:] = rows
 
 
 class Dataset:

@@ -56,6 +56,7 @@ class Design:
     seconds: float = 0.0  # of wall time a run may take
     keeps: bool = False  # rows of each run, an interval apart
     until: str | None = None  # what ends it early: se(mean(max(y))) < 1e-3
+    held: Any = None  # inputs of each run from each row to the next, (runs, rows - 1, inputs)
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,7 @@ class Job:
     sampling: str = ""  # random, lhs, saltelli, where all that differs from run to run is random
     seed: int = 0
     until: Until | None = None
+    held: "np.ndarray | None" = None
 
     @property
     def runs(self) -> int:
@@ -111,6 +113,8 @@ class Job:
             item.pop("place"), item.pop("description")
         what = [scene, [m.text for m in self.measures], asdict(self.sweep), self.variations.names]
         hashed = hashlib.sha256(json.dumps(what, sort_keys=True, default=list).encode())
+        if self.held is not None:
+            hashed.update(self.held.tobytes())
         for factor in self.variations.factors:
             hashed.update(repr(factor.values.shape).encode() + factor.values.tobytes())
         return hashed.hexdigest()[:32]
@@ -143,7 +147,23 @@ def build_job(scene: Scene, measures: Sequence[Measure], request: Request, desig
                   tuple(moments), tuple(u), told if len(told) > 1 else (), bool(scene.notes["is_driven"]),
                   tuple(t for times in experiment.times() for t in times) if design.keeps else ())
     sampling = design.sampling if design.samples is not None and len(factors) == 1 else ""
-    return Job(scene, tuple(measures), variations, sweep, sampling, design.seed, _until(scene, measures, design, sampling))
+    return Job(scene, tuple(measures), variations, sweep, sampling, design.seed, _until(scene, measures, design, sampling),
+               _held(scene, design.held, variations.runs, len(sweep.row_times)))
+
+
+def _held(scene: Scene, given: Any, runs: int, rows: int) -> "np.ndarray | None":
+    import numpy as np
+
+    if given is None:
+        return None
+    wanted = (runs, rows - 1, len(scene.inputs))
+    try:
+        held: np.ndarray = np.ascontiguousarray(np.broadcast_to(np.asarray(given, dtype=np.float64), wanted))
+    except (TypeError, ValueError):
+        fail("L0712", f"inputs that are held are numbers of the shape (runs, times - 1, inputs) = {wanted}")
+    if not np.isfinite(held).all():
+        fail("L0605", "the inputs must be finite numbers")
+    return held
 
 
 def _until(scene: Scene, measures: Sequence[Measure], design: Design, sampling: str) -> Until | None:
@@ -249,6 +269,8 @@ def _resolve(scene: Scene, kind: str, name: str) -> _Name:
 def _factors(scene: Scene, request: Request, design: Design
              ) -> tuple[tuple[dict[str, float], dict[str, float]], list[Factor]]:
     """Values that are the same in all runs (parameters, start values), and the factors: table, lists, samples."""
+    import numpy as np
+
     fixed: tuple[dict[str, float], dict[str, float]] = ({}, {})
     lists: list[Factor] = []
     random: list[tuple[_Name, Distribution]] = []
@@ -264,6 +286,8 @@ def _factors(scene: Scene, request: Request, design: Design
             lists.append(Factor(name.elements, name.places, found))
     lists += _inputs_factor(scene, request)
     table = [_table(scene, design.runs)] if design.runs is not None else []
+    if design.runs is None and design.held is not None:
+        table = [Factor((), (), np.empty((len(design.held), 0)))]
     held = {name for factor in table for name in factor.names}
     for case in _cases(request):
         given = case[-1] if isinstance(case, tuple) and case else case

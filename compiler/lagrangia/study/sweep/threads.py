@@ -5,14 +5,18 @@ import os
 import queue
 import threading
 import time
+from typing import TYPE_CHECKING
 
 from lagrangia.base.interruptions import held_back
 from lagrangia.run.batch import Batch
 from lagrangia.run.engines import Engine
 from lagrangia.study.sweep.journal import Ledger
-from lagrangia.study.sweep.keeping import Keeper
+from lagrangia.study.sweep.keeping import InMemory, Keeper
 from lagrangia.study.sweep.pieces import Pace, Pieces, Watch
 from lagrangia.study.sweep.plan import Job
+
+if TYPE_CHECKING:
+    import numpy as np
 
 _PIECE = 0.2  # s
 _PAUSE = 0.1  # s between two looks at the keyboard
@@ -25,10 +29,10 @@ def cores() -> int:
 class _Worker(threading.Thread):
     """Runs pieces until there are none, an error occurs or `stop` is set; answers into a queue, with None at the end."""
 
-    def __init__(self, job: Job, engine: Engine, pieces: Pieces, stop: ctypes.c_int32,
-                 answers: "queue.SimpleQueue[object]") -> None:
+    def __init__(self, job: Job, engine: Engine, pieces: Pieces, stop: ctypes.c_int32, answers: "queue.SimpleQueue[object]",
+                 rows: "np.ndarray | None") -> None:
         super().__init__(daemon=True)
-        self.job, self.engine, self.pieces, self.stop, self.answers = job, engine, pieces, stop, answers
+        self.job, self.engine, self.pieces, self.stop, self.answers, self.rows = job, engine, pieces, stop, answers, rows
 
     def run(self) -> None:
         try:
@@ -36,7 +40,8 @@ class _Worker(threading.Thread):
                 pace = Pace(_PIECE)
                 while not self.stop.value and (piece := self.pieces.take(pace.count)) is not None:
                     begin = time.perf_counter()
-                    self.answers.put((piece[0], *batch.advance(self.job.variations.values(*piece), self.stop)))
+                    held, rows = (x if x is None else x[slice(*piece)] for x in (self.job.held, self.rows))
+                    self.answers.put((piece[0], *batch.advance(self.job.variations.values(*piece), self.stop, held, rows)))
                     seconds = time.perf_counter() - begin
                     pace.learn(piece[1] - piece[0], seconds)
                     self.engine.look(seconds, seconds / (piece[1] - piece[0]) * self.pieces.left)
@@ -52,7 +57,8 @@ def run_on_threads(job: Job, engine: Engine, ledger: Ledger, threads: int, watch
     answers: queue.SimpleQueue[object] = queue.SimpleQueue()
     stop = ctypes.c_int32(0)
     pieces = Pieces(ledger.missing(), threads)
-    workers = [_Worker(job, engine, pieces, stop, answers) for _ in range(min(threads, job.runs))]
+    rows = keeper.all if isinstance(keeper, InMemory) else None
+    workers = [_Worker(job, engine, pieces, stop, answers, rows) for _ in range(min(threads, job.runs))]
     for worker in workers:
         worker.start()
     failure: BaseException | None = None
@@ -71,9 +77,9 @@ def run_on_threads(job: Job, engine: Engine, ledger: Ledger, threads: int, watch
                 elif isinstance(answer, BaseException):
                     failure, stop.value = failure or answer, 1
                 elif isinstance(answer, tuple):
-                    first, results, outcomes, rows = answer
-                    if keeper is not None and len(rows):
-                        keeper.keep(first, rows)
+                    first, results, outcomes, found = answer
+                    if keeper is not None and len(found):
+                        keeper.keep(first, found)
                     ledger.enter(first, results, outcomes)
                     if watch is not None:
                         watch(ledger)

@@ -1,0 +1,76 @@
+"""Motions from arrays to arrays, against single runs that are told the same."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import lagrangia as lag
+from lagrangia.native.build import find_compiler
+
+pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+PUSHED = """model Pushed
+  input Force F; parameter Mass m = 0.1;
+  Block    cart(m = 1, base = world, along = {1, 0});
+  Revolute hinge(a = turn(cart.center, 90[deg]), phi(start = 0.1));
+  Bar      pole(m = m, L = 1, a = hinge.b);
+  AppliedForce push(at = cart.center, force = {F, 0});
+  output Length tip = pole.b.x;
+end Pushed;
+"""
+Scene = Callable[[str], lag.Model]
+TIMES = 0.02 * np.arange(26)
+
+
+def test_each_run_is_the_one_in_steps(scene: Scene) -> None:
+    """Bit for bit: the same steps of the same methods, whoever asks and on however many cores."""
+    model, random = scene(PUSHED), np.random.default_rng(1)
+    q0, v0, u = random.normal(size=(9, 2)), random.normal(size=(9, 2)), random.normal(size=(9, 25, 1))
+    masses = np.linspace(0.1, 0.5, 9)
+    found = model.rollout(q0, v0, {"m": masses}, u, times=TIMES, tolerance=1e-8)
+    again = model.rollout(q0, v0, {"m": masses}, u, times=TIMES, tolerance=1e-8, jobs=1)
+    assert found.q.shape == found.v.shape == (9, 26, 2) and found.ok.all() and not found.failures
+    assert np.array_equal(found.rows, again.rows)
+    for k in range(9):
+        start = dict(zip(("cart.s", "hinge.phi", "der(cart.s)", "der(hinge.phi)"), (*q0[k], *v0[k]), strict=True))
+        one = model.start(initial=start, parameters={"m": masses[k]}, inputs={"F": u[k, 0, 0]}, tolerance=1e-8)
+        rows = one.steps(u[k], 0.02)
+        assert np.array_equal(found.rows[k, 1:], rows[:, : found.rows.shape[2]])
+        table = np.repeat(TIMES, 2)[1:-1], {"F": np.repeat(u[k, :, 0], 2)}
+        exact = model.simulate(at=TIMES, inputs=table, initial=start, parameters={"m": masses[k]}, tolerance=1e-12)
+        np.testing.assert_allclose(found["tip"][k], exact["tip"], rtol=0, atol=1e-7)
+
+
+def test_what_is_not_given_is_as_declared(scene: Scene) -> None:
+    model = scene(PUSHED)
+    alone = model.rollout(times=TIMES)
+    assert alone.rows.shape[0] == 1 and alone["hinge.phi"][0, 0] == 0.1
+    free = model.simulate(at=TIMES, inputs={"F": 0}, tolerance=1e-12)
+    np.testing.assert_allclose(alone["hinge.phi"][0], free["hinge.phi"], atol=1e-7)
+    pushed = model.rollout(u=np.ones((3, 25, 1)), times=TIMES)
+    assert pushed.rows.shape[0] == 3 and np.array_equal(pushed.rows[0], pushed.rows[2])
+    assert pushed["cart.s"][0, -1] > alone["cart.s"][0, -1]
+    one_start = model.rollout([0.0, 0.2], p={"m": [0.1, 0.2]}, times=TIMES)
+    assert one_start["hinge.phi"][:, 0].tolist() == [0.2, 0.2]
+
+
+def test_runs_that_fail_are_told_and_the_others_go_on(scene: Scene) -> None:
+    model = scene("""model Explosion coordinate Length s(start = 1); Velocity v(start = 2) = der(s);
+      energy kinetic 1[kg]*v^2/2; potential -2[J/m3]*s^3; end Explosion;""")
+    found = model.rollout([[1.0], [0.1]], [[2.0], [0.0]], times=[0, 0.5, 3])
+    assert found.ok.tolist() == [False, True] and [*found.failures] == [0]
+    assert np.isnan(found.q[0, 2, 0]) and found.q[0, 1, 0] == pytest.approx(4, rel=1e-6) and np.isfinite(found.q[1]).all()
+
+
+@pytest.mark.parametrize(("given", "told"), [
+    ({"q0": np.zeros((2, 3))}, r"q0 has the shape \(runs, 2\)"), ({"u": np.zeros((2, 25))}, r"u has the shape \(runs, 25, 1\)"),
+    ({"u": np.full((2, 25, 1), np.nan)}, "finite"), ({"q0": np.zeros((2, 2)), "u": np.zeros((3, 25, 1))}, "others are of 3"),
+    ({"p": {"mass": [1.0, 2.0]}}, "mass"), ({"p": {"m": [-1.0]}}, "m"), ({"q0": [[0.0, np.inf]]}, "finite"),
+    ({"times": [0.0]}, "two numbers or more"), ({"times": [1.0, 0.0]}, "finite and rising"), ({"solver": "casadi:cvodes"}, "own solvers")])
+def test_what_does_not_fit_is_told(given: dict[str, object], told: str, scene: Scene) -> None:
+    model = scene(PUSHED.replace("parameter Mass m = 0.1", "parameter Mass m(min = 0) = 0.1"))
+    if given == {"p": {"m": [-1.0]}}:
+        assert "minimum" in model.rollout(**given, times=TIMES).failures[0]
+        return
+    with pytest.raises(lag.LagError, match=told):
+        model.rollout(**({"times": TIMES} | given))
