@@ -52,11 +52,11 @@ def test_files_of_an_interrupted_sweep_are_gone_on_with(tmp_path: Path, monkeypa
     command = ["sweep", "p.lag", "-p", "m=1:40:1", "--keep", "--interval", "0.5", "--jobs", "1", "-o", "x.csv"]
     whole, count = Batch.advance, [0]
 
-    def cut(batch: Batch, values: np.ndarray, stop: object = None) -> object:
+    def cut(batch: Batch, *given: object) -> object:
         count[0] += 1
         if count[0] == 3:
             raise KeyboardInterrupt
-        return whole(batch, values, stop)
+        return whole(batch, *given)
 
     with monkeypatch.context() as patch:
         patch.setattr(Batch, "advance", cut)

@@ -66,7 +66,8 @@ def test_runs_that_fail_are_told_and_the_others_go_on(scene: Scene) -> None:
     ({"q0": np.zeros((2, 3))}, r"q0 has the shape \(runs, 2\)"), ({"u": np.zeros((2, 25))}, r"u has the shape \(runs, 25, 1\)"),
     ({"u": np.full((2, 25, 1), np.nan)}, "finite"), ({"q0": np.zeros((2, 2)), "u": np.zeros((3, 25, 1))}, "others are of 3"),
     ({"p": {"mass": [1.0, 2.0]}}, "mass"), ({"p": {"m": [-1.0]}}, "m"), ({"q0": [[0.0, np.inf]]}, "finite"),
-    ({"times": [0.0]}, "two numbers or more"), ({"times": [1.0, 0.0]}, "finite and rising"), ({"solver": "casadi:cvodes"}, "own solvers")])
+    ({"times": [0.0]}, "two numbers or more"), ({"times": [1.0, 0.0]}, "finite and rising"),
+    ({"solver": "casadi:cvodes"}, "own solvers")])
 def test_what_does_not_fit_is_told(given: dict[str, object], told: str, scene: Scene) -> None:
     model = scene(PUSHED.replace("parameter Mass m = 0.1", "parameter Mass m(min = 0) = 0.1"))
     if given == {"p": {"m": [-1.0]}}:

@@ -313,6 +313,7 @@ many["link[1].m"], many["max(hinge[1].phi)"], many.failures; many.to_pandas(); m
 run.plot("hinge[1].phi", path="chain.png"); run.to_pandas(); run.to_xarray(); run.write("x.csv")  # .jsonl .parquet .npz .mat
 model.measure("max(link[3].b.y, from=2), settling_time(hinge[1].phi)", stop=5); model.rainflow("hinge[1].phi")
 model.simulate(controllers={"F": lambda t, run: -45*run["hinge.phi"]}, every=0.01)      # sampled feedback on the input F
+model.rollout(q0, v0, p, u, times=t).q        # arrays in, arrays out: (runs, times, n); u is held from one time to the next
 live = model.start(); live.set(F=1); live.step(0.01); live["hinge.phi"]; live.steps(U, 0.01)   # step by step, or a row of U each
 kept = live.save(); live.restore(kept)                 # examples: swing_up.py, environment.py in models/examples
 model.draw("chain.svg", at=1); run.animate("chain.html", traces=["link[20].b"])     # lag help drawing
