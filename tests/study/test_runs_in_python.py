@@ -36,6 +36,8 @@ def test_a_frame_has_a_row_for_each_run(scene: Scene) -> None:
         assert sweep["m"].tolist() == table["m"] and list(sweep.units()) == ["kg", "N", "m/s", "m"]
     again = model.simulate_many(runs=sweep.to_pandas()[["m", "F", "b.v"]], inputs={"G": 0.5}, outputs="b.s")
     assert again["b.s"].tolist() == sweep["b.s"].tolist()
+    assert again.experiment == "0 to 2 s, tolerance 1e-08, looked at every 0.04 s at least"
+    assert repr(again) == f"<3 runs of Pushed, {again.experiment}: m, F, b.v, final(b.s)>"
 
 
 def test_each_run_has_inputs_of_its_own(scene: Scene) -> None:

@@ -147,9 +147,7 @@ def _summarise(sweep: Sweep, target: str, now: int) -> None:
     failed = sweep.runs - int(sweep.ok.sum())
     rate = f" ({now / sweep.seconds:.0f} runs a second)" if now and sweep.seconds > 0 else ""
     say(f"{sweep.job.scene.name}: {sweep.runs} runs, {failed} failed, in {sweep.seconds:.3g} s{rate}")
-    settings, window = sweep.job.sweep.settings, sweep.job.sweep.window
-    often = f", looked at every {window:g} s at least" if window > 0 else ""
-    say(f"  {settings.t_start:g} to {settings.t_stop:g} s, tolerance {settings.tolerance:g}{often}")
+    say(f"  {sweep.experiment}")
     for what, count in sweep.common_failures() if failed else []:
         say(f"  {count} failed: {what}")
     for measure in sweep.job.measures[:_MOST_SHOWN]:

@@ -200,10 +200,19 @@ class Sweep:
         """In a notebook: its first runs."""
         rows = next(self._rows(), [])[:_SHOWN]
         heads = ["run", *map(headed, self.names, self.units()), "failure"]
-        return html_table(heads, rows) + html_notes([f"{len(rows)} of {self.runs} runs"] * (len(rows) < self.runs))
+        notes = [f"{len(rows)} of {self.runs} runs"] * (len(rows) < self.runs)
+        return html_table(heads, rows) + html_notes([*notes, self.experiment])
+
+    @property
+    def experiment(self) -> str:
+        """From when to when, how accurate, and how closely the motions were looked at, in words."""
+        settings, window = self.job.sweep.settings, self.job.sweep.window
+        often = f", looked at every {window:g} s at least" if window > 0 else ""
+        return f"{settings.t_start:g} to {settings.t_stop:g} s, tolerance {settings.tolerance:g}{often}"
 
     def __repr__(self) -> str:
-        return f"<{self.runs} runs of {self.job.scene.name}: {', '.join(self.names[:8])}{', ...' if len(self.names) > 8 else ''}>"
+        names = ", ".join([*self.names[:8], *["..."] * (len(self.names) > 8)])
+        return f"<{self.runs} runs of {self.job.scene.name}, {self.experiment}: {names}>"
 
 
 def is_parquet(path: str | os.PathLike[str]) -> bool:
