@@ -5,6 +5,7 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
+import lagrangia as lag
 from lagrangia.algebra.scalars import as_expression
 from lagrangia.compile.pipeline import flatten_file
 from lagrangia.frames import alike
@@ -50,6 +51,30 @@ def test_columns_are_what_comes_out_one_by_one(tmp_path: Path, monkeypatch: pyte
     for a, b in zip(one_by_one, found, strict=True):
         for x, y in zip(scalars_of(a), scalars_of(b), strict=True):
             assert ca.is_equal(as_expression(x), as_expression(y), 20)
+
+
+@pytest.mark.parametrize(("wrong", "told"), [
+    ("k = 2*s", "L0604: the parameter 'own[1].k' cannot depend on the coordinate 'own[1].s'"),
+    ("k = 3*a.x", "L0604: the parameter 'own[1].k' cannot depend on the frame 'own[1].a'"),
+    ("k = 2*c, c = k/m", "L0212: parameter 'own[1].k' depends on itself"),
+])
+def test_what_is_wrong_with_parameters_is_told_of_the_first(wrong: str, told: str, tmp_path: Path) -> None:
+    text = f"""model Own
+  parameter Mass m = 2; parameter Real {wrong};
+  Frame a; coordinate Length s;
+energy
+  kinetic m*der(s)^2/2;
+end Own;
+model Many
+  Own own[9](each a = world);
+end Many;"""
+    file = tmp_path / "many.lag"
+    file.write_text(text)
+    with pytest.raises(lag.LagError) as raised:
+        lag.load(file)
+    code, _, message = told.partition(": ")
+    (first, *_) = raised.value.diagnostics
+    assert (first.code, first.message) == (code, message)
 
 
 def test_a_name_that_only_some_read_twice_keeps_expressions_apart(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Parameters: all values from those given, the dependent ones following their bindings."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from math import prod
 from typing import NoReturn
 
@@ -9,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import apply
-from lagrangia.base.diagnostics import Span, fail
+from lagrangia.algebra.scalars import apply, as_expression
+from lagrangia.base.diagnostics import LagError, Span, fail
+from lagrangia.frames.alike import evaluate_alike
 from lagrangia.frames.evaluation import Evaluator, Value, elements, scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.flat import FlatModel, Variable
 from lagrangia.language.folding import numbers_of
+from lagrangia.language.tree import Number
 
 
 def scalars(name: str, value: Value) -> list[tuple[str, Scalar]]:
@@ -115,8 +118,8 @@ class _ParameterLeaves:
     def __init__(self, model: FlatModel, kinematics: Kinematics, given: ca.SX, mask: ca.SX) -> None:
         self.model = model
         # what CasadiAlgebra.choose makes of each, of all at once
-        self.given = ca.SX.binary(ca.OP_IF_ELSE_ZERO, mask, given).elements()
-        self.is_open = ca.SX.unary(ca.OP_NOT, mask).elements()
+        given, is_open = ca.SX.binary(ca.OP_IF_ELSE_ZERO, mask, given), ca.SX.unary(ca.OP_NOT, mask)
+        self.given, self.is_open = given.elements(), is_open.elements()
         self.evaluator = Evaluator(model, kinematics.algebra, self)
         self.known: dict[str, Value] = {}
         self.pending: list[str] = []
@@ -126,6 +129,26 @@ class _ParameterLeaves:
             if variable.kind == "parameter":
                 self.place[variable.name] = count
                 count += len(variable.elements())
+        self._choose_together(given, is_open)
+
+    def _choose_together(self, given: ca.SX, is_open: ca.SX) -> None:
+        """Those that are bound to numbers, as most are, all at once; then those whose bindings are alike."""
+        def choose(bound: Mapping[str, ca.SX | float]) -> None:
+            if bound:
+                places = [self.place[name] for name in bound]
+                values = ca.SX.binary(ca.OP_IF_ELSE_ZERO, is_open[places], ca.vertcat(ca.SX(0, 1), *bound.values()))
+                chosen = ca.SX.binary(ca.OP_ADD, given[places], values).elements()
+                self.known.update(zip(bound, map(as_expression, chosen), strict=True))
+
+        bindings = {name: binding for name in self.place
+                    if not (v := self.model.variables[name]).shape and (binding := v.binding) is not None}
+        choose({name: binding.value for name, binding in bindings.items() if isinstance(binding, Number)})
+        others = [name for name in bindings if name not in self.known]
+        self.pending += others[:1]
+        with suppress(LagError):  # what is wrong with one is told when it is its turn
+            found = evaluate_alike([bindings[name] for name in others], [self.evaluator] * len(others))
+            choose({others[k]: x for k, x in found.items() if not isinstance(x, tuple) and others[k] not in self.known})
+        self.pending.clear()
 
     def symbol(self, name: str, level: int) -> Value | None:
         variable = self.model.variables[name.removeprefix("pre(").removesuffix(")")]

@@ -12,12 +12,13 @@ from dataclasses import field
 import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
-from lagrangia.algebra.scalars import as_expression, scalars_in, symbol
+from lagrangia.algebra.scalars import as_expression, scalars_in, symbols_in
 from lagrangia.algebra.with_casadi import CasadiAlgebra
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.rows import Row
 from lagrangia.dynamics.dissipation import gradient_by_rates
 from lagrangia.dynamics.energies import Energies, Term
+from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Evaluator, Value, scalars_of
 from lagrangia.frames.kinematics import Kinematics, displacement
 from lagrangia.frames.planar import SIZE
@@ -36,7 +37,8 @@ class Forces:
 class _StepsAtRest(CasadiAlgebra):
     """What has no slope is that of the real motion, the modes among it."""
 
-    displacements: set[int] = field(default_factory=set)  # hashes of their symbols
+    displacements: set[int] = field(default_factory=set)  # hashes of their symbols, but for those of new columns
+    columns: list[ca.SX] = field(default_factory=list)
 
     def compare(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
         return super().compare(operator, self._at_rest(a), self._at_rest(b))
@@ -45,13 +47,17 @@ class _StepsAtRest(CasadiAlgebra):
         steps = function in ("floor", "ceil")
         return super().call(function, *(map(self._at_rest, arguments) if steps else arguments))
 
-    def new_symbol(self) -> Scalar:
-        made = symbol("displacement")
-        self.displacements.add(made.__hash__())
-        return made
+    def new_symbols(self, count: int) -> list[Scalar]:
+        """Of displacements."""
+        self.columns.append(ca.SX.sym("displacement", count))
+        return [as_expression(x) for x in self.columns[-1].elements()]
 
     def _at_rest(self, x: Scalar) -> Scalar:
-        moved = [s for s in ca.symvar(x) if s.__hash__() in self.displacements] if isinstance(x, ca.SX) else []
+        if not isinstance(x, ca.SX):
+            return x
+        self.displacements |= symbols_in(ca.vertcat(ca.SX(0, 1), *self.columns))
+        self.columns = []
+        moved = [s for s in ca.symvar(x) if s.__hash__() in self.displacements]
         return as_expression(ca.substitute([x], moved, [ca.SX(0)] * len(moved))[0]) if moved else x
 
 
@@ -72,7 +78,8 @@ class _Apart:
         if name not in self.kinematics.symbols.positions:
             return value
         if name not in self.coordinates:
-            self.coordinates[name] = self.algebra.new_symbol(), self.algebra.new_symbol()
+            shift, rate = self.algebra.new_symbols(2)
+            self.coordinates[name] = shift, rate
         return value + displacement(self.coordinates[name], level)
 
     def time(self, level: int) -> Scalar:
@@ -83,8 +90,8 @@ class _Apart:
         if name not in self.movable:
             return value
         if name not in self.frames:
-            shift, rate = ([self.algebra.new_symbol() for _ in range(SIZE)] for _ in range(2))
-            self.frames[name] = shift, rate
+            made = self.algebra.new_symbols(2 * SIZE)
+            self.frames[name] = made[:SIZE], made[SIZE:]
         shift, rate = self.frames[name]
         known = ATTRIBUTES[attribute]
         if known.kind == "place":
@@ -101,9 +108,14 @@ def find_forces(kinematics: Kinematics, energies: Energies) -> Forces | None:
         return None
     algebra = _StepsAtRest(known.time, known.state, known.modes, known.index, known.tiny)
     apart = _Apart(kinematics, algebra, _movable(kinematics))
-    value = Evaluator(kinematics.graph.model, algebra, apart).value
-    potential, dissipation = (energies.total(tuple(Term(value(term.statement.value), term.statement) for term in terms))
-                              for terms in (energies.potential, energies.dissipation))
+    evaluator = Evaluator(kinematics.graph.model, algebra, apart)
+    value = evaluator.value
+
+    def total(terms: Sequence[Term]) -> ca.SX:
+        values = evaluate_all([term.statement.value for term in terms], [evaluator] * len(terms))
+        return energies.total(tuple(Term(x, term.statement) for x, term in zip(values, terms, strict=True)))
+
+    potential, dissipation = total(energies.potential), total(energies.dissipation)
     positions, forces = [potential], [1.0]
     for load in energies.loads:
         positions += scalars_of(value(load.statement.position))

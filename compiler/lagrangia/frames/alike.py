@@ -26,11 +26,17 @@ class _Unlike(Exception):
 
 def evaluate_all(expressions: Sequence[Flat], evaluators: Sequence[Evaluator]) -> list[Value]:
     """The value of each, by its own evaluator; all are of one model and one algebra. Raises LagError."""
+    found = evaluate_alike(expressions, evaluators)
+    return [found[k] if k in found else evaluators[k].value(node) for k, node in enumerate(expressions)]
+
+
+def evaluate_alike(expressions: Sequence[Flat], evaluators: Sequence[Evaluator]) -> dict[int, Value]:
+    """The values, by their places, of those that can be taken together. Raises LagError."""
     found: dict[int, Value] = {}
     has_columns = bool(evaluators) and isinstance(evaluators[0].algebras[0], CasadiAlgebra)  # SymPy has none
     for group in _groups(expressions) if has_columns else ():
         found |= _together(group, [evaluators[k] for k in group]) or {}
-    return [found[k] if k in found else evaluators[k].value(node) for k, node in enumerate(expressions)]
+    return found
 
 
 def _groups(expressions: Sequence[Flat]) -> Iterator[dict[int, tuple[Flat, list[str]]]]:
