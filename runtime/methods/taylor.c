@@ -89,14 +89,21 @@ static int order_for(const LagModel *model, double eps)
     return best;
 }
 
+static void plan(LagTaylor *s, const LagModel *model, double tolerance)
+{
+    s->tolerance = tolerance;
+    s->order = order_for(model, REST * tolerance);
+    const double share = exp(log(REST * tolerance) / s->order); /* of the radius of convergence in a step */
+    s->last = REST * (1 - share) / share;
+    s->before_last = s->last / share;
+}
+
 static void restart(void *self, LagMotion *motion)
 {
     LagTaylor *s = self;
     const LagRun *run = motion->context;
-    s->order = order_for(run->model, REST * run->scale.tolerance);
-    const double share = exp(log(REST * run->scale.tolerance) / s->order); /* of the radius of convergence in a step */
-    s->last = REST * (1 - share) / share;
-    s->before_last = s->last / share;
+    if (s->tolerance != run->scale.tolerance)
+        plan(s, run->model, run->scale.tolerance);
     s->begun = 0;
     s->is_fresh = 1;
     motion->t_old = motion->t;

@@ -8,6 +8,7 @@
 
 typedef struct {
     int order;
+    double tolerance;         /* that the order and the next two belong to; 0: none yet */
     double last, before_last; /* what the last two coefficients may be worth in a step, in units of error */
     double *jets;     /* n_jets * LAG_JET_STRIDE: those of the step that begins at the present state */
     double *old_jets; /* those of the latest step */
