@@ -16,6 +16,7 @@ from lagrangia.run.formulas import AS_DECLARED, Compute, Formulas, Sets, by_mass
 from lagrangia.run.interpret import evaluate, evaluate_each
 from lagrangia.run.library import Runtime, find_runtime, has_compiler, has_runtime
 from lagrangia.run.prepared import PreparedRun
+from lagrangia.run.remarks import warn_of_inputs
 from lagrangia.run.request import Request, Values, check_values, plan
 from lagrangia.run.scene import Column, Scene
 from lagrangia.run.simulate import simulate
@@ -156,13 +157,16 @@ class Model(Analysed, Swept):
         `solver` is "auto", a name from solvers.WAYS, or an integrator of CasADi as "casadi:cvodes". `controllers` maps inputs to
         functions f(t, run) -> value, asked `every` so many seconds, where rows are then; run["x"] is the present (SteppedRun).
         Raises LagError for wrong input, RunError (with what was computed in `.trajectory`) when the run cannot go on, Interrupted
-        (with it in `.result`) after Ctrl-C. Without a C compiler an EngineWarning says that CasADi runs in place of "auto".
+        (with it in `.result`) after Ctrl-C. Without a C compiler an EngineWarning says that CasADi runs in place of "auto";
+        InputWarnings name inputs without values and tables of inputs that end before the run.
         """
         request = Request(start, stop, tolerance, interval, at, solver, max_step, max_steps, parameters, initial, inputs)
         if controllers is not None or every:
             from lagrangia.study.controlled import simulate_controlled
 
+            warn_of_inputs(self.scene, request, controllers or ())
             return simulate_controlled(self, request, controllers or {}, every)
+        warn_of_inputs(self.scene, request)
         return self.run(request)
 
     def start(self, *, parameters: Given = None, initial: Given = None, inputs: Given = None, start: float | None = None,
@@ -207,7 +211,8 @@ class Model(Analysed, Swept):
     def prepare(self, initial: Given = None, parameters: Given = None, **asked: Any) -> PreparedRun:
         """A run for many calls, run([q, ...], [p, ...]), by values of all that `initial` and `parameters` name, in this order.
         All else is `asked` for once, as of `simulate`. Raises LagError, RunError."""
-        experiment = plan(self.scene, Request(**asked))
+        warn_of_inputs(self.scene, request := Request(**asked))
+        experiment = plan(self.scene, request)
         suited = (self._for_all_of(parameters) if parameters else self).completed()
         values = check_values(suited.scene, parameters, initial, asked.get("inputs"))
         if (engine := suited.engine_for(experiment.solver)) is None:

@@ -27,6 +27,9 @@ VAIN = {
     "Length q(min = 5) = b.s;": "'min' of 'q' has no effect", "Length q(nominal = 5) = b.s;": "'nominal' of 'q' has no effect",
     "parameter Real k(start = 3) = 1; output Real y = k*time;": "'start' of 'k' has no effect",
     "coordinate Length x(max = 3); energy kinetic 1[kg]*der(x)^2;": "'max' of 'x' has no effect",
+    "energy potential virtual(b.s)*1[N];": "virtual(x) is 0 here",
+    "output Length y = b.s + virtual(b.s);": "virtual(x) is 0 here",
+    "equation when virtual(b.s) + b.s < 0 then reinit(b.v, 1); end when;": "virtual(x) is 0 here",
     "annotation(solver = 3);": "the annotation 'solver'", "annotation(Evaluate = true);": "the annotation 'Evaluate'",
     "Length q = b.s annotation(Varying = true);": "the annotation 'Varying'",
 }

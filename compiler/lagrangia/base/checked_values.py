@@ -1,5 +1,6 @@
 """What Python code gives by name: numbers, counts and mappings, or a diagnostic in place of a TypeError deep below."""
 
+import math
 import operator
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -18,6 +19,17 @@ def a_number(what: str, value: Any) -> float:
         except (TypeError, ValueError, OverflowError):
             pass
     fail("L0702", f"the {what} must be a number, not {value!r}"[:200])
+
+
+def misfit(value: float, unit: str, minimum: float | None, maximum: float | None) -> str:
+    """What is wrong with a value that has limits, in words behind its name; nothing where it is possible. `unit` with a space."""
+    if not math.isfinite(value):
+        return f"has no finite value: {value}"
+    if minimum is not None and value < minimum:
+        return f"is {value:g}{unit}, less than its minimum {minimum:g}{unit}"
+    if maximum is not None and value > maximum:
+        return f"is {value:g}{unit}, more than its maximum {maximum:g}{unit}"
+    return ""
 
 
 def a_count(what: str, value: Any) -> int:

@@ -11,7 +11,7 @@ Code ranges, one a phase:
 import re
 from bisect import bisect_right
 from collections.abc import Iterable
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cached_property
 from math import isfinite
 from typing import Any, Literal, NoReturn
@@ -21,6 +21,7 @@ from lagrangia.base.records import dataclass
 # The codes of warnings: those that can be allowed.
 WARNINGS = ("L0224", "L0305", "L0607", "L0708", "L0709", "L0740", "L0741", "L0742", "L0743", "L0744")
 Severity = Literal["error", "warning", "note"]
+LIBRARY = "library/"  # with which the names of its sources begin
 _LONGEST_LINE = 160
 _MOST_SHOWN = 20
 _ELEMENT = re.compile(r"\[\d+(, ?\d+)*\]")
@@ -87,6 +88,12 @@ class Diagnostic:
     hints: tuple[str, ...] = ()
     excerpt: str = ""  # what shows the place where the text itself is no longer at hand
 
+    def placed(self, place: Span) -> "Diagnostic":
+        """The same at `place`, where it was found in a line of the library, which is then a hint."""
+        if self.span is None or not self.span.source.name.startswith(LIBRARY):
+            return self
+        return replace(self, span=place, label="", hints=(*self.hints, f"it is read at {self.span}: {self.span.text}"))
+
     def render(self, color: bool = False) -> str:
         """The message, the line it is about with a caret under the text, and the hints."""
         paint = _PAINT[self.severity] if color else ""
@@ -112,6 +119,10 @@ class LagError(Error):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.diagnostics,)
+
+    def placed(self, place: Span) -> "LagError":
+        """The same where what was found in a line of the library is told at `place`, where people asked for it."""
+        return type(self)(found.placed(place) for found in self.diagnostics)
 
 
 class TooMuchError(LagError):
@@ -141,6 +152,10 @@ class Interrupted(KeyboardInterrupt):
         error = cls(f"interrupted {when}")
         error.result = result
         return error
+
+
+class InputWarning(UserWarning):
+    """An input has no value, or a table of inputs ends before the run does. `message` has the code, L0708 or L0709."""
 
 
 class EngineWarning(UserWarning):

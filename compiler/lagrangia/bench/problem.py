@@ -101,6 +101,8 @@ def build_problem(model: Model, request: Request = USUAL, points: int = 10) -> P
     model = model.fitting(given)
     values = check_values(model.scene, given)
     table = model.compilation.functions.table
+    if not model.scene.coordinates:
+        fail("L0505", "nothing moves: there is no motion whose error could be measured")
     if "kick" in table or "resets" in table:
         fail("L0909", "not supported yet: to compare integrators on a scene whose rates or supports jump", None,
              "they would have to be told of the impulses; lag simulate takes them into account")

@@ -17,6 +17,7 @@ from lagrangia.base.tables import read_table
 from lagrangia.command.input_tables import named_tables, path_of, read_input, together
 from lagrangia.language.values import read_value
 from lagrangia.model import Model
+from lagrangia.run.remarks import input_remarks
 from lagrangia.run.request import USUAL, Request
 from lagrangia.view.curves import require_format
 
@@ -61,17 +62,7 @@ def tell_warnings(options: Namespace, model: Model) -> None:
 
 def tell_inputs(options: Namespace, model: Model, experiment: Any, given: Any) -> None:
     """Says what the inputs do that have no value, declared or given, and those whose table ends before the run does."""
-    times, columns = given if isinstance(given, tuple) else ((), given)
-    found = []
-    for known in model.scene.inputs:
-        if known.name not in columns and not known.is_stated and not known.name.startswith("der("):
-            value = f"{known.value or 0:g} {known.unit}".rstrip()
-            found.append(f"warning[L0708]: nothing is given for the input '{known.name}': it is {value} throughout\n"
-                         f"   = give it with -u {known.name}=VALUE, or -u FILE.csv")
-    if len(times) and (times[-1] < experiment.stop or times[0] > experiment.start):
-        found.append(f"warning[L0709]: the table of inputs goes from {times[0]:g} to {times[-1]:g} s, the run from "
-                     f"{experiment.start:g} to {experiment.stop:g} s: beyond its ends the inputs keep their values")
-    tell(options, model, found)
+    tell(options, model, input_remarks(model.scene, experiment, given))
 
 
 def _structural_names(options: Namespace, outputs: tuple[str, ...]) -> set[str]:

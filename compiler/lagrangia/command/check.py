@@ -2,7 +2,7 @@
 
 import sys
 from argparse import Namespace
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,6 @@ from lagrangia.command.arguments import tell_warnings
 from lagrangia.model import Model
 from lagrangia.run.interpret import evaluate
 from lagrangia.run.request import check_parameters, check_values
-
-_LACKS_A_VALUE = "L0211"
 
 
 def check_command(options: Namespace) -> int:
@@ -45,31 +43,32 @@ def _compiled(file: Path) -> tuple[Model | None, Mapping[str, Any], list[Diagnos
     except LagError as error:
         report.add(error.diagnostics)
     if not any(diagnostic.code.startswith(("L00", "L01", "L0202")) for diagnostic in report.diagnostics):
-        report.add(_of_others(file))  # which are not wrong with the whole file
+        known = {diagnostic.render() for diagnostic in report.diagnostics}  # what is wrong with the whole file is told already
+        report.add(diagnostic for diagnostic in _of_others(file) if diagnostic.render() not in known)
     return model, freedom, report.diagnostics
 
 
-def _of_others(file: Path) -> Iterator[Diagnostic]:
-    """What is wrong with models before the last one: all but values that only who uses a model can give."""
-    from lagrangia.compile.pipeline import flatten_file, other_models
-    from lagrangia.language.dimensions import check_dimensions
+def _of_others(file: Path) -> list[Diagnostic]:
+    """What is wrong with what the last model does not use."""
+    from lagrangia.compile.elsewhere import faults_elsewhere
 
     try:
-        others = other_models(file)
+        return faults_elsewhere(file)
     except LagError:
-        return  # told already
-    for name in others:
-        try:
-            check_dimensions(flatten_file(file, name)[1])
-        except LagError as error:
-            yield from (diagnostic for diagnostic in error.diagnostics if diagnostic.code != _LACKS_A_VALUE)
+        return []  # told already
 
 
 def _check_limits(model: Model) -> None:
     """Parameters as declared must lie within the limits of their types, as they must in a run."""
     values = check_values(model.scene)
     (parameters,) = evaluate(model.scene.tapes["parameters"], values.parameters, values.mask)
-    check_parameters(model.scene, parameters)
+    try:
+        check_parameters(model.scene, parameters)
+    except LagError:
+        from lagrangia.constraints.parameters import require_possible
+
+        require_possible(model.compilation.kinematics)  # which knows the lines
+        raise
 
 
 def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:

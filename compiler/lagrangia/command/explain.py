@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from lagrangia.command.arguments import assignments, load_model, open_parameters
-from lagrangia.run.request import check_values
+from lagrangia.run.request import check_parameters, check_values
 
 
 def explain_command(options: Namespace) -> int:
@@ -20,6 +20,7 @@ def explain_command(options: Namespace) -> int:
     if model.engine is None:
         scene = without_compiler(scene, (casadi_refusal(c) or ("",))[0])
     numbers = c.functions.table["parameters"](values.parameters, values.mask)
+    check_parameters(model.scene, numbers.elements())
     needs = find_needs(c.kinematics, c.constraints, c.energies, c.run, c.initial, scene, numbers)
     print((as_json if options.json else as_text)(scene, needs, chosen_for(scene, model.engine)))
     return 0

@@ -14,6 +14,7 @@ from lagrangia.base.spelling import python_text
 from lagrangia.dynamics.switches import bends
 from lagrangia.language.samplers import refuse_held
 from lagrangia.needs.origins import place_of_moving_support
+from lagrangia.run.request import USUAL
 from lagrangia.study.small_motion import build_small_motion
 
 if TYPE_CHECKING:
@@ -115,7 +116,7 @@ def _page(model: "Model", target: str, names: Mapping[str, str], force: bool) ->
 
 def starts(model: "Model") -> dict[str, float]:
     """The assembled start, by coordinate and der(coordinate)."""
-    run = model.simulate(at=[model.scene.start])
+    run = model.run(replace(USUAL, at=[model.scene.start]))
     names = [c.name for c in (*model.scene.coordinates, *model.scene.rates)]
     return {name: float(run[name][0]) for name in names}
 

@@ -190,9 +190,10 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
                      given: Given | None = None) -> "tuple[Kinematics, Constraints]":
     """What the equations for people begin with: text -> kinematics; parameters and energies were checked. `given` are values of
     parameters in the place of those declared. Raises LagError."""
-    from lagrangia.constraints.parameters import default_parameters
+    from lagrangia.constraints.parameters import require_possible
     from lagrangia.constraints.rows import reduce_kinematics
     from lagrangia.dynamics.energies import build_energies
+    from lagrangia.dynamics.impacts import find_impacts
     from lagrangia.dynamics.massless import settle_massless
     from lagrangia.frames.graph import build_graph
     from lagrangia.frames.kinematics import build_kinematics
@@ -210,8 +211,9 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
         if not kinematics.symbols.positions:
             fail("L0505", "nothing can move: the scene has no coordinate", flat.span,
                  "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
-        default_parameters(kinematics)
+        require_possible(kinematics)
         kinematics, constraints, _ = settle_massless(kinematics, constraints, build_energies(kinematics))
+        find_impacts(kinematics)  # which tells what is wrong with events
         return kinematics, constraints
 
 
@@ -287,16 +289,6 @@ def read_source(path: Path) -> Source:
         fail("L0001", f"'{path}' cannot be read: {error.strerror}")
     except UnicodeDecodeError as error:
         fail("L0101", f"'{path}' is not a text file in UTF-8: byte {error.object[error.start]:#04x} at offset {error.start}")
-
-
-def other_models(path: Path) -> list[str]:
-    """The models of a file that compiling the last one would not see: not partial, and used by none. Raises LagError."""
-    with deep_recursion():
-        syntax = read_files(path)[0]
-        chosen = _choose(syntax, None)
-    used = {element.type_name for c in syntax.classes for element in c.elements if element.type_name != c.name}
-    return [c.name for c in syntax.classes
-            if c.kind == "model" and not c.is_partial and c is not chosen and c.name not in used]
 
 
 def _choose(syntax: "Syntax", name: str | None) -> Any:

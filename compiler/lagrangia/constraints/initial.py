@@ -257,6 +257,10 @@ class _Starts:
         for a, b in pairs:
             gap = ca.SX(a - b)
             accelerations = ca.vertcat(ca.SX(0, 1), *self.kinematics.symbols.accelerations.values())
+            if ca.depends_on(gap, input_symbols(self.kinematics)) and not self.kinematics.graph.model.moving_inputs:
+                self.report.error("L0904", "not supported yet: an input in an initial equation", equation.span,
+                                  "name a parameter: the value of an input is known when the run begins")
+                continue
             if ca.depends_on(gap, accelerations):
                 self.steady.append((self._at_start(gap), equation.span))
                 continue

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import apply, as_expression
-from lagrangia.base.diagnostics import LagError, Span, fail
+from lagrangia.base.checked_values import misfit
+from lagrangia.base.diagnostics import LagError, Report, Span, fail
 from lagrangia.frames.alike import evaluate_alike
 from lagrangia.frames.evaluation import Evaluator, Value, elements, scalars_of
 from lagrangia.frames.kinematics import Kinematics
@@ -89,6 +90,18 @@ def default_parameters(kinematics: Kinematics) -> tuple[ca.SX, ca.DM]:
         return p, ca.DM(0, 1)
     given, mask, values = all_parameters(kinematics, p.numel())
     return p, ca.evalf(ca.substitute(values, ca.vertcat(given, mask), ca.DM.zeros(2 * p.numel())))
+
+
+def require_possible(kinematics: Kinematics) -> None:
+    """Raises LagError L0605, each at its place, for parameters that are declared as no finite number or beyond their limits."""
+    report, values = Report(), iter(default_parameters(kinematics)[1].elements())
+    for variable in kinematics.graph.model.variables.values():
+        if variable.kind == "parameter":
+            unit = f" {variable.unit}" if variable.unit else ""
+            for name, _ in variable.elements():
+                if wrong := misfit(float(next(values)), unit, variable.minimum, variable.maximum):
+                    report.error("L0605", f"the parameter '{name}' {wrong}", variable.span)
+    report.raise_errors()
 
 
 def usual_parameters(kinematics: Kinematics) -> tuple[ca.SX, NDArray[np.float64]]:

@@ -5,6 +5,8 @@ all motions that the constraints allow, q' = S w, Lagrange's equations are those
 gear, whose axles one carrier holds. Else its force does work, or holds something else.
 """
 
+from collections.abc import Iterable
+
 import casadi as ca
 import numpy as np
 
@@ -15,6 +17,7 @@ from lagrangia.constraints.initial import InitialConditions, initial_function, s
 from lagrangia.constraints.parameters import at_declared_values
 from lagrangia.constraints.rows import Constraints, Row
 from lagrangia.frames.kinematics import Kinematics
+from lagrangia.language.flat import Equation
 from lagrangia.language.mentions import reached
 from lagrangia.language.tree import Call
 
@@ -36,6 +39,9 @@ def refuse_forces_elsewhere(kinematics: Kinematics, constraints: Constraints, in
             report.error("L0917", "not supported yet: the force of this equation acts on what it does not hold", row.span,
                          "virtual(x) may only tell which bearings share the force, as in Gear: of what the equation holds, or of "
                          "what cannot move", "let a force act instead: AppliedForce, ForcePair, or work ... on ...;")
+        elif not row.is_holonomic and _says_virtual(kinematics, row):
+            report.error("L0917", "not supported yet: virtual(x) in an equation between rates", row.span,
+                         "write the equation between positions or angles, where it is one, without der(...)")
         elif id(row) in powerless:
             report.error("L0917", "the force of this equation acts on nothing that could make it hold", row.span,
                          "virtual(x) takes away as much as the equation says of x")
@@ -43,11 +49,19 @@ def refuse_forces_elsewhere(kinematics: Kinematics, constraints: Constraints, in
 
 
 def _rows_with_virtual_terms(kinematics: Kinematics, constraints: Constraints) -> list[Row]:
-    model = kinematics.graph.model
-    if not any(isinstance(x, Call) and x.function == "virtual" for x in reached(
-            [side for e in model.constraints for side in (e.left, e.right)], {n: v.binding for n, v in model.variables.items()})):
+    if not _mentions_virtual(kinematics, kinematics.graph.model.constraints):
         return []
     return [row for row in constraints.all_rows if row.loop is None]
+
+
+def _says_virtual(kinematics: Kinematics, row: Row) -> bool:
+    return row.equation is not None and _mentions_virtual(kinematics, [row.equation])
+
+
+def _mentions_virtual(kinematics: Kinematics, equations: Iterable[Equation]) -> bool:
+    sides = [side for equation in equations for side in (equation.left, equation.right)]
+    bindings = {name: v.binding for name, v in kinematics.graph.model.variables.items()}
+    return any(isinstance(node, Call) and node.function == "virtual" for node in reached(sides, bindings))
 
 
 def _varied(kinematics: Kinematics, q: ca.SX, here: ca.SX) -> Kinematics:

@@ -7,7 +7,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression
-from lagrangia.base.diagnostics import Report, Span
+from lagrangia.base.diagnostics import LagError, Report, Span
 from lagrangia.base.records import dataclass
 from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Value
@@ -80,7 +80,10 @@ def evaluate_energies(kinematics: Kinematics) -> Energies:
 
 
 def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:
-    force, position = value(work.force), value(work.position)
+    try:
+        force, position = value(work.force), value(work.position)
+    except LagError as error:
+        raise error.placed(work.span) from None
     if isinstance(force, tuple) != isinstance(position, tuple) or (isinstance(force, tuple) and len(force) != len(position)):
         report.error("L0303", "a force works on a position of the same size", work.span,
                      "a vector on a point (at.r), a number on a length or an angle")

@@ -11,6 +11,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.fmu.export import EXTRA, SCENE
 from lagrangia.fmu.process import SPOKEN, Job, Outcome, run_job
 from lagrangia.fmu.run import Opened
+from lagrangia.run.request import Request
 from lagrangia.run.scene import Scene
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ class Native(Protocol):
     def scene(self) -> Scene:
         """What there is to compare."""
 
-    def simulate(self, *, start: float, stop: float, at: list[float], tolerance: float, parameters: Mapping[str, float]) -> Any:
+    def run(self, request: Request) -> Any:
         """The columns of a run, by name."""
 
 
@@ -116,8 +117,8 @@ class _NativeRun:
         self.times = [start + (stop - start) * k / _ROWS for k in range(_ROWS)] + [stop]
         columns = (*model.scene.coordinates, *model.scene.outputs)
         self.names = [column.name for column in columns]
-        run, looser = (model.simulate(start=start, stop=stop, at=self.times, tolerance=max(tolerance * factor, 1e-14),
-                                      parameters=parameters) for factor in (1, _LOOSER))
+        run, looser = (model.run(Request(start, stop, max(tolerance * factor, 1e-14), at=self.times, parameters=parameters))
+                       for factor in (1, _LOOSER))
         self.values = np.array([run[name] for name in self.names])
         self.scale = _scales(columns, self.values)[:, None]
         grown = np.abs(np.array([looser[name] for name in self.names]) - self.values) / self.scale

@@ -13,7 +13,7 @@ from lagrangia.base.diagnostics import LagError, RunError, fail
 from lagrangia.base.records import dataclass
 from lagrangia.language.units import per_second
 from lagrangia.native.tapes import Tape
-from lagrangia.run.request import check_values
+from lagrangia.run.request import Request, check_values
 from lagrangia.run.scene import Column, Scene
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Exportable(Protocol):
     def parameter_values(self, parameters: Mapping[str, float] | None = None) -> "np.ndarray":
         """All parameters, (n_parameters,), with some changed."""
 
-    def simulate(self, *, parameters: Mapping[str, float] | None = None) -> Any:
+    def run(self, request: Request) -> Any:
         """A run, to know the state it starts from."""
 
 
@@ -155,7 +155,7 @@ def _states(model: Exportable, parameters: Mapping[str, float] | None) -> tuple[
 
     scene = model.scene
     try:
-        run = model.simulate(parameters=parameters)
+        run = model.run(Request(parameters=parameters))
     except RunError as error:
         run = error.trajectory
     rows = run.rows if run is not None else np.zeros((0, 1 + 2 * scene.n))

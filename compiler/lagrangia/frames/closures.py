@@ -5,6 +5,7 @@ from typing import Protocol
 
 from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.with_casadi import CasadiAlgebra
+from lagrangia.base.diagnostics import LagError
 from lagrangia.frames import planar_joints
 from lagrangia.frames.edges import Closure
 from lagrangia.frames.evaluation import Evaluator, Leaves, Value
@@ -30,7 +31,10 @@ class Frames(Leaves, Protocol):
 
 def gaps(frames: Frames, closure: Closure, level: int) -> list[Scalar]:
     """What must vanish, at a level of the kinematics; lengths in m, angles in rad."""
-    return planar_joints.gaps(closure.kind, *_ends(frames, closure, level), _slide(frames, closure))
+    try:
+        return planar_joints.gaps(closure.kind, *_ends(frames, closure, level), _slide(frames, closure))
+    except LagError as error:
+        raise error.placed(closure.span) from None
 
 
 def gap_of(closure: Closure, part: int) -> str:

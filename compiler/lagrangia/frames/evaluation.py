@@ -20,8 +20,9 @@ from lagrangia.algebra.duals import (
     rate_of,
     times,
 )
-from lagrangia.base.diagnostics import Span, fail
+from lagrangia.base.diagnostics import LagError, Span, fail
 from lagrangia.base.table_data import TableData
+from lagrangia.frames.arrays import array_of, map_scalars, need_vectors, zip_scalars
 from lagrangia.frames.expression_forms import sum_of_squares
 from lagrangia.frames.planar import cross, turned_vector
 from lagrangia.frames.table_values import lines_value, plane_value, table_of_points, table_value
@@ -107,13 +108,13 @@ class Evaluator:
             case Unary("not", operand, _):
                 return self.algebras[level].logic("not", self.value(operand, level, local))
             case Unary(_, operand, _):
-                return _map(lambda x: -x, self.value(operand, level, local))
+                return map_scalars(lambda x: -x, self.value(operand, level, local))
             case IfExpression(condition, then, otherwise, _):
                 chosen = self.value(condition, level, local)
                 a, b = self.value(then, level, local), self.value(otherwise, level, local)
-                return _zip(lambda x, y: self.algebras[level].choose(chosen, x, y), a, b, node.span)
+                return zip_scalars(lambda x, y: self.algebras[level].choose(chosen, x, y), a, b, node.span)
             case Array(items, _):
-                return tuple(self.value(item, level, local) for item in items)
+                return array_of(tuple(self.value(item, level, local) for item in items), node.span)
             case String(_, span):
                 fail("L0302", "a text is no number", span)
 
@@ -134,9 +135,12 @@ class Evaluator:
             fail("L0212", f"'{name}' depends on itself", variable.span, " > ".join([*chain, name]))
         assert variable.binding is not None
         self._pending.append(name)
-        value = self.value(variable.binding, level)
-        self._pending.pop()
-        elements(value, variable.shape, variable.binding.span)
+        try:
+            value = self.value(variable.binding, level)
+            self._pending.pop()
+            elements(value, variable.shape, variable.binding.span)
+        except LagError as error:
+            raise error.placed(variable.span) from None
         return value
 
     # ------------------------------------------------------------ operators
@@ -149,16 +153,16 @@ class Evaluator:
         a, b = self.value(node.left, level, local), self.value(node.right, level, local)
         match node.operator:
             case "+":
-                return _zip(plus, a, b, node.span)
+                return zip_scalars(plus, a, b, node.span)
             case "-":
-                return _zip(minus, a, b, node.span)
+                return zip_scalars(minus, a, b, node.span)
             case "*":
                 return self._product(a, b, node.span)
             case "/":
                 divisor = _number(b, node.right.span)
                 if isinstance(divisor, float | int) and divisor == 0:
                     fail("L0217", "division by zero", node.span)
-                return _map(lambda x: x / divisor, a)
+                return map_scalars(lambda x: x / divisor, a)
         a, b = _number(a, node.left.span), _number(b, node.right.span)
         match node.operator:
             case "^":
@@ -172,10 +176,10 @@ class Evaluator:
     def _product(self, a: Value, b: Value, span: Span) -> Value:
         """Scalar times anything; of two vectors the inner product."""
         if isinstance(a, tuple) and isinstance(b, tuple):
-            return _sum(_zip(times, a, b, span))
+            return _sum(zip_scalars(times, a, b, span))
         if isinstance(a, tuple):
-            return _map(lambda x: times(x, b), a)
-        return _map(lambda y: times(a, y), b)
+            return map_scalars(lambda x: times(x, b), a)
+        return map_scalars(lambda y: times(a, y), b)
 
     def _power(self, base: Scalar, exponent: Scalar, level: int) -> Scalar:
         """Whole and half powers by multiplication and sqrt: a C compiler calls pow for the others, which is slow."""
@@ -246,7 +250,7 @@ class Evaluator:
         inner = node.arguments[0]
         if isinstance(inner, Ref) and inner.name in self.model.states:
             return self.value(self.model.states[inner.name].rate, level)
-        return _map(rate_of, self.value(inner, level + 1))
+        return map_scalars(rate_of, self.value(inner, level + 1))
 
     @cached_property
     def _kept(self) -> list[Flat | None]:
@@ -278,8 +282,8 @@ class Evaluator:
     def _distance(self, node: Call[Flat], level: int) -> Scalar:
         """Between two frames or two points."""
         start, end = (self.value(origin_of(argument), level) for argument in node.arguments)
-        _need_vectors([start, end], 2, node.span)
-        return self.norm(_zip(lambda x, y: x - y, end, start, node.span), level)
+        need_vectors([start, end], 2, node.span)
+        return self.norm(zip_scalars(lambda x, y: x - y, end, start, node.span), level)
 
     def norm(self, vector: Value, level: int) -> Scalar:
         """Of what stays on a line |s|, whose corner is a condition on s."""
@@ -287,7 +291,7 @@ class Evaluator:
         if along is not None:
             self.algebras[0].note_length(base_of(along))
             return self.algebras[level].call("abs", along)
-        squares = _sum(_map(lambda x: x * x, vector))
+        squares = _sum(map_scalars(lambda x: x * x, vector))
         if isinstance(squares, float | int):
             return float(squares) ** 0.5
         return self.algebras[level].call("sqrt", squares + self.algebras[0].tiny)
@@ -343,20 +347,6 @@ def origin_of(node: Flat) -> Flat:
 # -------------------------------------------------------------------- vectors
 
 
-def _map(function: Callable[[Scalar], Scalar], value: Value) -> Value:
-    return tuple(_map(function, item) for item in value) if isinstance(value, tuple) else function(value)
-
-
-def _zip(function: Callable[[Scalar, Scalar], Scalar], a: Value, b: Value, span: Span) -> Value:
-    if isinstance(a, tuple) != isinstance(b, tuple) or (isinstance(a, tuple) and len(a) != len(b)):
-        fail("L0303", f"{_size(a)} and {_size(b)} do not go together", span)
-    return tuple(_zip(function, x, y, span) for x, y in zip(a, b, strict=True)) if isinstance(a, tuple) else function(a, b)
-
-
-def _size(value: Value) -> str:
-    return f"an array of {len(value)}" if isinstance(value, tuple) else "a number"
-
-
 @contextmanager
 def _computable(span: Span) -> Iterator[None]:
     """Numbers alone are computed at once, which may fail."""
@@ -384,7 +374,7 @@ def elements(value: Value, shape: tuple[int, ...], span: Span) -> list[Scalar]:
             fail("L0303", f"an array of {len(value)} for a number", span)
         return [value]
     if not isinstance(value, tuple) or len(value) != shape[0]:
-        what = f"{len(value)} values" if isinstance(value, tuple) else "one number"
+        what = f"{len(value)} value{'s' * (len(value) != 1)}" if isinstance(value, tuple) else "one number"
         fail("L0303", f"{what} for an array of {shape[0]}", span)
     return [x for item in value for x in elements(item, shape[1:], span)]
 
@@ -402,33 +392,25 @@ def _element(value: Value, index: tuple[int, ...]) -> Value:
     return value
 
 
-def _need_vectors(arguments: list[Value], count: int, span: Span, size: int | None = None) -> None:
-    """The first `count` arguments must be vectors of one size."""
-    for value in arguments[:count]:
-        if not isinstance(value, tuple) or len(value) != (size or len(arguments[0])):
-            wanted = f" of {size} components" if size else " of equal size" if count > 1 else ""
-            fail("L0303", f"{'vectors' if count > 1 else 'a vector'}{wanted} {'are' if count > 1 else 'is'} needed here", span)
-
-
 def _dot(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
-    _need_vectors(arguments, 2, span)
+    need_vectors(arguments, 2, span)
     a, b = arguments
-    return _sum(_zip(times, a, b, span))
+    return _sum(zip_scalars(times, a, b, span))
 
 
 def _cross(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
-    _need_vectors(arguments, 2, span, size=2)
+    need_vectors(arguments, 2, span, size=2)
     return cross(*arguments)
 
 
 def _norm(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Scalar:
-    _need_vectors(arguments, 1, span)
+    need_vectors(arguments, 1, span)
     return evaluator.norm(arguments[0], level)
 
 
 def _rotate(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:
     """rotate(vector, angle), counter-clockwise."""
-    _need_vectors(arguments, 1, span, size=2)
+    need_vectors(arguments, 1, span, size=2)
     return turned_vector(arguments[0], _number(arguments[1], span), evaluator.algebras[level])
 
 
@@ -480,7 +462,7 @@ def _before(evaluator: Evaluator, arguments: list[Value], level: int, span: Span
 
 def _virtual(evaluator: Evaluator, arguments: list[Value], level: int, span: Span) -> Value:
     """virtual(x): zero, but that its virtual displacement is that of x."""
-    return _map(evaluator.virtual or (lambda x: 0.0), arguments[0])
+    return map_scalars(evaluator.virtual or (lambda x: 0.0), arguments[0])
 
 
 _VECTOR_FUNCTIONS: Mapping[str, Callable[[Evaluator, list[Value], int, Span], Value]] = {

@@ -274,8 +274,11 @@ class Kinematics:
 
     def follow(self, edge: Edge, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:
         """The pose of the edge's child, given its parent's."""
-        for step in edge.steps:
-            pose = self.step(step, pose, level, evaluator)
+        try:
+            for step in edge.steps:
+                pose = self.step(step, pose, level, evaluator)
+        except LagError as error:
+            raise error.placed(edge.span) from None
         return pose
 
     def step(self, step: Step, pose: Pose, level: int, evaluator: Evaluator | None = None) -> Pose:

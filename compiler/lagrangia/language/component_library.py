@@ -4,7 +4,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from lagrangia.base.diagnostics import Source
+from lagrangia.base.diagnostics import LIBRARY, Source
 from lagrangia.base.folders import data_folder
 from lagrangia.language.plain_tree import read_trees, write_trees
 from lagrangia.language.shipped import made_of, ship
@@ -47,7 +47,7 @@ def _parsed() -> bytes:
 
 
 def _trees() -> tuple[Syntax, ...]:
-    return tuple(parse(Source(f"library/{file.name}", file.read_text(encoding="utf-8"))) for file in _files())
+    return tuple(parse(Source(f"{LIBRARY}{file.name}", file.read_text(encoding="utf-8"))) for file in _files())
 
 
 def _undrawn(definition: ClassDefinition) -> ClassDefinition:

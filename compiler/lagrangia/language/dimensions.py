@@ -62,18 +62,18 @@ def check_dimensions(model: FlatModel) -> FlatModel:
     """The model with warnings of turns taken for radians. Raises LagError L03xx with all mismatches found."""
     checker = _Checker(model)
     for variable in model.variables.values():
-        checker.guard(checker.check_variable, variable)
+        checker.guard(checker.check_variable, variable, place=variable.span)
     for frame in model.frames.values():
         for name, start in frame.starts.items():
             checker.guard(checker.expect, start, dimension_of(name), f"the start of {name}")
     for frames in model.frame_equations:
-        checker.guard(checker.check_frame, frames.left)
-        checker.guard(checker.check_frame, frames.right)
+        checker.guard(checker.check_frame, frames.left, place=frames.span)
+        checker.guard(checker.check_frame, frames.right, place=frames.span)
     for equation in (*model.constraints, *model.initial_equations):
-        checker.guard(checker.check_equation, equation)
+        checker.guard(checker.check_equation, equation, place=equation.span)
     for state in model.states.values():
         rate = Call("der", (Ref(state.name, (), state.span),), (), state.span)
-        checker.guard(checker.check_equation, Equation(rate, state.rate, state.span))
+        checker.guard(checker.check_equation, Equation(rate, state.rate, state.span), place=state.span)
     for when in model.whens:
         checker.guard(checker.check_when, when)
     for sampler in model.samplers:
@@ -81,9 +81,9 @@ def check_dimensions(model: FlatModel) -> FlatModel:
     for energy in (energy for energy in model.energies if not energy.is_signal):
         wanted = _WATT if energy.kind == "dissipation" else _JOULE
         what = "a dissipation function" if energy.kind == "dissipation" else f"a {energy.kind} energy"
-        checker.guard(checker.expect, energy.value, wanted, what)
+        checker.guard(checker.expect, energy.value, wanted, what, place=energy.span)
     for work in (work for work in model.works if not work.is_signal):
-        checker.guard(checker.check_work, work.force, work.position, work.span)
+        checker.guard(checker.check_work, work.force, work.position, work.span, place=work.span)
     for figure in model.figures:
         checker.guard(checker.check_figure, figure)
     checker.report.raise_errors()
@@ -122,12 +122,16 @@ class _Checker:
         self.pending: set[str] = set()
         self.results: dict[tuple[object, ...], Quantity] = {}
 
-    def guard(self, check: Callable[..., object], *arguments: object) -> None:
-        """Collects what a check raises, so that the next one is made all the same."""
+    def guard(self, check: Callable[..., object], *arguments: object, place: Span | None = None) -> None:
+        """Collects what a check raises, so that the next one is made all the same; what it finds in the library is told at
+        `place`."""
+        found = len(self.report.diagnostics)
         try:
             check(*arguments)
         except LagError as error:
             self.report.add(error.diagnostics)
+        if place is not None and len(self.report.diagnostics) > found:
+            self.report.diagnostics[found:] = [x.placed(place) for x in self.report.diagnostics[found:]]
 
     # ------------------------------------------------------------ checks
 

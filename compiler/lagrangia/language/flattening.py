@@ -26,9 +26,9 @@ from lagrangia.language.flat import (
     Work,
     is_frame,
 )
-from lagrangia.language.folding import fold
 from lagrangia.language.idle import find_idle
 from lagrangia.language.instances import FrameSlot, Instance, Instantiation, Member, Modification, Scope, Slot, outside
+from lagrangia.language.limits import read_limit, require_within
 from lagrangia.language.mentions import leaves
 from lagrangia.language.moving_inputs import with_moving_inputs
 from lagrangia.language.names import Names, read_unit
@@ -195,6 +195,7 @@ class _Flattening:
         declaration = slot.declaration
         if slot.is_structural:
             value = self.names.structural_value(slot, declaration.name_span)
+            require_within(self.names, slot, value)
             if isinstance(value, Number | Boolean | String):
                 self.structural[slot.path] = value.value
             return
@@ -208,7 +209,7 @@ class _Flattening:
         start = self.names.flatten_bound(slot.attributes["start"]) if "start" in slot.attributes else None
         self.variables[slot.path] = Variable(
             slot.path, kind, slot.dimensions, self._unit(slot), self._display_unit(slot), binding, start,
-            self._flag(slot, "fixed"), self._limit(slot, "min"), self._limit(slot, "max"),
+            self._flag(slot, "fixed"), read_limit(self.names, slot, "min"), read_limit(self.names, slot, "max"),
             "output" in declaration.prefixes and owner.parent is None, declaration.description,
             self._place(declaration.name_span, owner), kind == "parameter" and self._has(declaration, "Evaluate"),
             kind == "parameter" and self._has(declaration, "Varying"),
@@ -264,15 +265,6 @@ class _Flattening:
             if read_unit(shown, place).dimension != read_unit(unit or "1", place).dimension:
                 fail("L0301", f"what is in {unit or '1'} cannot be shown in {shown}", place)
         return shown
-
-    def _limit(self, slot: Slot, attribute: str) -> float | None:
-        bound = slot.attributes.get(attribute)
-        if bound is None:
-            return None
-        value = fold(self.names.flatten_bound(bound))
-        if value is None or isinstance(value, bool):
-            fail("L0208", f"'{attribute}' must be a number", bound.expression.span)
-        return float(value)
 
     def _flag(self, slot: Slot, attribute: str) -> bool:
         bound = slot.attributes.get(attribute)

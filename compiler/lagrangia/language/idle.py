@@ -18,7 +18,7 @@ _ACTS = "give it to a component, as AppliedForce(force = ...) or ForcePair, or w
 def find_idle(model: FlatModel, root: Instance, table: ClassTable) -> Report:
     """A warning for each declaration of people's own that nothing mentions, neither an equation nor another variable."""
     report = Report()
-    mentioned = {node.name for node in nodes(*_expressions(model)) if isinstance(node, Ref)}
+    mentioned = {node.name for node in nodes(*expressions_of(model)) if isinstance(node, Ref)}
     told = set()
     for instance in (root, *inside(root)):
         for slot in (member for member in instance.members.values() if isinstance(member, Slot)):
@@ -49,7 +49,7 @@ def _follows(node: Flat) -> bool:
     return isinstance(node, Call) and node.function in ("contact_force", "constraint_force")
 
 
-def _expressions(model: FlatModel) -> Iterator[Flat]:
+def expressions_of(model: FlatModel) -> Iterator[Flat]:
     """All that is stated, and the bindings and starts of all variables."""
     for equation in (*model.constraints, *model.initial_equations):
         yield from (equation.left, equation.right)

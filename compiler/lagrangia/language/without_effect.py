@@ -8,7 +8,9 @@ from typing import Any
 from lagrangia.base.diagnostics import Report, Source, Span
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.flat import FlatModel, Reset
+from lagrangia.language.idle import expressions_of
 from lagrangia.language.instances import Instance, Slot
+from lagrangia.language.mentions import nodes, reached
 from lagrangia.language.tree import (
     Argument,
     Call,
@@ -56,6 +58,8 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
         for reset in when.resets:
             if _is_idle(reset) and reset.span.source not in table.library_sources:
                 report.warning(CODE, "this sets a rate to what it is: nothing happens", reset.span, "give another value")
+    if any("virtual" in source.text for source in {c.name_span.source for c in own}):
+        _look_at_virtual(model, table, report)
     return report
 
 
@@ -69,6 +73,20 @@ def find_unused_imports(syntax: Syntax, files: Sequence[tuple[ImportFile, Sequen
             report.warning(CODE, f"nothing uses '{item.path}'", item.span, "leave it out")
         seen.add(id(brought[0]))
     return report
+
+
+def _look_at_virtual(model: FlatModel, table: ClassTable, report: Report) -> None:
+    """virtual(x) where no equation reads it."""
+    bindings = {name: v.binding for name, v in model.variables.items()}
+    sides = [side for equation in model.constraints for side in (equation.left, equation.right)]
+    read = {node.span for node in reached(sides, bindings) if isinstance(node, Call) and node.function == "virtual"}
+    states = [state.rate for state in model.states.values()]
+    for node in nodes(*expressions_of(model), *states):
+        if isinstance(node, Call) and node.function == "virtual" and node.span not in read:
+            read.add(node.span)
+            if node.span.source not in table.library_sources:
+                report.warning(CODE, "virtual(x) is 0 here, and changes nothing", node.span,
+                               "in an equation between positions it says where the force acts that holds them")
 
 
 # -------------------------------------------------------------------- classes

@@ -68,7 +68,7 @@ def potential(book: Book) -> list[Block]:
         blocks += [paragraph(say("Elastic, and of what acts from outside (weights, sources):")), Display(tuple(lines))]
         blocks += [Display((equal(V, Relation(added(*names), added(*stated))),), ("V",))]
     else:
-        blocks += [Display((equal(V, stated[0]),), ("V",))]
+        blocks += [Display((equal(V, added(*stated)),), ("V",))]
     collected, whole = book.sum(p.V_elastic + p.V_field), added(*stated)
     if len(line(collected)) < len(line(whole)):
         blocks += [paragraph(say("collected:")), Display((equal(V, collected),))]

@@ -113,6 +113,8 @@ def _promising(s: Statics, turning: list[Expr], numbers: Mapping[Expr, float]) -
     q = s.equations.scene.q
     others = [x for x in q if x not in turning]
     values = [f.subs(list(numbers.items())) for f in s.forces]
+    if any(f.has(sp.zoo, sp.nan, sp.oo, -sp.oo) for f in values):
+        fail("L0713", "the forces have no finite value with the parameters as they are", s.span, "look at what is divided by")
     force = sp.lambdify([turning, others], values, "numpy")
     slopes = sp.lambdify([turning, others], [[s.equations.ring.tidy(slope(f, x)) for x in others] for f in values], "numpy")
     nothing, found = np.zeros(len(others)), []

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-from lagrangia.base.checked_values import a_count, a_number, by_name, numbers
+from lagrangia.base.checked_values import a_count, a_number, by_name, misfit, numbers
 from lagrangia.base.diagnostics import Report, fail, suggest
 from lagrangia.base.records import dataclass
 from lagrangia.run.input_rates import complete_rates
@@ -128,6 +128,8 @@ def instead_of(default: Default, request: Request) -> Experiment:
     end = (at[-1] if at and stop is None else default.stop if stop is None else stop) if at is None or len(at) else default.stop
     accuracy = default.tolerance if tolerance is None else tolerance
     _check_times(at, begin, end, report)
+    if at is not None and interval is not None:
+        report.error("L0702", "the interval has no effect: the output times are given", None, "leave interval out, or at")
     report.raise_errors()
     for name, value in (("start time", begin), ("stop time", end), ("tolerance", accuracy)):
         if not math.isfinite(value):
@@ -238,7 +240,8 @@ def _input_table(scene: Scene, inputs: Any, report: Report) -> tuple[Sequence[fl
     columns = complete_rates(scene, times, columns) if scene.pieces else columns
     full = [columns.get(p.name, [p.value or 0.0] * len(times)) for p in scene.inputs]
     for known, column in zip(scene.inputs, full, strict=True):
-        _require_within("input", known, min(column), max(column), report)
+        for value in filter(math.isfinite, dict.fromkeys((min(column), max(column)))):
+            _require_possible("input", known, value, report)
     return times, [column[row] for row in range(len(times)) for column in full if row < len(column)]
 
 
@@ -250,18 +253,11 @@ def check_parameters(scene: Scene, parameters: Sequence[float]) -> None:
     """All parameters, dependent ones too, must be finite and within the limits of their types. Raises LagError L0605."""
     report = Report()
     for known, value in zip(scene.parameters, parameters, strict=True):
-        if not math.isfinite(value):
-            what = f"the parameter '{known.name}' has no finite value: {value}"
-            report.error("L0605", what, None, f"declared at {known.place}")
-        else:
-            _require_within("parameter", known, value, value, report)
+        _require_possible("parameter", known, value, report)
     report.raise_errors()
 
 
-def _require_within(what: str, known: Parameter, least: float, most: float, report: Report) -> None:
+def _require_possible(what: str, known: Parameter, value: float, report: Report) -> None:
     unit = f" {known.unit}" if known.unit else ""
-    for value, limit, is_beyond, words in ((least, known.minimum, least < (known.minimum or 0), "less than its minimum"),
-                                           (most, known.maximum, most > (known.maximum or 0), "more than its maximum")):
-        if limit is not None and is_beyond:
-            report.error("L0605", f"the {what} '{known.name}' is {value:g}{unit}, {words} {limit:g}{unit}", None,
-                         f"declared at {known.place}")
+    if wrong := misfit(value, unit, known.minimum, known.maximum):
+        report.error("L0605", f"the {what} '{known.name}' {wrong}", None, f"declared at {known.place}")

@@ -74,6 +74,9 @@ def _check(scene: Scene, request: Request, controllers: Mapping[str, Controller]
         fail("L0702", "`every` has no meaning without controllers", None, 'controllers={"F": f} asks f(t, run) for the input F')
     if not (math.isfinite(a_number("period of the controllers", every)) and every > 0):
         fail("L0702", f"the controllers need a period: every is a positive number of seconds, not {every}")
+    given = request.inputs[1] if isinstance(request.inputs, tuple) and len(request.inputs) == 2 else request.inputs or {}
+    if twice := next((name for name in controllers if name in given), None):
+        fail("L0712", f"'{twice}' is given twice", None, "by inputs, and by a controller")
     if request.interval is not None or request.at is not None:
         fail("L0702", "rows stand where the controllers are asked: interval and at have no effect")
     if request.max_steps:

@@ -1,0 +1,37 @@
+"""What a run does that nobody asked for: inputs that nothing is given for, and tables of inputs that end before it does."""
+
+import warnings
+from collections.abc import Collection
+from typing import Any
+
+from lagrangia.base.diagnostics import InputWarning
+from lagrangia.run.request import Experiment, Request, check_values, plan
+from lagrangia.run.scene import Scene
+
+
+def input_remarks(scene: Scene, experiment: Experiment, given: Any, later: Collection[str] = ()) -> list[str]:
+    """Warnings, as `lag` prints them. `given` as in a Request; the names `later` get their values during the run."""
+    times, columns = given if isinstance(given, tuple) else ((), given or {})
+    found = []
+    for known in scene.inputs:
+        if known.name not in columns and not known.is_stated and known.name not in later and not known.name.startswith("der("):
+            value = f"{known.value or 0:g} {known.unit}".rstrip()
+            found.append(f"warning[L0708]: nothing is given for the input '{known.name}': it is {value} throughout\n"
+                         f"   = give it with -u {known.name}=VALUE, or -u FILE.csv")
+    if len(times) and (times[-1] < experiment.stop or times[0] > experiment.start):
+        found.append(f"warning[L0709]: the table of inputs goes from {times[0]:g} to {times[-1]:g} s, the run from "
+                     f"{experiment.start:g} to {experiment.stop:g} s: beyond its ends the inputs keep their values")
+    return found
+
+
+def warn_of_inputs(scene: Scene, request: Request, later: Collection[str] = ()) -> None:
+    """The same in Python, as InputWarnings at the line that called who calls this, but those that the model allows; inputs may be
+    a list of those of several runs. Raises LagError for a request that is none."""
+    experiment, found = plan(scene, request), dict[str, None]()
+    for given in request.inputs if isinstance(request.inputs, list) else [request.inputs]:
+        check_values(scene, inputs=given)
+        found |= dict.fromkeys(input_remarks(scene, experiment, given, later))
+    for text in found:
+        head, _, message = text.partition("\n")[0].partition(": ")
+        if head.removeprefix("warning[").removesuffix("]") not in scene.notes["allowed"]:
+            warnings.warn(f"{message} ({head[8:13]})", InputWarning, stacklevel=3)

@@ -1,0 +1,48 @@
+"""`lag check` looks at all of a file, not at what its last model uses alone."""
+
+from pathlib import Path
+
+import pytest
+
+from lagrangia.command.cli import main
+
+SCENE = "model M Block b(m = 1, base = world); end M;"
+WRONG = {  # beside the scene; what is told of it
+    "partial model P Foo f; end P;": "there is no model or type 'Foo'",
+    "partial model P Real k = kk; end P;": "'kk' is not known in P",
+    "function f input Real x; output Real y = x + zz; end f;": "'zz' is not known in f",
+    "function f input Length x; input Time t; output Real y = x + t; end f;": "m and s cannot be added",
+    "function 'a b' input Real x; output Real y = 'a b'(x); end 'a b';": "calls itself",
+    'type T = Real(unit = "fooo"); type V = Foo;': "'fooo' is not a unit",
+    "model P Block q(m = 3, base = world, s(start = 3[s])); end P;": "the start of 'q.s' is in m",
+}
+RIGHT = ("partial model P Frame a, b; parameter Stiffness k; Length s = distance(a, b); end P; partial model Q extends P; end Q;",
+         "function f input Length x; output Length y = x + g(1)*x; end f; function g input Real x; output Real y = x^2; end g;",
+         'type T = Real(unit = "m"); type U = Integer(min = 0); type V = T(min = 0);',
+         "model P parameter Mass m; Frame a; PointMass p(m = m, center = a); end P;")
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_what_is_wrong_beside_the_last_model_is_told_once(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "scene.lag"
+    file.write_text(f"{text} {SCENE}")
+    assert main(["check", str(file)]) == 2
+    assert capsys.readouterr().err.count(WRONG[text]) == 1
+
+
+@pytest.mark.parametrize("text", RIGHT)
+def test_what_is_right_or_unfinished_is_not(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "scene.lag"
+    file.write_text(f"{text} {SCENE}")
+    assert main(["check", str(file)]) == 0, capsys.readouterr().err
+
+
+def test_values_out_of_their_limits_are_told_by_every_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "scene.lag"
+    file.write_text("model M parameter Real x(max = 5) = 7; Block b(m = 1, base = world); output Real y = x*b.s; end M;")
+    for command in ("check", "explain", "equations"):
+        assert main([command, str(file)]) == 2
+        assert "L0605" in capsys.readouterr().err
+    file.write_text("model M parameter Real x(max = 5) = 3; Block b(m = 1, base = world); output Real y = x*b.s; end M;")
+    assert main(["explain", str(file), "-p", "x=6"]) == 2
+    assert main(["explain", str(file), "-p", "x=4"]) == 0
