@@ -116,14 +116,18 @@ def test_what_is_moved_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str
     file.write_text(f"model M {LAG.format(start='', v=', v(start = 2)')} initial equation der(F) = 0; end M;"
                     "model N PointMass A(m = 1, center(x(start = 2), y(start = 0))); Link l(a = world, b = A.center, L = 1); "
                     "end N;"
-                    f"model O {LAG.format(start='', v=', v(start = 2)')} end O;")
+                    f"model O {LAG.format(start='', v=', v(start = 2)')} end O;"
+                    "model P Block b(m = 1, base = world, s(start = 1)), u(m = 0, base = world), v(m = 0, base = world), "
+                    "w(m = 0, base = world, s(start = 0.8)); Spring s1(k = 10, stretch = u.s), s2(k = 5, stretch = w.s - v.s); "
+                    "Damper d1(c = 2, rate = v.v - u.v), d2(c = 1, rate = b.v - w.v); end P;")  # two Maxwell elements in a row
     said = []
-    for name in "MNO":
+    for name in "MNOP":
         assert main(["simulate", str(file), "--model", name, "--at", "0,0.1", "-o", str(tmp_path / "o.csv")]) == 0
         said.append([line for line in capsys.readouterr().out.splitlines() if " begins at " in line])
     assert "F begins at 2 N, not at 0 N" in said[0][0]
     assert "A.center.x begins at 1 m, not at 2 m" in said[1][0]
-    assert [len(lines) for lines in said] == [1, 1, 0]
+    assert "v.s begins at 0.8 m, where the forces on it are in balance" in said[3][0]
+    assert [len(lines) for lines in said] == [1, 1, 0, 1]
 
 
 # ---------------------------------------------------------------- equations of accelerations

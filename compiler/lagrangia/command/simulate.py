@@ -153,7 +153,7 @@ def _run(options: Namespace, model: Model, experiment: Experiment, values: Any, 
         try:
             for portion in portions:
                 writer(portion)
-                first = first or portion[: 1 + 2 * scene.n]
+                first = first or portion[: 1 + 2 * scene.n + len(scene.outputs)]
                 last = portion[-len(columns(scene)) - ENERGIES :]
                 if picture is not None:
                     keep.append(portion)

@@ -90,12 +90,22 @@ def tell_moved(scene: Any, progress: Progress, values: Values, row: Sequence[flo
         return
     guess = [part[: scene.n] for part in evaluate(scene.tapes["start"], progress.parameters)]
     kinds = [*scene.fixed[: scene.n], *scene.fixed[len(scene.fixed) // 2 :][: scene.n]]
-    stated = zip((*scene.coordinates, *scene.rates), kinds, [*guess[0], *guess[1]], (*values.q, *values.v), row[1:], strict=True)
+    begun = row[1 : 1 + 2 * scene.n]
+    stated = zip((*scene.coordinates, *scene.rates), kinds, [*guess[0], *guess[1]], (*values.q, *values.v), begun, strict=True)
     for k, (column, kind, wanted, given, value) in enumerate(stated):
         may_tell = kind == _GUESS or (kind == _FREE and k < scene.n and not scene.sizes["n_initial_positions"])
         if may_tell and math.isnan(given) and abs(value - wanted) > max(_MOVED * max(abs(value), abs(wanted)), _ROUNDING):
             print(f"  {column.name} begins at {_quantity(value, column.unit)}, not at {_quantity(wanted, column.unit)}: the "
                   "equations ask for it", file=out)
+    _tell_balanced(scene, row, out)
+
+
+def _tell_balanced(scene: Any, row: Sequence[float], out: Any) -> None:
+    """Places without mass that others give, beside such that dampers hold back: where these begin, those follow."""
+    balanced, places = scene.notes["balanced"], {column.name for column in scene.coordinates}
+    for k, column in enumerate(scene.outputs, 1 + 2 * scene.n):
+        if column.name in balanced and not places.isdisjoint(balanced) and abs(row[k]) > _ROUNDING:
+            print(f"  {column.name} begins at {_quantity(row[k], column.unit)}, where the forces on it are in balance", file=out)
 
 
 def _quantity(value: float, unit: str) -> str:
