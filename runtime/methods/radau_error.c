@@ -8,10 +8,10 @@
 #include "methods/radau.h"
 #include "steps/step.h"
 
-/* Of an angle that turns more than this in a step, rad, and of what goes so many times as far as any of its kind has been, accelerations
- * are looked at between the stages; where, and how far aside for the slope there; by how many units of error of its rate they may be off
- * over the step. */
-static const double TURN = 5, FAR = 5, EARLY = 0.41, LATE = 0.83, ASIDE = 0.01, MOST_APART = 100;
+/* Of an angle that turns more than this in a step, rad, and of what goes so many times as far as any of its kind was, accelerations are
+ * looked at between the stages; where, and how far aside for the slope there; by how many units of error of its rate, over the
+ * step, and by which share of themselves they may be off: a polynomial is less exact there than at the end. */
+static const double TURN = 5, FAR = 5, EARLY = 0.41, LATE = 0.83, ASIDE = 0.01, MOST_APART = 100, SHARE = 0.1;
 
 /* error = (mu - J)^-1 (slope of rates + sum e_i Z_i/h; position part), for rates `force` and positions `place` of the
  * residual: (mu - J_v - J_q/mu) e_v = force + J_q place/mu, e_q = (place + e_v)/mu. */
@@ -76,13 +76,14 @@ double lag_radau_error(LagRadau *s, LagRun *run, double h, int again, int *worst
     return error >= 0 ? error : INFINITY;
 }
 
-/* What is held moves by rounding, which has no size. */
-static int goes_far(const LagRun *run, int i)
+/* Lengths in first steps alone: what begins at rest goes many times as far with each step as before, and what is held moves by rounding. */
+static int goes_far(const LagRadau *s, const LagRun *run, int i)
 {
     const LagMotion *m = &run->motion;
     const LagScale *scale = &run->scale;
     const double known = fmax(fabs(m->y[i]), scale->group[scale->kind[i]]), way = fabs(m->other[i] - m->y[i]);
-    return isfinite(scale->cap[i]) ? way > TURN : run->sliding.count == 0 && way > FAR * known;
+    const int is_first = !s->has_last && known > 0 && run->sliding.count == 0;
+    return isfinite(scale->cap[i]) ? way > TURN : is_first && way > FAR * known;
 }
 
 /* Whether accelerations at the share x of the step are those of its polynomial, of what goes far. */
@@ -100,8 +101,9 @@ static int fits_at(LagRadau *s, LagRun *run, double h, double x)
     if (!lag_motion_slope(m, m->t + x * h, m->point, m->point + n, m->sum))
         return 0;
     for (int i = 0; i < n; ++i) {
-        const double most = MOST_APART * lag_radau_unit(s, m, &run->scale, n + i, m->other);
-        if (goes_far(run, i) && !(fabs(h * m->sum[n + i] - change[i]) <= most))
+        const double now = h * m->sum[n + i], share = SHARE * fmax(fabs(now), fabs(change[i]));
+        const double most = fmax(share, MOST_APART * lag_radau_unit(s, m, &run->scale, n + i, m->other));
+        if (goes_far(s, run, i) && !(fabs(now - change[i]) <= most))
             return 0;
     }
     return 1;
@@ -110,7 +112,7 @@ static int fits_at(LagRadau *s, LagRun *run, double h, double x)
 int lag_radau_is_solution(LagRadau *s, LagRun *run, double h)
 {
     for (int i = 0; i < run->motion.n; ++i)
-        if (goes_far(run, i))
+        if (goes_far(s, run, i))
             return fits_at(s, run, h, EARLY) && fits_at(s, run, h, LATE);
     return 1;
 }

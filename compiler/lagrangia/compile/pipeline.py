@@ -152,7 +152,7 @@ def _flow(kinematics: "Kinematics", constraints: "Constraints", energies: "Energ
     from lagrangia.dynamics.hamilton import build_hamilton, energy_flow, is_separable, no_momenta
 
     flow = energy_flow(kinematics, constraints, energies, run)
-    stuck = flow or no_momenta(constraints, run)
+    stuck = flow or no_momenta(constraints, energies, run)
     return flow, stuck, None if waits or stuck or is_separable(run) else build_hamilton(kinematics, run)
 
 

@@ -11,7 +11,7 @@ import casadi as ca
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.rows import Constraints, moved_in_time
 from lagrangia.dynamics.energies import Energies
-from lagrangia.dynamics.motion import Motion, solve_mass
+from lagrangia.dynamics.motion import Motion, is_quadratic, solve_mass
 from lagrangia.frames.kinematics import Kinematics
 
 _MOST_COORDINATES = 300
@@ -47,10 +47,12 @@ def energy_flow(kinematics: Kinematics, constraints: Constraints, energies: Ener
     return ""
 
 
-def no_momenta(constraints: Constraints, motion: Motion) -> str:
+def no_momenta(constraints: Constraints, energies: Energies, motion: Motion) -> str:
     """Why a scene that keeps its energy cannot be stepped in momenta; "" when it can."""
     if constraints.rows:
         return f"not supported yet with constraints that stay in the equations ({constraints.rows[0].span})"
+    if not is_quadratic(energies.of_mechanism(), motion.v, but_for_rest=True):
+        return "not supported yet with a kinetic energy that is not quadratic in the rates"
     if motion.q.numel() > _MOST_COORDINATES:
         return f"not supported yet beyond {_MOST_COORDINATES} coordinates"
     return ""

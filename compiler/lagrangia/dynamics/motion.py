@@ -61,7 +61,7 @@ class Motion:
     T: ca.SX
     V: ca.SX
     D: ca.SX
-    H: ca.SX  # v . dT/dv - T + V: T + V, but for supports that move with time
+    H: ca.SX  # v . dT/dv - T + V: T + V, but for supports that move with time, and T of one's own that is not quadratic in v
     momentum: ca.SX  # dT/dv
     h: ca.SX
     acceleration: ca.SX
@@ -94,21 +94,21 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
 
     Raises LagError L0504 for a coordinate that moves no mass, L0505 for a scene without coordinates and joints.
     """
-    symbols = kinematics.symbols
+    symbols, impacts = kinematics.symbols, impacts or Impacts()
     q, v, a = (ca.vertcat(ca.SX(0, 1), *s.values()) for s in (symbols.positions, symbols.rates, symbols.accelerations))
-    t, tau, impacts = symbols.time, symbols.tau, impacts or Impacts()
+    t, tau = symbols.time, symbols.tau
     _require_coordinates(kinematics)
     energies = replace(energies, loads=energies.loads + impacts.loads)
     bodies = find_bodies(kinematics, energies)
     T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
-    slopes = ca.densify(ca.gradient(T - V, ca.vertcat(v, t)))
+    slopes, mechanism = ca.densify(ca.gradient(T - V, ca.vertcat(v, t))), energies.of_mechanism()
     momentum, dL_dt = slopes[:-1, 0], slopes[-1]
-    mechanism = energies.of_mechanism()
     T, force, damping = energies.total(mechanism.kinetic), generalised_force(mechanism, q), gradient_by_rates(D, v)
     h = inertial_force(kinematics, energies, bodies, q, v) + damping
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
-    H = ca.dot(_kept_rates(kinematics, v), momentum) - T + V if _knows(kinematics, T) else T + V
+    is_sum = not _knows(kinematics, T) and is_quadratic(mechanism, v)
+    H = T + V if is_sum else ca.dot(_kept_rates(kinematics, v), momentum) - T + V
     short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
     T, V, D, H, momentum, h, dissipated, source = _on_time([T, V, D, H, momentum, h, dissipated, source], kinematics)
     constrained, counted = None, dict[str, int]()
@@ -329,6 +329,17 @@ def _on_time(expressions: list[ca.SX], kinematics: Kinematics) -> list[ca.SX]:
 def _knows(kinematics: Kinematics, expression: ca.SX) -> bool:
     """Whether the rate of time stands in it."""
     return kinematics.is_timed and bool(ca.depends_on(expression, kinematics.symbols.tau))
+
+
+def is_quadratic(energies: Energies, v: ca.SX, but_for_rest: bool = False) -> bool:
+    """Whether kinetic energies of one's own are quadratic in the rates, perhaps but for what they are at rest: a hoop that turns
+    evenly may be a constant in one."""
+    own = energies.total(tuple(term for term in energies.kinetic if not term.statement.is_of_library))
+    if own.is_constant():
+        return True
+    M, momentum = ca.hessian(own, v)
+    left = ca.substitute(momentum if but_for_rest else ca.vertcat(own, momentum), v, ca.SX.zeros(v.numel()))
+    return not ca.depends_on(M, v) and ca.densify(left).is_zero()
 
 
 def coupled_pairs(kinematics: Kinematics) -> int:
