@@ -5,7 +5,7 @@ from argparse import Namespace
 
 from lagrangia.base.checked_values import a_count_within
 from lagrangia.base.diagnostics import RunError
-from lagrangia.command.arguments import keep_inputs, load_asked, named_pairs, names_once, tell_inputs
+from lagrangia.command.arguments import keep_inputs, keep_other, load_asked, named_pairs, names_once, tell_inputs, titles
 from lagrangia.command.beside import requests_beside
 from lagrangia.draw.drawing import require_picture
 from lagrangia.draw.film import MOST_POSITIONS, animate_run, draw_stroboscope, require_film
@@ -18,6 +18,7 @@ def animate_command(options: Namespace) -> int:
     """`lag animate`: writes the file. Raises LagError, RunError."""
     target = _target(options)
     model, request = load_asked(options)
+    keep_other(options, target, *titles(model))
     others = requests_beside(model, request, options.beside)
     tell_inputs(options, model, plan(model.scene, request), request.inputs)
     run, failure = run_as_far(model, request)

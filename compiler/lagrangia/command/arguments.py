@@ -7,6 +7,7 @@ import sys
 from argparse import Namespace
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from lagrangia.run.remarks import input_remarks
 from lagrangia.run.request import USUAL, Request
 from lagrangia.view.curves import require_format
 
+_HEAD = 8192  # characters
 _TABLES = (".csv", ".txt", ".dat")
 
 
@@ -257,6 +259,26 @@ def keep_foreign(options: Namespace, target: str, names: Sequence[str]) -> None:
     if head and not set(names) <= set(head):
         fail("L0004", f"'{target}' is there already, and holds no results of this scene: it is kept", None,
              f"-o {target} writes over it; another name after -o keeps it")
+
+
+def keep_other(options: Namespace, target: str | Path, *signs: str) -> None:
+    """Raises LagError L0004 where nobody named a file for what is written and the usual one holds something else: a file that has
+    none of these signs of ours near its beginning."""
+    if options.output is not None or not os.path.isfile(target):
+        return
+    try:
+        with open(target, encoding="utf-8", errors="replace") as stream:
+            head = stream.read(_HEAD)
+    except OSError:
+        head = "?"
+    if head and not any(sign in head for sign in signs):
+        fail("L0004", f"'{target}' is there already, and nothing of this scene that Lagrangia wrote: it is kept", None,
+             f"-o {target} writes over it; another name after -o keeps it")
+
+
+def titles(model: Model) -> list[str]:
+    """Of its pictures and pages: signs by which they are known again."""
+    return [f"<title>{escape(text)}</title>" for text in (model.name, model.scene.description) if text]
 
 
 def keep_inputs(options: Namespace, *targets: str | Path | None) -> None:

@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 
 from lagrangia.base.result_files import is_device
-from lagrangia.command.arguments import keep_inputs, load_asked, named_pairs, number
+from lagrangia.command.arguments import keep_inputs, keep_other, load_asked, named_pairs, number, titles
 from lagrangia.draw.drawing import draw_scene, require_picture
 
 
@@ -17,6 +17,7 @@ def draw_command(options: Namespace) -> int:
     if options.at is not None:
         number(options.at, "--at")  # one
     model, request = load_asked(options)
+    keep_other(options, target, *titles(model))
     text = draw_scene(model, None if target == "-" else target, request, named_pairs(options.names or "", "--names"),
                       lambda text: print(f"note: {text}", file=sys.stderr))
     print(text.rstrip() if target == "-" else f"written to {target}")

@@ -7,6 +7,7 @@ from pathlib import Path
 from lagrangia.base.diagnostics import fail
 from lagrangia.command.arguments import (
     assignments,
+    keep_other,
     named_pairs,
     part_structural,
     tell,
@@ -15,6 +16,8 @@ from lagrangia.command.arguments import (
 from lagrangia.command.scene_export import TARGETS
 
 _WRITTEN = ("modelica", "sympy", "latex")  # with names on paper
+_SIGNS = {"python": "Functions of t, q, v, u, p in SI units", "sympy": "Lagrange's equations: equations[k]",
+          "modelica": ", fixed = true", "latex": "margin=22mm"}  # of what each writes
 _MEANT = dict.fromkeys(("fmi", "kind", "platforms", "sources", "engine", "outputs", "info"), ("fmu",)) | {"names": _WRITTEN}
 
 
@@ -47,5 +50,6 @@ def export_command(options: Namespace) -> int:
         sys.stdout.write(exported_text(model, options.to, names, options.force))
         return 0
     path = Path(options.output) if options.output else Path(model.name + TARGETS.get(options.to, ""))
+    keep_other(options, path, _SIGNS.get(options.to, ""))
     print(export(model, options.to, path, names, options.force))
     return 0

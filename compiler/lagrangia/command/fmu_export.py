@@ -2,6 +2,7 @@
 
 import sys
 from argparse import Namespace
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,6 +36,8 @@ def export_fmu_command(options: Namespace) -> int:
     units = {p.name: p.unit for p in model.scene.parameters}
     others = [(name, text) for name, text in given if name.partition("[")[0] not in model.scene.structural]
     info = dict(assignments(options.info, "--info"))
+    if options.output is None:
+        _keep_others(model.scene.name, ("_fmi2", "_fmi3") if options.fmi == "both" else ("",))
     try:
         chosen = {name: value for name in OPTIONS if (value := getattr(options, name)) is not None}
         written = model.export_fmu(options.output, **chosen, parameters=values_with_units(others, units), info=info, tell=_tell)
@@ -43,6 +46,25 @@ def export_fmu_command(options: Namespace) -> int:
     for path in written:
         print(_summary(model, path))
     return 0
+
+
+def _keep_others(name: str, endings: Iterable[str]) -> None:
+    """Raises LagError L0004 where nobody named a file and the usual one is no FMU of ours."""
+    import zipfile
+
+    from lagrangia.fmu.export import identifier_of
+
+    for path in (Path(f"{identifier_of(name)}{ending}.fmu") for ending in endings):
+        if not path.is_file():
+            continue
+        try:
+            with zipfile.ZipFile(path) as archive, archive.open("modelDescription.xml") as stream:
+                is_ours = b'generationTool="Lagrangia' in stream.read(2000)
+        except (OSError, KeyError, ValueError, NotImplementedError, zipfile.BadZipFile):
+            is_ours = False
+        if not is_ours:
+            fail("L0004", f"'{path}' is there already, and no FMU that Lagrangia wrote: it is kept", None,
+                 f"-o {path} writes over it; another name after -o keeps it")
 
 
 def _tell(text: str) -> None:

@@ -1,0 +1,43 @@
+"""A file that Lagrangia did not write is kept where nobody named it; what it wrote is written anew."""
+
+import zipfile
+from contextlib import nullcontext
+from pathlib import Path
+
+import pytest
+
+from lagrangia.base.diagnostics import LagError
+from lagrangia.command.cli import main
+from lagrangia.command.fmu_export import _keep_others
+
+SCENE = "model R \"a <block> on a spring\" Block b(m = 1, base = world, s(start = 0.1)); Spring s(k = 9, stretch = b.s); end R;"
+COMMANDS = {"draw road.lag": "road.svg", "animate road.lag --stop 0.1": "road.html", "export road.lag --to python": "R.py",
+            "export road.lag --to modelica": "R.mo", "export road.lag --to sympy": "R.py"}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_it_is_kept(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("road.lag").write_text(SCENE)
+    words, file = command.split(), Path(COMMANDS[command])
+    file.write_text("model R // mine\nend R;")
+    assert main(words) == 2
+    assert "L0004" in (said := capsys.readouterr().err) and "it is kept" in said
+    assert file.read_text() == "model R // mine\nend R;"
+    assert main([*words, "-o", file.name]) == 0
+    first = file.read_text()
+    assert main(words) == 0
+    assert file.read_text() == first
+
+
+def test_an_fmu_of_others_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("road.lag").write_text(SCENE)
+    Path("R.fmu").write_text("mine")
+    assert main(["export", "road.lag", "--to", "fmu"]) == 2
+    assert "it is kept" in capsys.readouterr().err
+    for tool, is_kept in (("Other 1.0", True), ("Lagrangia 0.1.0", False)):
+        with zipfile.ZipFile("R.fmu", "w") as archive:
+            archive.writestr("modelDescription.xml", f'<fmiModelDescription generationTool="{tool}"/>')
+        with pytest.raises(LagError, match="it is kept") if is_kept else nullcontext():
+            _keep_others("R", ("",))
