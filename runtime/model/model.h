@@ -115,8 +115,8 @@ struct LagModel {
     LagFunction parameters; /* given, mask          -> p               given values kept, dependent ones computed */
     LagFunction hoist;      /* p                    -> c */
     LagFunction start;      /* p                    -> q, v            guesses */
-    LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   column-major, n_initial x 2 (n + n_lost); of q, v, p, u with
-                               pieces */
+    LagFunction initial;    /* q, v, p              -> g, dg/d(q, v)   column-major, n_initial x 2 (n + n_lost); of q, v, p, u where
+                               inputs decide */
     LagFunction momentum;   /* q, v, p              -> M v             at the start; absent: start values have no mass */
     LagFunction events;     /* p                    -> a, b            event arguments a + b t */
     LagFunction modes;      /* t, p                 -> d */

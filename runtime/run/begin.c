@@ -22,7 +22,7 @@ static int settings_valid(const LagSettings *s)
 /* Inputs at the start, for the equations of start values. */
 static void look_at_inputs(LagRun *run)
 {
-    if (run->model->n_pieces == 0)
+    if (run->model->n_inputs == 0 || run->model->n_initial == 0)
         return;
     lag_inputs_enter(&run->inputs, run->motion.t);
     lag_inputs_at(&run->inputs, run->motion.t, run->u);

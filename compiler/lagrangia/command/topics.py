@@ -40,7 +40,8 @@ hinge.reaction             in outputs: force (2), in world axes, of a joint or a
                            to a joint's coordinate (stretch = guide.s, a Rack, a Motion, equations of coordinates) acts through
                            the joint, and counts as its reaction: the torque of a drive is hinge.reaction_torque
 der(z) = expression        a first-order state, declared as Real z(start = 0): lag help signals
-initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3
+initial equation           where it begins: hinge.phi = 1; or hinge.w = 2; or an equation to be solved, bar.b.y = 0.3; or
+                           equilibrium(); at rest under the loads, nearest to the guesses, in each run anew (dry friction aside)
 parameter, constant        numbers that a run may change without compiling, and those it may not; Integer and Boolean parameters
                            are structural: they decide what the scene consists of
 annotation(Evaluate = true)  behind a parameter: where it is 0, 1 or -1 that number is compiled in, and what it is multiplied with

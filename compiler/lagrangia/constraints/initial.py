@@ -16,6 +16,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.duals import rate_of as rate_of_dual
+from lagrangia.algebra.scalars import as_expression
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters, input_symbols, parameter_symbols, with_declared_inputs
@@ -67,7 +68,7 @@ def build_initial(kinematics: Kinematics, constraints: Constraints) -> InitialCo
 def with_motion(initial: InitialConditions, kinematics: Kinematics, momentum: ca.SX, acceleration: ca.SX) -> InitialConditions:
     """With what is known of the motion: which rates move no mass, and what accelerations are.
 
-    Raises LagError L0603 for equations of accelerations that inputs decide, or contacts.
+    Raises LagError L0603 for equations of accelerations that contacts decide.
     """
     return _settle(_loosen(initial, momentum, ca.vertcat(*kinematics.symbols.rates.values())), kinematics, acceleration)
 
@@ -85,15 +86,13 @@ def _settle(initial: InitialConditions, kinematics: Kinematics, acceleration: ca
     if not initial.steady:
         return initial
     symbols, model = kinematics.symbols, kinematics.graph.model
-    inputs = input_symbols(kinematics)
     rates = ca.vertcat(*symbols.rates.values())
     gaps = ca.substitute([gap for gap, _ in initial.steady], [ca.vertcat(*symbols.accelerations.values())],
                          kinematics.at_start([acceleration]))
     positions, moving = list[tuple[ca.SX, Span]](), list[tuple[ca.SX, Span]]()
     for gap, (_, span) in zip(gaps, initial.steady, strict=True):
-        why = "contacts may decide" if model.whens else "inputs decide" if ca.depends_on(gap, inputs) else ""
-        if why:
-            fail("L0603", f"not supported yet: an initial equation of accelerations that {why}", span,
+        if model.whens:
+            fail("L0603", "not supported yet: an initial equation of accelerations that contacts may decide", span,
                  "state the place, or the rate at which it is steady")
         (moving if ca.depends_on(gap, rates) else positions).append((gap, span))
     n, known, spans, loops = initial.n_positions, initial.residuals, initial.residual_spans, initial.residual_loops
@@ -109,12 +108,12 @@ def start_function(kinematics: Kinematics, initial: InitialConditions) -> ca.Fun
 
 
 def initial_function(kinematics: Kinematics, initial: InitialConditions) -> ca.Function:
-    """q, v, p -> the residuals and their Jacobian, column by column."""
+    """q, v, p -> the residuals and their Jacobian, column by column; of q, v, p, u where inputs decide."""
     positions, rates = (ca.vertcat(ca.SX(0, 1), *x.values()) for x in (kinematics.symbols.positions, kinematics.symbols.rates))
     q, v, p = ca.vertcat(positions, initial.lost_q), ca.vertcat(rates, initial.lost_v), parameter_symbols(kinematics)
     jacobian = ca.densify(ca.jacobian(initial.residuals, ca.vertcat(q, v)))
     arguments, labels = [q, v, p], ["q", "v", "p"]
-    if kinematics.graph.model.moving_inputs:
+    if kinematics.graph.model.moving_inputs or ca.depends_on(initial.residuals, input_symbols(kinematics)):
         arguments, labels = [*arguments, input_symbols(kinematics)], [*labels, "u"]
     return ca.Function("initial", arguments, [initial.residuals, ca.vec(jacobian)], labels, ["g", "J"])
 
@@ -147,6 +146,8 @@ class _Starts:
                     self.fixed[slot] = start.span if start is not None else coordinate.span
         for equation in self.kinematics.graph.model.initial_equations:
             self._equation(equation)
+        if self.kinematics.graph.model.at_rest is not None:
+            self._rest(self.kinematics.graph.model.at_rest)
         for coordinate in self.kinematics.graph.dependent_coordinates:
             if not self.kinematics.dependents[coordinate.name].terms:
                 self._require_agreement(coordinate)
@@ -211,6 +212,19 @@ class _Starts:
     @cached_property
     def _defaults(self) -> tuple[ca.SX, ca.DM]:
         return default_parameters(self.kinematics)
+
+    def _rest(self, span: Span) -> None:
+        """Nothing moves and nothing begins to; first-order states do not change."""
+        signals = {state.coordinate for state in self.kinematics.graph.model.states.values()}
+        for name, acceleration in self.kinematics.symbols.accelerations.items():
+            coordinate, slot = self.coordinates[self.number[name]], self.n + self.number[name]
+            if name not in signals and (coordinate.rate_start is not None or slot in self.fixed):
+                place = self.fixed.get(slot) or (coordinate.rate_start and coordinate.rate_start.span)
+                self.report.error("L0601", f"'{coordinate.rate_name}' is given two initial values", span,
+                                  f"the other is at {place}", "in equilibrium nothing moves: leave the rate out")
+            elif name not in signals:
+                self.fixed[slot], self.values[slot] = span, 0.0
+            self.steady.append((as_expression(acceleration), span))
 
     def _start(self, slot: int, start: Flat) -> None:
         value = self.kinematics.evaluator.value(start)

@@ -54,7 +54,7 @@ def start_equations(kinematics: Kinematics, initial: InitialConditions, table: M
     kinds = np.array([sorted(set(units)).index(unit) for unit in units])
     p, is_angle = default_parameters(kinematics)[1].full().ravel(), np.array([unit == "rad" for unit in units])
     u = None
-    if kinematics.graph.model.moving_inputs:
+    if table["initial"].n_in() > 3:
         u = ca.evalf(with_declared_inputs(kinematics, [input_symbols(kinematics)])[0]).full().ravel()
     return Equations(table["initial"], table.get("momentum"), p, is_angle, kinds, initial.n_positions, u)
 

@@ -205,6 +205,7 @@ class FlatModel:
     lookups: Mapping[Lookup, Span] = field(default_factory=dict)  # tables of files that are asked for
     tables: Mapping[Lookup, ReadTable] = field(default_factory=dict)  # as they were read
     samplers: tuple[Sampler, ...] = ()
+    at_rest: Span | None = None  # where it says that it starts in equilibrium
     moving_inputs: Mapping[str, bool] = field(default_factory=dict)  # in places or energies; whether their rates matter
     allowed: tuple[str, ...] = ()  # codes of warnings that the model says are meant: annotation(allow = "L0224")
     components: Mapping[str, str] = field(default_factory=dict)  # descriptions of those that have one, by their names

@@ -85,6 +85,7 @@ class _Flattening:
         self.whens: list[When] = []
         self.figures: list[Figure] = []
         self.resets: list[Reset] = []  # of the `when` that is being read
+        self.at_rest: Span | None = None  # initial equation equilibrium();
         self.samplers: list[Sampler] = []
         self.held: list[Held] = []  # likewise
         self.structural: dict[str, float | bool | str] = {}
@@ -108,7 +109,8 @@ class _Flattening:
             tuple(self.energies), tuple(self.works), tuple(self.initial), tuple(self.whens), self.functions,
             self.structural,
             experiment_of(self.table, definition, self.names, Scope(root)), definition.name_span, (), tuple(self.figures),
-            self.states, self.names.lookups, {}, tuple(self.samplers), {}, allowed_of(self.table, definition), self.components,
+            self.states, self.names.lookups, {}, tuple(self.samplers), self.at_rest, {}, allowed_of(self.table, definition),
+            self.components,
         )
         refuse_states_elsewhere(model, self.report)
         check_held(model, self.report)
@@ -324,6 +326,8 @@ class _Flattening:
                 self._add_reset(call, scope, place)
             case CallEquation(call, _) if kind == "drawing":
                 self._add_figure(call, scope, place)
+            case CallEquation(Call("equilibrium", arguments, named, _), _) if kind == "initial" and not arguments and not named:
+                self.at_rest = self.at_rest or place
             case CallEquation(call, _):
                 self._add_call(call, scope, place)
             case EnergyTerm(what, value, _, _):
@@ -355,8 +359,7 @@ class _Flattening:
             if call.function in ("assert", "terminate"):
                 fail("L0901", f"not supported yet: {call.function}", span)
             if call.function == "equilibrium":
-                fail("L0901", "not supported yet: a start at rest that the model states", span,
-                     "lag simulate FILE --from equilibrium starts there")
+                fail("L0222", "a start at rest stands in a section of its own", span, "write: initial equation equilibrium();")
             near = nearest(call.function, ["connect"])
             fail("L0222", f"{call.function}(...) is no equation", span,
                  f"did you mean '{near}'?" if near else "an equation has a '=' between two expressions, or is connect(a, b)")
