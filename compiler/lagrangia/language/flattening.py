@@ -58,6 +58,9 @@ from lagrangia.language.tree import (
 from lagrangia.language.unread import find_unread
 from lagrangia.language.without_effect import find_without_effect
 
+_AT_EVENTS = ("write: reinit(der(x), value);",
+              "values that are held between instants: when sample(0, 0.01) then u = ...; end when;")
+
 
 def flatten(table: ClassTable, definition: ClassDefinition, structural: Mapping[str, Any] | None = None) -> FlatModel:
     """The flat model of one class. `structural` holds values for its structural parameters.
@@ -313,8 +316,7 @@ class _Flattening:
             case Equality(left, right, _, _) if kind == "sample":
                 self._add_held(self.names.flatten(left, scope), self.names.flatten(right, scope), clause.span, place)
             case Equality() if kind == "when":
-                fail("L0222", "what happens at an event is said by reinit", clause.span, "write: reinit(der(x), value);",
-                     "values that are held between instants: when sample(0, 0.01) then u = ...; end when;")
+                fail("L0222", "what happens at an event is said by reinit", clause.span, *_AT_EVENTS)
             case CallEquation() | WhenBlock() if kind == "sample":
                 fail("L0222", "what is held from an instant on is said by u = ...", clause.span)
             case Equality(left, right, _, _) if kind == "initial":
