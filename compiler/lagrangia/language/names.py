@@ -35,7 +35,7 @@ from lagrangia.language.tree import (
     Unary,
     Whole,
 )
-from lagrangia.language.units import Unit, known_units, parse_unit
+from lagrangia.language.units import Unit, known_units, parse_unit, respelled
 
 # Number of arguments of each function of the kernel; None: any number, at least one.
 FUNCTIONS: Mapping[str, tuple[int, ...] | None] = {
@@ -471,7 +471,8 @@ def read_unit(text: str, span: Span) -> Unit:
     try:
         return parse_unit(text)
     except ValueError as error:
-        near = nearest(text, known_units())
+        near = nearest(text, known_units()) or ""
+        near = near if near.lower() == text.lower() else respelled(text) or near
         habit = "units are written as in the SI: m, mm, kg, kN/m, deg, rad/s, N.m"
         fail("L0301", str(error), span, f"did you mean '{near}'?" if near else habit)
 

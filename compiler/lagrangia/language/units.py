@@ -24,6 +24,13 @@ class Unit:
     offset: float = 0.0
 
 
+_OTHER_SIGNS = str.maketrans({"²": "2", "³": "3", "·": ".", "×": "."})
+_OTHER_WORDS = {"sec": "s", "secs": "s", "second": "s", "seconds": "s", "meter": "m", "meters": "m", "newton": "N",
+                "newtons": "N", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "turn": "rev",
+                "turns": "rev", "nms": "N.m.s"}
+_FACTORS = ("N", "kN", "kg", "W", "A", "V", "lbf")  # that people write others behind without a dot
+
+
 def dimension(**powers: int) -> Dimension:
     """From powers of base units, by name."""
     return tuple(powers.get(base, 0) for base in _BASES)
@@ -105,6 +112,19 @@ def _prefixed(name: str) -> Unit:
                 return Unit(10.0**exponent, unit.dimension)
             return Unit(unit.factor * 10.0**exponent, unit.dimension)
     raise ValueError(f"'{name}' is not a unit")
+
+
+def respelled(text: str) -> str:
+    """The unit that was meant by m², N·m, m**2, Nm or sec, as it is written here; nothing where none is told from it."""
+    plain = text.translate(_OTHER_SIGNS).replace("**", "").replace(" ", "")
+    split = (f"{factor}.{plain.removeprefix(factor)}" for factor in _FACTORS if plain.startswith(factor))
+    for candidate in (plain, _OTHER_WORDS.get(plain.lower(), ""), *split):
+        try:
+            parse_unit(candidate)
+        except ValueError:
+            continue
+        return candidate if candidate != text else ""
+    return ""
 
 
 def known_units() -> list[str]:
