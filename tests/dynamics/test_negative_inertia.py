@@ -44,3 +44,10 @@ def test_what_comes_to_be_negative(text: str, parameters: dict[str, float], solv
 def test_runs_of_a_sweep_fail_one_by_one(scene: Write) -> None:
     sweep = scene(ADDED).simulate_many(parameters={"sign": [-1.0, -0.25, 1.0]}, stop=1.0)
     assert list(sweep.failures) == [0]
+
+
+@pytest.mark.parametrize(("n", "is_told"), [(60, False), (61, True)])
+def test_scenes_that_are_too_large_to_look_at_are_told(n: int, is_told: bool, scene: Write) -> None:
+    each = " ".join(f"kinetic 1[kg]*der(x{i})^2/2; potential 1[N/m]*x{i}^2;" for i in range(n))
+    told = scene(f"model Many coordinate Length {', '.join(f'x{i}' for i in range(n))}; energy {each} end Many;").warnings
+    assert any("L0745" in warning for warning in told) == is_told

@@ -21,7 +21,7 @@ from lagrangia.dynamics.idle_lines import find_idle_lines
 from lagrangia.dynamics.idle_statements import find_idle_statements
 from lagrangia.dynamics.jumping_energies import find_jumping_energies
 from lagrangia.dynamics.motion import Motion
-from lagrangia.dynamics.negative_inertia import written_inertias
+from lagrangia.dynamics.negative_inertia import tell_unlooked, written_inertias
 from lagrangia.dynamics.switches import corners_remain
 from lagrangia.frames.graph import Coordinate, rate_of
 from lagrangia.frames.kinematics import Kinematics
@@ -238,7 +238,7 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     contacts = [_called(model, when) for when in model.whens]
     lines = find_idle_lines(kinematics, initial).diagnostics
     idle, jumping = find_idle_statements(kinematics.graph, lines), find_jumping_energies(kinematics)
-    found = (*model.warnings, *lines, *idle.diagnostics, *jumping.diagnostics)
+    found = (*model.warnings, *lines, *idle.diagnostics, *jumping.diagnostics, *tell_unlooked(kinematics).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
     kinetic = [str(span) for span in written_inertias(kinematics)]

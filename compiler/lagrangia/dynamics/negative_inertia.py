@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from lagrangia.base.diagnostics import Span, fail
+from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.dynamics.motion import Motion, mass_matrix
 from lagrangia.frames.kinematics import Kinematics
 
@@ -21,6 +21,15 @@ _NOTHING = 1e-300  # times a square root: next to no acceleration
 def written_inertias(kinematics: Kinematics) -> tuple[Span, ...]:
     """Where kinetic energies are stated that are not of the library."""
     return tuple(e.span for e in kinematics.graph.model.energies if e.kind == "kinetic" and not e.is_of_library)
+
+
+def tell_unlooked(kinematics: Kinematics) -> Report:
+    """L0745 where a scene is too large for its M to be looked at as a whole."""
+    report, places, n = Report(), written_inertias(kinematics), len(kinematics.symbols.positions)
+    if places and n > _MOST_COORDINATES:
+        report.warning("L0745", "whether this kinetic energy is negative for some motion is not looked at, as it is in scenes of "
+                       f"up to {_MOST_COORDINATES} coordinates: this one has {n}", places[0], "try it in a smaller scene")
+    return report
 
 
 def without_negative_inertia(kinematics: Kinematics, motion: Motion) -> Motion:
