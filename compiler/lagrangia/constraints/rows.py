@@ -308,7 +308,10 @@ class _Reduction:
         `vanishing` are its constant and its slopes, of parameters and time.
         """
         (gap,) = self._sizes_in_time(vanishing[0])
-        if not named and row.loop is None:
+        if row.balanced and not named:
+            self.report.error("L0504", f"the coordinate '{row.balanced}' moves no mass, and no spring or damper says where it is",
+                              row.span, "hold it by a spring, or give a body there a mass")
+        elif not named and row.loop is None:
             self.report.error("L0411", "this equation says nothing about the motion", row.span,
                               "a constraint needs coordinates or frames on one of its sides")
         elif gap > 1e-9:
