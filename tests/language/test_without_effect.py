@@ -68,6 +68,14 @@ def test_what_has_an_effect_is_not(scene: Write, text: str) -> None:
     assert scene(f"model M {BODY} {text} end M;").warnings == []
 
 
+def test_inputs_of_functions_that_nothing_reads(scene: Write) -> None:
+    text = "function f input Real x; input Real y; output Real z; protected Real w, v; algorithm w := x; z := w; end f;"
+    told = scene(f"{text} function g input Real x; output Real z = x; end g; "
+                 f"model M {BODY} output Real q = f(b.s/1[m], 2) + g(1); end M;").warnings
+    assert [x.partition(": ")[2].splitlines()[0] for x in told] == ["nothing reads the input 'y' of f",
+                                                                    "nothing reads the variable 'v' of f"]
+
+
 def test_imports_that_nothing_uses(tmp_path: Path) -> None:
     """What a file brings that is imported by another one counts for it."""
     for name, text in (("parts", f"model Part {BODY} end Part;"), ("all", 'import "parts.lag"; model Other Block b; end Other;'),

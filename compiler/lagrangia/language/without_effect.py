@@ -53,6 +53,7 @@ def find_without_effect(model: FlatModel, root: Instance, table: ClassTable) -> 
             _look_at_each(element, report)
     _look_at_attributes(instances, model, table, report)
     _look_at_structural(own, report)
+    _look_at_functions([table.user[name] for name in model.functions if name in table.user], report)
     _look_at_joints(model, table, report)
     for when in model.whens:
         for reset in when.resets:
@@ -160,6 +161,17 @@ def _look_at_structural(own: Sequence[ClassDefinition], report: Report) -> None:
             if is_structural and isinstance(element, Declaration) and element.name not in mentioned:
                 what = "constant" if "constant" in element.prefixes else "parameter"
                 report.warning(CODE, f"nothing reads the {what} '{element.name}'", element.name_span, "leave it out")
+
+
+def _look_at_functions(functions: Iterable[ClassDefinition], report: Report) -> None:
+    """Inputs and variables of functions whose names stand nowhere in them."""
+    for function in functions:
+        mentioned = set(_words((function.elements, function.sections)))
+        for element in function.elements:
+            if isinstance(element, Declaration) and "output" not in element.prefixes and element.name not in mentioned:
+                what = "input" if "input" in element.prefixes else "variable"
+                report.warning(CODE, f"nothing reads the {what} '{element.name}' of {function.name}", element.name_span,
+                               "leave it out")
 
 
 def _words(part: Any) -> Iterator[str]:
