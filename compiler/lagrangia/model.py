@@ -69,18 +69,18 @@ def _animate(run: Trajectory, path: str | os.PathLike[str] | None, **asked: Any)
 class Model(Analysed, Swept):
     """A compiled scene. Parameters are numbers of each run: changing one compiles nothing."""
 
-    def __init__(self, path: Path, model: str | None = None, structural: Mapping[str, Any] | None = None,
+    def __init__(self, path: str | os.PathLike[str], model: str | None = None, structural: Mapping[str, Any] | None = None,
                  outputs: Sequence[str] = (), formulas: Formulas = AS_DECLARED) -> None:
         """`formulas` hold for some values of the parameters: see `suited`."""
         self.formulas = formulas
         self._others: dict[Formulas, Model] = {}
-        self.path, self.model, self.structural, self.outputs = path, model, dict(structural or {}), tuple(outputs)
+        self.path, self.model, self.structural, self.outputs = Path(path), model, dict(structural or {}), tuple(outputs)
         self._compilation: Compilation | None = None
         self._engine: Engine | None = None
         self._has_engine = False
         self._engines: dict[str, Engine | None] = {}  # of solvers that want one of their own
         self.native: bool | None = None  # native code, a tape, or what costs less time
-        found = find_scene(path, model, self.structural, self.outputs, self.formulas)
+        found = find_scene(self.path, model, self.structural, self.outputs, self.formulas)
         self.is_cached = found is not None
         self._runtime: Runtime | None = None if self.is_cached else find_runtime()
         self.scene: Scene = found if found is not None else self._keep(self.compilation.scene)
