@@ -19,7 +19,7 @@ for number in (signal.SIGINT, signal.SIGHUP):
 
 
 SLOW = Path(__file__).parent / "helpers" / "slow_tests.txt"
-LONG = 0.4  # s
+LONG = 0.3  # s
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -53,6 +53,7 @@ def steps(path: Path, version: str, engine: str) -> list[float]:
     return found
 
 
+@pytest.mark.slow  # the first of them compiles the run time
 @pytest.mark.parametrize(("name", "version"),
                          [("double_pendulum", "2"), ("four_bar", "3"), ("stick_slip", "2"), ("quarter_car", "3")])
 def test_digits_are_those_of_a_compiled_one(name: str, version: str) -> None:

@@ -268,6 +268,7 @@ int main(void)
 
 
 @needs_sanitizers
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [UNLIKE, LOOPS], ids=["free", "loops"])
 def test_sanitizers_find_nothing(text: str, scene: Scene, tmp_path: Path) -> None:
     plain = scene(text).scene

@@ -393,6 +393,7 @@ int main(void)
 
 
 @needs_sanitizers
+@pytest.mark.slow
 def test_sanitizers_find_nothing(scene: Scene, tmp_path: Path) -> None:
     plain = scene(PIECES).scene
     text = write_c(plain.name, plain.sizes, plain.tapes, plain.coordinate_kind, plain.fixed, plain.event_kind, plain.patterns)

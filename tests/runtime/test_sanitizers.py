@@ -13,7 +13,7 @@ from lagrangia.native.build import find_compiler
 from runtime.test_friction import BRAKED, STANDING
 from runtime.test_rubs import BOX, SPINNING
 
-pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(find_compiler() is None, reason="no C compiler")]
 EXAMPLES = Path(__file__).parents[2] / "models" / "examples"
 
 DRIVER = """

@@ -458,6 +458,7 @@ int main(void)
 
 
 @needs_sanitizers
+@pytest.mark.slow
 def test_sanitizers_find_nothing(tmp_path: Path) -> None:
     run_sanitized(tmp_path, {"driver.c": DRIVER})
 
