@@ -242,6 +242,6 @@ def test_forces_are_not_told_afterwards(scene: Write, tmp_path: Path) -> None:
     for name in ("floor.force", "floor.reaction[2]", "der(floor.slip)"):
         with pytest.raises(lag.LagError, match="L0908"):
             run[name]
-    asked = lag.Model(tmp_path / "scene.lag", outputs=["floor.reaction", "der(floor.slip)"]).simulate(at=[0.5])
+    asked = lag.Model(str(tmp_path / "scene.lag"), outputs=["floor.reaction", "der(floor.slip)"]).simulate(at=[0.5])
     np.testing.assert_allclose(asked["floor.reaction[2]"], 2 * G, rtol=1e-12)
     np.testing.assert_allclose(asked["der(floor.slip)"], -0.3 * G, rtol=1e-12)
