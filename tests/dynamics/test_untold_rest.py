@@ -19,7 +19,7 @@ UNTOLD = ("3 - sign(b.v)^2", "3 - abs(sign(b.v))", "3 - sign(abs(b.v))", "3 - si
           "if sign(b.v)^2 > 0.5 then 2 else 3", "2 + cos(sign(b.v))", "3 - sqrt(abs(sign(b.v)))", "2 + sign(b.v)^4",
           "3 - (if b.v > 0[m/s] then 1 else 0) - (if b.v < 0[m/s] then 1 else 0)", "3 - norm({sign(b.v), 0})",
           "if max(b.v, -b.v) > 0[m/s] then 2 else 3", "if b.v*sign(b.v) > 0[m/s] then 2 else 3",
-          "if exp(abs(b.v)/1[m/s]) > 1 then 2 else 3", "if cos(b.v/1[m/s]) < 1 then 2 else 3",
+          "if exp(abs(b.v)/1[m/s]) > 1 then 2 else 3",
           "if abs(b.v) + abs(2*b.v) > 0[m/s] then 2 else 3", "2 + min(1, ceil(abs(b.v)/1[m/s]))")
 
 

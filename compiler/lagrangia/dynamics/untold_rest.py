@@ -6,7 +6,7 @@ and with value and slope at s = 0. What is told of rest lies between the two sid
 slope there, and holds as much as it rubs (A.F. Filippov, Differential equations with discontinuous righthand sides, 1988).
 
 What asks whether something rests in a shape that nobody knows (v^4 > 0, max(v, -v) > 0, exp(abs(v)) > 1) is found by values:
-with all signs as in a direction, forces at rest are not those of ever slower motion that way. (A cosine is 1 up to 1e-8.)
+with all signs as in a direction, forces at rest are not those of ever slower motion that way.
 """
 
 from collections.abc import Iterator, Sequence
@@ -31,7 +31,7 @@ _PRODUCTS = (ca.OP_MUL, ca.OP_IF_ELSE_ZERO)
 _KEEPING = (ca.OP_NEG, ca.OP_TWICE, ca.OP_ADD, ca.OP_SUB, ca.OP_NOT)  # what is linear in all operands
 _LITTLE = 1e-30  # m/s or rad/s: of a rate that moves
 _NOTHING, _SAME, _ZERO = 1e-9, 1e-6, 1e-12  # relative: of a value; of slopes; of a rate that is another one's multiple
-_SLOW, _JUMP = (1e-11, 5e-8), 10.0  # m/s, rad/s: of slow motion; forces change more from rest to there than from there to twice
+_SLOW, _JUMP = 1e-11, 10.0  # m/s or rad/s: of slow motion; a force changes more from rest to there than from there to twice
 _POINTS = 3
 _HINT = ("what holds at rest is told by F_static, mu_static or tau_static of the component, or by "
          "`if abs(v) > 0 then ... else ...`: the second value is that at rest")
@@ -86,14 +86,12 @@ def _values_from_rest(held: ca.SX, probe: "_Probe", v: ca.SX) -> Iterator[Sequen
         for turn in (1.0, -1.0):
             at[:n] = 0.0
             rates, J = (np.array(x) for x in moving(at))
-            signs = np.sign(np.where(rates.ravel() == 0, turn * (J @ way), rates.ravel()))
-            for slow in _SLOW:
-                values = []
-                for speed in (0.0, slow, 2 * slow):
-                    at[:n] = turn * speed * way
-                    now = np.array(moving(at)[0]).ravel()
-                    values.append(np.array(forces(at, now, np.sign(now) if speed else signs)[0]).ravel())
-                yield values
+            signs, values = np.sign(np.where(rates.ravel() == 0, turn * (J @ way), rates.ravel())), []
+            for speed in (0.0, _SLOW, 2 * _SLOW):
+                at[:n] = turn * speed * way
+                now = np.array(moving(at)[0]).ravel()
+                values.append(np.array(forces(at, now, np.sign(now) if speed else signs)[0]).ravel())
+            yield values
 
 
 def _tells_nothing(values: Sequence[Vector]) -> bool:
