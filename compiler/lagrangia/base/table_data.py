@@ -23,6 +23,12 @@ class Beyond(IntEnum):
 DEGREES = {"steps": 0, "linear": 1, "cubic": 3, "monotone": 3}
 
 
+def curvature(width: Any, rise: Any, a: Any, b: Any) -> tuple[Any, Any]:
+    """Of the cubic over a width that rises by `rise` on average and has the slopes a and b at its ends: the coefficients of the
+    square and the cube, numbers or arrays."""
+    return (3 * rise - 2 * a - b) / width, (a + b - 2 * rise) / width**2
+
+
 @dataclass(frozen=True, eq=False)
 class TableData:
     """`y` and, of degree 3, the `slopes` at the knots are buffers of doubles, as are the knots `x`; where these lie evenly x is
@@ -91,7 +97,7 @@ class TableData:
         if self.degree < 3:
             return [y, float(rise)][: self.degree + 1]
         a, b = self.slopes[k], self.slopes[k + 1]
-        return [y, float(a), float((3 * rise - 2 * a - b) / width), float((a + b - 2 * rise) / width**2)]
+        return [y, float(a), *map(float, curvature(width, rise, a, b))]
 
     def between(self, begin: float, end: float) -> list[float]:
         """The knots inside an interval, however often the table comes again."""

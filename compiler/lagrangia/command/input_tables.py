@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrangia.base.diagnostics import fail
+from lagrangia.base.table_data import curvature
 from lagrangia.language.units import parse_unit
 from lagrangia.run.columns import Columns, read_columns
 from lagrangia.run.input_rates import slopes
@@ -112,7 +113,7 @@ def _refined(times: Sequence[float], values: Sequence[float], rates: Sequence[fl
     k = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
     h, w = x[k + 1] - x[k], np.clip(at, x[0], x[-1]) - x[k]
     rise = (y[k + 1] - y[k]) / h
-    c, d = (3 * rise - 2 * s[k] - s[k + 1]) / h, (s[k] + s[k + 1] - 2 * rise) / h**2
+    c, d = curvature(h, rise, s[k], s[k + 1])
     is_second = np.append([False], np.diff(at) == 0)
     is_first = np.append(np.diff(at) == 0, [False])
     is_outside = (at < x[0]) | (at > x[-1]) | ((at == x[0]) & is_first) | ((at == x[-1]) & is_second)

@@ -7,6 +7,7 @@ cubic where their first rates are in the table, of one row alone a parabola.
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from lagrangia.base.table_data import curvature
 from lagrangia.run.interpret import evaluate
 
 if TYPE_CHECKING:
@@ -74,5 +75,4 @@ class InputTable:
         a, b = self.rows[[left, left + 1], rate] if rate >= 0 else (np.nan, np.nan)
         if not np.isfinite(a + b):
             return [float(self.times[left]), float(self.rows[left, y]), float(rise), 0.0, 0.0]
-        return [float(self.times[left]), float(self.rows[left, y]), float(a), float((3 * rise - 2 * a - b) / h),
-                float((a + b - 2 * rise) / (h * h))]
+        return [float(self.times[left]), float(self.rows[left, y]), float(a), *map(float, curvature(h, rise, a, b))]

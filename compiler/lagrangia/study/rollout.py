@@ -1,7 +1,7 @@
 """Many short motions from arrays to arrays: for learning, and for controllers that try inputs out before they choose."""
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Protocol, Self
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,23 +11,14 @@ from lagrangia.run.request import Request
 from lagrangia.run.scene import Scene
 from lagrangia.study.sweep.journal import Ledger
 from lagrangia.study.sweep.keeping import InMemory
-from lagrangia.study.sweep.measures import Measure, read_measures
-from lagrangia.study.sweep.plan import Design, Job
-from lagrangia.study.sweep.run import Loaded, run_job
+from lagrangia.study.sweep.measures import read_measures
+from lagrangia.study.sweep.plan import Design
+from lagrangia.study.sweep.run import Asked, run_job
 from lagrangia.study.sweep.table import Sweep
 from lagrangia.view.rows import columns
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
-
-
-class Rolled(Loaded, Protocol):
-    """A model that is run many times."""
-
-    scene: Scene
-
-    def prepared_for(self, measures: Sequence[Measure], request: Request, design: Design) -> tuple[Self, Job]:
-        """All runs of a sweep, and the model for them."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +60,7 @@ class Rollout:
         return self.sweep.failures
 
 
-def roll_out(model: Rolled, q0: "ArrayLike | None", v0: "ArrayLike | None", p: "Mapping[str, ArrayLike] | None",
+def roll_out(model: Asked, q0: "ArrayLike | None", v0: "ArrayLike | None", p: "Mapping[str, ArrayLike] | None",
              u: "ArrayLike | None", times: "ArrayLike", *, tolerance: float | None, solver: str, jobs: int | None) -> Rollout:
     """What Model.rollout does. Raises LagError, Interrupted."""
     at = np.asarray(times, dtype=float)
