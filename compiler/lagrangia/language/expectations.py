@@ -35,7 +35,7 @@ _FOREIGN = {
 }
 _KINDS = {"class": "model", "block": "model", "struct": "record", "def": "function", "include": "import", "from": "import"}
 _UNSUPPORTED = ("replaceable", "redeclare")
-_CLASSES = ("model", "record", "function", "type", "package", "partial")
+_CLASSES = ("model", "connector", "record", "function", "type", "package", "partial")
 _ENERGIES = ("kinetic", "potential", "dissipation", "work")
 _CLOSES = {")": "(", "]": "[", "}": "{"}
 

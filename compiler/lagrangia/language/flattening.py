@@ -7,6 +7,7 @@ from typing import Any
 from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Span, TooMuchError, fail, nearest, suggest
 from lagrangia.language.algorithms import FlatFunction, flatten_function
 from lagrangia.language.classes import ClassTable
+from lagrangia.language.connections import Bindings, Connection, bound_to, connected
 from lagrangia.language.experiments import allowed_of, experiment_of
 from lagrangia.language.figures import WORDS
 from lagrangia.language.flat import (
@@ -82,6 +83,8 @@ class _Flattening:
         self.frame_equations: list[FrameEquation] = []
         self.equations: list[Equation] = []
         self.joined: list[Equation] = []  # signals, by connect
+        self.connections: list[Connection] = []
+        self.ends: set[str] = set()  # variables of connectors
         self.energies: list[Energy] = []
         self.works: list[Work] = []
         self.initial: list[Equation] = []
@@ -164,6 +167,9 @@ class _Flattening:
             self.components[instance.path] = instance.description
         if instance.frame is not None:
             self._add_frame(instance.frame, instance)
+        if instance.definition.kind == "connector":
+            self.ends |= {member.path for member in instance.members.values() if isinstance(member, Slot)}
+            self._guard(lambda: self.connections.extend(bound_to(instance, self.names)), instance)
         for member in list(instance.members.values()):
             self._visit_member(member, instance)
         for kind, clause in instance.clauses:
@@ -367,6 +373,9 @@ class _Flattening:
                  f"did you mean '{near}'?" if near else "an equation has a '=' between two expressions, or is connect(a, b)")
         if len(call.arguments) != 2:
             fail("L0215", f"connect takes two frames, not {len(call.arguments)}", span, "write: connect(a, b)")
+        if (between := connected(call, scope, span, self.names)) is not None:
+            self.connections += between
+            return
         a, b = (self.names.flatten(argument, scope) for argument in call.arguments)
         if all(isinstance(end, Ref) for end in (a, b)):
             self.joined.append(Equation(a, b, span, scope.instance.path))
@@ -427,21 +436,17 @@ class _Flattening:
 
     def _bind_variables(self) -> tuple[Equation, ...]:
         """Equations `y = expression` of variables without a binding become their bindings; the others are constraints."""
-        constraints = []
         self.variables.update(declare_held(self.samplers, self.variables, self.report))
         found = find_states(self.variables, [*self.equations, *self.joined], self.report)
         self.states = found.states
         self.variables.update(found.variables)
         self.energies += found.energies
         self.works += found.works
-        for equation in found.equations:
-            for side, other in ((equation.left, equation.right), (equation.right, equation.left)):
-                variable = self.variables.get(side.name) if isinstance(side, Ref) and not side.index else None
-                if variable is not None and variable.kind == "variable" and variable.binding is None:
-                    self.variables[variable.name] = replace(variable, binding=other)
-                    break
-            else:
-                constraints.append(equation)
+        bindings = Bindings(self.variables, frozenset(self.ends))
+        constraints = bindings.take(found.equations)
+        if not self.report.errors:
+            constraints += bindings.connect(self.connections)
+        self.variables = bindings.variables
         if not self.report.errors:  # an equation that is wrong may have been meant to give the value
             self._require_bindings()
         self._let_vary()

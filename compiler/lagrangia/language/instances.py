@@ -110,6 +110,7 @@ class Instance:
     absent: set[str] = field(default_factory=set)  # conditional components that are not there
     protected: set[str] = field(default_factory=set)  # members that only the class itself, and what extends it, may name
     description: str = ""  # of its declaration
+    joined_to: Bound | None = None  # of a connector: another one
 
     def child_path(self, name: str) -> str:
         """The full name of a member."""
@@ -186,7 +187,7 @@ class Instantiation:
                 scope.instance.frame = FrameSlot(scope.instance.path, scope.instance.span, starts, fixed, None, scope.instance)
             else:
                 base = self.table.lookup(element.type_name, element.span)
-                if base.kind not in ("model", "record"):
+                if base.kind not in ("model", "record", "connector"):
                     self.report.error("L0205", f"a model cannot extend the {base.kind} '{base.name}'", element.span)
                     continue
                 inner = modification_of(element.arguments, scope, None, element.span)
@@ -333,12 +334,13 @@ class Instantiation:
         if definition.kind == "function" or definition.is_partial:
             what = "a function" if definition.kind == "function" else "partial: extend it and complete its energy"
             self.report.error("L0205", f"'{definition.name}' cannot be a component, it is {what}", declaration.type_span)
-        if change.value is not None and not self._is_frame_class(definition):
+        is_port = self._is_frame_class(definition) or definition.kind == "connector"
+        if change.value is not None and not is_port:
             self.report.error("L0205", f"the component '{declaration.name}' cannot be given a value",
                               change.value.expression.span, "modify its parameters and ports: (name = value)")
         self.count += 1
         found = self.instantiate(definition, path, change, declaration.name_span, instance)
-        found.description = declaration.description
+        found.description, found.joined_to = declaration.description, change.value
         return found
 
     def _is_frame_class(self, definition: ClassDefinition) -> bool:

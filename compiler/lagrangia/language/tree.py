@@ -326,7 +326,7 @@ class Section:
 class ClassDefinition:
     """A class with its elements and sections."""
 
-    kind: str  # "model", "function", "type", "record", "package"
+    kind: str  # "model", "function", "type", "record", "package", "connector"
     is_partial: bool
     name: str
     description: str

@@ -1,0 +1,192 @@
+"""Connectors: what `connect` joins has one position, and what gives it.
+
+A variable of a connector that its class leaves open is given by an equation of the component that has it (`flange_a.phi = phi`),
+or by what it is connected to; where nothing gives it, all that meet there share a coordinate of their own, which has no mass. Two
+that are given and meet are tied by an equation. Forces need no variable: they follow from virtual work.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from lagrangia.base.diagnostics import Span, fail
+from lagrangia.base.records import dataclass
+from lagrangia.language.flat import Equation, Variable
+from lagrangia.language.instances import Instance, Member, Scope, Slot
+from lagrangia.language.mentions import leaves
+from lagrangia.language.tree import Array, Call, Expression, Flat, Ref, Reference, Whole
+
+_POSITIONS = frozenset({"rad", "m"})  # units of what a motion may decide
+
+
+@dataclass(frozen=True)
+class Connection:
+    """Two variables of connectors that are one."""
+
+    a: str
+    b: str
+    span: Span
+    component: str
+
+
+class Names(Protocol):
+    """What names mean (names.py)."""
+
+    def integer(self, expression: Expression, scope: Scope, what: str) -> int:
+        """The integer that an expression must be. Raises LagError L0210."""
+    def flatten(self, expression: Expression, scope: Scope) -> Flat:
+        """The expression as it is in the flat model. Raises LagError."""
+
+
+def connected(call: Call[Expression], scope: Scope, span: Span, names: Names) -> list[Connection] | None:
+    """What connect(a, b) makes one; None where neither is a connector. Raises LagError L0221 where one alone is."""
+    a, b = (_connector_at(argument, scope, names) for argument in call.arguments)
+    if a is not None and b is not None:
+        return list(_between(a, b, span, scope.instance.path))
+    for end, other in ((a, call.arguments[1]), (b, call.arguments[0])):
+        if end is not None:
+            names.flatten(other, scope)  # a name that is not known is told as such
+            fail("L0221", f"'{end.path}' is a connector: what it is connected to must be one too", other.span)
+    return None
+
+
+def bound_to(connector: Instance, names: Names) -> list[Connection]:
+    """Of a connector that is given another one in a modification, J(flange_a = spring.flange_b). Raises LagError L0221."""
+    bound = connector.joined_to
+    if bound is None:
+        return []
+    other = _connector_at(bound.expression, bound.scope, names, [index for index, _ in bound.selection])
+    if other is None:
+        names.flatten(bound.expression, bound.scope)
+        fail("L0221", f"'{connector.path}' is a connector: what it is connected to must be one too", bound.expression.span)
+    return list(_between(other, connector, bound.expression.span, ""))
+
+
+def _connector_at(expression: Expression, scope: Scope, names: Names, selection: Sequence[int] = ()) -> Instance | None:
+    """The connector that an expression names; None for anything else. `selection` picks from arrays without subscripts."""
+    if isinstance(expression, Array) and selection and selection[0] <= len(expression.items):
+        return _connector_at(expression.items[selection[0] - 1], scope, names, selection[1:])
+    if not isinstance(expression, Reference):
+        return None
+    members: Mapping[str, Member] = scope.instance.members
+    found: Member | None = None
+    left = list(selection)
+    for part in expression.parts:
+        found = members.get(part.name)
+        if not isinstance(found, Instance | list) or any(isinstance(subscript, Whole) for subscript in part.subscripts):
+            return None
+        picks = [names.integer(subscript, scope, "a subscript") for subscript in part.subscripts]
+        while isinstance(found, list) and (picks or left):
+            pick = (picks or left).pop(0)
+            if not 1 <= pick <= len(found):
+                fail("L0214", f"'{part.name}' has {len(found)} elements, not {pick}", part.span)
+            found = found[pick - 1]
+        members = found.members if isinstance(found, Instance) and not picks else {}
+    return found if isinstance(found, Instance) and found.definition.kind == "connector" else None
+
+
+def _between(a: Instance, b: Instance, span: Span, component: str) -> Iterator[Connection]:
+    """One connection for each variable of two connectors. Raises LagError L0221 where they are of different kinds."""
+    names = [{name for name, member in end.members.items() if isinstance(member, Slot)} for end in (a, b)]
+    if names[0] != names[1]:
+        first, second = (", ".join(sorted(found)) or "nothing" for found in names)
+        fail("L0221", f"'{a.path}' has {first}, '{b.path}' has {second}: they cannot be connected", span,
+             "connect what turns to what turns, and what slides to what slides")
+    for name in sorted(names[0]):
+        yield Connection(f"{a.path}.{name}", f"{b.path}.{name}", span, component)
+
+
+class Bindings:
+    """What gives each variable its value, as far as it is found."""
+
+    def __init__(self, variables: Mapping[str, Variable], ends: frozenset[str]) -> None:
+        self.variables = dict(variables)
+        self.ends = ends  # variables of connectors
+        self.values = {name: variable.binding for name, variable in variables.items()}
+
+    def take(self, equations: Sequence[Equation]) -> list[Equation]:
+        """Equations `y = expression` of variables without a binding become their bindings; returns the others."""
+        return [equation for equation in equations if not self._give(equation)]
+
+    def _give(self, equation: Equation) -> bool:
+        sides = ((equation.left, equation.right), (equation.right, equation.left))
+        for among_ends in (False, True):  # what a component calls its own is given before where it ends
+            for side, other in sides:
+                if isinstance(side, Ref) and not side.index and (side.name in self.ends) is among_ends:
+                    variable = self.variables.get(side.name)
+                    if variable is None or variable.kind != "variable" or variable.binding is not None:
+                        continue
+                    if among_ends and self._asks(other, {side.name}):
+                        continue
+                    self._bind(variable, other)
+                    return True
+        return False
+
+    def _bind(self, variable: Variable, value: Flat) -> None:
+        self.variables[variable.name] = replace(variable, binding=value)
+        self.values[variable.name] = value
+
+    def _asks(self, value: Flat, names: set[str]) -> bool:
+        """Whether the value depends on one of the variables."""
+        return any(isinstance(leaf, Ref) and leaf.name in names for leaf in leaves([value], self.values))
+
+    def connect(self, connections: Sequence[Connection]) -> list[Equation]:
+        """Gives every end of a connector its value; returns the equations between those that have one already."""
+        return [equation for meeting in self._meetings(connections) for equation in self._join(meeting)]
+
+    def _meetings(self, connections: Sequence[Connection]) -> list[list[tuple[str, Connection | None]]]:
+        """The variables that are one, each with the connection that first named it, in the order of their declaration."""
+        home = {name: name for name in self.variables if name in self.ends}
+        by: dict[str, Connection] = {}
+
+        def find(name: str) -> str:
+            while home[name] != name:
+                home[name] = name = home[home[name]]
+            return name
+
+        for connection in connections:
+            by.setdefault(connection.a, connection)
+            by.setdefault(connection.b, connection)
+            home[find(connection.b)] = find(connection.a)
+        meetings: dict[str, list[tuple[str, Connection | None]]] = {}
+        for name in home:
+            meetings.setdefault(find(name), []).append((name, by.get(name)))
+        return list(meetings.values())
+
+    def _join(self, meeting: Sequence[tuple[str, Connection | None]]) -> Iterator[Equation]:
+        names = {name for name, _ in meeting}
+        given = [name for name, _ in meeting if self._is_given(self.variables[name])]
+        first = next((name for name in given if not self._asks_back(name, names)), None)
+        if first is None:
+            first = next((name for name, _ in meeting if name not in given), meeting[0][0])
+            self._let_move(self.variables[first])
+        for name, by in meeting:
+            if name != first and name not in given:
+                self._bind(self.variables[name], Ref(first, (), _where(by, self.variables[name])))
+        for name, by in meeting:
+            if name != first and name in given and self._end_of(name) != self._end_of(first):
+                span = _where(by, self.variables[name])
+                yield Equation(Ref(first, (), span), Ref(name, (), span), span, by.component if by is not None else "")
+
+    def _end_of(self, name: str) -> str:
+        """The variable that this is another name of."""
+        while isinstance(value := self.values.get(name), Ref) and not value.index:
+            name = value.name
+        return name
+
+    @staticmethod
+    def _is_given(variable: Variable) -> bool:
+        return variable.binding is not None or variable.kind != "variable"
+
+    def _let_move(self, variable: Variable) -> None:
+        """Makes a coordinate of what nothing gives; where it is no position it stays without a value, and is told."""
+        if not self._is_given(variable) and variable.unit in _POSITIONS:
+            self.variables[variable.name] = replace(variable, kind="coordinate")
+
+    def _asks_back(self, name: str, meeting: set[str]) -> bool:
+        value = self.values[name]
+        return value is not None and self._asks(value, meeting)
+
+
+def _where(connection: Connection | None, variable: Variable) -> Span:
+    return connection.span if connection is not None else variable.span
