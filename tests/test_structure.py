@@ -38,6 +38,7 @@ ROOMS = """
     draw
     fmu
     play
+    editor
     model
     bench
     command

@@ -11,7 +11,7 @@ from lagrangia.base.folders import data_folder
 from lagrangia.compile.pipeline import flatten_file
 from lagrangia.language.grammar_tables import lark_parser
 from lagrangia.language.reader import NotReadError, read, walk
-from lagrangia.language.syntax import _Nodes, _tables, grammar_file
+from lagrangia.language.syntax import _Nodes, grammar_file, tables
 
 TEXTS = {file.name: file.read_text(encoding="utf-8") for file in sorted(data_folder("models").rglob("*.lag"))}
 # Words and pieces of words that mean one thing here and another one there.
@@ -24,7 +24,7 @@ def both(text: str) -> tuple[object, object]:
     """What the reader makes of it and what Lark does, with the errors told; None for what is not read."""
     source = Source("x", text)
     found: list[object] = []
-    for make in (lambda nodes: read(text, _tables(), nodes), lambda nodes: walk(lark_parser(grammar_file()).parse(text), nodes)):
+    for make in (lambda nodes: read(text, tables(), nodes), lambda nodes: walk(lark_parser(grammar_file()).parse(text), nodes)):
         nodes = _Nodes(source)
         try:
             found.append((make(nodes), [str(error) for error in nodes.report.errors]))

@@ -44,7 +44,7 @@ def test_what_a_scene_needs(name: str, needed: set[str], skipped: set[str]) -> N
 def test_substituted_coordinates_are_named() -> None:
     gears, press = example("gear_train"), example("crank_press")
     assert "shaft[2].phi, shaft[3].phi" in gears["linear loops"].why
-    assert gears["linear loops"].place.endswith("gear_train.lag:4:12")
+    assert gears["linear loops"].place.endswith("gear_train.lag:5:12")
     assert "O.phi" in press["prescribed coordinates"].why
 
 

@@ -27,6 +27,7 @@ class _Command:
 
 
 _RUNS, _STUDIES, _PICTURES, _TEXTS = "run_options", "study_options", "picture_options", "text_options"
+_EDITS = "editor_options"
 COMMANDS = (
     _Command("simulate", "compute the motion of a scene, or of any FMU", "simulate:simulate_command", f"{_RUNS}:add_simulate"),
     _Command("sweep", "run a scene many times, with other parameters and start values", "sweep:sweep_command",
@@ -46,10 +47,12 @@ COMMANDS = (
              f"{_STUDIES}:add_modes"),
     _Command("response", "compute a frequency response", "analysis:response_command", f"{_STUDIES}:add_response"),
     _Command("export", "write a scene for other programs", "export:export_command", f"{_TEXTS}:add_export"),
+    _Command("format", "lay texts out in the one style of the language", "format:format_command", f"{_EDITS}:add_format"),
 )
 _FMU_CHECK = _Command("check", "look for errors in an FMU, whoever made it, and in its motion", "fmu_check:check_fmu_command",
                       f"{_TEXTS}:add_fmu_check")
 _HELP = _Command("help", "longer texts: the language, the library, the solver", "help:help_command", f"{_TEXTS}:add_help")
+_WITHOUT_WARNINGS = ("help", "format")  # commands that tell none
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -92,7 +95,7 @@ class _Parser(argparse.ArgumentParser):
         if (command := self.command) is not None:
             self.command = None
             self.set_defaults(command=_function(command.run), parser=self)
-            if command is not _HELP:
+            if command.name not in _WITHOUT_WARNINGS:
                 add = self.add_argument
                 add("--allow", action="append", default=[], metavar="CODE,...", help="warnings that are meant: L0224")
                 add("--strict", action="store_true", help="take warnings for errors")

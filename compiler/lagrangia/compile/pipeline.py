@@ -70,7 +70,7 @@ def compile_file(path: Path, model: str | None = None, structural: Mapping[str, 
     """All phases. `outputs` are names to report besides coordinates, rates and declared outputs; `given` are values of parameters
     in the place of those declared. Raises LagError."""
     took: dict[str, float] = {}
-    with deep_recursion(), _without_collections():
+    with deep_recursion(), without_collections():
         with _timed(took, "syntax, flat"):
             syntax, flat = flatten_file(path, model, structural)
             flat = redeclared(check_dimensions(flat), given or {})
@@ -122,7 +122,7 @@ def with_what_waits(made: Compilation, outputs: tuple[str, ...]) -> Compilation:
     from lagrangia.compile.scenes import build_scene, divide
     from lagrangia.dynamics.freedom import is_held_still
 
-    with deep_recursion(), _without_collections():
+    with deep_recursion(), without_collections():
         flow, stuck, hamilton = _flow(made.kinematics, made.constraints, made.energies, made.run, waits=False)
         functions = build_functions(made.struck, made.run, made.constraints, made.initial, hamilton,
                                     _reported(made.graph, outputs), is_implicit=True)
@@ -306,7 +306,7 @@ def _choose(syntax: "Syntax", name: str | None) -> Any:
 
 
 @contextmanager
-def _without_collections() -> Iterator[None]:
+def without_collections() -> Iterator[None]:
     """What is made here is kept or freed at once: looking for cycles, over and over, takes a tenth of compiling a large scene,
     and once at the end as much again, were it not among the old objects then, where freeze and unfreeze leave it."""
     was_enabled = gc.isenabled()

@@ -71,6 +71,11 @@ class Tables:
         """Matches a word at a place of a text."""
         return re.compile(self.pattern).match
 
+    @cached_property
+    def finditer(self) -> Any:
+        """All words of a text, and what is ignored between them."""
+        return re.compile(self.pattern).finditer
+
 
 def read(text: str, tables: Tables, actor: Actor) -> Any:
     """What the actor makes of the whole. Raises NotReadError."""

@@ -64,7 +64,7 @@ def parse(source: Source) -> Syntax:
     _check_text(source)
     nodes = _Nodes(source)
     try:
-        items = read(source.text, _tables(), nodes)
+        items = read(source.text, tables(), nodes)
     except NotReadError:
         nodes = _Nodes(source)
         items = _parsed_by_lark(source, nodes)
@@ -75,7 +75,8 @@ def parse(source: Source) -> Syntax:
 
 
 @cache
-def _tables() -> Tables:
+def tables() -> Tables:
+    """The tables of the parser."""
     return Tables(*marshal.loads(made_of("reader", [grammar_file()], reader_tables)))
 
 

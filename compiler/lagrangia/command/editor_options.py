@@ -1,0 +1,11 @@
+"""Options of what people do with their texts: format."""
+
+from argparse import ArgumentParser
+
+
+def add_format(parser: ArgumentParser) -> None:
+    """Of `lag format`."""
+    add = parser.add_argument
+    add("files", nargs="+", metavar="FILE", help="files, folders (all .lag files in them), or - for standard input to output")
+    add("--check", action="store_true", help="write nothing; exit code 1 where a file would change")
+    add("--diff", action="store_true", help="write nothing; print what would change")
