@@ -391,8 +391,8 @@ class Model(Analysed, Swept):
         suited = self.general._suited(lambda: [(values.parameters, values.mask)], evaluate, is_open=True)
         told = suited.scene.notes["balanced"]
         if unknown := [name for name in self.suited(values).scene.notes["balanced"] if name not in told]:
-            fail("L0704", f"the coordinate '{unknown[0]}' moves no mass while a parameter is 0, which an FMU lets change", None,
-                 "write `final` before it, as in PointMass knot(final m = 0)")
+            fail("L0704", f"the coordinate '{unknown[0]}' moves no mass while parameters are as declared, and an FMU lets them "
+                 "change", None, "write `final` before these, as PointMass knot(final m = 0), Prismatic p(final along = {1, 0})")
         return export_fmus(suited.completed(), path, fmi, kind, platforms, sources, parameters, info, engine, tell)
 
     def functions(self, *, given: str | Iterable[str] = ()) -> "dict[str, casadi.Function]":

@@ -93,11 +93,27 @@ def tell_moved(scene: Any, progress: Progress, values: Values, row: Sequence[flo
     begun = row[1 : 1 + 2 * scene.n]
     stated = zip((*scene.coordinates, *scene.rates), kinds, [*guess[0], *guess[1]], (*values.q, *values.v), begun, strict=True)
     for k, (column, kind, wanted, given, value) in enumerate(stated):
-        may_tell = kind == _GUESS or (kind == _FREE and k < scene.n and not scene.sizes["n_initial_positions"])
-        if may_tell and math.isnan(given) and abs(value - wanted) > max(_MOVED * max(abs(value), abs(wanted)), _ROUNDING):
-            print(f"  {column.name} begins at {_quantity(value, column.unit)}, not at {_quantity(wanted, column.unit)}: the "
-                  "equations ask for it", file=out)
+        if kind == _GUESS or (kind == _FREE and k < scene.n and not scene.sizes["n_initial_positions"]):
+            _tell_start(column, wanted, given, value, out)
+    _tell_lost(scene, progress, values, row, out)
     _tell_balanced(scene, row, out)
+
+
+def _tell_start(column: Any, wanted: float, given: float, value: float, out: Any) -> None:
+    if math.isnan(given) and abs(value - wanted) > max(_MOVED * max(abs(value), abs(wanted)), _ROUNDING):
+        print(f"  {column.name} begins at {_quantity(value, column.unit)}, not at {_quantity(wanted, column.unit)}: the "
+              "equations ask for it", file=out)
+
+
+def _tell_lost(scene: Any, progress: Progress, values: Values, row: Sequence[float], out: Any) -> None:
+    """The same of coordinates that others give and that have starts of their own."""
+    kinds, n_lost = scene.fixed, scene.sizes["n_lost"]
+    half, outputs = len(kinds) // 2, {column.name: k for k, column in enumerate(scene.outputs, 1 + 2 * scene.n)}
+    guess = [x for part in evaluate(scene.tapes["start"], progress.parameters) for x in part[scene.n :]]
+    for name, (k, _) in scene.lost.items():
+        kind = kinds[scene.n + k] if k < n_lost else kinds[half + scene.n + k - n_lost]
+        if name in outputs and kind == _GUESS:
+            _tell_start(scene.outputs[outputs[name] - 1 - 2 * scene.n], guess[k], values.lost[k], row[outputs[name]], out)
 
 
 def _tell_balanced(scene: Any, row: Sequence[float], out: Any) -> None:

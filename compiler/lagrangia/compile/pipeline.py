@@ -190,14 +190,6 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
                      given: Given | None = None) -> "tuple[Kinematics, Constraints]":
     """What the equations for people begin with: text -> kinematics; parameters and energies were checked. `given` are values of
     parameters in the place of those declared. Raises LagError."""
-    from lagrangia.constraints.parameters import require_possible
-    from lagrangia.constraints.rows import reduce_kinematics
-    from lagrangia.dynamics.energies import build_energies
-    from lagrangia.dynamics.impacts import find_impacts
-    from lagrangia.dynamics.massless import settle_massless
-    from lagrangia.frames.graph import build_graph
-    from lagrangia.frames.kinematics import build_kinematics
-
     with deep_recursion():
         _, flat = flatten_file(path, model, structural)
         flat = redeclared(check_dimensions(flat), given or {})
@@ -207,14 +199,29 @@ def compile_energies(path: Path, model: str | None = None, structural: Mapping[s
                  "lag simulate, FMUs, --to python and --to casadi have them")
         _refuse_moving_inputs(flat)
         refuse_held(flat, "written equations")
-        kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat)))
-        if not kinematics.symbols.positions:
-            fail("L0505", "nothing can move: the scene has no coordinate", flat.span,
-                 "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
-        require_possible(kinematics)
-        kinematics, constraints, _ = settle_massless(kinematics, constraints, build_energies(kinematics))
-        find_impacts(kinematics)  # which tells what is wrong with events
+        kinematics, constraints = _kinematics(flat, is_general=False)
+        if not any(row.balanced for row in constraints.all_rows):  # which numbers that others could set may be the reason of
+            kinematics, constraints = _kinematics(flat, is_general=True)
         return kinematics, constraints
+
+
+def _kinematics(flat: "FlatModel", is_general: bool) -> "tuple[Kinematics, Constraints]":
+    from lagrangia.constraints.parameters import require_possible
+    from lagrangia.constraints.rows import reduce_kinematics
+    from lagrangia.dynamics.energies import build_energies
+    from lagrangia.dynamics.impacts import find_impacts
+    from lagrangia.dynamics.massless import settle_massless
+    from lagrangia.frames.graph import build_graph
+    from lagrangia.frames.kinematics import build_kinematics
+
+    kinematics, constraints = reduce_kinematics(build_kinematics(build_graph(flat), is_general))
+    if not kinematics.symbols.positions:
+        fail("L0505", "nothing can move: the scene has no coordinate", flat.span,
+             "joints (Revolute, Prismatic, ...) and bodies joined to nothing have coordinates")
+    require_possible(kinematics)
+    kinematics, constraints, _ = settle_massless(kinematics, constraints, build_energies(kinematics))
+    find_impacts(kinematics)  # which tells what is wrong with events
+    return kinematics, constraints
 
 
 def _refuse_moving_inputs(flat: "FlatModel") -> None:

@@ -11,7 +11,7 @@ from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.compile.functions import Functions, build_island_functions, elements_of
 from lagrangia.compile.instructions import count_operations, tape_of
-from lagrangia.constraints.initial import InitialConditions
+from lagrangia.constraints.initial import InitialConditions, find_idle_starts
 from lagrangia.constraints.parameters import scalars
 from lagrangia.constraints.rows import Constraints
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion
@@ -238,7 +238,8 @@ def _told(kinematics: Kinematics, initial: InitialConditions) -> dict[str, objec
     contacts = [_called(model, when) for when in model.whens]
     lines = find_idle_lines(kinematics, initial).diagnostics
     idle, jumping = find_idle_statements(kinematics.graph, lines), find_jumping_energies(kinematics)
-    found = (*model.warnings, *lines, *idle.diagnostics, *jumping.diagnostics, *tell_unlooked(kinematics).diagnostics)
+    found = (*model.warnings, *lines, *idle.diagnostics, *jumping.diagnostics, *tell_unlooked(kinematics).diagnostics,
+             *find_idle_starts(kinematics).diagnostics)
     told = [warning.render() for warning in found if warning.code not in model.allowed]
     files = sorted({lookup.path for lookup in model.lookups})
     kinetic = [str(span) for span in written_inertias(kinematics)]

@@ -9,8 +9,8 @@ A coordinate that others give, by a loop or a linear constraint, is a value like
 rate: s, with the residuals s - s(q) and der(s) - ds/dt.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import cached_property
 
 import casadi as ca
 
@@ -29,6 +29,7 @@ from lagrangia.language.frame_attributes import ATTRIBUTES, COMPONENTS, is_veloc
 from lagrangia.language.tree import Call, Flat, FrameRef, Ref
 
 _AGREES = 1e-9  # two values of one start, in m or rad
+_MOVED = 1e-3  # less is taken for the rounding of a start value
 
 
 GUESS, FIXED, FREE, LOOSE = range(4)  # LAG_START_... of runtime/model/model.h
@@ -118,6 +119,47 @@ def initial_function(kinematics: Kinematics, initial: InitialConditions) -> ca.F
     return ca.Function("initial", arguments, [initial.residuals, ca.vec(jacobian)], labels, ["g", "J"])
 
 
+def find_idle_starts(kinematics: Kinematics) -> Report:
+    """L0608 for starts of prescribed coordinates that are none: with the parameters as declared these begin elsewhere."""
+    report = Report()
+    for start in _prescribed_starts(kinematics):
+        if start.miss > _MOVED * max(abs(start.stated), abs(start.begins), _AGREES):
+            report.warning("L0608", f"this start has no effect: '{start.name}' is given by time alone, and begins "
+                           f"at {start.begins:.6g}", start.span, "leave it out")
+    return report
+
+
+@dataclass(frozen=True)
+class _PrescribedStart:
+    """Of a coordinate or a rate that time alone gives: what is stated, and where it begins, with the parameters as declared."""
+
+    name: str
+    span: Span
+    is_fixed: bool
+    stated: float
+    begins: float
+
+    @property
+    def miss(self) -> float:
+        return abs(self.stated - self.begins)
+
+
+def _prescribed_starts(kinematics: Kinematics) -> Iterator[_PrescribedStart]:
+    p, defaults = default_parameters(kinematics)
+    for coordinate in kinematics.graph.dependent_coordinates:
+        if kinematics.dependents[coordinate.name].terms:
+            continue
+        here = kinematics.coordinate(coordinate.name, 1)
+        for name, start, is_fixed, value in (
+                (coordinate.name, coordinate.start, coordinate.is_fixed, value_of(here)),
+                (coordinate.rate_name, coordinate.rate_start, coordinate.is_rate_fixed, rate_of_dual(here))):
+            if start is not None:
+                both = kinematics.at_start([ca.SX(value), as_expression(kinematics.evaluator.value(start))])
+                numbers = ca.substitute(with_declared_inputs(kinematics, both), [p], [ca.SX(defaults)])
+                begins, stated = (float(ca.evalf(x)) for x in numbers)
+                yield _PrescribedStart(name, start.span, is_fixed, stated, begins)
+
+
 class _Starts:
     def __init__(self, kinematics: Kinematics) -> None:
         self.kinematics = kinematics
@@ -148,9 +190,11 @@ class _Starts:
             self._equation(equation)
         if self.kinematics.graph.model.at_rest is not None:
             self._rest(self.kinematics.graph.model.at_rest)
-        for coordinate in self.kinematics.graph.dependent_coordinates:
-            if not self.kinematics.dependents[coordinate.name].terms:
-                self._require_agreement(coordinate)
+        for prescribed in _prescribed_starts(self.kinematics):
+            if prescribed.is_fixed and prescribed.miss > _AGREES:
+                self.report.error("L0601", f"'{prescribed.name}' is given two initial values", prescribed.span,
+                                  f"an equation prescribes it, and differs by {prescribed.miss:.3g} at the start",
+                                  "leave `fixed` out")
         self._read_lost()
         loops = [""] * len(self.residuals)
         for row in constraints.rows:
@@ -193,25 +237,6 @@ class _Starts:
                     guesses = self.values[:kept] + self.values[self.n : self.n + kept]
                     known = ca.substitute([read], [self._state()], [ca.vertcat(*guesses)])
                     (self.values[slot],) = with_declared_inputs(self.kinematics, known)
-
-    def _require_agreement(self, coordinate: Coordinate) -> None:
-        """A prescribed coordinate starts where it is prescribed, whatever it was guessed; its rate as well."""
-        here = self.kinematics.coordinate(coordinate.name, 1)
-        for start, is_fixed, value in ((coordinate.start, coordinate.is_fixed, value_of(here)),
-                                       (coordinate.rate_start, coordinate.is_rate_fixed, rate_of_dual(here))):
-            if start is None or not is_fixed:
-                continue
-            p, defaults = self._defaults
-            gap = self._at_start(ca.SX(value - self.kinematics.evaluator.value(start)))
-            (gap,) = with_declared_inputs(self.kinematics, [gap])
-            miss = abs(float(ca.evalf(ca.substitute(gap, p, ca.SX(defaults)))))
-            if miss > _AGREES:
-                self.report.error("L0601", f"'{coordinate.name}' is given two initial values", start.span,
-                                  f"an equation prescribes it, and differs by {miss:.3g} at the start", "leave `fixed` out")
-
-    @cached_property
-    def _defaults(self) -> tuple[ca.SX, ca.DM]:
-        return default_parameters(self.kinematics)
 
     def _rest(self, span: Span) -> None:
         """Nothing moves and nothing begins to; first-order states do not change."""

@@ -285,7 +285,7 @@ class SymbolicKinematics(Kinematics):
             return self
         whole = SymbolicKinematics(_without_dependents(self), [*self.symbols.positions, *lost], self.table,
                                    given=self.given)
-        balanced = {row.balanced: row for row in constraints.absorbed if row.balanced}
+        balanced = {name: row for name, row in constraints.givers.items() if row.balanced}
         places = {name: whole.symbols.positions[name] for name in lost}
         tied = [name for name in lost if name not in balanced]
         ties = [row.value(whole, 0) for row in constraints.absorbed if not row.balanced]
@@ -293,8 +293,8 @@ class SymbolicKinematics(Kinematics):
         if balanced:  # of what acts on a place with all that equations tie to it
             between = SymbolicKinematics(whole, None, self.table, {}, self.given)
             between.dependents = {name: between._dependent_of(name, x) for name, x in found.items()}
-            own = [name for name in lost if name in constraints.givers and name not in found]
-            rows = [row.value(between, 0) for row in balanced.values()]
+            own = [name for name in lost if name in balanced]
+            rows = [balanced[name].value(between, 0) for name in own]
             settled = dict(zip(own, _solve_linear(rows, [places[name] for name in own]), strict=True))
             known = {places[name]: x for name, x in settled.items()}
             found = {name: sp.expand(x.xreplace(known)) for name, x in found.items()} | settled
