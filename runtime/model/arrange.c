@@ -1,29 +1,23 @@
-/* What is the same is found by a hash table with open addresses. */
 #include "model/arrange.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/arena.h"
+#include "model/numbering.h"
 #include "model/tape.h"
 
 enum { FEWEST_TOGETHER = 4 }; /* sines: the library takes less time for three */
-
-typedef struct {
-    int32_t op, out, a, b;
-} Instruction;
 
 typedef struct {
     int32_t first, second;
 } Pair;
 
 typedef struct {
-    int32_t count, n_constants, n_held, n_slots; /* n_slots is a power of 2 */
-    Instruction *found, *ordered; /* operands by their places in the list */
-    double *constants;
-    int32_t *slots; /* 1 + places in `found`; 0 where there is none */
-    int32_t *held;  /* what the places of the source hold */
+    LagNumbering known; /* with what gives results among the rest */
+    LagInstruction *ordered; /* operands by their places in the list */
+    int32_t *held; /* what the places of the source hold */
+    int32_t n_held;
     int32_t *level, *place, *number, *to_come, *list, *stack;
     Pair *pairs, *sines;
     int32_t n_ordered, n_sines;
@@ -33,11 +27,10 @@ static void layout(Arranged *s, int32_t count, LagArena *arena)
 {
     const size_t n = (size_t)count + 1;
     int32_t **const lists[] = {&s->level, &s->place, &s->number, &s->to_come, &s->list};
-    s->found = (Instruction *)lag_take(arena, 2 * n);
-    s->ordered = (Instruction *)lag_take(arena, 2 * n);
+    lag_numbering_layout(&s->known, count, arena);
+    s->ordered = (LagInstruction *)lag_take(arena, 2 * n);
     s->pairs = (Pair *)lag_take(arena, n);
     s->sines = (Pair *)lag_take(arena, n);
-    s->slots = lag_take_ints(arena, (size_t)s->n_slots);
     s->held = lag_take_ints(arena, (size_t)s->n_held);
     s->stack = lag_take_ints(arena, 3 * n);
     for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i)
@@ -50,45 +43,6 @@ static int is_leaf(int32_t op) { return op == LAG_OP_INPUT || op == LAG_OP_CONST
 
 /* -------- what is the same */
 
-static int is_same(double x, double y) { return x == y && !signbit(x) == !signbit(y); }
-
-static uint32_t mixed(uint32_t hash, uint32_t more) { return (hash ^ more) * 0x9e3779b1u ^ (hash >> 15); }
-
-static uint32_t hash_of(const Instruction *i, const double *constant)
-{
-    uint32_t bits[2] = {(uint32_t)i->a, (uint32_t)i->b};
-    if (constant)
-        memcpy(bits, constant, sizeof bits);
-    const uint32_t hash = mixed(mixed(mixed(17, (uint32_t)i->op), bits[0]), bits[1]);
-    return hash ^ (hash >> 16);
-}
-
-/* The place of what is the same, which is added where there is none. `commutes`: operands may change places. */
-static int32_t place_of(Arranged *s, Instruction made, int commutes, const double *constant)
-{
-    Instruction key = made;
-    if (commutes && made.b < made.a) {
-        key.a = made.b;
-        key.b = made.a;
-    }
-    const uint32_t mask = (uint32_t)s->n_slots - 1;
-    uint32_t slot = hash_of(&key, constant) & mask;
-    for (; s->slots[slot]; slot = (slot + 1) & mask) {
-        const Instruction *other = &s->found[s->slots[slot] - 1];
-        const int is_alike = other->op == made.op && ((other->a == made.a && other->b == made.b)
-                                                      || (commutes && other->a == made.b && other->b == made.a));
-        if (constant ? other->op == made.op && is_same(s->constants[other->a], *constant) : is_alike)
-            return s->slots[slot] - 1;
-    }
-    if (constant) {
-        made.a = s->n_constants;
-        s->constants[s->n_constants++] = *constant;
-    }
-    s->found[s->count] = made;
-    s->slots[slot] = ++s->count;
-    return s->count - 1;
-}
-
 /* 0 for an operation that tapes lack. */
 static int find_values(Arranged *s, const int32_t *read, int32_t count, const int32_t *kinds, int32_t n_kinds)
 {
@@ -97,16 +51,16 @@ static int find_values(Arranged *s, const int32_t *read, int32_t count, const in
         if (kind < 0)
             return 0;
         if (op == LAG_OP_OUTPUT) {
-            s->found[s->count++] = (Instruction){op, read[1], s->held[read[2]], read[3]};
+            s->known.found[s->known.count++] = (LagInstruction){op, read[1], s->held[read[2]], read[3]};
         } else if (op == LAG_OP_INPUT) {
-            s->held[read[1]] = place_of(s, (Instruction){op, 0, read[2], read[3]}, 0, NULL);
+            s->held[read[1]] = lag_number(&s->known, (LagInstruction){op, 0, read[2], read[3]}, 0, NULL);
         } else if (op == LAG_OP_CONST) {
             double number;
             memcpy(&number, read + 2, sizeof number);
-            s->held[read[1]] = place_of(s, (Instruction){op, 0, 0, 0}, 0, &number);
+            s->held[read[1]] = lag_number(&s->known, (LagInstruction){op, 0, 0, 0}, 0, &number);
         } else {
             const int32_t a = s->held[read[2]], b = kind & LAG_ARRANGE_BINARY ? s->held[read[3]] : a;
-            s->held[read[1]] = place_of(s, (Instruction){op, 0, a, b}, kind & LAG_ARRANGE_COMMUTES, NULL);
+            s->held[read[1]] = lag_number(&s->known, (LagInstruction){op, 0, a, b}, kind & LAG_ARRANGE_COMMUTES, NULL);
         }
     }
     return 1;
@@ -117,8 +71,8 @@ static int find_values(Arranged *s, const int32_t *read, int32_t count, const in
 /* How many sines lie one within another in each, with itself. */
 static void find_levels(Arranged *s)
 {
-    for (int32_t k = 0; k < s->count; ++k) {
-        const Instruction *i = &s->found[k];
+    for (int32_t k = 0; k < s->known.count; ++k) {
+        const LagInstruction *i = &s->known.found[k];
         s->level[k] = 0;
         if (is_sine(i->op)) {
             s->level[k] = s->level[i->a] + 1;
@@ -152,7 +106,7 @@ static void add_needed(Arranged *s, int32_t pending)
             continue;
         s->place[k] = -2; /* is among them */
         s->pairs[n++] = (Pair){0, k};
-        const Instruction *i = &s->found[k];
+        const LagInstruction *i = &s->known.found[k];
         if (!is_leaf(i->op)) {
             if (s->place[i->a] == -1)
                 s->stack[pending++] = i->a;
@@ -168,9 +122,9 @@ static void add_needed(Arranged *s, int32_t pending)
 /* Sines by their levels, of each level in their order. */
 static void collect_sines(Arranged *s)
 {
-    for (int32_t k = 0; k < s->count; ++k) {
+    for (int32_t k = 0; k < s->known.count; ++k) {
         s->place[k] = s->number[k] = -1;
-        if (is_sine(s->found[k].op))
+        if (is_sine(s->known.found[k].op))
             s->sines[s->n_sines++] = (Pair){s->level[k], k};
     }
     qsort(s->sines, (size_t)s->n_sines, sizeof *s->sines, ascending);
@@ -181,7 +135,7 @@ static void add_level(Arranged *s, const Pair *sines, int32_t count)
 {
     int32_t angles = 0;
     for (int32_t i = 0; i < count; ++i) {
-        const int32_t a = s->found[sines[i].second].a;
+        const int32_t a = s->known.found[sines[i].second].a;
         if (s->number[a] == -1) {
             s->stack[angles] = a;
             s->number[a] = angles++;
@@ -189,7 +143,7 @@ static void add_level(Arranged *s, const Pair *sines, int32_t count)
     }
     add_needed(s, angles);
     for (int32_t i = 0; i < count; ++i)
-        s->pairs[i] = (Pair){s->number[s->found[sines[i].second].a], sines[i].second};
+        s->pairs[i] = (Pair){s->number[s->known.found[sines[i].second].a], sines[i].second};
     qsort(s->pairs, (size_t)count, sizeof *s->pairs, ascending);
     for (int32_t i = 0; i < count; ++i) {
         s->to_come[s->pairs[i].second] = count >= FEWEST_TOGETHER ? count - i : 0;
@@ -207,11 +161,11 @@ static void order(Arranged *s)
             ++next;
         add_level(s, s->sines + first, next - first);
     }
-    for (int32_t k = 0; k < s->count; ++k)
+    for (int32_t k = 0; k < s->known.count; ++k)
         if (s->place[k] == -1)
             add(s, k);
-    for (int32_t j = 0; j < s->count; ++j) {
-        Instruction i = s->found[s->list[j]];
+    for (int32_t j = 0; j < s->known.count; ++j) {
+        LagInstruction i = s->known.found[s->list[j]];
         if (!is_leaf(i.op)) {
             i.a = s->place[i.a];
             i.b = i.op == LAG_OP_OUTPUT ? i.b : is_sine(i.op) ? s->to_come[s->list[j]] : s->place[i.b];
@@ -225,10 +179,10 @@ static void order(Arranged *s)
 /* The last reader of each, in `level`. */
 static void find_readers(Arranged *s)
 {
-    for (int32_t k = 0; k < s->count; ++k)
+    for (int32_t k = 0; k < s->known.count; ++k)
         s->level[k] = 0;
-    for (int32_t k = 0; k < s->count; ++k) {
-        const Instruction *i = &s->ordered[k];
+    for (int32_t k = 0; k < s->known.count; ++k) {
+        const LagInstruction *i = &s->ordered[k];
         if (is_leaf(i->op))
             continue;
         s->level[i->a] = k;
@@ -242,8 +196,8 @@ static int32_t put(Arranged *s, int32_t *code)
 {
     int32_t n_free = 0, size = 0;
     find_readers(s);
-    for (int32_t k = 0; k < s->count; ++k, code += 4) {
-        Instruction i = s->ordered[k];
+    for (int32_t k = 0; k < s->known.count; ++k, code += 4) {
+        LagInstruction i = s->ordered[k];
         const int32_t a = i.a, b = i.b, reads_two = !is_leaf(i.op) && i.op != LAG_OP_OUTPUT && !is_sine(i.op);
         if (!is_leaf(i.op))
             i.a = s->place[a];
@@ -267,20 +221,10 @@ static int32_t put(Arranged *s, int32_t *code)
 
 /* -------- all of it */
 
-static int32_t places_in(const int32_t *read, int32_t count)
-{
-    int32_t most = 0;
-    for (int32_t k = 0; k < count; ++k)
-        most = read[4 * k + 1] > most ? read[4 * k + 1] : most;
-    return most + 1;
-}
-
 int lag_arrange(const int32_t *read, int32_t count, const int32_t *kinds, int32_t n_kinds, int32_t *code, double *constants,
                 int32_t *sizes)
 {
-    Arranged s = {.n_held = places_in(read, count), .n_slots = 2, .constants = constants};
-    while (s.n_slots < 2 * count)
-        s.n_slots *= 2;
+    Arranged s = {.n_held = lag_count_places(read, count), .known.constants = constants};
     LagArena arena = {NULL, 0};
     layout(&s, count, &arena);
     double *block = calloc(arena.used + 1, sizeof *block);
@@ -291,8 +235,8 @@ int lag_arrange(const int32_t *read, int32_t count, const int32_t *kinds, int32_
     const int is_known = find_values(&s, read, count, kinds, n_kinds);
     if (is_known) {
         order(&s);
-        sizes[0] = s.count;
-        sizes[1] = s.n_constants;
+        sizes[0] = s.known.count;
+        sizes[1] = s.known.n_constants;
         sizes[2] = put(&s, code);
     }
     free(block);

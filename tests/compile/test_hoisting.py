@@ -41,8 +41,9 @@ X, Y, K, M = (ca.SX.sym(name) for name in ("x", "y", "k", "m"))
 ])
 def test_factors_are_drawn_together(expression: ca.SX, operations: int) -> None:
     p = ca.vertcat(K, M)
-    (made,), c, values = hoist([[expression]], p)
-    assert count([made], [X, Y, c]) == operations
+    found = hoist([[expression]], p)
+    (made,), c, values = found.expressions, found.c, found.values
+    assert count([made], [X, Y, c]) == operations and found.settled == c.numel()
     assert not ca.depends_on(made, p)
     whole = ca.Function("w", [X, Y, p], [ca.substitute([made], [c], [values])[0] if c.numel() else made])
     plain = ca.Function("f", [X, Y, p], [expression])
@@ -61,7 +62,8 @@ def test_hoisted_expressions_are_the_same_numbers(seed: int) -> None:
         known.append([a + b, a - b, a * b, -a, a / (2 + ca.sin(b)), ca.sin(a), 2 * a, ca.tanh(a) ** 2, ca.if_else(b > 0, a, 0)]
                      [random.integers(9)])
     wanted = [ca.tanh(e) for e in known[-6:]]
-    made, c, values = hoist([wanted[:4], wanted[4:]], p)
+    hoisted = hoist([wanted[:4], wanted[4:]], p)
+    made, c, values = hoisted.expressions, hoisted.c, hoisted.values
     assert count(made, [x, c]) <= count(wanted, [x, p])
     place, parameters = random.uniform(-2, 2, 3), random.uniform(-2, 2, 3)
     constants = ca.Function("c", [p], [values])(parameters)

@@ -13,7 +13,7 @@ import numpy as np
 
 _FEW = 400  # are asked for
 _FIRST, _LOOKS = 4, 16
-_SIZE = 16  # bytes
+SIZE = 16  # bytes of an instruction
 
 
 def read_instructions(function: ca.Function) -> bytes:
@@ -42,9 +42,9 @@ def _read_kept(function: ca.Function, count: int) -> bytes | None:
     ask = _asked(function)
     first = b"".join(map(ask, range(_FIRST)))
     for place in _places(text, _letters(first)):
-        read = _bytes(text[place : place + 2 * _SIZE * count])
+        read = _bytes(text[place : place + 2 * SIZE * count])
         looks = (int(k) for k in np.linspace(_FIRST, count - 1, _LOOKS))
-        if len(read) == _SIZE * count and all(read[_SIZE * k : _SIZE * (k + 1)] == ask(k) for k in looks):
+        if len(read) == SIZE * count and all(read[SIZE * k : SIZE * (k + 1)] == ask(k) for k in looks):
             return read
     return None
 

@@ -13,7 +13,7 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import Mode
 from lagrangia.base.records import dataclass
-from lagrangia.compile.hoisting import hoist
+from lagrangia.compile.hoisting import Hoisted, hoist
 from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
 from lagrangia.constraints.parameters import all_parameters, at_start, parameters_of, scalars
 from lagrangia.constraints.rows import Constraints
@@ -52,6 +52,7 @@ class Functions:
     refused: Mapping[str, str]  # solvers that cannot run the scene, and why
     sizes: Mapping[str, int]  # of the matrix of implicit steps
     form: Taken | None  # of a linear scene: whether `auto` takes the solver `linear`
+    settled: int  # how many of the hoisted values are: see hoisting.py
     thresholds: tuple[float, ...] = ()  # with which rates are compared where forces jump
 
 
@@ -69,11 +70,11 @@ def build_functions(
     jacobian = build_jacobian(kinematics, motion, is_implicit)
     flow = [hamilton.velocity, hamilton.force] if hamilton else []
     kick, switches, sampling = find_kick(kinematics, motion), find_switches(motion), find_sampling(kinematics)
-    found, c, hoisted = _hoisted({
+    found, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), "outputs": switches.hold([y]), "energies": [energy],
         **_constrained(motion, energy, switches), "flow": flow, "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
         **_watched(motion, switches)}, motion.p)
-    t, q, v, a, u = motion.t, motion.q, motion.v, motion.a, motion.u
+    t, q, v, a, u, c = motion.t, motion.q, motion.v, motion.a, motion.u, hoisted.c
     d = kinematics.algebra.mode_symbols
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state, labels = [t, q, v, u, d, c], ["t", "q", "v", "u", "d", "c"]
@@ -81,7 +82,7 @@ def build_functions(
     all_labels = [*labels[:3], "a", "lambda", *labels[3:]]
     table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
-        "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
+        "hoist": ca.Function("hoist", [motion.p], [hoisted.values], ["p"], ["c"]),
         "start": start_function(kinematics, initial),
         "outputs": ca.Function("outputs", full, found["outputs"], all_labels, ["y"]),
         "energies": ca.Function("energies", state, found["energies"], labels, ["energies"]),
@@ -94,7 +95,7 @@ def build_functions(
     patterns |= {"reset_places": _reset_places(kinematics, motion), **_patterns(jacobian, switches, modes)}
     refused |= _refusals(bool(jacobian.values) or "jacobian_waits" in jacobian.sizes, bool(len(patterns.get("cones", ()))))
     return Functions(table, names, tuple(kind for _, kind in _events(modes)), power.numel(), needs, patterns, refused,
-                     {**jacobian.sizes, "n_lengths": switches.lengths}, pays, find_thresholds(motion, switches))
+                     {**jacobian.sizes, "n_lengths": switches.lengths}, pays, hoisted.settled, find_thresholds(motion, switches))
 
 
 def _refusals(has_jacobian: bool, has_cones: bool) -> dict[str, str]:
@@ -110,23 +111,23 @@ def build_island_functions(kinematics: Kinematics, motion: Motion) -> Functions:
     power, modes, held = _power(motion, motion.source_power), kinematics.algebra.modes, motion.constrained
     multipliers, jacobian = held.multipliers if held else ca.SX(0, 1), build_jacobian(kinematics, motion)
     kick, switches = find_kick(kinematics, motion), find_switches(motion)
-    found, c, hoisted = _hoisted({
+    found, hoisted = _hoisted({
         "rhs": switches.hold([motion.acceleration, power, multipliers]), **_constrained(motion, ca.SX(0, 1), switches),
         "jacobian": switches.hold(jacobian.values), "kick": [kick.rates],
         **_watched(motion, switches)}, motion.p)
     d = kinematics.algebra.mode_symbols
-    t, q, v, u = motion.t, motion.q, motion.v, motion.u
+    t, q, v, u, c = motion.t, motion.q, motion.v, motion.u, hoisted.c
     given, mask, p = all_parameters(kinematics, motion.p.numel())
     state = [t, q, v, u, d, c]
     table = _functions_of_steps(motion, jacobian, switches, found, d, c) | {
         "parameters": ca.Function("parameters", [given, mask], [p], ["given", "mask"], ["p"]),
-        "hoist": ca.Function("hoist", [motion.p], [hoisted], ["p"], ["c"]),
+        "hoist": ca.Function("hoist", [motion.p], [hoisted.values], ["p"], ["c"]),
     } | _functions_of_constraints(motion, found, d, c) | _mode_functions(motion, modes)
     table |= _kick_function(state, found["kick"], kick.before)
     patterns, refused, pays = _add_linear(table, kinematics, motion)
     return Functions(table, (), tuple(kind for _, kind in _events(modes)), power.numel(), False,
                      patterns | _patterns(jacobian, switches, modes),
-                     refused, {**jacobian.sizes, "n_lengths": switches.lengths}, pays)
+                     refused, {**jacobian.sizes, "n_lengths": switches.lengths}, pays, hoisted.settled)
 
 
 def _watched(motion: Motion, switches: Switches) -> dict[str, list[ca.SX]]:
@@ -187,11 +188,11 @@ def _nearest(motion: Motion, held: ConstrainedMotion, regular: RegularMotion, en
     return [regular.place, regular.steer, *rest, regular.doubt]
 
 
-def _hoisted(groups: Mapping[str, list[ca.SX]], p: ca.SX) -> tuple[dict[str, list[ca.SX]], ca.SX, ca.SX]:
+def _hoisted(groups: Mapping[str, list[ca.SX]], p: ca.SX) -> tuple[dict[str, list[ca.SX]], Hoisted]:
     """`hoist` of groups with names."""
-    expressions, c, hoisted = hoist(list(groups.values()), p)
-    rest = iter(expressions)
-    return {name: list(islice(rest, len(group))) for name, group in groups.items()}, c, hoisted
+    hoisted = hoist(list(groups.values()), p)
+    rest = iter(hoisted.expressions)
+    return {name: list(islice(rest, len(group))) for name, group in groups.items()}, hoisted
 
 
 def _flow_functions(motion: Motion, hamilton: Hamilton | None, flow: list[ca.SX], c: ca.SX) -> dict[str, ca.Function]:

@@ -14,20 +14,39 @@ import casadi as ca
 from lagrangia.algebra.scalars import Expression, apply, apply_to_one, as_expression, operate, symbol, symbols_in
 from lagrangia.base.records import dataclass
 
-_MOST_OPERATIONS = 6_000  # 25 us each, and saves 5 % of a chain: large scenes are better compiled sooner
+_MOST_OPERATIONS = 6_000  # 25 us each, and saves 5 % of a chain: large functions are better compiled sooner
 _MOVES = (ca.OP_INPUT, ca.OP_CONST)
 _FREE = (ca.OP_MUL, ca.OP_DIV)  # by a parameter, they take a factor over; so do _SCALING, whatever they are of
 _SCALING = (ca.OP_NEG, ca.OP_TWICE)
 
 
-def hoist(groups: Sequence[Sequence[ca.SX]], p: ca.SX) -> tuple[list[ca.SX], ca.SX, ca.SX]:
-    """The expressions in terms of c, and c as a function of p. A group holds the results of one function: what several results
-    share is computed once, and is then not taken apart for the sake of one of them."""
+@dataclass(frozen=True)
+class Hoisted:
+    """Expressions in terms of c, and c (n,) as a function of p: the first `settled` of its values are constants drawn together.
+    Behind them stand the parameters themselves, where there are large functions: what these compute of c alone is taken out of
+    their instructions (hoisted_tapes.py)."""
+
+    expressions: list[ca.SX]
+    c: ca.SX
+    values: ca.SX
+    settled: int
+
+
+def hoist(groups: Sequence[Sequence[ca.SX]], p: ca.SX) -> Hoisted:
+    """A group holds the results of one function: what several results share is computed once, and is then not taken apart for the
+    sake of one of them."""
     constants = _Constants({s.__hash__() for s in ca.symvar(p)} if p.numel() else set())
-    found = [e for group in groups for e in _gathered([ca.densify(e) for e in group], constants, p)]
-    if not constants.values:
-        return found, ca.SX(0, 1), ca.SX(0, 1)
-    return _merged(found, constants)
+    found: list[ca.SX] = []
+    is_large = False
+    for group in groups:
+        dense = [ca.densify(expression) for expression in group]
+        column = ca.vertcat(ca.SX(0, 1), *dense)
+        is_too_large = ca.n_nodes(column) > _MOST_OPERATIONS
+        found += dense if is_too_large else _gathered(dense, column, constants)
+        is_large |= is_too_large
+    found, c, values = _merged(found, constants) if constants.values else (found, ca.SX(0, 1), ca.SX(0, 1))
+    settled = c.numel()
+    return Hoisted(found, ca.vertcat(c, p), ca.vertcat(values, p), settled) if is_large else Hoisted(found, c, values, settled)
 
 
 def _merged(expressions: list[ca.SX], constants: "_Constants") -> tuple[list[ca.SX], ca.SX, ca.SX]:
@@ -37,10 +56,8 @@ def _merged(expressions: list[ca.SX], constants: "_Constants") -> tuple[list[ca.
     chosen = [first.setdefault(value.__hash__(), k) for k, value in enumerate(values.elements())]
     if len(first) < len(chosen):
         expressions = ca.substitute(expressions, [symbols], [symbols[chosen]])
-    kept = [*first.values()]
-    if constants.known:  # what was extracted is used
-        used = symbols_in(ca.veccat(*expressions))
-        kept = [k for k in kept if constants.symbols[k].__hash__() in used]
+    used = symbols_in(ca.veccat(*expressions))
+    kept = [k for k in first.values() if constants.symbols[k].__hash__() in used]
     return expressions, symbols[kept], values[kept]
 
 
@@ -74,17 +91,12 @@ class _Term:
     sign: int = 1
 
 
-def _gathered(expressions: list[ca.SX], constants: _Constants, p: ca.SX) -> list[ca.SX]:
-    column = ca.vertcat(ca.SX(0, 1), *expressions)
-    if ca.n_nodes(column) > _MOST_OPERATIONS:
-        reduced, names, values = ca.extract_parametric(column, p, {"extract_trivial": True})
-        constants.symbols += names
-        constants.values += values
-    elif not (symbols := ca.symvar(column)):
+def _gathered(expressions: list[ca.SX], column: ca.SX, constants: _Constants) -> list[ca.SX]:
+    symbols = ca.symvar(column)
+    if not symbols:
         return expressions
-    else:
-        function = ca.Function("gather", [ca.vertcat(*symbols)], [ca.cse(column)])
-        reduced = ca.vertcat(*_Walk(function, symbols, constants).outputs())
+    function = ca.Function("gather", [ca.vertcat(*symbols)], [ca.cse(column)])
+    reduced = ca.vertcat(*_Walk(function, symbols, constants).outputs())
     ends = [0]
     for expression in expressions:
         ends.append(ends[-1] + expression.numel())

@@ -6,15 +6,16 @@ where it is at hand (runtime/model/arrange.c): the same tapes.
 
 from array import array
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import copysign
+from struct import iter_unpack, unpack_from
 
 import casadi as ca
 
-from lagrangia.compile.casadi_instructions import read_instructions
+from lagrangia.compile.casadi_instructions import SIZE, read_instructions
 from lagrangia.native.tapes import BINARY as BINARIES
 from lagrangia.native.tapes import SINES, Op, Tape
-from lagrangia.run.arranging import BINARY, COMMUTES, arrange
+from lagrangia.run.arranging import BINARY, COMMUTES, OP, arrange
 from lagrangia.run.library import find_runtime
 
 # An operation has the same name in CasADi and in runtime/model/tape.h.
@@ -24,7 +25,7 @@ _COMMUTATIVE = (ca.OP_ADD, ca.OP_MUL)
 _Instruction = tuple[int, int, int, int]  # op, out, a, b
 _MADE = {**_OPS, ca.OP_INPUT: _INPUT, ca.OP_OUTPUT: _OUTPUT, ca.OP_CONST: _CONST}
 # By operation, for the run time.
-_KINDS = [-1 if (own := _MADE.get(op)) is None else own | BINARY * (own in BINARIES) | COMMUTES * (op in _COMMUTATIVE)
+KINDS = [-1 if (own := _MADE.get(op)) is None else own | BINARY * (own in BINARIES) | COMMUTES * (op in _COMMUTATIVE)
           for op in range(max(_MADE) + 1)]
 _LEAVES = (_INPUT, _CONST)
 _FEWEST_TOGETHER = 4  # the library takes less time for three
@@ -35,47 +36,57 @@ def tape_of(function: ca.Function) -> Tape:
 
     Raises NotImplementedError for an operation that the run time lacks.
     """
-    runtime = find_runtime()
-    if runtime is not None and runtime.is_ready:
-        code, constants, n_work = arrange(runtime, read_instructions(function), _KINDS)
-    else:
-        instructions, constants = _values(function)
-        code, n_work = _placed(_with_sines_together(instructions))
     sizes_in = [function.numel_in(i) for i in range(function.n_in())]
     sizes_out = [function.numel_out(i) for i in range(function.n_out())]
+    return arranged(read_instructions(function), sizes_in, sizes_out)
+
+
+def arranged(read: bytes, sizes_in: Sequence[int], sizes_out: Sequence[int]) -> Tape:
+    """The tape of instructions as runtime/model/arrange.h reads them. Raises NotImplementedError as `tape_of` does."""
+    runtime = find_runtime()
+    if runtime is not None and runtime.is_ready:
+        code, constants, n_work = arrange(runtime, read, KINDS)
+    else:
+        instructions, constants = _values(read)
+        code, n_work = _placed(_with_sines_together(instructions))
     return Tape(sizes_in, sizes_out, n_work, code, constants)
 
 
-def _values(function: ca.Function) -> tuple[list[_Instruction], "array[float]"]:
+def _values(read: bytes) -> tuple[list[_Instruction], "array[float]"]:
     """The instructions, with the places of those that made their operands in this list instead of places in w; the constants."""
     found: list[_Instruction] = []
     constants: array[float] = array("d")
-    known, known_ops = dict[tuple[float, ...], int](), _OPS
-    held = [0] * function.sz_w()
-    each = range(function.n_instructions())
-    read = map(function.instruction_id, each), map(function.instruction_input, each), map(function.instruction_output, each)
-    for k, (op, inputs, outputs) in enumerate(zip(*read, strict=True)):
-        if (own := known_ops.get(op)) is not None:
-            a = held[inputs[0]]
-            b = held[inputs[1]] if len(inputs) > 1 else a
-            key: tuple[float, ...] = (own, b, a) if b < a and op in _COMMUTATIVE else (own, a, b)
-            made = own, 0, a, b
-        elif op == ca.OP_INPUT:
-            key, made = (_INPUT, *inputs), (_INPUT, 0, *inputs)
-        elif op == ca.OP_CONST:
-            number = function.instruction_constant(k)
+    known, held = dict[tuple[float, ...], int](), dict[int, int]()
+    for k, (op, out, left, right) in enumerate(iter_unpack("=4i", read)):
+        kind = kind_of(op)
+        own = kind & OP
+        if own == _OUTPUT:
+            found.append((_OUTPUT, out, held[left], right))
+            continue
+        if own == _INPUT:
+            key: tuple[float, ...] = (_INPUT, left, right)
+            made = _INPUT, 0, left, right
+        elif own == _CONST:
+            (number,) = unpack_from("=d", read, SIZE * k + 8)
             key, made = (number, copysign(1.0, number)), (_CONST, 0, len(constants), 0)
             if key not in known:
                 constants.append(number)
-        elif op == ca.OP_OUTPUT:
-            found.append((_OUTPUT, outputs[0], held[inputs[0]], outputs[1]))
-            continue
         else:
-            raise NotImplementedError(f"the operation {op} of CasADi in '{function.name()}'")
-        place = held[outputs[0]] = known.setdefault(key, len(found))
+            a = held[left]
+            b = held[right] if kind & BINARY else a
+            key, made = (own, b, a) if b < a and kind & COMMUTES else (own, a, b), (own, 0, a, b)
+        place = held[out] = known.setdefault(key, len(found))
         if place == len(found):
             found.append(made)
     return found, constants
+
+
+def kind_of(op: int) -> int:
+    """What is known of an operation of CasADi. Raises NotImplementedError for one that the run time lacks."""
+    kind = KINDS[op] if op < len(KINDS) else -1
+    if kind < 0:
+        raise NotImplementedError(f"the operation {op} of CasADi")
+    return kind
 
 
 def _with_sines_together(instructions: list[_Instruction]) -> list[_Instruction]:

@@ -10,6 +10,7 @@ import casadi as ca
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.base.diagnostics import fail
 from lagrangia.compile.functions import Functions, build_island_functions, elements_of
+from lagrangia.compile.hoisted_tapes import tapes_of
 from lagrangia.compile.instructions import count_operations, tape_of
 from lagrangia.constraints.initial import InitialConditions, find_idle_starts
 from lagrangia.constraints.parameters import scalars
@@ -44,7 +45,7 @@ def build_scene(
 ) -> Scene:
     """`flow`: why it does not keep its energy, `no_momenta`: why it has no conservative steps; "" where it does and has."""
     model, graph = kinematics.graph.model, kinematics.graph
-    tapes = {name: tape_of(function) for name, function in functions.table.items()}
+    tapes = tapes_of(functions)
     coordinates = tuple(Column(c.name, c.unit, c.display_unit, c.description) for c in graph.coordinates)
     states = {state.coordinate: model.variables[name] for name, state in model.states.items()}
     rates = tuple(_rate_column(c, states.get(c.name)) for c in graph.coordinates)
@@ -130,7 +131,7 @@ def _island_scene(scene: Scene, kinematics: Kinematics, motion: Motion, group: t
              if is_kicked or mode.symbol.__hash__() in used or id(mode.arguments) in asked]  # of a table all
     algebra = replace(kinematics.algebra, modes=modes)
     functions = build_island_functions(replace(kinematics, algebra=algebra), motion)
-    tapes = {name: tape_of(function) for name, function in functions.table.items()}
+    tapes = tapes_of(functions)
     given = scene.sizes["n_parameters"], scene.sizes["n_inputs"]
     sizes = _sizes(len(group), *given, len(algebra.modes), functions, motion, tapes)
     fixed = tuple(scene.fixed[k] for k in (*group, *(len(scene.coordinate_kind) + k for k in group)))
@@ -146,7 +147,7 @@ def _sizes(n: int, n_parameters: int, n_inputs: int, n_modes: int, functions: Fu
            ) -> dict[str, int]:
     """Those of LagModel that a whole scene and an island have alike."""
     found = {
-        "n": n, "n_parameters": n_parameters, "n_hoisted": functions.table["hoist"].numel_out(0), "n_inputs": n_inputs,
+        "n": n, "n_parameters": n_parameters, "n_hoisted": tapes["hoist"].out_sizes[0], "n_inputs": n_inputs,
         "n_modes": n_modes, "n_events": len(functions.event_kinds), "n_power": functions.n_power, **_of_switches(functions),
         **_of_constraints(motion.constrained), **functions.sizes, "rhs_cost": count_operations(usual_rhs(tapes)),
         "n_whens": motion.impacts.conditions.numel(), "n_resets": motion.impacts.rates.numel(),

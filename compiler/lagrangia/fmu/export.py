@@ -50,7 +50,8 @@ _VERSION_FILES = {"2": ("fmi2.c",), "3": ("fmi3.c", "fmi3_unused.c", "fmi3_insta
 # Of the run time: many runs, tables that Python reads, what it compares when it loads a library, what only the package's library
 # for FMUs needs, what a page does and what compiles.
 _UNUSED = ("batch.c", "batch.h", "read_numbers.c", "read_numbers.h", "reduce.c", "reduce.h", "layout.c", "layout.h",
-           "stored.c", "image.c", "image.h", "play.c", "play.h", "arrange.c", "arrange.h")
+           "stored.c", "image.c", "image.h", "play.c", "play.h", "arrange.c", "arrange.h", "hoist.c",
+           "hoist.h", "numbering.c", "numbering.h")
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,8 @@ from lagrangia.base.folders import cache_folder, data_folder, is_trusted, note_u
 from lagrangia.native.prebuilt import digest, sources
 
 _FILES = ("cosimulation", "evaluations", "exchange", "image", "life", "log", "partial", "play", "saved", "settle", "values")
-_UNUSED = ("batch", "reduce", "layout", "arrange")  # no page makes many runs, compares structures, or compiles
+# No page makes many runs, compares structures, or compiles.
+_UNUSED = ("batch", "reduce", "layout", "arrange", "hoist", "numbering")
 _CALLS = ("room", "new", "message", "reset", "inputs", "set", "begin", "step", "values", "events", "drawing")
 # As prebuilt.py has them: the same operations in the same order.
 _FLAGS = ("-target", "wasm32-wasi", "-mexec-model=reactor", "-std=c99", "-ffp-contract=off", "-fno-math-errno", "-O2",
