@@ -176,3 +176,11 @@ def test_what_holds_at_the_start_already_is_told(scene: Write, condition: str, v
     run = scene(pushed(condition, "0.25", "-1", v)).simulate(at=[0.1])
     assert any("holds at the start already" in warning for warning in run.warnings)
     assert not scene(pushed("b.v < 0", "0", "-1", 0.0)).simulate(at=[0.1]).warnings
+
+
+def test_the_force_that_carries_along_is_known(scene: Write) -> None:
+    """Two blocks of which the second never falls behind: 2 kg are carried by two thirds of the push, until it turns round."""
+    run = scene("""model Carried Block a(m = 1, base = world), b(m = 2, base = world); Length ahead = b.s - a.s;
+      AppliedForce P(at = a.center, force = {3[N]*sin(2[rad/s]*time), 0}); output Force N = contact_force(ahead);
+      equation when der(ahead) < 0 then reinit(der(ahead), 0); end when; end Carried;""").simulate(at=[0.3, 1.1, 1.5, 1.7, 2.5])
+    assert run["N"] == pytest.approx(np.maximum(2 * np.sin(2 * run.time), 0) * (run.time < np.pi / 2), abs=1e-12)

@@ -77,8 +77,9 @@ Contacts              where the rate of the condition itself is turned back or s
                       several contacts at once have no one answer in rigid bodies: here those that approach are struck together,
                       then those that approach after that.
 contact_force(x)      the force that holds x at the contact of `when x < 0 then reinit(der(x), ...)`; a torque where x is an
-                      angle. Forces and dissipation functions may depend on it, as friction does that presses with it: energy
-                      dissipation mu*contact_force(x)*abs(slip). RoughStop is such a Stop; Friction(normal = stop.force) rubs
+                      angle; or that carries along what goes one way, `when der(x) < 0 then reinit(der(x), 0)`. Of contacts
+                      forces and dissipation functions may depend on it, as friction does that presses with it:
+                      mu*contact_force(x)*abs(slip). RoughStop is such a Stop; Friction(normal = stop.force) rubs
                       anywhere. It sticks, slips and is torn off as other dry friction; in impacts it takes mu times the impulse
                       against the slip that is left, or what leaves none; restitution is less than e where friction
                       would give energy with it. Contacts and friction are one problem, at rest and in impacts: of its

@@ -29,7 +29,7 @@ from lagrangia.dynamics.energies import Load
 from lagrangia.frames.evaluation import scalars_of
 from lagrangia.frames.kinematics import Kinematics
 from lagrangia.language.consequences import contact_forces_in
-from lagrangia.language.events import COMPARED, are_alike, contact_of, kept_by, level_of, name_of_contact, parts_of, position_of
+from lagrangia.language.events import COMPARED, are_alike, contact_of, held_by, level_of, name_of_contact, parts_of, position_of
 from lagrangia.language.flat import Reset, When, Work
 from lagrangia.language.tree import Binary, Flat, Number, Unary
 
@@ -52,7 +52,7 @@ class Impacts:
     places: tuple[int, ...] = ()
     one_way: tuple[bool, ...] = ()  # (w,): gaps that are rates
     loads: tuple[Load, ...] = ()
-    pressing: Mapping[int, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # of contacts, by their events: forces, impulses
+    pressing: Mapping[int, tuple[ca.SX, ca.SX]] = field(default_factory=dict)  # of what rests, by their events: forces, impulses
 
     def contacts_of(self, component: str) -> list[Load]:
         """The forces that hold what rests at the contacts of a component."""
@@ -79,7 +79,7 @@ def find_impacts(kinematics: Kinematics) -> Impacts:
     kept = [event.kept_position for event in found]
     for asked in contact_forces_in(kinematics.graph.model):
         event = contact_of(kept, asked.arguments[0])
-        if event is not None and found[event].kept is None:
+        if event is not None and (found[event].kept is None or ONE_WAY in found[event].kinds):
             fail("L0226", "this event is no contact, whose force is asked for", whens[event].span,
                  "a contact turns what approaches back, or stops it: reinit(der(x), -e*pre(der(x))) with e >= 0")
     places = [(k, kind) for k, event in enumerate(found) for kind in event.kinds]
@@ -109,7 +109,7 @@ class _Event:
         for reset, position in zip(when.resets, self.positions, strict=True):
             self._add(reset, position)
         self._check()
-        self.kept_position = kept_by(model, when)
+        self.kept_position = held_by(model, when)
         kept = next((k for k, x in enumerate(self.places) if are_alike(x, self.kept_position)), None)
         self.gap = ca.SX(0)
         self.held: Flat | None = None
@@ -118,7 +118,7 @@ class _Event:
         kind, found = (ONE_WAY, limits) if any(limits) else (CONTACT, contacts)
         chosen = next((x for x in (found[kept] if kept is not None else None, *found) if x is not None), None)
         self.kinds = [kind if chosen is not None and x is chosen else KICK for x in found]
-        self.kept = kept if kept is not None and self.kinds[kept] == CONTACT else None  # whose contact force may be asked for
+        self.kept = kept if kept is not None and self.kinds[kept] != KICK else None  # whose contact force may be asked for
         if chosen is not None:
             self._divide(chosen, kind)
         elif _is_comparison(when.condition):

@@ -28,7 +28,7 @@ from lagrangia.frames.planar import cross, turned_vector
 from lagrangia.frames.table_values import lines_value, plane_value, table_of_points, table_value
 from lagrangia.language.algorithms import FlatFunction
 from lagrangia.language.consequences import name_of_constraint, side_of
-from lagrangia.language.events import contact_of, kept_by, name_of_contact
+from lagrangia.language.events import contact_of, held_by, name_of_contact
 from lagrangia.language.flat import FlatModel
 from lagrangia.language.lookups import lookup_of
 from lagrangia.language.tree import (
@@ -254,7 +254,7 @@ class Evaluator:
 
     @cached_property
     def _kept(self) -> list[Flat | None]:
-        return [kept_by(self.model, when) for when in self.model.whens]
+        return [held_by(self.model, when) for when in self.model.whens]
 
     def _contact_force(self, node: Call[Flat], level: int) -> Scalar:
         """What holds x at its contact: 0 where the leaves know of no events."""

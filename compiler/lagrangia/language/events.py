@@ -42,7 +42,15 @@ def level_of(node: Flat) -> Flat:
 
 def position_of(reset: Reset, model: FlatModel) -> Flat:
     """That of which a rate is reset. Raises LagError L0225."""
-    node = reset.rate
+    position = _moved_at(reset.rate, model)
+    if position is not None:
+        return position
+    fail("L0225", "reinit sets a rate, this is none", reset.rate.span,
+         "write: reinit(der(x), value), for any position or angle x")
+
+
+def _moved_at(node: Flat, model: FlatModel) -> Flat | None:
+    """That of which an expression is the rate; None where it is none."""
     while isinstance(node, Ref) and not node.index and (variable := model.variables[node.name]).kind == "variable":
         assert variable.binding is not None
         node = variable.binding
@@ -51,19 +59,30 @@ def position_of(reset: Reset, model: FlatModel) -> Flat:
             return position
         case FrameRef(name, attribute, index, span) if is_velocity(attribute):
             return FrameRef(name, place_of(attribute), index, span)
-    fail("L0225", "reinit sets a rate, this is none", reset.rate.span,
-         "write: reinit(der(x), value), for any position or angle x")
+    return None
 
 
 def contact_of(kept: Sequence[Flat | None], x: Flat) -> int | None:
-    """The first event that is a contact of x, by its place among all, of which `kept_by` tells."""
+    """The first event that is a contact of x, by its place among all, of which `held_by` tells."""
     return next((k for k, own in enumerate(kept) if are_alike(own, x)), None)
 
 
 def kept_by(model: FlatModel, when: When) -> Flat | None:
-    """The x of which an event is a contact."""
+    """The x of which an event is a contact: x < 0 comes true."""
+    return next((x for small, x in _below(model, when) if are_alike(small, x)), None)
+
+
+def held_by(model: FlatModel, when: When) -> Flat | None:
+    """The x of which an event is a contact, or which it lets go one way: der(x) < 0 comes true."""
+    return next((x for small, x in _below(model, when) if are_alike(small, x) or are_alike(_moved_at(small, model), x)), None)
+
+
+def _below(model: FlatModel, when: When) -> Iterator[tuple[Flat, Flat]]:
+    """What falls below zero, beside each position of which a rate is reset."""
     positions = [position_of(reset, model) for reset in when.resets]
-    return next((x for node in parts_of(when.condition) for x in positions if _is_below_zero(node, x)), None)
+    for node in parts_of(when.condition):
+        if (small := _below_zero(node)) is not None:
+            yield from ((small, x) for x in positions)
 
 
 def name_of_contact(event: int) -> str:
@@ -71,12 +90,12 @@ def name_of_contact(event: int) -> str:
     return f"contact_force({event})"
 
 
-def _is_below_zero(node: Flat, x: Flat) -> bool:
-    """x < 0, or 0 > x."""
+def _below_zero(node: Flat) -> Flat | None:
+    """Of x < 0, or 0 > x: x."""
     if not (isinstance(node, Binary) and node.operator in COMPARED):
-        return False
+        return None
     small, large = (node.left, node.right) if node.operator.startswith("<") else (node.right, node.left)
-    return isinstance(large, Number) and large.value == 0 and are_alike(small, x)
+    return small if isinstance(large, Number) and large.value == 0 else None
 
 
 def are_alike(a: Any, b: Any) -> bool:
