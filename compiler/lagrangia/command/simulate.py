@@ -203,7 +203,7 @@ class _Rows:
             return lambda rows: write(self.as_shown(rows))
         count = len(columns(self.scene))
         print(csv_names(self.scene))
-        return lambda rows: print("\n".join(csv_lines(self.as_shown(rows), count, self.empty)))
+        return lambda rows: print(b"\n".join(csv_lines(self.as_shown(rows), count, self.empty)).decode())
 
     def _write_whole(self, rows: Sequence[float]) -> None:
         assert self.file is not None

@@ -6,14 +6,14 @@ name when all is well (base/result_files.py), unless it is streamed: then the ro
 
 import os
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import orjson
 
 from lagrangia.base.diagnostics import fail
-from lagrangia.base.result_files import Target, cells, quoted, require_parquet
+from lagrangia.base.result_files import Target, quoted, require_parquet, written
 from lagrangia.run.scene import Scene
 from lagrangia.run.simulate import Progress
 from lagrangia.view.rows import ENERGIES, collect, columns
@@ -81,16 +81,16 @@ class TextRows(Target):
     def __init__(self, path: Path, scene: Scene, stream: bool = False) -> None:
         self.names = [column.name for column in columns(scene)]
         self.is_json, self.streams = path.suffix.lower() == ".jsonl", stream
-        super().__init__(path, direct=stream)
+        super().__init__(path, binary=True, direct=stream)
         self.empty = EmptyCells(scene)
         if not self.is_json:
-            self.put(csv_names(scene) + "\n")
+            self.put((csv_names(scene) + "\n").encode())
 
     def write(self, values: Sequence[float]) -> None:
         """Rows, as one flat sequence of numbers."""
         lines = (json_lines(values, self.names, self.empty) if self.is_json
                  else csv_lines(values, len(self.names), self.empty))
-        self.put("\n".join(lines) + "\n")
+        self.put(b"\n".join(lines) + b"\n")
         if self.streams:
             self.stream.flush()
 
@@ -100,25 +100,23 @@ def csv_names(scene: Scene) -> str:
     return ",".join(quoted(column.name) for column in columns(scene))
 
 
-def csv_lines(values: Sequence[float], shown: int, empty: EmptyCells) -> list[str]:
+def csv_lines(values: Sequence[float], shown: int, empty: EmptyCells) -> Iterator[bytes]:
     """Rows of results, flat, as lines of their first `shown` columns; cells without a finite value are empty, and noted."""
-    starts = range(0, len(values), shown + ENERGIES)
-    lines = [cells(values[k : k + shown]) for k in starts]
-    for k, line in zip(starts, lines, strict=True):
-        if ",," in line or line.endswith(","):
-            for column in (column for column, cell in enumerate(line.split(",")) if not cell):
-                empty.note(column, values[k])
-    return lines
+    for k in range(0, len(values), shown + ENERGIES):
+        line = written(values[k : k + shown])
+        if b"null" in line:
+            _note(values[k : k + shown], empty)
+            line = line.replace(b"null", b"")
+        yield line
 
 
-def json_lines(values: Sequence[float], names: Sequence[str], empty: EmptyCells) -> list[str]:
+def json_lines(values: Sequence[float], names: Sequence[str], empty: EmptyCells) -> Iterator[bytes]:
     """The same as objects, {"time":0.0,...}; what has no finite value is null."""
-    lines = []
     for k in range(0, len(values), len(names) + ENERGIES):
-        lines.append(orjson.dumps(dict(zip(names, values[k : k + len(names)], strict=True))).decode())
-        if ":null" in lines[-1]:
+        line = orjson.dumps(dict(zip(names, values[k : k + len(names)], strict=True)))
+        if b":null" in line:
             _note(values[k : k + len(names)], empty)
-    return lines
+        yield line
 
 
 def _note(row: Sequence[float], empty: EmptyCells) -> None:
