@@ -67,6 +67,8 @@ def shared_directions(kinematics: Kinematics, constraints: Constraints, energies
     if not 1 < len(names) <= _MOST:
         return []
     looks = _Looks(kinematics, constraints, energies, names)
+    if looks.is_regular():
+        return []
     here, elsewhere = looks.directions(0), looks.directions(1)
     if len(here) != len(elsewhere):
         return []
@@ -99,6 +101,10 @@ class _Looks:
         """Each as long as one coordinate alone would be, which no other one has; with one of two sets of parameters."""
         numbers = self.numbers * np.random.default_rng(which).uniform(0.8, 1.2, self.numbers.size)
         return _reduced(self._null_space(numbers, range(_LOOKS)))
+
+    def is_regular(self) -> bool:
+        """Whether nothing moves without mass at one position, so that nothing does at all."""
+        return not self._null_space(self.numbers, [0]).size
 
     def loose(self, known: int) -> list[int]:
         """Coordinates of a way that is one at any position, behind so many that are the same at all; none where there is none."""
