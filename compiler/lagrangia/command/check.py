@@ -95,6 +95,6 @@ def _describe(scene: Any, freedom: Mapping[str, Any]) -> str:
     elif freedom["degrees_at_start"] > freedom["degrees_of_freedom"]:
         here = freedom["degrees_at_start"] - len(scene.signals)
         lines.append(f"  the start is a singular position: {here} degrees of freedom there")
-    lines += [f"  {text} only just holds: it is kept with its slopes" for text in notes["touching"]["told"]]
+    lines += [f"  {text} only just holds: it is kept with its slopes or its parts" for text in notes["touching"]["told"]]
     lines += [f"  {text}" for text in (*freedom["repeated"], *freedom["assemblies"])]
     return "\n".join(lines)

@@ -17,10 +17,11 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.orthogonal import Vector, independent_columns
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.constraints.assembly import begin
-from lagrangia.constraints.initial import InitialConditions, initial_function, start_function
+from lagrangia.constraints.initial import InitialConditions, build_initial, initial_function, start_function
 from lagrangia.constraints.parameters import at_declared_values, parameter_symbols
 from lagrangia.constraints.positions import Positions
 from lagrangia.constraints.rows import Constraints, Row, derived
+from lagrangia.constraints.vanishing_sums import split_vanishing_sums
 from lagrangia.dynamics.equilibrium import StaticEquations, ways_at
 from lagrangia.frames.kinematics import Kinematics
 
@@ -49,7 +50,15 @@ def static_constraints(kinematics: Kinematics, phi: ca.SX, J: ca.SX) -> StaticEq
 
 
 def lift_double_roots(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> Constraints | None:
-    """The constraints with slopes in place of what only just holds at the start; None where nothing does."""
+    """The constraints with slopes in place of what only just holds at the start, and with the parts of sums that are nowhere
+    negative where these are to vanish; None where nothing does."""
+    split = split_vanishing_sums(kinematics, constraints)
+    if split is None:
+        return _lift(kinematics, constraints, initial)
+    return _lift(kinematics, split, build_initial(kinematics, split)) or split
+
+
+def _lift(kinematics: Kinematics, constraints: Constraints, initial: InitialConditions) -> Constraints | None:
     rows, n = constraints.rows, len(kinematics.symbols.positions)
     if not rows or n > _MOST or not all(row.is_holonomic for row in rows) or kinematics.algebra.modes:
         return None
@@ -108,7 +117,8 @@ def _replace(kinematics: Kinematics, constraints: Constraints, touching: list[tu
     held = [constraints.rows[k] for k in sorted(gone)]
     slopes = [row for group in touching for row in _slopes([constraints.rows[k] for k in group], J[list(group)])]
     agreements = tuple((ca.SX(row.value(kinematics, 0)), row) for row in held)
-    return replace(constraints, rows=(*kept, *slopes), touching=tuple(held), agreements=(*constraints.agreements, *agreements))
+    return replace(constraints, rows=(*kept, *slopes), touching=(*constraints.touching, *held),
+                   agreements=(*constraints.agreements, *agreements))
 
 
 def _slopes(group: list[Row], J: Vector) -> list[Row]:

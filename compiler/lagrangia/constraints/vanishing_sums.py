@@ -1,0 +1,110 @@
+"""Sums that are nowhere negative, and equations that ask them to vanish: a length of 0, x^2 + y^2 = 0, |x| + |y| = 0.
+
+Such an equation has no slopes where it holds, though it says as much as one for each of its parts: each of them vanishes, and
+these have slopes.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import casadi as ca
+
+from lagrangia.algebra.duals import Scalar
+from lagrangia.algebra.scalars import symbols_in
+from lagrangia.constraints.parameters import at_declared_values
+from lagrangia.constraints.rows import Constraints, Row, derived
+from lagrangia.frames.kinematics import Kinematics
+
+_NOTHING = 1e-15  # of a length, as declared
+_TINY = 1e-200  # what roots are kept away from 0 with
+_MOST_PARTS = 64
+
+
+def split_vanishing_sums(kinematics: Kinematics, constraints: Constraints) -> Constraints | None:
+    """The constraints with the parts of such sums in their places; None where there are none with the parameters as declared."""
+    sums, rows, found = _Sums(kinematics), list[Row](), list[Row]()
+    for row in constraints.rows:
+        parts = sums.parts_of(ca.SX(row.value(kinematics, 0))) if row.is_holonomic else None
+        if parts is None:
+            rows.append(row)
+        else:
+            found.append(row)
+            rows += [Row(partial(_value, part), True, None, row.span, k, row.component, row.is_timed)
+                     for k, part in enumerate(parts)]
+    return replace(constraints, rows=tuple(rows), touching=tuple(found)) if found else None
+
+
+def _value(part: ca.SX, kinematics: Kinematics, level: int) -> Scalar:
+    return derived(part, kinematics, level)
+
+
+class _Sums:
+    def __init__(self, kinematics: Kinematics) -> None:
+        self.kinematics = kinematics
+        symbols = kinematics.symbols
+        self.state = frozenset(x.__hash__() for x in (*symbols.positions.values(), *symbols.rates.values(), symbols.time)
+                               ) | frozenset(x.__hash__() for x in kinematics.algebra.state.elements())
+
+    def parts_of(self, gap: ca.SX) -> list[ca.SX] | None:
+        """What vanishes with it, each a function of positions; None where it is no such sum, or cannot vanish."""
+        parts = self._vanishing(gap)
+        if not parts:
+            return None
+        fixed = [x for x in parts if not self._moves(x)]
+        if any(abs(self._number(x)) > _NOTHING for x in fixed):
+            return None
+        return [x for x in parts if self._moves(x)] or None
+
+    def _vanishing(self, total: ca.SX) -> list[ca.SX] | None:
+        """The parts of a sum of one sign, which vanishes with all of them."""
+        found, signs, constant = list[ca.SX](), set[int](), ca.SX(0)
+        for sign, term in _terms(total):
+            parts = self._parts(term)
+            if parts is None and self._moves(term):
+                return None
+            if parts is None:
+                constant += sign * term
+            else:
+                signs.add(sign)
+                found += parts
+            if len(signs) > 1 or len(found) > _MOST_PARTS:
+                return None
+        return found if found and abs(self._number(constant)) <= _NOTHING else None
+
+    def _parts(self, term: ca.SX) -> list[ca.SX] | None:
+        """Those that vanish with a term that is nowhere negative; None for another, and for one that does not move."""
+        if term.is_symbolic() or term.is_constant() or term.n_dep() == 0:
+            return None
+        op, first = term.op(), term.dep(0)
+        if op in (ca.OP_SQ, ca.OP_FABS):
+            return self._vanishing(first) or [first]
+        if op in (ca.OP_SQRT, ca.OP_TWICE):
+            return self._vanishing(first)
+        if op not in (ca.OP_MUL, ca.OP_DIV):
+            return None
+        second = term.dep(1)
+        for factor, other in ((first, second), (second, first))[op == ca.OP_DIV :]:
+            if not self._moves(factor):
+                return self._parts(other) if self._number(factor) > 0 else None
+        return [first] if op == ca.OP_MUL and ca.is_equal(first, second, 1) else None
+
+    def _moves(self, x: ca.SX) -> bool:
+        return not self.state.isdisjoint(symbols_in(x))
+
+    def _number(self, x: ca.SX) -> float:
+        return float(ca.evalf(at_declared_values(self.kinematics, [x])[0]))
+
+
+def _terms(total: ca.SX, sign: int = 1) -> Iterator[tuple[int, ca.SX]]:
+    """Of a sum, with their signs; without what keeps roots away from 0."""
+    pending: Sequence[tuple[int, ca.SX]] = [(sign, total)]
+    while pending:
+        (sign, x), *pending = pending
+        op = x.op() if not (x.is_symbolic() or x.is_constant()) else None
+        if op in (ca.OP_ADD, ca.OP_SUB):
+            pending = [(sign, x.dep(0)), (sign if op == ca.OP_ADD else -sign, x.dep(1)), *pending]
+        elif op == ca.OP_NEG:
+            pending = [(-sign, x.dep(0)), *pending]
+        elif not (x.is_constant() and abs(float(x)) <= _TINY):
+            yield sign, x
