@@ -51,6 +51,7 @@ HEAVY_HOMES = {
     "lark": {"language"},
     "casadi": {"algebra", "frames", "constraints", "dynamics", "needs", "compile", "study", "fmu", "model", "bench",
                "command/scene_export", "draw"},
+    "pygls": {"editor/server", "editor/protocol", "command/server"},
     "sympy": {"algebra/with_sympy", "algebra/normal_form", "paper"},
     "matplotlib": {"view/curves", "study/pictures", "study/sweep/pictures", "bench/plot", "draw/paint"},
 }
@@ -58,7 +59,7 @@ LONGEST_WELCOME = 8  # lines of what a room says about itself
 TOP_LEVEL = {"pyproject.toml", "grammar", "compiler", "runtime", "models", "tests", "README.md", "LICENSE", "CHANGELOG.md"}
 METHODS = {"study/swept"}  # of a model
 COMPILERS = {"native/build", "native/c_code", "native/series"}  # a run that stays on its tape does without
-HEAVY = {"casadi", "sympy", "matplotlib", "scipy", "pandas", "lark", "numpy"}
+HEAVY = {"casadi", "sympy", "matplotlib", "scipy", "pandas", "lark", "numpy", "pygls"}
 LONGEST_FILE, LONGEST_FUNCTION = 500, 40
 SUFFIXES = {".py", ".c", ".h", ".lark", ".lag"}
 

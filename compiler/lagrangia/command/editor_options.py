@@ -1,4 +1,4 @@
-"""Options of what people do with their texts: format."""
+"""Options of what people do with their texts: format, server."""
 
 from argparse import ArgumentParser
 
@@ -9,3 +9,8 @@ def add_format(parser: ArgumentParser) -> None:
     add("files", nargs="+", metavar="FILE", help="files, folders (all .lag files in them), or - for standard input to output")
     add("--check", action="store_true", help="write nothing; exit code 1 where a file would change")
     add("--diff", action="store_true", help="write nothing; print what would change")
+
+
+def add_server(parser: ArgumentParser) -> None:
+    """Of `lag server`."""
+    parser.add_argument("--stdio", action="store_true", help="over standard input and output, as always: editors like to say so")

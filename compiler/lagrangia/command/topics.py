@@ -7,6 +7,7 @@ from lagrangia.base.diagnostics import fail, suggest
 from lagrangia.base.folders import data_folder
 from lagrangia.command.curves_topic import curves_topic
 from lagrangia.command.drawing_topic import drawing_topic
+from lagrangia.command.editor_topic import EDITOR
 from lagrangia.command.signals_topic import SIGNALS
 from lagrangia.command.tables_topic import TABLES
 
@@ -486,6 +487,7 @@ TOPICS: Mapping[str, tuple[str, Callable[[], str]]] = {
     "equations": ("the equations of motion for people: forms, formats, names", lambda: _EQUATIONS),
     "fmu": ("FMUs: export, check, simulate", lambda: _FMU),
     "analysis": ("equilibria, small motion, modes, frequency response", lambda: _ANALYSIS),
+    "editor": ("texts: layout, language server", lambda: EDITOR),
     "errors": ("diagnostics and exit codes", lambda: _ERRORS),
 }
 

@@ -20,7 +20,12 @@ def faults_elsewhere(path: Path) -> list[Diagnostic]:
     """All but values that only who uses a model can give. Raises LagError where the file cannot be read."""
     with deep_recursion():
         syntax, imported = read_files(path)
-        table = build_class_table(library(), [syntax, *imported])
+        return faults_beside(build_class_table(library(), [syntax, *imported]), syntax)
+
+
+def faults_beside(table: ClassTable, syntax: Syntax) -> list[Diagnostic]:
+    """The same of a file that is read, and its classes."""
+    with deep_recursion():
         used = {element.type_name for c in syntax.classes for element in c.elements if element.type_name != c.name}
         run = next((c for c in reversed(syntax.classes) if c.kind == "model" and not c.is_partial), None)
         others = [c for c in syntax.classes if c.kind == "model" and c is not run and c.name not in used]

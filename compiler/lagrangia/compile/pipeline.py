@@ -7,7 +7,7 @@ import gc
 import os
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -236,11 +236,16 @@ def flatten_file(path: Path, model: str | None = None, structural: Mapping[str, 
     """Text -> syntax -> flat model, with the figures of the library's components where it `is_drawn`. Raises LagError."""
     with deep_recursion():
         syntax, imported = read_files(path)
-        table = build_class_table(drawn_library() if is_drawn else library(), [syntax, *imported])
-        definition = _choose(syntax, model)
-        flat = flatten(table, definition, structural)
-        unused = find_unused_imports(syntax, _brought(syntax, imported)) if syntax.imports else Report()
-        return syntax, replace(flat, warnings=(*flat.warnings, *unused.diagnostics), tables=read_tables(flat.lookups))
+        return syntax, flatten_files(syntax, imported, model, structural, is_drawn)
+
+
+def flatten_files(syntax: "Syntax", imported: "list[Syntax]", model: str | None = None,
+                  structural: Mapping[str, Any] | None = None, is_drawn: bool = False) -> "FlatModel":
+    """The same of files that are read. Raises LagError."""
+    table = build_class_table(drawn_library() if is_drawn else library(), [syntax, *imported])
+    flat = flatten(table, _choose(syntax, model), structural)
+    unused = find_unused_imports(syntax, _brought(syntax, imported)) if syntax.imports else Report()
+    return replace(flat, warnings=(*flat.warnings, *unused.diagnostics), tables=read_tables(flat.lookups))
 
 
 def _brought(main: "Syntax", imported: "list[Syntax]") -> "list[tuple[ImportFile, list[Syntax]]]":
@@ -259,9 +264,24 @@ def _brought(main: "Syntax", imported: "list[Syntax]") -> "list[tuple[ImportFile
     return found
 
 
-def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":
-    """The file and all that it imports, each once. Raises LagError."""
-    main = parse(read_source(path))
+def read_source(path: Path) -> Source:
+    """Raises LagError L000x for what cannot be read as text."""
+    try:
+        require_file(path)
+        return Source(str(path), path.read_bytes().decode("utf-8"))
+    except FileNotFoundError:
+        fail("L0001", f"there is no file '{path}'")
+    except IsADirectoryError:
+        fail("L0001", f"'{path}' is a folder")
+    except OSError as error:
+        fail("L0001", f"'{path}' cannot be read: {error.strerror}")
+    except UnicodeDecodeError as error:
+        fail("L0101", f"'{path}' is not a text file in UTF-8: byte {error.object[error.start]:#04x} at offset {error.start}")
+
+
+def read_files(path: Path, read: Callable[[Path], Source] = read_source) -> "tuple[Syntax, list[Syntax]]":
+    """The file and all that it imports, each once; an editor reads what people have not saved yet. Raises LagError."""
+    main = parse(read(path))
     found: dict[Path, Syntax] = {path.resolve(): main}
     report = Report()
     pending = [(path, main)]
@@ -277,25 +297,10 @@ def read_files(path: Path) -> "tuple[Syntax, list[Syntax]]":
             if not target.is_file():
                 report.error("L0002", f"there is no file '{item.path}'", item.span, f"looked for {here.parent / item.path}")
                 continue
-            found[target] = parse(read_source(here.parent / item.path))
+            found[target] = parse(read(here.parent / item.path))
             pending.append((here.parent / item.path, found[target]))
     report.raise_errors()
     return main, [syntax for syntax in found.values() if syntax is not main]
-
-
-def read_source(path: Path) -> Source:
-    """Raises LagError L000x for what cannot be read as text."""
-    try:
-        require_file(path)
-        return Source(str(path), path.read_bytes().decode("utf-8"))
-    except FileNotFoundError:
-        fail("L0001", f"there is no file '{path}'")
-    except IsADirectoryError:
-        fail("L0001", f"'{path}' is a folder")
-    except OSError as error:
-        fail("L0001", f"'{path}' cannot be read: {error.strerror}")
-    except UnicodeDecodeError as error:
-        fail("L0101", f"'{path}' is not a text file in UTF-8: byte {error.object[error.start]:#04x} at offset {error.start}")
 
 
 def _choose(syntax: "Syntax", name: str | None) -> Any:

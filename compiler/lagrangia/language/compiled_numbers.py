@@ -32,6 +32,11 @@ def compiled_numbers(model: FlatModel, is_general: bool = False, massless: tuple
     return found
 
 
+def values_as_declared(model: FlatModel, variable: Variable) -> list[float | None]:
+    """Of its elements, in SI units; None where they follow from the motion, or are not numbers."""
+    return _Declared(model, is_locked=False).values(variable)
+
+
 class _Declared:
     """Values of parameters as they are declared, those that others can set left out where `is_locked`."""
 

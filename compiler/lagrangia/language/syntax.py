@@ -51,7 +51,7 @@ _DEEPEST = 100  # brackets in brackets, conditions in conditions, loops in loops
 _NESTING = re.compile(
     r"""(?P<text>"(?:[^"\\]|\\.)*"? | //[^\n]* | /\*(?:.*?\*/|.*)) | (?P<open>[(\[{]) | (?P<close>[)\]}])
     | (?P<condition>\b(?:else)?if\b) | (?P<done>\bend\s+for\b) | (?P<loop>\bloop\b) | ;""", re.DOTALL | re.VERBOSE)
-_RESERVED = frozenset(
+RESERVED = frozenset(
     "algorithm and annotation coordinate connect constant der drawing each else elseif end energy equation extends false final "
     "for function if import initial input loop model not or output package parameter partial protected public record then time "
     "true type when".split()
@@ -218,7 +218,7 @@ class _Nodes:
 
     def declarator(self, meta: Place, children: list[Any]) -> tuple[Any, ...]:
         name, dimensions, arguments, binding, condition, description, annotation = children
-        if str(name) in _RESERVED:
+        if str(name) in RESERVED:
             self.report.error("L0108", f"'{name}' is a word of the language and cannot be a name", self._span(name))
         return (_name(name), dimensions, arguments, binding, condition, _text(description), self._span(meta),
                 self._span(name), annotation[1] if annotation else ())

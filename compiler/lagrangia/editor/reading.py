@@ -1,0 +1,93 @@
+"""A text as it is being written -> what is wrong with it, and what its names mean: of a broken one, of what is left of it."""
+
+from collections.abc import Callable
+from functools import cached_property
+from pathlib import Path
+
+from lagrangia.base.diagnostics import Diagnostic, LagError, Report, Source, Span
+from lagrangia.compile.elsewhere import faults_beside
+from lagrangia.compile.pipeline import deep_recursion, flatten_files, read_files, without_collections
+from lagrangia.editor.meanings import Index
+from lagrangia.editor.surroundings import statement_start, without_texts
+from lagrangia.language.classes import build_class_table
+from lagrangia.language.component_library import library
+from lagrangia.language.dimensions import check_dimensions
+from lagrangia.language.flat import FlatModel
+from lagrangia.language.syntax import parse
+
+Read = Callable[[Path], Source]
+_MOST_MENDED = 8  # statements that are left out
+
+
+class Reading:
+    """What a text says; `flat` is None while its last model is wrong."""
+
+    def __init__(self, source: Source, diagnostics: tuple[Diagnostic, ...], flat: FlatModel | None,
+                 find: Callable[[], Index | None]) -> None:
+        self.source, self.diagnostics, self.flat, self._find = source, diagnostics, flat, find
+
+    @cached_property
+    def index(self) -> Index | None:
+        """What its names mean; None while nothing of it can be read."""
+        with deep_recursion(), without_collections():
+            return self._find()
+
+
+def read_text(path: Path, read: Read) -> Reading:
+    """Of a file and all that it imports, as `read` gives them: errors and warnings of syntax, names and units."""
+    with deep_recursion(), without_collections():
+        source = read(path)
+        report = Report()
+        flat = None
+        try:
+            syntax, imported = read_files(path, read)
+            table = build_class_table(library(), [syntax, *imported])
+        except LagError as error:
+            return Reading(source, error.diagnostics, None, lambda: _index_of_mended(path, source, read))
+        try:
+            if any(c.kind == "model" and not c.is_partial for c in syntax.classes):
+                flat = check_dimensions(flatten_files(syntax, imported))
+                report.add(flat.warnings)
+        except LagError as error:
+            report.add(error.diagnostics)
+        known = {diagnostic.render() for diagnostic in report.diagnostics}
+        report.add(found for found in faults_beside(table, syntax) if found.render() not in known)
+        return Reading(source, tuple(report.diagnostics), flat, lambda: Index(syntax, table))
+
+
+def _index_of_mended(path: Path, source: Source, read: Read) -> Index | None:
+    """Of a text with errors: without the statements that hold them."""
+    text = source.text
+    for _ in range(_MOST_MENDED):
+        try:
+            syntax, imported = read_files(path, _in_place(path, Source(source.name, text), read))
+            return Index(syntax, build_class_table(library(), [syntax, *imported]))
+        except LagError as error:
+            places = [d.span for d in error.diagnostics if d.span is not None and d.span.source.name == source.name]
+            shorter = without_statements(text, places)
+            if shorter == text:
+                break
+            text = shorter
+    try:
+        syntax = parse(Source(source.name, text))  # it may be what it imports that is wrong
+        return Index(syntax, build_class_table(library(), [syntax]))
+    except LagError:
+        return None
+
+
+def _in_place(path: Path, source: Source, read: Read) -> Read:
+    return lambda other: source if other == path else read(other)
+
+
+def without_statements(text: str, places: list[Span]) -> str:
+    """With spaces in place of the statements around these places, so that all others stand where they stood."""
+    for place in places:
+        start, end = statement_around(text, place.start)
+        text = text[:start] + "".join(c if c == "\n" else " " for c in text[start:end]) + text[end:]
+    return text
+
+
+def statement_around(text: str, offset: int) -> tuple[int, int]:
+    """From behind what ends the statement before a place, to the end of the line or statement there."""
+    ends = [end for end in (text.find("\n", offset), text.find(";", offset) + 1) if end > 0]
+    return statement_start(without_texts(text[:offset])), min(ends, default=len(text))
