@@ -32,6 +32,8 @@ _POINTS, _ITERATIONS, _CLOSE = 8, 30, 1e-12
 def find_jumping_energies(kinematics: Kinematics) -> Report:
     """L0744 for kinetic and potential energies."""
     report, model, symbols = Report(), kinematics.graph.model, kinematics.symbols
+    if kinematics.algebra.index.asked <= _CONTINUOUS:
+        return report
     bindings = {name: v.binding for name, v in model.variables.items() if v.kind == "variable"}
     asked = [e for e in model.energies if e.kind != "dissipation" and any(map(_may_jump, reached([e.value], bindings)))]
     q, v = (ca.vertcat(ca.SX(0, 1), *x.values()) for x in (symbols.positions, symbols.rates))

@@ -16,6 +16,7 @@ from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import symbols_in
 from lagrangia.algebra.with_casadi import operations_in
 from lagrangia.base.diagnostics import Span, fail
+from lagrangia.base.later import Later
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.partition import Partition
 from lagrangia.constraints.rows import Constraints
@@ -63,7 +64,7 @@ class Motion:
     D: ca.SX
     H: ca.SX  # v . dT/dv - T + V: T + V, but for supports that move with time, and T of one's own that is not quadratic in v
     momentum: ca.SX  # dT/dv
-    h: ca.SX
+    inertial: Later[ca.SX]
     acceleration: ca.SX
     bodies: Bodies
     constrained: ConstrainedMotion | None
@@ -75,6 +76,11 @@ class Motion:
     impacts: Impacts = field(default_factory=Impacts)  # whose forces are among those in h
     lengths: tuple[ca.SX, ...] = ()  # x of |x| that are lengths
     asked: frozenset[str] = frozenset({"choice"})  # of the algebra, while the scene was put down
+
+    @property
+    def h(self) -> ca.SX:
+        """(n,). A smooth tree without constraints is run without it: forces are kept on the bodies that they act on."""
+        return self.inertial.value
 
     @cached_property
     def operations(self) -> frozenset[int]:
@@ -100,33 +106,33 @@ def build_motion(kinematics: Kinematics, energies: Energies, constraints: Constr
     _require_coordinates(kinematics)
     energies = replace(energies, loads=energies.loads + impacts.loads)
     bodies = find_bodies(kinematics, energies)
-    T, V, D = (energies.total(terms) for terms in (energies.kinetic, energies.potential, energies.dissipation))
+    T, V, D = map(energies.total, (energies.kinetic, energies.potential, energies.dissipation))
     slopes, mechanism = ca.densify(ca.gradient(T - V, ca.vertcat(v, t))), energies.of_mechanism()
     momentum, dL_dt = slopes[:-1, 0], slopes[-1]
     T, force, damping = energies.total(mechanism.kinetic), generalised_force(mechanism, q), gradient_by_rates(D, v)
-    h = inertial_force(kinematics, energies, bodies, q, v) + damping
+    inertial = Later(lambda: _on_time([inertial_force(kinematics, energies, bodies, q, v) + damping], kinematics)[0])
     moved = tau * ca.gradient(D, tau)  # what supports that move do to dampers
     dissipated, source = ca.dot(v, damping) + moved, ca.dot(force, v) - tau * dL_dt + moved
     is_sum = not _knows(kinematics, T) and is_quadratic(mechanism, v)
     H = T + V if is_sum else ca.dot(_kept_rates(kinematics, v), momentum) - T + V
     short = _collected(kinematics, energies, bodies, momentum, damping, bool(constraints.rows))
-    T, V, D, H, momentum, h, dissipated, source = _on_time([T, V, D, H, momentum, h, dissipated, source], kinematics)
-    constrained, counted = None, dict[str, int]()
+    T, V, D, H, momentum, dissipated, source = _on_time([T, V, D, H, momentum, dissipated, source], kinematics)
+    constrained = None
     if constraints.rows:
-        if short is not None and short.is_shorter(kinematics, momentum, h):
-            momentum, h = short.momentum, short.h
-        (acceleration, source, constrained), counted = _hold(
-            kinematics, bodies, energies, constraints, FreeMotion(q, v, momentum, h, source), for_any_mass, partition)
-        way = constrained.way
+        if short is not None and short.is_shorter(kinematics, momentum, inertial.value):
+            momentum, inertial = short.momentum, Later(short.whole)
+        free = FreeMotion(q, v, momentum, inertial.value, source)
+        found, counted = _hold(kinematics, bodies, energies, constraints, free, for_any_mass, partition)
+        acceleration, source, constrained, way = *found, found[2].way
     else:
         _require_mass(kinematics, momentum, v)
-        acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, h, v, short)
+        acceleration, way, counted = _solve(kinematics, energies, bodies, momentum, inertial, v, short)
         if short is not None and way == "collected":
-            momentum, h = short.momentum, short.h
+            momentum, inertial = short.momentum, Later(short.whole)
     p, u = (_stack(kinematics, kind) for kind in ("parameter", "input"))
     inertia, index = short.inertia if short and way == "collected" else None, kinematics.algebra.index
-    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, h, acceleration, bodies, constrained, dissipated, source, way, counted,
-                  inertia, impacts, (*index.lengths.values(),), frozenset(index.asked))
+    return Motion(q, v, a, t, u, p, T, V, D, H, momentum, inertial, acceleration, bodies, constrained, dissipated, source, way,
+                  counted, inertia, impacts, (*index.lengths.values(),), frozenset(index.asked))
 
 
 def _kept_rates(kinematics: Kinematics, v: ca.SX) -> ca.SX:
@@ -230,13 +236,13 @@ class _Short:
     rest: ca.SX
     momentum: ca.SX
 
-    @property
-    def h(self) -> ca.SX:
+    def whole(self) -> ca.SX:
+        """h."""
         return self.inertia.generalised() + self.rest
 
     def is_shorter(self, kinematics: Kinematics, momentum: ca.SX, h: ca.SX) -> bool:
         rates = ca.vertcat(*kinematics.symbols.rates.values())
-        own, other = ([ca.jacobian(p, rates), force] for p, force in ((self.momentum, self.h), (momentum, h)))
+        own, other = ([ca.jacobian(p, rates), force] for p, force in ((self.momentum, self.whole()), (momentum, h)))
         return _work(own, kinematics) < _work(other, kinematics)
 
 
@@ -264,15 +270,15 @@ def _work(expressions: list[ca.SX], kinematics: Kinematics) -> int:
     return count_nodes(expressions, [kinematics.algebra.state])
 
 
-def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: ca.SX, h: ca.SX, v: ca.SX,
-           short: _Short | None) -> tuple[ca.SX, str, dict[str, int]]:
+def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum: ca.SX, inertial: Later[ca.SX],
+           v: ca.SX, short: _Short | None) -> tuple[ca.SX, str, dict[str, int]]:
     """The accelerations by the way that counts fewest nodes, and what each way that is open counts."""
     ways: dict[str, ca.SX] = {}
     tree = articulate(kinematics, bodies)
     if tree is not None:
-        ways["tree"] = _along(tree, energies, h)
+        ways["tree"] = _along(tree, energies, inertial)
     if tree is None or coupled_pairs(kinematics) <= _DENSEST * v.numel():
-        ways["dense"] = solve_dense(momentum, -h, v)
+        ways["dense"] = solve_dense(momentum, -inertial.value, v)
     if short is not None:
         ways["collected"] = short.inertia.accelerations(short.rest)
     if len(ways) == 1:
@@ -281,7 +287,8 @@ def _solve(kinematics: Kinematics, energies: Energies, bodies: Bodies, momentum:
     nodes = {way: _work([a], kinematics) for way, a in ways.items()}
     best = min(nodes, key=lambda way: nodes[way])
     nearly = _NEARLY if v.numel() <= MOST_COORDINATES else 1.0
-    if short is not None and nodes["collected"] <= nearly * nodes[best] and short.is_shorter(kinematics, momentum, h):
+    if (short is not None and nodes["collected"] <= nearly * nodes[best]
+            and short.is_shorter(kinematics, momentum, inertial.value)):
         best = "collected"
     return ways[best], best, nodes
 
@@ -294,7 +301,8 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
     tree = articulate(kinematics, bodies) if is_preferred is not False and not for_any_mass else None
     along = None
     if tree is not None:
-        own = FreeTree(tree, _along(tree, energies, free.h), forces_of_loops(kinematics, constraints.rows), range(tree.size))
+        alone = _along(tree, energies, Later(lambda: free.h))
+        own = FreeTree(tree, alone, forces_of_loops(kinematics, constraints.rows), range(tree.size))
         along = own if is_even(kinematics, own.balance) else None
     found = [constrain(kinematics, rows, replace(free, tree=along), for_any_mass)]
     if is_preferred is None and found[0][2].tree is not None:
@@ -311,11 +319,11 @@ def _hold(kinematics: Kinematics, bodies: Bodies, energies: Energies, constraint
     return best, nodes
 
 
-def _along(tree: ArticulatedBodies, energies: Energies, h: ca.SX) -> ca.SX:
+def _along(tree: ArticulatedBodies, energies: Energies, inertial: Later[ca.SX]) -> ca.SX:
     """The accelerations of the tree itself."""
     found = tree.accelerate(energies)
     if found is None:
-        found = tree.solve(-h)
+        found = tree.solve(-inertial.value)
     return _on_time([found], tree.kinematics)[0]
 
 

@@ -19,8 +19,9 @@ def keep_consequences_out(model: FlatModel, report: Report) -> None:
     """Raises LagError L0911 for the rate of a reaction, L0914."""
     speaks_of_reactions = speaks_of_contacts = False
     for node in nodes(*_expressions(model)):
-        speaks_of_reactions |= _is_reaction(node)
-        speaks_of_contacts |= _is_contact_force(node)
+        if node.__class__ is FrameRef or node.__class__ is Call:
+            speaks_of_reactions |= _is_reaction(node)
+            speaks_of_contacts |= _is_contact_force(node)
     if speaks_of_reactions:
         _keep_reactions_out(model, report)
         _keep_rates_out(model, report, _is_reaction, "reaction")

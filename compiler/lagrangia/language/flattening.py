@@ -257,6 +257,8 @@ class _Flattening:
 
     def _text(self, slot: Slot, attribute: str) -> str:
         bound = slot.attributes.get(attribute)
+        if bound is not None and bound.expression.__class__ is String and not bound.selection:
+            return bound.expression.value  # as most are
         value = self.names.flatten_bound(bound) if bound is not None else None
         if value is not None and not isinstance(value, String):
             fail("L0208", f"'{attribute}' must be a text", value.span)

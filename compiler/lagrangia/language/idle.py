@@ -18,29 +18,33 @@ _ACTS = "give it to a component, as AppliedForce(force = ...) or ForcePair, or w
 def find_idle(model: FlatModel, root: Instance, table: ClassTable) -> Report:
     """A warning for each declaration of people's own that nothing mentions, neither an equation nor another variable."""
     report = Report()
-    mentioned = {node.name for node in nodes(*expressions_of(model)) if isinstance(node, Ref)}
+    own = [(slot, variable) for instance in (root, *inside(root)) for slot in instance.members.values()
+           if isinstance(slot, Slot) and slot.declaration.name_span.source not in table.library_sources
+           and (variable := model.variables.get(slot.path)) is not None
+           and (_could_act(variable) or (instance is root and variable.kind in ("input", "parameter")))]
+    mentioned = {node.name for node in nodes(*expressions_of(model)) if isinstance(node, Ref)} if own else set()
     told = set()
-    for instance in (root, *inside(root)):
-        for slot in (member for member in instance.members.values() if isinstance(member, Slot)):
-            variable, place = model.variables.get(slot.path), slot.declaration.name_span
-            if variable is None or slot.path in mentioned or place.source in table.library_sources or place in told:
-                continue
-            if (instance is root and variable.kind in ("input", "parameter")) or _is_idle_force(model, variable):
-                told.add(place)
-                is_force = variable.kind == "variable"
-                what = "this force acts on nothing: nothing reads" if is_force else f"nothing reads the {variable.kind}"
-                acts = _ACTS.format(name=slot.declaration.name), "or let it be looked at: output"
-                hints = acts if is_force else ("leave it out",)
-                report.warning("L0224", f"{what} '{slot.path}'", place, *hints)
+    for slot, variable in own:
+        place, is_force = slot.declaration.name_span, variable.kind == "variable"
+        if slot.path in mentioned or place in told or (is_force and _follows_from_motion(model, variable)):
+            continue
+        told.add(place)
+        what = "this force acts on nothing: nothing reads" if is_force else f"nothing reads the {variable.kind}"
+        acts = _ACTS.format(name=slot.declaration.name), "or let it be looked at: output"
+        report.warning("L0224", f"{what} '{slot.path}'", place, *(acts if is_force else ("leave it out",)))
     return report
 
 
-def _is_idle_force(model: FlatModel, variable: Variable) -> bool:
-    """Whether it could act and is not to be looked at; what holds a joint or a contact follows from the motion."""
-    if variable.kind != "variable" or variable.is_output or variable.unit not in _FORCES or variable.binding is None:
-        return False
+def _could_act(variable: Variable) -> bool:
+    """Whether it is a force that is not to be looked at."""
+    return (variable.kind == "variable" and not variable.is_output and variable.unit in _FORCES
+            and variable.binding is not None)
+
+
+def _follows_from_motion(model: FlatModel, variable: Variable) -> bool:
+    """What holds a joint or a contact does."""
     bindings = {name: v.binding for name, v in model.variables.items()}
-    return not any(_follows(node) for node in reached([variable.binding], bindings))
+    return variable.binding is not None and any(_follows(node) for node in reached([variable.binding], bindings))
 
 
 def _follows(node: Flat) -> bool:

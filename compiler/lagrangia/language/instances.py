@@ -13,7 +13,7 @@ from lagrangia.base.records import dataclass
 from lagrangia.language.classes import ClassTable
 from lagrangia.language.frame_attributes import OF_ANY_FRAME
 from lagrangia.language.suggestions import explain
-from lagrangia.language.tree import Argument, ClassDefinition, Clause, Declaration, Expression, Extends
+from lagrangia.language.tree import Argument, Boolean, ClassDefinition, Clause, Declaration, Expression, Extends, Number, String
 
 ATTRIBUTES = frozenset({"unit", "displayUnit", "min", "max", "start", "fixed", "nominal", "quantity", "stateSelect"})
 _ROLES = frozenset({"parameter", "constant", "input", "output", "coordinate"})
@@ -145,6 +145,7 @@ class Instantiation:
     report: Report
     stack: list[ClassDefinition] = field(default_factory=list)
     count: int = 0
+    of_types: dict[int, Modification] = field(default_factory=dict)  # by the ids of declarations, which the table keeps
 
     def instantiate(
         self, definition: ClassDefinition, path: str, modification: Modification, span: Span, parent: Instance | None
@@ -248,8 +249,7 @@ class Instantiation:
         for declaration, written in members:
             base = self.table.base_type(declaration.type_name, declaration.type_span)
             assert base is not None
-            inherited = modification_of(base[1], scope, None, declaration.name_span)
-            change = merge(written, inherited)
+            change = merge(written, self._said_by_type(declaration, base[1], scope))
             for name, inner in change.children.items():
                 if name not in ATTRIBUTES:
                     self.report.error("L0208", f"{declaration.type_name} has no attribute '{name}'", inner.span,
@@ -261,6 +261,15 @@ class Instantiation:
             slots.append(slot)
         for slot in slots:
             slot.dimensions = self._dimensions(slot.declaration, scope)
+
+    def _said_by_type(self, declaration: Declaration, arguments: tuple[Argument, ...], scope: Scope) -> Modification:
+        """The attributes of a variable's type. Where they are literals, as they mostly are, they are the same in every scope."""
+        found = self.of_types.get(id(declaration))
+        if found is None:
+            found = modification_of(arguments, scope, None, declaration.name_span)
+            if all(isinstance(a.value, Number | String | Boolean) and not a.arguments for a in arguments):
+                self.of_types[id(declaration)] = found
+        return found
 
     def _dimensions(self, declaration: Declaration, scope: Scope) -> tuple[int, ...]:
         sizes = []

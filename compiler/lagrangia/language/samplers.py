@@ -39,6 +39,8 @@ def declare_held(samplers: Sequence[Sampler], variables: Mapping[str, Variable],
 
 def check_held(model: FlatModel, report: Report) -> None:
     """Reports L0901 for held values in what mechanics is made of, L0212 for values that follow from themselves."""
+    if not model.samplers:
+        return
     bindings = {name: variable.binding for name, variable in model.variables.items()}
     for value, span, what in statements_of_motion(model):
         read = (node.name for node in reached([value], bindings) if isinstance(node, Ref))

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import casadi as ca
 
+from lagrangia.base.later import Later
 from lagrangia.constraints.initial import InitialConditions
 from lagrangia.dynamics.constrained_motion import ConstrainedMotion, ConstraintRows, FreeMotion, bring_down, constrain
 from lagrangia.dynamics.motion import Motion, solve_dense
@@ -66,7 +67,8 @@ def island_motion(kinematics: Kinematics, motion: Motion, groups: Sequence[tuple
         return ca.sum1(ca.vertcat(*own)) if own else ca.SX(1, 1)
 
     own = replace(motion, q=motion.q[chosen], v=motion.v[chosen], a=motion.a[chosen], momentum=motion.momentum[chosen],
-                  h=motion.h[chosen], acceleration=motion.acceleration[chosen], dissipated_power=part(motion.dissipated_power),
+                  inertial=Later(lambda: motion.h[chosen]), acceleration=motion.acceleration[chosen],
+                  dissipated_power=part(motion.dissipated_power),
                   source_power=part(held.load_power if held else motion.source_power), constrained=None,
                   way="dense", collected=None)
     return _held(kinematics, own, held, _own_rows(motion, held, chosen), chosen) if held else own
