@@ -45,16 +45,21 @@ def load_model(options: Namespace, given: list[tuple[str, str]], outputs: tuple[
 def tell(options: Namespace, model: Model, texts: Iterable[str]) -> None:
     """Warnings, but those whose code the model or the command line allows, and none under --quiet. Raises LagError L0710 where
     --strict is given, which takes them for errors: these are told."""
-    given = split_names(",".join(options.allow))
-    if unknown := [code for code in given if code not in WARNINGS]:
-        fail("L0706", f"--allow: there is no warning '{unknown[0]}'", None, f"those are {', '.join(WARNINGS)}")
-    allowed = {*model.scene.notes["allowed"], *given}
+    allowed = {*model.scene.notes["allowed"], *allowed_codes(options)}
     told = [text for text in texts if text.removeprefix("warning[")[:5] not in allowed]
     for text in told if options.strict or not getattr(options, "quiet", False) else ():
         print(text, file=sys.stderr)
     if told and options.strict:
         fail("L0710", f"{len(told)} warning{'s' if len(told) > 1 else ''}, which --strict takes for errors", None,
              'what is meant is allowed by its code: --allow L0224, or annotation(allow = "L0224") in the model')
+
+
+def allowed_codes(options: Namespace) -> tuple[str, ...]:
+    """Of warnings, by the command line. Raises LagError L0706 for those that do not exist."""
+    given = split_names(",".join(options.allow))
+    if unknown := [code for code in given if code not in WARNINGS]:
+        fail("L0706", f"--allow: there is no warning '{unknown[0]}'", None, f"those are {', '.join(WARNINGS)}")
+    return given
 
 
 def tell_warnings(options: Namespace, model: Model) -> None:

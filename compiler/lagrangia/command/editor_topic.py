@@ -8,6 +8,12 @@ that suits (behind a comma, before an operator, a description, then, else, for) 
 with intent (names, =, descriptions, comments) still do. A file with errors of syntax stays as it is, exit code 2; --check writes
 nothing, exit code 1 where a file would change.
 
+lag lint FILE ...
+What `lag check` warns of, and style; exit code 1 where something is found. --allow L0803, or annotation(allow = "L0803") in
+a class:
+L0801 nothing uses it   L0802 it hides something   L0803 a quantity in a formula without a name   L0804 a name against the custom
+L0805 Real(unit = ...) where a type says the same   L0806 not laid out as lag format does it
+
 lag server
 The language server, over standard input and output: pip install 'lagrangia[editor]'. Errors of syntax, names and units come while
 you type, those of all other phases when the text is saved. Neovim:

@@ -48,6 +48,7 @@ COMMANDS = (
     _Command("response", "compute a frequency response", "analysis:response_command", f"{_STUDIES}:add_response"),
     _Command("export", "write a scene for other programs", "export:export_command", f"{_TEXTS}:add_export"),
     _Command("format", "lay texts out in the one style of the language", "format:format_command", f"{_EDITS}:add_format"),
+    _Command("lint", "look for what could be written better", "lint:lint_command", f"{_TEXTS}:add_check"),
     _Command("server", "answer an editor: the language server", "server:server_command", f"{_EDITS}:add_server"),
 )
 _FMU_CHECK = _Command("check", "look for errors in an FMU, whoever made it, and in its motion", "fmu_check:check_fmu_command",
