@@ -74,6 +74,14 @@ def test_a_direction_that_contradicts_is_told_although_its_slope_is_boundless_at
         begin(model)
 
 
+def test_an_equation_that_is_the_same_in_all_directions_asks_for_one(scene: Write) -> None:
+    text = "model M PointMass p(m = 1%s); initial equation norm(p.center.v) = 2; end M;"
+    with pytest.raises(lag.LagError, match=r"L0606.*start 'der\(p.center.x\)' or 'der\(p.center.y\)' elsewhere.*misses by 2"):
+        begin(scene(text % ""))
+    start = begin(scene(text % ", center(v(start = {0.3, 0.4}))"))
+    assert (start["der(p.center.x)"], start["der(p.center.y)"]) == pytest.approx((1.2, 1.6))
+
+
 # ---------------------------------------------------------------- equations between rates
 
 LAG = "coordinate Real F(unit = \"N\"{start}); Block m(m = 1, base = world{v}); "\

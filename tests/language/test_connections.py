@@ -1,5 +1,6 @@
 """Connectors: what meets has one position, whatever gives it, in whatever order it is written."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -107,3 +108,12 @@ def test_a_signal_in_a_connector_must_be_given(scene: Scene) -> None:
     with pytest.raises(lag.Error, match="L0211"):
         scene("connector Bus Real x; end Bus; model M Bus a, b; Block k(m = 1, base = world); "
               "AppliedForce f(at = k.center, force = {a.x*1[N], 0}); equation connect(a, b); end M;")
+
+
+def test_elements_of_a_variable_are_given_one_by_one(scene: Callable[[str], lag.Model]) -> None:
+    found = scene("""model M parameter Integer n = 2; Block b[n](each m = 1, each base = world, s(start = {0.1, 0.2}));
+      Force f[n]; Real A[2,2]; output Real corner = A[2,1];
+      equation for i in 1:n loop f[i] = -4[N/m]*b[i].s; for j in 1:2 loop A[i,j] = 10*i + j; end for; end for;
+      energy for i in 1:n loop work f[i] on b[i].s; end for; end M;""").simulate(at=[0.0, 1.0], tolerance=1e-10)
+    assert [found["b[1].s"][1], found["b[2].s"][1]] == pytest.approx([0.1 * math.cos(2), 0.2 * math.cos(2)], abs=1e-9)
+    assert found["corner"][1] == 21

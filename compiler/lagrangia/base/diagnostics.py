@@ -178,6 +178,16 @@ class Report:
         """Adds one."""
         self.add([Diagnostic("warning", code, message, span, "", hints)])
 
+    def error_in(self, statement: Span, part: Span, code: str, message: str, *hints: str) -> None:
+        """Adds one of a statement, with the line of the library in a hint where a part of it stands there."""
+        self.add([Diagnostic("error", code, message, part if part.source.name.startswith(LIBRARY) else statement, "", hints
+                             ).placed(statement)])
+
+    def in_order(self) -> "Report":
+        """The same by the places in each text."""
+        texts = {name: k for k, name in enumerate(dict.fromkeys(d.span.source.name for d in self.diagnostics if d.span))}
+        return Report(sorted(self.diagnostics, key=lambda d: (texts[d.span.source.name], d.span.start) if d.span else (-1, 0)))
+
     def add(self, found: Iterable[Diagnostic]) -> None:
         """Each is told once, of the first element, however many elements of an array the same text is wrong for."""
         for diagnostic in found:

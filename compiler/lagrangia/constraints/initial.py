@@ -16,7 +16,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar, value_of
 from lagrangia.algebra.duals import rate_of as rate_of_dual
-from lagrangia.algebra.scalars import as_expression
+from lagrangia.algebra.scalars import as_expression, symbols_in
 from lagrangia.base.diagnostics import Report, Span, fail
 from lagrangia.base.records import dataclass
 from lagrangia.constraints.parameters import default_parameters, input_symbols, parameter_symbols, with_declared_inputs
@@ -52,12 +52,17 @@ class InitialConditions:
     residual_loops: tuple[str, ...]  # the components along the loop that a residual closes, "" for an equation
     n_positions: int  # so many residuals come first and depend on positions alone
     steady: tuple[tuple[ca.SX, Span], ...] = ()  # residuals of accelerations, until these are known
+    level: tuple[tuple[Span, str], ...] = ()  # initial equations without slopes at the guesses, with the names they speak of
 
     def complaint(self, k: int) -> str:
         """What is wrong when residual k is not zero."""
         loop = self.residual_loops[k]
         if loop and k >= self.n_positions:
             return f"the rates that are stated at the start do not go together in the loop {loop}"
+        names = next((names for span, names in self.level if span == self.residual_spans[k]), "")
+        if names:
+            return ("this cannot be solved from the start values, where it is the same in all directions (start "
+                    f"{names} elsewhere, on the side that is meant)")
         return f"the loop {loop} cannot close" if loop else "this cannot hold at the start"
 
 
@@ -195,6 +200,7 @@ class _Starts:
                 self.report.error("L0601", f"'{prescribed.name}' is given two initial values", prescribed.span,
                                   f"an equation prescribes it, and differs by {prescribed.miss:.3g} at the start",
                                   "leave `fixed` out")
+        level = self._level()
         self._read_lost()
         loops = [""] * len(self.residuals)
         for row in constraints.rows:
@@ -213,8 +219,27 @@ class _Starts:
             ca.vertcat(*self.values[:n]), ca.vertcat(*self.values[n:]), self.lost, self.lost_q, self.lost_v,
             ca.vertcat(*self.lost_values), tuple(map(self._freedom, range(2 * n))),
             ca.vertcat(*[self.residuals[k][0] for k in order]), tuple(self.residuals[k][1] for k in order),
-            tuple(loops[k] for k in order), moving.count(False), tuple(self.steady),
+            tuple(loops[k] for k in order), moving.count(False), tuple(self.steady), level,
         )
+
+    def _level(self) -> tuple[tuple[Span, str], ...]:
+        """Of the residuals so far, those whose slopes vanish where the search for a start begins, as those of a length 0 do."""
+        symbols, kept = self.kinematics.symbols, len(self.kinematics.symbols.positions)
+        if not self.residuals or not kept:
+            return ()
+        p, defaults = default_parameters(self.kinematics)
+        guesses = ca.vertcat(*self.values[:kept], *self.values[self.n : self.n + kept])
+        slopes = ca.densify(ca.jacobian(ca.vertcat(*[x for x, _ in self.residuals]), self._state()))
+        (slopes,) = with_declared_inputs(self.kinematics, ca.substitute([slopes], [self._state()], [guesses]))
+        sizes = ca.evalf(ca.substitute(slopes, p, ca.SX(defaults))).full()
+        named = [(f"'{name}'", x) for name, x in symbols.positions.items()]
+        named += [(f"'der({name})'", x) for name, x in symbols.rates.items()]
+        found = []
+        for row, (residual, span) in zip(sizes, self.residuals, strict=True):
+            if not row.any():
+                mentioned = symbols_in(ca.SX(residual))
+                found.append((span, " or ".join([name for name, x in named if x.__hash__() in mentioned][:4])))
+        return tuple(found)
 
     def _freedom(self, slot: int) -> int:
         """How far a start value may be moved; what nobody said anything about moves most easily."""

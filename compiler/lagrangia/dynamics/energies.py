@@ -7,7 +7,7 @@ import casadi as ca
 
 from lagrangia.algebra.duals import Scalar
 from lagrangia.algebra.scalars import as_expression
-from lagrangia.base.diagnostics import LagError, Report, Span
+from lagrangia.base.diagnostics import LagError, Report
 from lagrangia.base.records import dataclass
 from lagrangia.frames.alike import evaluate_all
 from lagrangia.frames.evaluation import Value
@@ -61,7 +61,7 @@ def build_energies(kinematics: Kinematics) -> Energies:
     """Raises LagError (L05xx) for a term that is no scalar or depends on accelerations or on an input where it must not."""
     energies, report = evaluate_energies(kinematics), Report()
     _check_dependence(energies, kinematics, report)
-    report.raise_errors()
+    report.in_order().raise_errors()
     return energies
 
 
@@ -72,10 +72,10 @@ def evaluate_energies(kinematics: Kinematics) -> Energies:
     terms: dict[str, list[Term]] = {"kinetic": [], "potential": [], "dissipation": []}
     values = evaluate_all([energy.value for energy in model.energies], [kinematics.evaluator] * len(model.energies))
     for energy, value in zip(model.energies, values, strict=True):
-        _check_scalar(value, energy.kind, energy.span, report)
+        _check_scalar(value, energy, report)
         terms[energy.kind].append(Term(value, energy))
     loads = [_load(work, kinematics.evaluator.value, report) for work in model.works]
-    report.raise_errors()
+    report.in_order().raise_errors()
     return Energies(tuple(terms["kinetic"]), tuple(terms["potential"]), tuple(terms["dissipation"]), tuple(loads))
 
 
@@ -85,18 +85,18 @@ def _load(work: Work, value: Callable[..., Value], report: Report) -> Load:
     except LagError as error:
         raise error.placed(work.span) from None
     if isinstance(force, tuple) != isinstance(position, tuple) or (isinstance(force, tuple) and len(force) != len(position)):
-        report.error("L0303", "a force works on a position of the same size", work.span,
-                     "a vector on a point (at.r), a number on a length or an angle")
+        report.error_in(work.span, work.position.span, "L0303", "a force works on a position of the same size",
+                        "a vector on a point (at.r), a number on a length or an angle")
         return Load((), (), work)
     if isinstance(force, tuple):
         return Load(force, position, work)
     return Load((force,), (position,), work)
 
 
-def _check_scalar(value: Value, kind: str, span: Span, report: Report) -> None:
+def _check_scalar(value: Value, energy: Energy, report: Report) -> None:
     if isinstance(value, tuple):
-        report.error("L0303", f"a {kind} energy is one number, this is an array of {len(value)}", span,
-                     "dot(v, v) squares a vector")
+        report.error_in(energy.span, energy.value.span, "L0303",
+                        f"a {energy.kind} energy is one number, this is an array of {len(value)}", "dot(v, v) squares a vector")
 
 
 def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report) -> None:
@@ -114,12 +114,13 @@ def _check_dependence(energies: Energies, kinematics: Kinematics, report: Report
             if wrong.numel() and ca.depends_on(whole, wrong):
                 for term in terms:
                     if ca.depends_on(ca.SX(term.value), wrong):
-                        report.error(code, message, term.statement.span, *filter(None, [hint]))
+                        report.error_in(term.statement.span, term.statement.value.span, code, message, *filter(None, [hint]))
     for load in energies.loads:
         if accelerations.numel() and ca.depends_on(ca.vertcat(*load.force, 0), accelerations):
-            report.error("L0501", "a force cannot depend on accelerations", load.statement.span)
+            report.error_in(load.statement.span, load.statement.force.span, "L0501", "a force cannot depend on accelerations")
         if rates.numel() and ca.depends_on(ca.vertcat(*load.position, 0), rates):
-            report.error("L0502", "a force works on a position, this depends on velocities", load.statement.span)
+            report.error_in(load.statement.span, load.statement.position.span, "L0502",
+                            "a force works on a position, this depends on velocities")
 
 
 def _balanced_sum(values: list[ca.SX]) -> ca.SX:

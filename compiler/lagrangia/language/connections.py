@@ -105,8 +105,29 @@ class Bindings:
         self.values = {name: variable.binding for name, variable in variables.items()}
 
     def take(self, equations: Sequence[Equation]) -> list[Equation]:
-        """Equations `y = expression` of variables without a binding become their bindings; returns the others."""
-        return [equation for equation in equations if not self._give(equation)]
+        """Equations `y = expression` of variables without a binding become their bindings, those of all elements, `y[i] =
+        expression`, together one; returns the others. Raises LagError L0211 where some elements have one and others none."""
+        left = [equation for equation in equations if not self._give(equation)]
+        parts: dict[str, dict[tuple[int, ...], tuple[int, Flat]]] = {}
+        for k, equation in enumerate(left):
+            for side, other in ((equation.left, equation.right), (equation.right, equation.left)):
+                if isinstance(side, Ref) and side.index and self._is_open(side.name) and (
+                        side.index not in parts.setdefault(side.name, {})):
+                    parts[side.name][side.index] = k, other
+                    break
+        for name, elements in parts.items():
+            variable = self.variables[name]
+            missing = [label for label, index in variable.elements() if index not in elements]
+            if missing:
+                fail("L0211", f"some elements of '{name}' have a value, '{missing[0]}' has none", variable.span,
+                     f"write: {missing[0]} = ...")
+            self._bind(variable, _array(variable.shape, (), {index: x for index, (_, x) in elements.items()}, variable.span))
+        taken = {k for elements in parts.values() for k, _ in elements.values()}
+        return [equation for k, equation in enumerate(left) if k not in taken]
+
+    def _is_open(self, name: str) -> bool:
+        variable = self.variables.get(name)
+        return variable is not None and variable.kind == "variable" and variable.binding is None and name not in self.ends
 
     def _give(self, equation: Equation) -> bool:
         sides = ((equation.left, equation.right), (equation.right, equation.left))
@@ -190,3 +211,10 @@ class Bindings:
 
 def _where(connection: Connection | None, variable: Variable) -> Span:
     return connection.span if connection is not None else variable.span
+
+
+def _array(shape: tuple[int, ...], index: tuple[int, ...], elements: Mapping[tuple[int, ...], Flat], span: Span) -> Flat:
+    """The elements of an array, row by row."""
+    if not shape:
+        return elements[index]
+    return Array(tuple(_array(shape[1:], (*index, k), elements, span) for k in range(1, shape[0] + 1)), span)
