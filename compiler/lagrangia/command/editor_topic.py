@@ -20,6 +20,8 @@ you type, those of all other phases when the text is saved. Neovim:
 
     vim.lsp.start({name = "lag", cmd = {"lag", "server"}, root_dir = vim.fs.dirname(vim.api.nvim_buf_get_name(0))})
 
+VS Code: the folder grammar/vscode; in a copy of it, npm install && npx @vscode/vsce package --allow-missing-repository
 Emacs (eglot):  (add-to-list 'eglot-server-programs '(lag-mode . ("lag" "server")))
 Helix:          [language-server.lag] command = "lag", args = ["server"]
+Sphinx, MkDocs and minted colour .lag by the Pygments lexer that comes with this package (```lag, or language lagrangia).
 """
